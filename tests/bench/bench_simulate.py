@@ -52,9 +52,7 @@ class Case:
         robot = load_robot(name)
         law = load_scenario({"e12": "circle_pd", "six_axis": "six_axis_moves"}[name]).controller
         assert isinstance(law, Pid)
-        pd = law.model_copy(
-            update={"ki": 0.0, "derivative_filter": 0.0, "torque_limit": 1e9}
-        )  # the peers have no limit
+        pd = law.model_copy(update={"ki": 0.0, "derivative_filter": 0.0})
         state = robot.equilibrium()
         return cls(name, robot, pd, state, robot.holding_torque(state))
 
@@ -63,10 +61,16 @@ class Case:
         """Context of the control law."""
         return LoopContext(self.robot, T)
 
+    @property
+    def gains(self) -> FloatArray:
+        """Gains without a torque limit, which the peers do not have."""
+        gains = self.law.gains(self.context)
+        return np.where(np.arange(len(gains)) < len(gains) - self.robot.n_motors, gains, np.inf)
+
     def references(self, n: int) -> FloatArray:
         motors = self.robot.n_motors
         position = self.robot.model.encoder(self.state[: self.robot.n_coordinates]).full().ravel()
-        push = 0.02 * self.law.gains(self.context)[:motors]
+        push = 0.02 * self.gains[:motors]
         sine = np.sin(2 * np.pi * 2.0 * T * np.arange(n))[:, None] * push
         return np.hstack([np.tile(position, (n, 1)), np.zeros((n, motors)), self.holding + sine])
 
@@ -78,7 +82,7 @@ class Case:
     def run(self, kernel: LoopKernel, references: FloatArray) -> FloatArray:
         motors = self.robot.n_motors
         start = delayed_start(self.state, self.law.initial_state(self.context), np.zeros(motors), kernel.line_length)
-        inputs = LoopInputs(reference=references, gains=self.law.gains(self.context))
+        inputs = LoopInputs(reference=references, gains=self.gains)
         result = kernel.run(start, len(references), inputs, record_pose=False)
         return result.final.plant
 
@@ -117,7 +121,7 @@ def peer_rows(case: Case) -> Iterator[dict[str, Any]]:
     took = seconds(lambda: case.run(kernel, references), 3)
     yield row(case.name, "closed-loop step, CasADi virtual machine", 1e9 * took / n, "ns")
 
-    gains = case.law.gains(case.context)
+    gains = case.gains
     short = np.hstack([references[:, :motors], references[:, 2 * motors :]])
     kp, kd = gains[:motors], gains[2 * motors : 3 * motors]
     arguments = (case.robot, case.state, np.vstack([short, short[-1:]]), kp, kd, T)
