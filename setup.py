@@ -7,6 +7,7 @@ from setuptools import find_packages, setup
 
 SHARE = Path("share") / "flexros"
 NODES = ("plant", "controller", "feedforward", "identification", "recorder", "replay", "gap_monitor")
+NODE_PACKAGES = ("plant", "controller")  # nodes whose executable is the __main__ of a package
 ROS_WHEELS = [
     "ros-jazzy-rclpy==7.1.6",
     "ros-jazzy-common-interfaces==5.3.6",
@@ -30,8 +31,8 @@ data_files = [
     (str(SHARE / "launch"), sorted(str(path) for path in Path("nodes/launch").glob("*.launch.py"))),
 ]
 if "COLCON" in os.environ:  # `ros2 run` looks in lib/flexros, where colcon puts scripts; pip would put them on the PATH
-    modules = {name: f"{name}.__main__" if Path("nodes", name).is_dir() else name for name in NODES}
-    console_scripts += [f"{name} = flexros_nodes.{module}:main" for name, module in modules.items()]
+    modules = [f"{name}.__main__" if name in NODE_PACKAGES else name for name in NODES]
+    console_scripts += [f"{name} = flexros_nodes.{module}:main" for name, module in zip(NODES, modules)]
     data_files += [("bin", ["resource/bin/flexros"])]
 
 setup(
