@@ -12,7 +12,7 @@ import numpy as np
 from flexros.config.topics import load_topics
 from flexros.errors import InputError
 from flexros.logs.mcap.bag_files import find_bag_files
-from flexros.logs.mcap.file_reader import McapScan
+from flexros.logs.mcap.file_reader import McapFileReader
 from flexros.logs.messages.bulk_decode import TopicDecoder, payloads_of
 from flexros.logs.messages.cdr_cursor import MessageError
 from flexros.logs.messages.codec import codec_of, series_codecs
@@ -60,7 +60,7 @@ def read_log(path: Path | str, namespace: str | None = None) -> Log:
     contract = _contract_topics()
     content = _BagContent(contract)
     for file in bag.files:
-        content.read(McapScan(file))
+        content.read(McapFileReader(file))
     prefix = content.choose_namespace(path, namespace)
     warnings = [*bag.warnings, *content.warnings]
     series: dict[str, Any] = {}
@@ -108,32 +108,32 @@ class _BagContent:
     warnings: list[str] = field(default_factory=list)
     figures: dict[str, dict[str, float]] = field(default_factory=dict)
 
-    def read(self, scan: McapScan) -> None:
+    def read(self, reader: McapFileReader) -> None:
         """Decode all messages of a file."""
         translators: dict[int, Callable[[bytes], bytes] | None] = {}
         n_unknown = 0
         unusable = SkippedMessages()
-        for block in scan.blocks():
+        for block in reader.blocks():
             for number in np.unique(block.headers["channel"]).tolist():
                 rows = np.flatnonzero(block.headers["channel"] == number)
-                channel = scan.channels.get(number)
+                channel = reader.channels.get(number)
                 if channel is None:
                     n_unknown += len(rows)
                     continue
                 name = "/" + channel.topic.strip("/")
                 self.counts[name] += len(rows)
                 if name == f"/{_DIAGNOSTICS}":
-                    self._take_figures(payloads_of(block, rows), channel, scan, unusable)
-                elif (schema := self._accept(name, channel, scan)) is not None:
+                    self._take_figures(payloads_of(block, rows), channel, reader, unusable)
+                elif (schema := self._accept(name, channel, reader)) is not None:
                     if schema.id not in translators:
-                        translators[schema.id] = self._translator(schema, scan)
+                        translators[schema.id] = self._translator(schema, reader)
                     self.decoders[name].add(block, rows, translators[schema.id])
-        for channel in scan.channels.values():
+        for channel in reader.channels.values():
             self.counts.setdefault("/" + channel.topic.strip("/"), 0)
-        self.warnings.extend(scan.warnings)
+        self.warnings.extend(reader.warnings)
         if n_unknown:
             self.warnings.append(
-                f"{scan.path}: {n_unknown} messages name a channel that is not defined, they were left out"
+                f"{reader.path}: {n_unknown} messages name a channel that is not defined, they were left out"
             )
         if unusable.number:
             self.warnings.append(
@@ -141,10 +141,12 @@ class _BagContent:
                 f"(the first: {unusable.first})"
             )
 
-    def _take_figures(self, payloads: list[bytes], channel: Channel, scan: McapScan, unusable: SkippedMessages) -> None:
+    def _take_figures(
+        self, payloads: list[bytes], channel: Channel, reader: McapFileReader, unusable: SkippedMessages
+    ) -> None:
         """Store what nodes called plant report; a later message replaces the values of an earlier one."""
         codec = codec_of(load_topics()[_DIAGNOSTICS].type)
-        schema = scan.schemas.get(channel.schema_id)
+        schema = reader.schemas.get(channel.schema_id)
         self.types[f"/{_DIAGNOSTICS}"] = name = schema.name if schema else "unknown type"
         if schema is None or name != codec.type or channel.message_encoding != "cdr":
             unusable.add(f"it is a {name} in '{channel.message_encoding}'", len(payloads))
@@ -163,18 +165,18 @@ class _BagContent:
                 if node.rsplit("/", 1)[-1] == _PLANT:
                     self.figures.setdefault(node, {}).update(status.numbers())
 
-    def _translator(self, schema: Schema, scan: McapScan) -> Callable[[bytes], bytes] | None:
+    def _translator(self, schema: Schema, reader: McapFileReader) -> Callable[[bytes], bytes] | None:
         if not schema.data.strip():
             self.warnings.append(
-                f"{scan.path}: {schema.name} has no definition in the file, that of ROS 2 Jazzy is used"
+                f"{reader.path}: {schema.name} has no definition in the file, that of ROS 2 Jazzy is used"
             )
             return None
-        return None if is_common(schema) else translator(series_codecs()[schema.name], schema, str(scan.path))
+        return None if is_common(schema) else translator(series_codecs()[schema.name], schema, str(reader.path))
 
-    def _accept(self, name: str, channel: Channel, scan: McapScan) -> Schema | None:
+    def _accept(self, name: str, channel: Channel, reader: McapFileReader) -> Schema | None:
         """Return the schema of a topic to be decoded; None for other topics and for unusable ones."""
         topic = self.contract.get(name.rsplit("/", 1)[1])
-        schema = scan.schemas.get(channel.schema_id)
+        schema = reader.schemas.get(channel.schema_id)
         self.types[name] = schema.name if schema else "unknown type"
         if topic is None:
             return None

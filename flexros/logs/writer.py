@@ -11,7 +11,7 @@ from flexros.atomic_file import write_whole
 from flexros.errors import InputError, RunError, unknown_name
 from flexros.logs.mcap.bag_metadata import BagMetadata, BagTopic, as_yaml, offered_qos
 from flexros.logs.mcap.chunk_thread import ChunkThread
-from flexros.logs.mcap.file_writer import McapFile
+from flexros.logs.mcap.file_writer import McapFileWriter
 from flexros.logs.messages.schemas import message_schema
 from flexros.logs.provenance_file import PROVENANCE_FILE, provenance_text
 from flexros.logs.stamps import NANOSECONDS
@@ -86,11 +86,11 @@ class LogWriter:
             self._file.close()
             raise
 
-    def _create(self, provenance: str) -> McapFile:
+    def _create(self, provenance: str) -> McapFileWriter:
         try:
             self.folder.mkdir(parents=True)
             write_whole(self.folder / PROVENANCE_FILE, provenance)
-            return McapFile(self.folder / self.file_name)
+            return McapFileWriter(self.folder / self.file_name)
         except FileExistsError as error:
             raise InputError(f"the log folder {self.folder} exists already; name another one, or remove it") from error
         except OSError as error:

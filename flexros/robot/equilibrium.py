@@ -27,7 +27,7 @@ def at_arm_position(robot: Robot, q_a: FloatArray) -> FloatArray:
         InputError: No equilibrium was found.
     """
     condition = f"at arm coordinates {np.round(q_a, 6).tolist()}"
-    return robot.rest_with_gears_held.find(_unloaded(robot, q_a), robot.model.parameter_values, condition).state
+    return robot.equilibrium_with_gears_held.find(_unloaded(robot, q_a), robot.model.parameter_values, condition).state
 
 
 def at_motor_position(robot: Robot, motor_position: FloatArray, near: FloatArray) -> FloatArray:
@@ -52,12 +52,12 @@ def at_motor_position(robot: Robot, motor_position: FloatArray, near: FloatArray
     q_a = near.copy()
     q_a[list(robot.gear_rows)] = motor_position
     condition = f"at motor positions {np.round(motor_position, 6).tolist()}"
-    return robot.rest_with_motors_held.find(_unloaded(robot, q_a), robot.model.parameter_values, condition).state
+    return robot.equilibrium_with_motors_held.find(_unloaded(robot, q_a), robot.model.parameter_values, condition).state
 
 
 def holding_torque(robot: Robot, state: FloatArray) -> FloatArray:
     """Return the motor torque [Nm or N], shape (M,), that holds a state at rest of shape (2 n_coordinates,)."""
-    return robot.rest_with_motors_held.holding_torque(state[: robot.n_coordinates], robot.model.parameter_values)
+    return robot.equilibrium_with_motors_held.holding_torque(state[: robot.n_coordinates], robot.model.parameter_values)
 
 
 def _unloaded(robot: Robot, q_a: FloatArray) -> FloatArray:

@@ -22,8 +22,8 @@ LARGEST_STEP = 0.2
 
 
 @dataclass(frozen=True, eq=False)
-class Rest:
-    """A robot at rest.
+class Equilibrium:
+    """State and holding torque of a robot at rest.
 
     Attributes:
         state: State x with zero speeds, shape (2 nq,).
@@ -34,8 +34,8 @@ class Rest:
     torque: FloatArray
 
 
-class RestFinder:
-    """Finds the equilibrium of gravity and springs with motors or gears held, for any parameters of a model.
+class EquilibriumSearch:
+    """Newton search for the equilibrium of gravity and springs, with motors or gears held.
 
     The balance of an arm coordinate behind a rigid gear is excluded: its motor carries the load.
 
@@ -56,7 +56,7 @@ class RestFinder:
         slope = ca.densify(ca.jacobian(force[self._balanced], q)[:, self._free])
         self._force = ca.Function("rest", [q, p], [ca.densify(force), slope])
 
-    def find(self, start: FloatArray, parameters: FloatArray, condition: str = "") -> Rest:
+    def find(self, start: FloatArray, parameters: FloatArray, condition: str = "") -> Equilibrium:
         """Compute the equilibrium for a set of parameters.
 
         Args:
@@ -83,7 +83,7 @@ class RestFinder:
             if size < 1e-13 * (1.0 + np.max(np.abs(q))):
                 break
         self._check(force[self._balanced], slope, condition or self._listing(parameters))
-        return Rest(np.concatenate([q, np.zeros_like(q)]), self._holding(force))
+        return Equilibrium(np.concatenate([q, np.zeros_like(q)]), self._holding(force))
 
     def holding_torque(self, q: FloatArray, parameters: FloatArray) -> FloatArray:
         """Return the motor torque [Nm or N], shape (M,), that holds coordinates at rest.

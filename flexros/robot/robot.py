@@ -14,7 +14,7 @@ from flexros.config.settings import validate
 from flexros.config.yaml_file import read_yaml
 from flexros.errors import InputError, unknown_name
 from flexros.robot import equilibrium, inverse_kinematics
-from flexros.robot.equilibrium_search import RestFinder
+from flexros.robot.equilibrium_search import EquilibriumSearch
 from flexros.robot.motors import RobotMotor, list_motors
 from flexros.robot.parameters import Parameter, list_parameters, with_values
 from flexros.robot.physical import check_physical
@@ -173,14 +173,14 @@ class Robot:
         return SymbolicModel(self.spec, self.chain)
 
     @cached_property
-    def rest_with_motors_held(self) -> RestFinder:
-        """Finder of the equilibrium with the motors held."""
-        return RestFinder(self.model, "motors")
+    def equilibrium_with_motors_held(self) -> EquilibriumSearch:
+        """Search for the equilibrium with the motors held."""
+        return EquilibriumSearch(self.model, "motors")
 
     @cached_property
-    def rest_with_gears_held(self) -> RestFinder:
-        """Finder of the equilibrium with the arm side of the gears held."""
-        return RestFinder(self.model, "gears")
+    def equilibrium_with_gears_held(self) -> EquilibriumSearch:
+        """Search for the equilibrium with the arm side of the gears held."""
+        return EquilibriumSearch(self.model, "gears")
 
     def symbolic(self, parameters: Sequence[str] = ()) -> SymbolicModel:
         """Build the symbolic model with some parameters free.

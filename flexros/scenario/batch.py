@@ -12,7 +12,7 @@ import numpy as np
 from flexros.compile.loop.arrays import LoopInputs
 from flexros.compile.loop.kernel import LoopKernel, compile_loop
 from flexros.errors import InputError, unknown_name
-from flexros.robot.equilibrium_search import Rest
+from flexros.robot.equilibrium_search import Equilibrium
 from flexros.simulate.plant import delayed_start
 from flexros.simulate.plant_model import PlantModel
 from flexros.simulate.sample_blocks import Zeros
@@ -59,14 +59,14 @@ class BatchSets:
         parameters: Their values (SI), shape (n_runs, n_parameters).
         gains: All gains of the controller, shape (n_runs, n_gains).
         seeds: Seeds, length n_runs.
-        rests: Initial states of the plants, length n_runs.
+        equilibria: Initial equilibria of the plants, length n_runs.
     """
 
     names: tuple[str, ...]
     parameters: FloatArray
     gains: FloatArray
     seeds: tuple[int, ...]
-    rests: tuple[Rest, ...]
+    equilibria: tuple[Equilibrium, ...]
 
     def __len__(self) -> int:
         return len(self.seeds)
@@ -163,12 +163,12 @@ def batch_sets(
     own_seeds = (
         (experiment.scenario.seed,) * n_runs if seeds is None or not random else tuple(int(seed) for seed in seeds)
     )
-    return BatchSets(tuple(values), parameters, all_gains, own_seeds, _rests(experiment, model, parameters))
+    return BatchSets(tuple(values), parameters, all_gains, own_seeds, _equilibria(experiment, model, parameters))
 
 
-def _rests(experiment: Experiment, model: PlantModel, parameters: FloatArray) -> tuple[Rest, ...]:
+def _equilibria(experiment: Experiment, model: PlantModel, parameters: FloatArray) -> tuple[Equilibrium, ...]:
     """Compute the initial state of every plant; smallest and largest value of each parameter must be physical."""
-    start = Rest(experiment.start_state, experiment.start_torque)
+    start = Equilibrium(experiment.start_state, experiment.start_torque)
     if not model.parameter_names:
         return (start,) * len(parameters)
     of_robot = [model.parameter_names[column] for column in model.robot_columns]
@@ -178,11 +178,11 @@ def _rests(experiment: Experiment, model: PlantModel, parameters: FloatArray) ->
             experiment.plant.with_values(value if name in of_robot else {}, source)
             for law in model.laws:
                 law.check_values(value, source)
-    rests = []
+    equilibria = []
     for values in parameters:
         rest = model.rest(start.state, values)
-        rests.append(Rest(rest.state, model.command_at_rest(rest.state, rest.torque, values)))
-    return tuple(rests)
+        equilibria.append(Equilibrium(rest.state, model.command_at_rest(rest.state, rest.torque, values)))
+    return tuple(equilibria)
 
 
 def _run_group(
@@ -196,14 +196,16 @@ def _run_group(
     """Run one set per lane, with the last one repeated to fill the lanes."""
     members = [*group, *[group[-1]] * (kernel.lanes - len(group))]
     n, law = experiment.n_samples, experiment.scenario.controller
-    rests = [sets.rests[run] for run in members]
+    equilibria = [sets.equilibria[run] for run in members]
     of_seed = {seed: experiment.signals(seed) for seed in dict.fromkeys(sets.seeds[run] for run in members)}
     signals = [of_seed[sets.seeds[run]] for run in members]
     result = kernel.run(
         delayed_start(
-            _lanes([model.start(rest.state, rest.torque, sets.parameters[run]) for run, rest in zip(members, rests)]),
+            _lanes(
+                [model.start(rest.state, rest.torque, sets.parameters[run]) for run, rest in zip(members, equilibria)]
+            ),
             law.initial_state(experiment.loop_context),
-            _lanes([rest.torque for rest in rests]),
+            _lanes([rest.torque for rest in equilibria]),
             kernel.line_length,
         ),
         n,

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
-from flexros.robot.equilibrium_search import RestFinder
+from flexros.robot.equilibrium_search import EquilibriumSearch
 from flexros.simulate.plant_updates import smooth_torque
 
 if TYPE_CHECKING:
     from flexros.simulate.plant_symbols import PlantSymbols
 
 
-class PlantRestFinder(RestFinder):
-    """Finds the equilibrium of gravity, springs and laws of effects with the motors held.
+class PlantEquilibriumSearch(EquilibriumSearch):
+    """Newton search for the equilibrium of gravity, springs and laws of effects, with the motors held.
 
     Args:
         plant: Symbols of the plant; its free parameters are arguments of each search.

@@ -11,8 +11,8 @@ import numpy as np
 from flexros.compile.loop.functions import LoopFunctions
 from flexros.effects.delay import Delay
 from flexros.errors import unknown_name
-from flexros.robot.equilibrium_search import Rest, RestFinder
-from flexros.simulate.plant_equilibrium import PlantRestFinder, own_at_start, torque_beyond_command
+from flexros.robot.equilibrium_search import Equilibrium, EquilibriumSearch
+from flexros.simulate.plant_equilibrium import PlantEquilibriumSearch, own_at_start, torque_beyond_command
 from flexros.simulate.plant_symbols import PlantSymbols
 from flexros.simulate.plant_updates import motor_accelerations, own_rates, smooth_torque, step_updates
 
@@ -84,10 +84,14 @@ class PlantModel:
         return bool(self._plant.laws.gears or self._plant.laws.arms)
 
     @cached_property
-    def _rest_finder(self) -> RestFinder:
-        return PlantRestFinder(self._plant, self.parameter_names) if self.moves_rest else RestFinder(self.model)
+    def _equilibrium_search(self) -> EquilibriumSearch:
+        return (
+            PlantEquilibriumSearch(self._plant, self.parameter_names)
+            if self.moves_rest
+            else EquilibriumSearch(self.model)
+        )
 
-    def rest(self, near: FloatArray, parameters: FloatArray | None = None) -> Rest:
+    def rest(self, near: FloatArray, parameters: FloatArray | None = None) -> Equilibrium:
         """Compute the equilibrium of the plant with its motors held.
 
         Args:
@@ -102,7 +106,7 @@ class PlantModel:
         """
         values = self.nominal_values if parameters is None else np.asarray(parameters, dtype=float)
         wanted = values if self.moves_rest else values[self.robot_columns]
-        return self._rest_finder.find(np.array(near[: self.model.n_coordinates], dtype=float), wanted)
+        return self._equilibrium_search.find(np.array(near[: self.model.n_coordinates], dtype=float), wanted)
 
     def start(
         self,
@@ -133,7 +137,7 @@ class PlantModel:
             torque = np.zeros(self.robot.n_motors)
             if self._plant.laws.commands:
                 wanted = values if self.moves_rest else values[self.robot_columns]
-                held = self._rest_finder.holding_torque(np.asarray(state[: self.model.n_coordinates]), wanted)
+                held = self._equilibrium_search.holding_torque(np.asarray(state[: self.model.n_coordinates]), wanted)
                 torque = self.command_at_rest(state, held, values)
         extended[self._plant.friction_end :] = self._own_at_start(extended, torque, values).full().ravel()
         for law in self.laws:

@@ -12,7 +12,7 @@ from mcap.opcode import Opcode
 from mcap.writer import Writer
 
 from flexros.logs.mcap.chunk import MESSAGE_HEADER
-from flexros.logs.mcap.file_reader import McapScan
+from flexros.logs.mcap.file_reader import McapFileReader
 from flexros.logs.mcap.file_writer import MAGIC
 from flexros.logs.messages.bulk_decode import payloads_of
 
@@ -49,15 +49,15 @@ def in_small_chunks(source: Path, target: Path, chunk_size: int) -> None:
         target: The file to write.
         chunk_size: Size of a chunk before compression [byte].
     """
-    scan = McapScan(source)
+    reader = McapFileReader(source)
     with target.open("wb") as stream:
         writer = Writer(stream, chunk_size=chunk_size)
         writer.start(profile="ros2")
         numbers: dict[int, int] = {}
-        for block in scan.blocks():
-            for number, channel in scan.channels.items():
+        for block in reader.blocks():
+            for number, channel in reader.channels.items():
                 if number not in numbers:
-                    schema = scan.schemas[channel.schema_id]
+                    schema = reader.schemas[channel.schema_id]
                     registered = writer.register_schema(schema.name, schema.encoding, schema.data)
                     numbers[number] = writer.register_channel(channel.topic, channel.message_encoding, registered)
             rows = np.arange(len(block.headers))
@@ -89,7 +89,7 @@ def cuts_of(content: bytes, n_random: int, seed: int = 1) -> list[int]:
 
 def _messages(path: Path) -> list[tuple[bytes, bytes]]:
     """Headers of the messages of each chunk with the bytes in which they lie, chunk by chunk."""
-    return [(block.headers.tobytes(), bytes(block.data)) for block in McapScan(path).blocks()]
+    return [(block.headers.tobytes(), bytes(block.data)) for block in McapFileReader(path).blocks()]
 
 
 def recovery(path: Path, cuts: list[int]) -> Recovery:

@@ -7,7 +7,7 @@ import pytest
 
 from flexros.errors import InputError
 from flexros.robot import load_robot
-from flexros.robot.equilibrium_search import RestFinder
+from flexros.robot.equilibrium_search import EquilibriumSearch
 
 
 @pytest.mark.parametrize(
@@ -26,7 +26,7 @@ def test_rest_equals_that_of_the_robot_itself(name: str, values: dict[str, float
     motors = robot.model.encoder(near).full().ravel()
     other = robot.with_values(values)
     expected = other.equilibrium(motor_position=motors)
-    rest = RestFinder(robot.symbolic(tuple(values))).find(near, np.array(list(values.values())))
+    rest = EquilibriumSearch(robot.symbolic(tuple(values))).find(near, np.array(list(values.values())))
     np.testing.assert_allclose(rest.state, expected, atol=1e-12)
     np.testing.assert_allclose(rest.torque, other.holding_torque(expected), atol=1e-6)
 
@@ -35,8 +35,8 @@ def test_held_gears_stand_still_and_held_motors_too() -> None:
     robot = load_robot("elbow")
     q = np.array([0.2, 0.3, 0.2, 0.3])
     none = np.zeros(0)
-    np.testing.assert_array_equal(RestFinder(robot.model, "gears").find(q, none).state[:2], q[:2])
-    np.testing.assert_array_equal(RestFinder(robot.model, "motors").find(q, none).state[2:4], q[2:])
+    np.testing.assert_array_equal(EquilibriumSearch(robot.model, "gears").find(q, none).state[:2], q[:2])
+    np.testing.assert_array_equal(EquilibriumSearch(robot.model, "motors").find(q, none).state[2:4], q[2:])
 
 
 def test_search_does_not_jump_to_a_distant_equilibrium() -> None:
@@ -46,11 +46,11 @@ def test_search_does_not_jump_to_a_distant_equilibrium() -> None:
     with pytest.raises(InputError, match="has no equilibrium at motor positions"):
         robot.with_values(soft).equilibrium(motor_position=near[2:4])
     with pytest.raises(InputError, match=r"has no equilibrium with body_1\.ry\.stiffness = 500"):
-        RestFinder(robot.symbolic(tuple(soft))).find(near[:4], np.array([500.0]))
+        EquilibriumSearch(robot.symbolic(tuple(soft))).find(near[:4], np.array([500.0]))
 
 
 def test_values_without_equilibrium_are_reported() -> None:
     robot = load_robot("elbow")
-    finder = RestFinder(robot.symbolic(("body_1.ry.stiffness",)))
+    search = EquilibriumSearch(robot.symbolic(("body_1.ry.stiffness",)))
     with pytest.raises(InputError, match=r"robot elbow has no equilibrium with body_1\.ry\.stiffness = nan"):
-        finder.find(robot.equilibrium()[:4], np.array([np.nan]))
+        search.find(robot.equilibrium()[:4], np.array([np.nan]))

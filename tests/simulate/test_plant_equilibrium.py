@@ -23,7 +23,7 @@ def test_rest_with_a_law_of_a_spring_is_that_of_the_changed_robot() -> None:
     assert not changed.laws
     start = ROBOT.equilibrium()
     rest = PlantModel(law.robot, law.laws).rest(start)
-    other = changed.robot.rest_with_motors_held.find(start[: ROBOT.n_coordinates], np.zeros(0))
+    other = changed.robot.equilibrium_with_motors_held.find(start[: ROBOT.n_coordinates], np.zeros(0))
     np.testing.assert_allclose(rest.state, other.state, atol=1e-12)
     np.testing.assert_allclose(rest.torque, other.torque, rtol=1e-9)
     assert np.max(np.abs(rest.state - start)) > 1e-4
@@ -39,7 +39,7 @@ def test_rest_follows_the_free_parameters_of_robot_and_law() -> None:
             ROBOT.with_values({"body_2.mass": mass}),
             [parse_effect(f"nonlinear_stiffness@body_2.ry:relative={relative},knee=3e-4", "test")],
         ).robot
-        expected = robot.rest_with_motors_held.find(start[: ROBOT.n_coordinates], np.zeros(0))
+        expected = robot.equilibrium_with_motors_held.find(start[: ROBOT.n_coordinates], np.zeros(0))
         rest = model.rest(start, np.array([relative, mass]))
         np.testing.assert_allclose(rest.state, expected.state, atol=1e-12)
         np.testing.assert_allclose(rest.torque, expected.torque, rtol=1e-9)

@@ -19,7 +19,7 @@ from flexros.json_text import json_text
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flexros.identify.axis.resonances import Extremes
+    from flexros.identify.axis.resonances import Resonances
     from flexros.logs.time_series import Log
     from flexros.robot import Robot
 
@@ -68,16 +68,16 @@ def axis(
     logs = {"log": read_log(log, namespace=namespace or None)}
     if validation:
         logs["validation"] = read_log(validation, namespace=namespace or None)
-    extremes = _given(antiresonance, resonance) or _extremes(logs["log"], robot, joint, masses - 1, bool(starts))
+    frequencies = _given(antiresonance, resonance) or _resonances(logs["log"], robot, joint, masses - 1, bool(starts))
     with progress_bar() as bar:
         bar.add_task("prediction errors", total=None)
         identification = identify_one_axis(
-            logs["log"], robot, structure, joint=joint, antiresonances=extremes.antiresonances,
-            resonances=extremes.resonances, start=starts, bounds=bounds, validation=logs.get("validation"),
+            logs["log"], robot, structure, joint=joint, antiresonances=frequencies.antiresonances,
+            resonances=frequencies.resonances, start=starts, bounds=bounds, validation=logs.get("validation"),
             torque=chosen,
         )  # fmt: skip
     sources = {name: {"file": str(path), **logs[name].provenance} for name, path in _files(log, validation)}
-    record = result_record(identification, joint, extremes, sources)
+    record = result_record(identification, joint, frequencies, sources)
     make_folder(out)
     write_result(out / RESULT, json_text(record), "result")
     if as_json:
@@ -115,31 +115,31 @@ def _bounds(texts: list[str]) -> dict[str, tuple[float, float]]:
     return bounds
 
 
-def _given(antiresonances: list[float], resonances: list[float]) -> Extremes | None:
-    from flexros.identify.axis.resonances import Extremes
+def _given(antiresonances: list[float], resonances: list[float]) -> Resonances | None:
+    from flexros.identify.axis.resonances import Resonances
 
     if not antiresonances and not resonances:
         return None
-    return Extremes(tuple(antiresonances), tuple(resonances), "command line")
+    return Resonances(tuple(antiresonances), tuple(resonances), "command line")
 
 
-def _extremes(log: Log, robot: Robot, joint: str, count: int, started: bool) -> Extremes:
+def _resonances(log: Log, robot: Robot, joint: str, count: int, started: bool) -> Resonances:
     """Return the frequencies of the response of an identification log, else those of the robot."""
     from flexros.analysis.frequency_responses import log_responses
-    from flexros.identify.axis.resonances import Extremes, extremes_of_response, extremes_of_robot
+    from flexros.identify.axis.resonances import Resonances, resonances_of_response, resonances_of_robot
 
     responses = log_responses(log)
     for response in () if responses is None else responses.positions:
-        extremes = extremes_of_response(response, joint, count)
-        if extremes is not None:
-            return extremes
-    of_robot = extremes_of_robot(robot, joint, count)
+        measured = resonances_of_response(response, joint, count)
+        if measured is not None:
+            return measured
+    of_robot = resonances_of_robot(robot, joint, count)
     if of_robot is None and not started:
         raise InputError(
             f"robot {robot.name} has fewer antiresonances of {joint} than the {count} of a model of {count + 1} "
             "masses; give --antiresonance and --resonance, or another robot"
         )
-    return of_robot or Extremes((), (), "nothing")
+    return of_robot or Resonances((), (), "nothing")
 
 
 def _print(record: Mapping[str, Any]) -> None:

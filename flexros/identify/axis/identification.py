@@ -80,7 +80,7 @@ def identify_one_axis(
 ) -> OneAxisIdentification:
     """Identify an axis from commands and motion of its motor, in three steps.
 
-    First the rigid axis with friction by regression; then masses and springs from the extremes of the frequency
+    First the rigid axis with friction by regression; then masses and springs from the resonances of the frequency
     response; then all parameters, with the nonlinear gear, by minimal one-step prediction errors. The last step is
     repeated with a linear gear, for comparison.
 

@@ -1,4 +1,4 @@
-"""Initial values: rigid regression, then masses and springs from the extremes of the frequency response."""
+"""Initial values: rigid regression, then masses and springs from the resonances of the frequency response."""
 
 from __future__ import annotations
 
@@ -86,11 +86,11 @@ def rigid_start(record: AxisRecord, cutoff: float, smoothing: float) -> RigidSta
 def chain_of_masses(
     inertia: float, antiresonances: Sequence[float], resonances: Sequence[float]
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Compute the chain of masses and springs with given extremes at its first mass: the inverse eigenvalue problem.
+    """Compute the chain of masses and springs with given antiresonances and resonances of its first mass.
 
-    The dynamic stiffness of the motor, with s = (jw)^2, is J s prod(1 + s/r^2) / prod(1 + s/a^2). It is expanded into a
-    continued fraction of masses and springs in turn (W. Cauer 1926; for robots Berglund and Hovland 2000, thesis
-    4.2.2).
+    This is the inverse eigenvalue problem. The dynamic stiffness of the motor, with s = (jw)^2, is
+    J s prod(1 + s/r^2) / prod(1 + s/a^2). It is expanded into a continued fraction of masses and springs in turn
+    (W. Cauer 1926; for robots Berglund and Hovland 2000, thesis 4.2.2).
 
     Args:
         inertia: Sum J of all masses [kg m2 or kg].

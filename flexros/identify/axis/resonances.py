@@ -21,13 +21,13 @@ PROMINENCE = 1.5
 
 
 @dataclass(frozen=True)
-class Extremes:
-    """Antiresonances and resonances of a motor.
+class Resonances:
+    """Pairs of an antiresonance and a resonance of a motor.
 
     Attributes:
         antiresonances: [Hz], ascending.
         resonances: [Hz], ascending, each above its antiresonance.
-        source: Their source as text.
+        source: Origin of the frequencies, as text.
     """
 
     antiresonances: tuple[float, ...]
@@ -35,7 +35,7 @@ class Extremes:
     source: str
 
 
-def extremes_of_response(response: FrequencyResponse, joint: str, count: int) -> Extremes | None:
+def resonances_of_response(response: FrequencyResponse, joint: str, count: int) -> Resonances | None:
     """Find the most distinct pairs of a minimum and the peak above it in a response, with the other motors held still.
 
     With the others held, the response of motor m to its own torque is 1 / (G^-1)_mm.
@@ -46,7 +46,7 @@ def extremes_of_response(response: FrequencyResponse, joint: str, count: int) ->
         count: Number of pairs, one less than masses.
 
     Returns:
-        The extremes; None where the response has fewer pairs.
+        The frequencies; None where the response has fewer pairs.
     """
     motor = response.output_names.index(joint)
     whole = response.as_quantity("acceleration").response
@@ -55,19 +55,19 @@ def extremes_of_response(response: FrequencyResponse, joint: str, count: int) ->
     lows, peaks = (find_peaks(sign * size, prominence=np.log(PROMINENCE))[0] for sign in (-1, 1))
     pairs = []
     for index, low in enumerate(lows):
-        until = lows[index + 1] if index + 1 < len(lows) else len(size)
-        above = peaks[(peaks > low) & (peaks < until)]
+        next_low = lows[index + 1] if index + 1 < len(lows) else len(size)
+        above = peaks[(peaks > low) & (peaks < next_low)]
         if len(above):
             pairs.append((int(low), int(above[np.argmax(size[above])])))
     if len(pairs) < count:
         return None
     most_distinct = sorted(pairs, key=lambda pair: size[pair[0]] - size[pair[1]])[:count]
     low, high = np.exp([_vertices(np.sort(side), frequency, size) for side in np.array(most_distinct).T])
-    return Extremes(tuple(low.tolist()), tuple(high.tolist()), "frequency response of the log")
+    return Resonances(tuple(low.tolist()), tuple(high.tolist()), "frequency response of the log")
 
 
 def _vertices(lines: IntArray, frequency: FloatArray, size: FloatArray) -> list[float]:
-    """Refine extremes between the lines by parabolas through each and its neighbours."""
+    """Refine minima or peaks between the lines by parabolas through each and its neighbours."""
     refined = []
     for line in lines:
         near = slice(line - 1, line + 2)
@@ -76,8 +76,8 @@ def _vertices(lines: IntArray, frequency: FloatArray, size: FloatArray) -> list[
     return refined
 
 
-def extremes_of_robot(robot: Robot, joint: str, count: int) -> Extremes | None:
-    """Compute the extremes of a motor of a robot at home without damping, with the other motors held still.
+def resonances_of_robot(robot: Robot, joint: str, count: int) -> Resonances | None:
+    """Compute the frequencies of a motor of a robot at home without damping, with the other motors held still.
 
     Minima and peaks alternate; the pairs that are farthest apart are those of the springs with the largest motion.
 
@@ -87,7 +87,7 @@ def extremes_of_robot(robot: Robot, joint: str, count: int) -> Extremes | None:
         count: Number of pairs, one less than masses.
 
     Returns:
-        The extremes; None where the robot has fewer pairs.
+        The frequencies; None where the robot has fewer pairs.
     """
     linear = linear_model(robot)
     motor = robot.motor_rows[robot.joint_names.index(joint)]
@@ -99,7 +99,7 @@ def extremes_of_robot(robot: Robot, joint: str, count: int) -> Extremes | None:
     if len(lows) < count:
         return None
     farthest = np.sort(np.argsort(-np.asarray(peaks) / np.asarray(lows), kind="stable")[:count])
-    return Extremes(
+    return Resonances(
         tuple(lows[pair] for pair in farthest),
         tuple(peaks[pair] for pair in farthest),
         f"linear model of {robot.name}",

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from flexros.identify.axis.identification import OneAxisIdentification
     from flexros.identify.axis.prediction_fit import AxisFit, Quality
-    from flexros.identify.axis.resonances import Extremes
+    from flexros.identify.axis.resonances import Resonances
 
 SCHEMA = 1
 """Version of the record."""
@@ -27,7 +27,7 @@ WIDEST = 3.0
 def result_record(
     identification: OneAxisIdentification,
     joint: str,
-    extremes: Extremes,
+    frequencies: Resonances,
     logs: Mapping[str, Mapping[str, Any]],
 ) -> dict[str, Any]:
     """Return an identification as a record, ready for JSON; unknown values are None.
@@ -35,16 +35,16 @@ def result_record(
     Args:
         identification: The identification.
         joint: Name of the motor.
-        extremes: Frequencies from which the initial values were computed.
+        frequencies: Frequencies from which the initial values were computed.
         logs: Provenance of the log, and of the validation log if there is one, by name.
     """
     return {
         "schema": SCHEMA,
         "joint": joint,
         "structure": identification.nonlinear.structure.model_dump(mode="json"),
-        "antiresonances_hz": list(extremes.antiresonances),
-        "resonances_hz": list(extremes.resonances),
-        "frequencies_from": extremes.source,
+        "antiresonances_hz": list(frequencies.antiresonances),
+        "resonances_hz": list(frequencies.resonances),
+        "frequencies_from": frequencies.source,
         "start": dict(identification.start),
         "nonlinear": _model(identification.nonlinear, identification.validation),
         "linear": _model(identification.linear, identification.linear_validation),

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from concurrent.futures import Future
 
     from flexros.arrays import IntArray
-    from flexros.logs.mcap.file_writer import McapFile
+    from flexros.logs.mcap.file_writer import McapFileWriter
 
 _MAX_WAITING = 4  # chosen: chunks in memory while the disk is busy
 
@@ -25,7 +25,7 @@ class ChunkThread:
         file: Their file; nothing else may write to it while chunks are pending.
     """
 
-    def __init__(self, file: McapFile) -> None:
+    def __init__(self, file: McapFileWriter) -> None:
         self._file = file
         self._waiting: deque[Future[None]] = deque()
         self._executor = ThreadPoolExecutor(1, "log_writer")

@@ -52,7 +52,7 @@ class MessageBlock:
 
 
 @dataclass
-class McapScan:
+class McapFileReader:
     """One pass through a file: iterate over `blocks`; schemas, channels and warnings are filled during it.
 
     Attributes:

@@ -35,7 +35,7 @@ LIBRARY = "flexros"
 _COMPRESSION_LEVEL = 1  # chosen: fastest level of the standard range; numbers compress little at any level
 
 
-class McapFile:
+class McapFileWriter:
     """Writes an MCAP file of the profile ros2.
 
     After every method the file ends at a complete record; a failed write is truncated.

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from flexros.logs.mcap.chunk import LENGTH_FIELD_END, MESSAGE_HEADER
-from flexros.logs.mcap.file_reader import McapScan
+from flexros.logs.mcap.file_reader import McapFileReader
 from flexros.logs.replay.recorded_topic import RecordedTopic, recorded_topic
 
 if TYPE_CHECKING:
@@ -74,9 +74,9 @@ def survey_file(path: Path) -> FileSurvey:
         InputError: It cannot be read or is not MCAP.
     """
     survey = FileSurvey(path)
-    scan = McapScan(path)
+    reader = McapFileReader(path)
     counts: dict[int, tuple[int, int]] = {}
-    for block in scan.blocks():
+    for block in reader.blocks():
         times, channels = block.headers["log_time"], block.headers["channel"]
         survey.earliest.append(int(times.min()) if len(times) else _NEVER)
         survey.latest = max(survey.latest, int(times.max()) if len(times) else -1)
@@ -84,10 +84,10 @@ def survey_file(path: Path) -> FileSurvey:
             lengths = block.headers["length"][channels == number]
             count, largest = counts.get(number, (0, 0))
             counts[number] = count + len(lengths), max(largest, int(lengths.max()) - _HEADER_SIZE)
-    for number, channel in scan.channels.items():
-        topic = recorded_topic(channel, scan.schemas.get(channel.schema_id))
+    for number, channel in reader.channels.items():
+        topic = recorded_topic(channel, reader.schemas.get(channel.schema_id))
         survey.channels[number] = topic.with_messages(*counts.pop(number, (0, 0)))
-    survey.warnings.extend(scan.warnings)
+    survey.warnings.extend(reader.warnings)
     if counts:
         n = sum(count for count, _ in counts.values())
         survey.warnings.append(f"{path}: {n} messages name a channel that is not defined, they were left out")
@@ -107,7 +107,7 @@ def file_messages(survey: FileSurvey, topics: Mapping[int, int], window: TimeWin
     held: list[tuple[int, int, int, int, bytes | memoryview]] = []
     # limits[k]: earliest log time of all blocks after block k
     limits = list(accumulate([_NEVER, *survey.earliest[:0:-1]], min))[::-1]
-    for block, limit in zip(McapScan(survey.path).blocks(), limits, strict=False):
+    for block, limit in zip(McapFileReader(survey.path).blocks(), limits, strict=False):
         held.extend(_selected(block, topics, window))
         held.sort(key=itemgetter(0))
         n = bisect_right(held, limit, key=itemgetter(0))

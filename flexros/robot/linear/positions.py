@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from flexros.errors import InputError
-from flexros.robot.equilibrium_search import RestFinder
+from flexros.robot.equilibrium_search import EquilibriumSearch
 from flexros.robot.linear.parameter_terms import MATRIX, ParameterTerms, parameter_terms
 
 if TYPE_CHECKING:
@@ -142,7 +142,7 @@ class _Functions:
     names: tuple[str, ...]
     nominal: FloatArray
     terms: ParameterTerms
-    finder: RestFinder
+    search: EquilibriumSearch
     evaluate: ca.Function
 
 
@@ -159,7 +159,7 @@ def _functions(robot: Robot, names: tuple[str, ...]) -> _Functions:
     slopes = [ca.jacobian(ca.vec(matrix), p)[:, sloped] for matrix in matrices]
     results = [ca.densify(result) for result in (*matrices, terms.factors(q), *slopes)]
     evaluate = ca.Function("linearised", [q, p], results, {"cse": True})
-    return _Functions(names, model.parameter_values, terms, RestFinder(model, "motors"), evaluate)
+    return _Functions(names, model.parameter_values, terms, EquilibriumSearch(model, "motors"), evaluate)
 
 
 def _as_matrices(columns: FloatArray, n: int) -> FloatArray:
@@ -177,7 +177,7 @@ def _rest(robot: Robot, functions: _Functions, motors: FloatArray, values: Float
     flexible = [chain.gear_rows[number] for number in chain.flexible_motors]
     pairs = ", ".join(f"{name} = {value:g}" for name, value in zip(functions.names, values, strict=True))
     condition = f"at motor positions {np.round(motors, 6).tolist()} with {pairs}"
-    rest = functions.finder.find(np.concatenate([q_a, q_a[flexible]]), values, condition)
+    rest = functions.search.find(np.concatenate([q_a, q_a[flexible]]), values, condition)
     return rest.state[: robot.n_coordinates]
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexros.logs.mcap.chunk_thread import ChunkThread
-from flexros.logs.mcap.file_writer import McapFile
+from flexros.logs.mcap.file_writer import McapFileWriter
 
 
 class HeldFile:
@@ -74,7 +74,7 @@ def test_failure_reaches_the_caller():
 def test_sequence_numbers_go_on_across_chunks(tmp_path):
     from mcap.reader import make_reader
 
-    file = McapFile(tmp_path / "a.mcap")
+    file = McapFileWriter(tmp_path / "a.mcap")
     file.add_channel("/a", "x/msg/X", "float64 x", {})
     thread = ChunkThread(file)
     for time in range(5):

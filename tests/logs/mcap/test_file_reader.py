@@ -9,7 +9,7 @@ from mcap.writer import CompressionType, IndexType, Writer
 
 from flexros.errors import InputError
 from flexros.input_limits import EXPANSION_ALLOWANCE, LARGEST_DEFINITIONS, MOST_DEFINITIONS, MOST_WARNINGS
-from flexros.logs.mcap.file_reader import McapScan
+from flexros.logs.mcap.file_reader import McapFileReader
 
 N = 60
 
@@ -28,13 +28,13 @@ def write(path, *, finish=True, **options):
 
 
 def read(path):
-    scan = McapScan(path)
+    reader = McapFileReader(path)
     messages = []
-    for block in scan.blocks():
+    for block in reader.blocks():
         for header, offset in zip(block.headers, block.offsets.tolist(), strict=True):
             payload = bytes(block.data[offset : offset + int(header["length"]) - 22])
             messages.append((int(header["channel"]), int(header["log_time"]), payload))
-    return scan, messages
+    return reader, messages
 
 
 EXPECTED = [(1 + k % 2, 1000 + k, bytes([k] * (20 + k))) for k in range(N)]
@@ -43,18 +43,18 @@ EXPECTED = [(1 + k % 2, 1000 + k, bytes([k] * (20 + k))) for k in range(N)]
 @pytest.mark.parametrize("compression", list(CompressionType))
 @pytest.mark.parametrize("chunk_size", [100, 10**6])
 def test_chunked_files(tmp_path, compression, chunk_size):
-    scan, messages = read(write(tmp_path / "a.mcap", compression=compression, chunk_size=chunk_size))
+    reader, messages = read(write(tmp_path / "a.mcap", compression=compression, chunk_size=chunk_size))
     assert sorted(messages, key=lambda m: m[1]) == EXPECTED
-    assert scan.warnings == []
-    assert {c.topic for c in scan.channels.values()} == {"/a", "/b"}
+    assert reader.warnings == []
+    assert {c.topic for c in reader.channels.values()} == {"/a", "/b"}
 
 
 def test_file_without_chunks_indexes_and_summary(tmp_path):
     options = {"use_chunking": False, "index_types": IndexType.NONE, "use_statistics": False}
     options |= {"repeat_channels": False, "repeat_schemas": False, "use_summary_offsets": False}
-    scan, messages = read(write(tmp_path / "a.mcap", **options))
+    reader, messages = read(write(tmp_path / "a.mcap", **options))
     assert messages == EXPECTED
-    assert scan.warnings == []
+    assert reader.warnings == []
 
 
 def test_attachments_and_unknown_records_are_skipped(tmp_path):
@@ -78,12 +78,12 @@ def test_truncated_anywhere_gives_every_message_of_complete_chunks(tmp_path):
     complete: dict[int, int] = {}
     for cut in range(40, max(ends) + 40, 7):
         path.write_bytes(content[:cut])
-        scan, messages = read(path)
+        reader, messages = read(path)
         assert messages == EXPECTED[: len(messages)]
         n_chunks = sum(end <= cut for end in ends)
         complete.setdefault(n_chunks, len(messages))
         assert complete[n_chunks] == len(messages), "the number depends on the complete chunks alone"
-        assert any("truncated at byte" in w or "has no end record" in w for w in scan.warnings)
+        assert any("truncated at byte" in w or "has no end record" in w for w in reader.warnings)
     assert complete[len(ends)] == N
 
 
@@ -92,10 +92,10 @@ def test_damaged_chunk_is_named_and_the_others_are_read(tmp_path):
     content, ends = bytearray(path.read_bytes()), chunk_ends(path)
     content[ends[2] - 1] ^= 0xFF
     path.write_bytes(content)
-    scan, messages = read(path)
-    assert len(scan.warnings) == 1
-    assert "chunk 2 at byte" in scan.warnings[0]
-    assert scan.warnings[0].endswith("is damaged and was left out: its checksum (CRC) is wrong")
+    reader, messages = read(path)
+    assert len(reader.warnings) == 1
+    assert "chunk 2 at byte" in reader.warnings[0]
+    assert reader.warnings[0].endswith("is damaged and was left out: its checksum (CRC) is wrong")
     assert 0 < N - len(messages) < N // 2
 
 
@@ -105,9 +105,9 @@ def test_record_inside_a_chunk_that_claims_too_much(tmp_path):
     length = struct.pack("<Q", 22 + 20 + 10)
     at = content.index(b"\x05" + length) + 1
     path.write_bytes(content[:at] + struct.pack("<Q", 2**62) + content[at + 8 :])
-    scan, messages = read(path)
+    reader, messages = read(path)
     assert messages == EXPECTED[:10]
-    (warning,) = scan.warnings
+    (warning,) = reader.warnings
     assert "chunk 0 at byte" in warning
     assert "truncated inside, at its byte" in warning
 
@@ -116,18 +116,18 @@ def test_message_too_short_for_its_head(tmp_path):
     path = write(tmp_path / "a.mcap", use_chunking=False)
     content = path.read_bytes()
     path.write_bytes(content[:8] + struct.pack("<BQ", 5, 4) + b"abcd" + content[8:])
-    scan, messages = read(path)
+    reader, messages = read(path)
     assert messages == EXPECTED
-    assert any("1 message records are too short" in warning for warning in scan.warnings)
+    assert any("1 message records are too short" in warning for warning in reader.warnings)
 
 
 def test_damaged_channel_is_named(tmp_path):
     path = write(tmp_path / "a.mcap", use_chunking=False)
     content = path.read_bytes()
     path.write_bytes(content[:8] + struct.pack("<BQ", 4, 3) + b"abc" + content[8:])
-    scan, messages = read(path)
+    reader, messages = read(path)
     assert messages == EXPECTED
-    assert any("the record at byte 8 is damaged and was left out" in warning for warning in scan.warnings)
+    assert any("the record at byte 8 is damaged and was left out" in warning for warning in reader.warnings)
 
 
 def chunk(records):
@@ -158,9 +158,9 @@ def put_before_the_end(path, addition):
 def test_what_does_not_belong_into_a_chunk_ends_it(tmp_path, foreign, described):
     path = write(tmp_path / "a.mcap", chunk_size=10**6)
     put_before_the_end(path, chunk(message(b"one") + foreign + message(b"two")))
-    scan, messages = read(path)
+    reader, messages = read(path)
     assert messages == [*EXPECTED, (1, 1000, b"one")]
-    (warning,) = scan.warnings
+    (warning,) = reader.warnings
     assert "chunk 1 at byte" in warning
     assert f"not allowed in a chunk ({described}" in warning
 
@@ -170,11 +170,11 @@ def test_chunks_that_expand_beyond_reason_are_left_out(tmp_path):
     n_before = len(chunk_ends(path))
     bomb = chunk(message(bytes(EXPANSION_ALLOWANCE * 3 // 4)))
     put_before_the_end(path, 3 * bomb + chunk(message(b"small")))
-    scan, messages = read(path)
+    reader, messages = read(path)
     sizes = [len(payload) for _, _, payload in messages[N:]]
     assert messages[:N] == EXPECTED
     assert sizes == [EXPANSION_ALLOWANCE * 3 // 4, 5]
-    (warning,) = scan.warnings
+    (warning,) = reader.warnings
     assert "its chunks expand to more than 200 times" in warning
     assert warning.endswith(f": 2 of {n_before + 4} chunks were left out")
 
@@ -182,9 +182,9 @@ def test_chunks_that_expand_beyond_reason_are_left_out(tmp_path):
 def test_a_chunk_beyond_the_largest_size_is_left_out(tmp_path):
     path = write(tmp_path / "a.mcap", chunk_size=10**6)
     put_before_the_end(path, chunk(bytes(2**26 + 1)))
-    scan, messages = read(path)
+    reader, messages = read(path)
     assert messages == EXPECTED
-    assert scan.warnings[0].endswith("it claims 67108865 bytes of messages, allowed is 67108864")
+    assert reader.warnings[0].endswith("it claims 67108865 bytes of messages, allowed is 67108864")
 
 
 def test_the_number_of_definitions_is_bounded(tmp_path):
@@ -194,10 +194,10 @@ def test_the_number_of_definitions_is_bounded(tmp_path):
 
     path = write(tmp_path / "a.mcap", chunk_size=10**6)
     put_before_the_end(path, chunk(b"".join(channel(10 + k) for k in range(MOST_DEFINITIONS + 1000)) + message(b"x")))
-    scan, messages = read(path)
+    reader, messages = read(path)
     assert messages == [*EXPECTED, (1, 1000, b"x")]
-    assert len(scan.channels) + len(scan.schemas) == MOST_DEFINITIONS
-    (warning,) = scan.warnings
+    assert len(reader.channels) + len(reader.schemas) == MOST_DEFINITIONS
+    (warning,) = reader.warnings
     assert f"defines more than {MOST_DEFINITIONS} types and topics" in warning
 
 
@@ -210,19 +210,19 @@ def test_size_of_definitions_is_bounded(tmp_path):
     path = write(tmp_path / "a.mcap", chunk_size=10**6)
     n_before = len(read(path)[0].schemas)
     put_before_the_end(path, chunk(b"".join(schema(10 + k) for k in range(8)) + message(b"x")))
-    scan, messages = read(path)
+    reader, messages = read(path)
     assert messages == [*EXPECTED, (1, 1000, b"x")]
-    assert len(scan.schemas) - n_before == LARGEST_DEFINITIONS // 10**6
-    assert f"or more than {LARGEST_DEFINITIONS} bytes of them: the rest is unread" in scan.warnings[0]
+    assert len(reader.schemas) - n_before == LARGEST_DEFINITIONS // 10**6
+    assert f"or more than {LARGEST_DEFINITIONS} bytes of them: the rest is unread" in reader.warnings[0]
 
 
 def test_damage_at_many_places_is_counted(tmp_path):
     path = write(tmp_path / "a.mcap", chunk_size=10**6)
     put_before_the_end(path, (MOST_WARNINGS + 5) * struct.pack("<BQ", 6, 0))
-    scan, messages = read(path)
+    reader, messages = read(path)
     assert messages == EXPECTED
-    assert len(scan.warnings) == MOST_WARNINGS + 1
-    assert scan.warnings[-1].endswith("has damage at 5 further positions")
+    assert len(reader.warnings) == MOST_WARNINGS + 1
+    assert reader.warnings[-1].endswith("has damage at 5 further positions")
 
 
 @pytest.mark.parametrize(

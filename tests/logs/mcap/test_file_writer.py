@@ -10,7 +10,7 @@ from mcap.records import ChunkIndex, MessageIndex, Statistics, SummaryOffset
 from mcap.stream_reader import StreamReader, get_chunk_data_stream
 
 from flexros.logs.mcap.chunk import assemble_chunk
-from flexros.logs.mcap.file_writer import McapFile
+from flexros.logs.mcap.file_writer import McapFileWriter
 
 
 def chunk_of(times, channels=None, size=50):
@@ -22,7 +22,7 @@ def chunk_of(times, channels=None, size=50):
 
 @pytest.fixture
 def file(tmp_path):
-    file = McapFile(tmp_path / "a.mcap")
+    file = McapFileWriter(tmp_path / "a.mcap")
     file.add_channel("/a", "x/msg/X", "float64 x", {"key": "value"})
     file.add_channel("/b", "x/msg/X", "float64 x", {})
     yield file
@@ -104,7 +104,7 @@ def test_empty_file_is_valid(file, tmp_path):
 
 def test_existing_file_is_kept(file, tmp_path):
     with pytest.raises(FileExistsError):
-        McapFile(tmp_path / "a.mcap")
+        McapFileWriter(tmp_path / "a.mcap")
 
 
 class LimitedDisk:

@@ -13,7 +13,7 @@ from flexros.input_limits import MOST_SIGNALS
 from flexros.logs.foreign.message_numbers import message_numbers
 from flexros.logs.foreign.signal_source import BAG_SUFFIX, AbstractSignalSource, Signal
 from flexros.logs.mcap.bag_files import find_bag_files
-from flexros.logs.mcap.file_reader import McapScan
+from flexros.logs.mcap.file_reader import McapFileReader
 from flexros.logs.messages.bulk_decode import payloads_of
 from flexros.logs.messages.cdr_cursor import MessageError
 from flexros.logs.messages.foreign_definition import decoder
@@ -81,16 +81,16 @@ class RosBag(AbstractSignalSource):
         """Yield topic, time of recording [ns], payload and decoder of the first messages of each topic."""
         seen: Counter[str] = Counter()
         for file in self._bag.files:
-            scan = McapScan(file)
+            reader = McapFileReader(file)
             decoders: dict[int, Decode | None] = {}
-            for block in scan.blocks():
+            for block in reader.blocks():
                 for number in np.unique(block.headers["channel"]).tolist():
-                    channel = scan.channels.get(number)
+                    channel = reader.channels.get(number)
                     topic = "" if channel is None else "/" + channel.topic.strip("/")
                     if channel is None or (topics is not None and topic not in topics):
                         continue
                     if channel.schema_id not in decoders:
-                        decoders[channel.schema_id] = _decoder(scan, channel.schema_id, channel.message_encoding)
+                        decoders[channel.schema_id] = _decoder(reader, channel.schema_id, channel.message_encoding)
                     if (decode := decoders[channel.schema_id]) is None:
                         continue
                     rows = np.flatnonzero(block.headers["channel"] == number)[: most - seen[topic]]
@@ -98,16 +98,16 @@ class RosBag(AbstractSignalSource):
                     log_times = block.headers["log_time"][rows].tolist()
                     for time, payload in zip(log_times, payloads_of(block, rows), strict=True):
                         yield topic, time, payload, decode
-            notes.extend(scan.warnings)
+            notes.extend(reader.warnings)
 
 
-def _decoder(scan: McapScan, schema_id: int, encoding: str) -> Decode | None:
+def _decoder(reader: McapFileReader, schema_id: int, encoding: str) -> Decode | None:
     """Return the decoder of a schema; None if its messages are not CDR or the file does not define them."""
-    schema = scan.schemas.get(schema_id)
+    schema = reader.schemas.get(schema_id)
     if schema is None or encoding != "cdr" or not schema.data.strip():
         return None
     try:
-        return decoder(schema, str(scan.path))
+        return decoder(schema, str(reader.path))
     except InputError:
         return None  # its topics have no signals, so a request lists the allowed ones
 
