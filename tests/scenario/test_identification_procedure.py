@@ -9,7 +9,7 @@ import pytest
 
 from flexros.errors import InputError, InterruptedRunError, RunError
 from flexros.identify.design.experiment_design import DesignSettings
-from flexros.identify.search import SearchSettings
+from flexros.identify.graybox.search import SearchSettings
 from flexros.robot import load_robot
 from flexros.scenario.identification import DesignedExperiment, template_scenario, with_real_robot
 from flexros.scenario.identification_procedure import DESIGN, ESTIMATE, FIT, Identification, identify_robot

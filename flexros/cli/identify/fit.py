@@ -15,7 +15,7 @@ from flexros.cli.output import console, print_json, progress_bar, say
 from flexros.errors import InputError
 
 if TYPE_CHECKING:
-    from flexros.identify.result import IdentificationResult
+    from flexros.identify.graybox.result import IdentificationResult
 
 BOUND = "Of a value [SI], NAME=LOW:HIGH (may be repeated); default: a factor of 10 either way."
 """Help of the option that bounds values."""
@@ -39,11 +39,11 @@ def fit(
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
     """Fit unknown parameters to measured frequency responses, from several initial values."""
-    from flexros.identify.fit_responses import fit_responses
     from flexros.identify.frf.files.netcdf import load_responses
+    from flexros.identify.graybox.result import fit_responses
+    from flexros.identify.graybox.search import SearchSettings
     from flexros.identify.report.files import write_identification
     from flexros.identify.report.record import identification_record
-    from flexros.identify.search import SearchSettings
     from flexros.provenance import versions
     from flexros.scenario.identification import unknown_names
     from flexros.scheduler import connected

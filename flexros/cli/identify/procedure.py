@@ -65,7 +65,7 @@ def robot(
 ) -> None:
     """Design an experiment, run it, estimate frequency responses, fit the parameters, and report."""
     from flexros.identify.design.experiment_design import DesignSettings, default_positions
-    from flexros.identify.search import SearchSettings
+    from flexros.identify.graybox.search import SearchSettings
     from flexros.scenario.identification import unknown_names, with_real_robot
     from flexros.scenario.identification_procedure import LOG, identify_robot
 

@@ -8,7 +8,7 @@ from flexros.identify.report.distortion_levels import distortion_blocks
 from flexros.report.base import AbstractSection
 
 if TYPE_CHECKING:
-    from flexros.identify.result import IdentificationResult
+    from flexros.identify.graybox.result import IdentificationResult
     from flexros.report.base import Block
 
 

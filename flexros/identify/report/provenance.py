@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 from flexros.report.base import AbstractSection, Block, Paragraph, TextTable
 
 if TYPE_CHECKING:
-    from flexros.identify.result import IdentificationResult
+    from flexros.identify.graybox.result import IdentificationResult
 
 _LONGEST = 120
 """Longer texts are cut in the table (chosen)."""

@@ -16,7 +16,7 @@ from flexros.identify.graybox.response_noise import response_noise
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
-    from flexros.identify.result import IdentificationResult
+    from flexros.identify.graybox.result import IdentificationResult
 
 MOST = 8
 """Combinations for which an experiment is looked for (chosen)."""

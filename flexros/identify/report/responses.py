@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import plotly.graph_objects as go
 
     from flexros.arrays import ComplexArray, FloatArray
-    from flexros.identify.result import IdentificationResult
+    from flexros.identify.graybox.result import IdentificationResult
 
 BEFORE, AFTER = "#e69f00", "#d55e00"
 

@@ -12,7 +12,7 @@ from flexros.errors import InputError, unknown_name
 from flexros.identify.frf.positions import estimate_responses
 from flexros.identify.graybox.covariance import parameter_covariance
 from flexros.identify.graybox.identified_robot import write_identified_robot
-from flexros.identify.search import SearchSettings, search
+from flexros.identify.graybox.search import SearchSettings, search
 from flexros.robot.robot import load_robot
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment

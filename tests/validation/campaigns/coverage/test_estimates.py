@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flexros.identify.search import SearchSettings
+from flexros.identify.graybox.search import SearchSettings
 from flexros.robot import load_robot
 from flexros.scenario.scenario import Scenario
 from flexros.validation.campaigns.coverage.estimates import DEFAULT, WAYS, group_estimates

@@ -48,7 +48,7 @@ class SearchSettings:
     bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     def check(self, robot: Robot, names: Sequence[str]) -> None:
-        """Refuse impossible settings before anything is measured for them.
+        """Check the settings, so that impossible ones are refused before the measurement.
 
         Args:
             robot: The nominal robot.
@@ -70,7 +70,7 @@ class SearchSettings:
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class SearchResult:
     """Outcome of a search.
 
     Attributes:
@@ -113,14 +113,14 @@ def search(
     settings: SearchSettings,
     client: Client | None = None,
     progress: Callable[[int], None] | None = None,
-) -> Found:
-    """Fit from several starts, then once more with the weights that are wanted from the best of them.
+) -> SearchResult:
+    """Fit from several initial values, then refine the best fit with the requested weights.
 
     Args:
         robot: The robot with its nominal values.
         responses: Measured responses, one per position.
         names: Names of the unknown parameters.
-        settings: How to search.
+        settings: Settings of the search.
         client: Dask client whose workers fit instead of threads of this process.
         progress: Called with the number of fits done.
 
@@ -133,11 +133,11 @@ def search(
     """
     settings.check(robot, names)
     problem = graybox_problem(robot, responses, names, settings.estimator, "user")
-    problem.with_choice(settings.estimator, settings.weights)  # what is not possible is refused before the search
+    problem.with_choice(settings.estimator, settings.weights)  # refuses impossible choices before the search
     scale, bounds = problem.scale, settings.bounds
     starts = np.clip(scale.nominal, *map(scale.values, scale.bounds(bounds)))[None]
     if settings.starts > 1:
         starts = np.vstack([starts, random_starts(problem, settings.starts - 1, settings.seed, bounds=bounds)])
     searched = multistart(problem, starts, bounds=bounds, client=client, progress=progress)
     refined = refine(problem, best(searched), estimator=settings.estimator, weights=settings.weights, bounds=bounds)
-    return Found(refined.problem, refined.fit, searched, refined.settled)
+    return SearchResult(refined.problem, refined.fit, searched, refined.settled)

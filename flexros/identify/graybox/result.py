@@ -1,4 +1,4 @@
-"""The result of an identification; its verdict, JSON record and report are functions of it in `identify.report`."""
+"""The gray-box fit of frequency responses and its result; `identify.report` derives verdict, record and report."""
 
 from __future__ import annotations
 
@@ -15,18 +15,23 @@ from flexros.identify.graybox.fit import cost_at
 from flexros.identify.graybox.identifiability import identifiability
 from flexros.identify.graybox.residuals import residual_report
 from flexros.identify.graybox.scatter import ScatterLimits, scatter_limits
+from flexros.identify.graybox.search import SearchSettings, search
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
+
+    from distributed import Client
 
     from flexros.arrays import FloatArray
     from flexros.identify.design.experiment_design import ExperimentDesign
     from flexros.identify.experiment.plan import ExperimentPlan
+    from flexros.identify.frf.frequency_response import FrequencyResponse
     from flexros.identify.graybox.covariance import ParameterCovariance
     from flexros.identify.graybox.fit import GrayBoxFit
     from flexros.identify.graybox.identifiability import Identifiability
     from flexros.identify.graybox.problem import GrayBoxProblem
     from flexros.identify.graybox.residuals import ResidualReport
+    from flexros.robot import Robot
 
 MUCH = 5.0
 """Misfit in standard deviations, rms, above which noise does not limit the result (chosen)."""
@@ -94,11 +99,11 @@ class IdentificationResult:
         searched: Fits from all initial values, in their order; the last fit continued the best. May be empty.
         covariance: Covariance of the parameters.
         identifiability: Verdict per parameter.
-        residuals: What the fitted model leaves unexplained.
+        residuals: Residuals of the fitted model.
         design: How the positions were chosen, where they were.
-        facts: What the experiment took, where it is known.
+        facts: Effort of the experiment, where it is known.
         truth: True values (SI) by name, where a simulated robot was measured.
-        warnings: What limits the result, one sentence each.
+        warnings: Limits of the result, one sentence each.
         provenance: Origin of the data.
     """
 
@@ -144,7 +149,7 @@ class IdentificationResult:
 
     @cached_property
     def bias_signs(self) -> tuple[str, ...]:
-        """Signs that the model lacks something, so that parameters shift by more than their intervals."""
+        """Signs of a model-form error that shifts parameters by more than their intervals."""
         return bias_signs(self.problem, self.covariance, self.residuals, self.limits, self.settled)
 
     @cached_property
@@ -163,6 +168,55 @@ class IdentificationResult:
         """Costs of the fits that did not fail, in ascending order, shape (S,)."""
         costs = np.array([each.cost for each in self.searched])
         return np.sort(costs[np.isfinite(costs)])
+
+
+def fit_responses(
+    robot: Robot,
+    responses: Sequence[FrequencyResponse],
+    names: Sequence[str],
+    settings: SearchSettings | None = None,
+    *,
+    design: ExperimentDesign | None = None,
+    facts: ExperimentFacts | None = None,
+    truth: Mapping[str, float] | None = None,
+    warnings: Sequence[str] = (),
+    provenance: Mapping[str, Any] | None = None,
+    client: Client | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> IdentificationResult:
+    """Fit unknown parameters to measured frequency responses and judge the fit.
+
+    Args:
+        robot: The nominal robot.
+        responses: Measured responses, one per position.
+        names: Unknown parameters.
+        settings: Settings of the search; default: `SearchSettings()`.
+        design: How the positions were chosen, where it is known.
+        facts: Effort of the experiment, where it is known.
+        truth: True values (SI) by name, where they are known.
+        warnings: Other limits of the result, one sentence each.
+        provenance: Origin of the data.
+        client: Dask client whose workers fit instead of threads of this process.
+        progress: Called with the number of fits done.
+
+    Returns:
+        The result, see `flexros.identify.report` for its files.
+
+    Raises:
+        InputError: Settings, names or responses are not possible.
+        RunError: The model cannot be evaluated at any start.
+    """
+    search_result = search(robot, responses, names, settings or SearchSettings(), client, progress)
+    return identification_result(
+        search_result.problem,
+        search_result.fit,
+        search_result.searched,
+        design=design,
+        facts=facts,
+        truth=truth,
+        warnings=(*warnings, *search_result.warnings),
+        provenance=provenance,
+    )
 
 
 def identification_result(
@@ -185,7 +239,7 @@ def identification_result(
         design: How the positions were chosen.
         facts: Effort of the experiment.
         truth: True values (SI) by name, where they are known.
-        warnings: What else limits the result.
+        warnings: Other limits of the result.
         provenance: Origin of the data.
 
     Returns:
