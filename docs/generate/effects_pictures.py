@@ -78,7 +78,7 @@ def step_response(text: str) -> Panels:
 
 
 def over_rotor_angle(text: str) -> Panels:
-    """Draw the missing torque over the angle of a rotor, at two speeds."""
+    """Draw the disturbance torque over the angle of a rotor, at two speeds."""
     curves = []
     for speed, colour in ((0.6, CHANGED), (1.2, "#1f5fa8")):
         moved = run(
@@ -88,7 +88,7 @@ def over_rotor_angle(text: str) -> Panels:
         plain = run(ELBOW.with_values({"motor_1.viscous_friction": 0.0}), [], hold_elbow, 0.13 / speed, elbow_at(speed))
         torque = 60.0 * (moved.acceleration(2) - plain.acceleration(2))
         curves.append(Curve(turns[2:-2] - turns[0], torque[2:-2], f"{speed:g} rad/s at the arm", colour))
-    return [panel("at the elbow", "turns of the rotor [1]", "missing torque [Nm]", curves, (0, 0.5, 1, 1.5, 2))]
+    return [panel("at the elbow", "turns of the rotor [1]", "disturbance torque [Nm]", curves, (0, 0.5, 1, 1.5, 2))]
 
 
 def hold_elbow(time: float) -> list[float]:

@@ -76,7 +76,7 @@ def test_hidden_friction_is_found_and_the_patch_names_it(flexros, bag: str, tmp_
     assert read.gap.closed_fraction == pytest.approx(1.0, abs=0.02)
     (effect,) = load_patched(out / "patch.yaml").placed
     assert effect.effect.model_dump()["level"] == pytest.approx(0.05, rel=0.01)
-    assert "Missing torque over speed, motor_1" in (out / "report.html").read_text(encoding="utf-8")
+    assert "Disturbance torque over speed, motor_1" in (out / "report.html").read_text(encoding="utf-8")
 
 
 def test_without_a_gap_the_code_is_zero_and_there_is_no_patch(flexros, bag: str, tmp_path: Path, answered) -> None:

@@ -16,7 +16,7 @@ from flexros.robot import Robot
 from flexros.robot.linear.linearise import linear_model
 
 Torque = Callable[[float, FloatArray, FloatArray, FloatArray], FloatArray]
-"""Torque at the motors [Nm] that the model lacks, from time, motor positions, their rates and the torque command."""
+"""Disturbance torque at the motors [Nm], from time, motor positions, their rates and the torque command."""
 
 
 @dataclass(frozen=True)
@@ -27,11 +27,11 @@ class LinearLog:
     record: Record
     prediction: PredictedLog
     observer: ObserverGain
-    missing: FloatArray
+    disturbance: FloatArray
 
     @property
     def error_spectrum(self) -> FloatArray:
-        """Spectrum of the prediction errors that come from encoder noise alone, of mean one, shape (512, M)."""
+        """Spectrum of the prediction errors that are due to encoder noise alone, of mean one, shape (512, M)."""
         F, C = self.observer.motion, self.observer.readout
         K = F @ self.observer.gain
         angles = np.pi * (np.arange(512) + 0.5) / 512
@@ -41,7 +41,7 @@ class LinearLog:
 
 
 def nothing(time: float, position: FloatArray, speed: FloatArray, command: FloatArray) -> FloatArray:
-    """Give no missing torque."""
+    """Return no disturbance torque."""
     del time, speed, command
     return np.zeros_like(position)
 
@@ -50,20 +50,20 @@ def linear_log(
     robot: Robot,
     reference: FloatArray,
     gains: tuple[float, float],
-    missing: Torque = nothing,
+    disturbance: Torque = nothing,
     *,
     gear: Callable[[float], float] | None = None,
     seed: int = 1,
     level: float = 2e-3,
 ) -> LinearLog:
-    """Let the motors of the linearised robot follow a reference, and predict what they did without the missing torque.
+    """Simulate a linearised robot with a disturbance torque, and predict its motion without it.
 
     Args:
         robot: The robot; it is linearised at home, where its motors are at zero.
-        reference: Motor positions wanted [rad], shape (n, M).
+        reference: Desired motor positions [rad], shape (n, M).
         gains: Gains of position [Nm/rad] and rate [Nm s/rad].
-        missing: What the predictor does not know.
-        gear: Torque that the first gear gives beyond its spring, from its torsion, for robots of one motor.
+        disturbance: Torque that the predictor does not know.
+        gear: Torque of the first gear in excess of its spring, from its torsion, for robots of one motor.
         seed: Seed of the encoder noise.
         level: Level of the torque noise that the predictor assumes.
     """
@@ -77,21 +77,21 @@ def linear_log(
     both = expm(np.block([[A, B], [np.zeros((m + 1, n_x + m + 1))]]) * T)
     F, G, inside = both[:n_x, :n_x], both[:n_x, n_x:-1], both[:n_x, -1]
     observer = observer_gain(robot, T, level, robot.encoder_noise)
-    places = np.array(robot.motor_rows)
+    rows = np.array(robot.motor_rows)
     noise = np.random.default_rng(seed).standard_normal(reference.shape) * robot.encoder_noise
     x, guess = np.zeros(n_x), np.zeros(n_x)
-    position, torque, errors, lacking = (np.zeros_like(reference) for _ in range(4))
+    position, torque, errors, disturbances = (np.zeros_like(reference) for _ in range(4))
     states = np.zeros((len(reference), n_x))
     for k, wanted in enumerate(reference):
-        q, v = x[places], x[n_x // 2 + places]
+        q, v = x[rows], x[n_x // 2 + rows]
         position[k] = q + noise[k]
-        errors[k] = position[k] - guess[places]
+        errors[k] = position[k] - guess[rows]
         guess = guess + observer.gain @ errors[k]
         states[k] = guess
         torque[k] = gains[0] * (wanted - q) - gains[1] * v
-        lacking[k] = missing(k * T, q, v, torque[k])
+        disturbances[k] = disturbance(k * T, q, v, torque[k])
         extra = 0.0 if gear is None else gear(float(x[motor] - x[arm]))
-        x = F @ x + G @ (torque[k] + lacking[k]) + inside * extra
+        x = F @ x + G @ (torque[k] + disturbances[k]) + inside * extra
         guess = F @ guess + G @ torque[k]
     record = Record("test", T, position, torque, np.ones(len(reference), dtype=bool))
-    return LinearLog(robot, record, PredictedLog(errors, observer.spread, states), observer, lacking)
+    return LinearLog(robot, record, PredictedLog(errors, observer.spread, states), observer, disturbances)

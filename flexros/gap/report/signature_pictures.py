@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 MOST = 2
 """Pictures of one effect at most, the clearest first (chosen)."""
 _COLOURS = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
-"""Colours of lines in their order: first what the nominal model misses, then what the repaired one does."""
+"""Colours of lines in their order: first the nominal model, then the repaired one."""
 _POINTS = ("#b8c0c8", "#8fb8d8")
 """Colours of clouds of points, which lie below the lines."""
 _HEIGHT = 260
@@ -36,10 +36,10 @@ def signature_pictures(candidate: RankedCandidate, result: DiagnosisResult) -> t
     Returns:
         Its pictures, the clearest first; none where the log cannot show it.
     """
-    evidence = result.signature_data
-    if evidence is None:
+    data = result.signature_data
+    if data is None:
         return ()
-    pictures = (kind().picture(evidence, candidate.location) for kind in pictures_for(candidate.effect))
+    pictures = (kind().picture(data, candidate.location) for kind in pictures_for(candidate.effect))
     drawn = [signature for signature in pictures if signature is not None and signature.series]
     return tuple(Picture(_figure(signature), f"{signature.title}. {signature.reading}") for signature in drawn[:MOST])
 

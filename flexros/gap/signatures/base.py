@@ -1,4 +1,4 @@
-"""Pictures of signatures: what one consists of, how it is found, and which ones show an effect."""
+"""Base class and registry of the pictures of signatures, and reduction of curves to few points."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Curve:
     Attributes:
         x: Abscissa [unit of the picture's x_label], shape (k,), at most `MOST_POINTS`.
         y: Ordinate [unit of the picture's y_label], shape (k,); NaN interrupts the curve.
-        style: How it is drawn.
+        style: Drawing style.
     """
 
     x: FloatArray
@@ -46,7 +46,7 @@ class Picture:
         x_label: Quantity on the abscissa, with unit.
         y_label: Quantity on the ordinate, with unit.
         series: Curves by their names.
-        reading: One sentence on how to read it.
+        reading: Explanation of the picture, one or two sentences.
         log_x: Whether the abscissa is logarithmic.
         log_y: Whether the ordinate is logarithmic.
     """
@@ -63,23 +63,23 @@ class Picture:
 class AbstractSignature(ABC):
     """A kind of picture in which effects leave their signature.
 
-    A new one is a class in a file of its own that
-    1. sets `name`, by which the effects that show in it refer to it (`AbstractEffect.signatures`);
-    2. implements `picture`, a pure function of the evidence that returns None where the log cannot show it.
+    To add a picture, write a class in a file of its own that
+    1. sets `name`, by which effects refer to it (`AbstractEffect.signatures`);
+    2. implements `picture`, a pure function of the data that returns None where the log cannot show the signature.
     """
 
     name: ClassVar[str]
 
     @abstractmethod
-    def picture(self, evidence: SignatureData, location: str) -> Picture | None:
+    def picture(self, data: SignatureData, location: str) -> Picture | None:
         """Compute the picture.
 
         Args:
-            evidence: Logs, models and their predictions.
+            data: Log, models and their predictions.
             location: Location of the effect: a joint, spring, body, "tool", "base" or "all".
 
         Returns:
-            The picture; None where the log does not hold what it needs.
+            The picture; None where the log lacks the required signals.
         """
 
 
@@ -99,12 +99,12 @@ def pictures_for(effect: str) -> tuple[type[AbstractSignature], ...]:
 
 
 def thinned(x: FloatArray, y: FloatArray, most: int = MOST_POINTS) -> tuple[FloatArray, FloatArray]:
-    """Keep the smallest and largest value of each of many equal parts, in order, so that peaks survive.
+    """Reduce a curve to the smallest and largest value of each of many equal parts, so that peaks survive.
 
     Args:
         x: Abscissa, shape (n,).
         y: Ordinate, shape (n,).
-        most: Points to keep at most.
+        most: Largest number of points.
 
     Returns:
         Abscissa and ordinate, shape (k,) with k <= most.
@@ -124,21 +124,21 @@ def binned(x: FloatArray, y: FloatArray, n_bins: int, *, least: int = 10) -> tup
     """Average the ordinate over equal parts of the abscissa.
 
     Args:
-        x: Abscissa, shape (n,); samples that are not finite are left out.
+        x: Abscissa, shape (n,); samples that are not finite are ignored.
         y: Ordinate, shape (n,).
         n_bins: Number of parts.
-        least: Samples that a part needs to be shown.
+        least: Smallest number of samples of a part.
 
     Returns:
-        Mean abscissa and ordinate of the parts that have enough samples, shape (k,).
+        Mean abscissa and ordinate of the parts with enough samples, shape (k,).
     """
     good = np.isfinite(x) & np.isfinite(y)
     x, y = x[good], y[good]
     if len(x) == 0:
         return x, y
     span = float(np.ptp(x))
-    place = np.minimum((n_bins * (x - x.min()) / (span or 1.0)).astype(int), n_bins - 1)
-    count = np.bincount(place, minlength=n_bins)
+    part = np.minimum((n_bins * (x - x.min()) / (span or 1.0)).astype(int), n_bins - 1)
+    count = np.bincount(part, minlength=n_bins)
     enough = count >= least
-    mean = [np.bincount(place, weights=values, minlength=n_bins)[enough] / count[enough] for values in (x, y)]
+    mean = [np.bincount(part, weights=values, minlength=n_bins)[enough] / count[enough] for values in (x, y)]
     return mean[0], mean[1]

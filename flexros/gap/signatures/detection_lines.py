@@ -16,28 +16,28 @@ class DetectionLines(AbstractSignature):
 
     name: ClassVar[str] = "detection_lines"
 
-    def picture(self, evidence: SignatureData, location: str) -> Picture | None:
+    def picture(self, data: SignatureData, location: str) -> Picture | None:
         """Show the lines; None where no periodic part of the log is known."""
-        motor, record = evidence.motor_of(location), evidence.record
-        errors = evidence.before.innovations
+        motor, record = data.motor_of(location), data.record
+        errors = data.before.innovations
         every = [line_levels(errors, record.valid, part, record.sample_time) for part in record.parts]
-        known = [levels for levels in every if levels is not None]
-        if not known:
+        periodic = [levels for levels in every if levels is not None]
+        if not periodic:
             return None
-        levels = max(known, key=lambda one: float((one.power - one.noise)[:, motor].sum()))
+        levels = max(periodic, key=lambda part: float((part.power - part.noise)[:, motor].sum()))
         distance = levels.distance[:, motor]
         series = {}
         for number, name in enumerate(KINDS):
-            mine = levels.kind == number
-            if mine.any():
-                series[name] = Curve(*thinned(levels.frequency[mine], distance[mine]), style="points")
+            rows = levels.kind == number
+            if rows.any():
+                series[name] = Curve(*thinned(levels.frequency[rows], distance[rows]), style="points")
         return Picture(
-            title=f"Prediction errors by lines of a multisine, {evidence.robot.joint_names[motor]}",
+            title=f"Prediction errors by lines of a multisine, {data.robot.joint_names[motor]}",
             x_label="frequency [Hz]",
             y_label="error [standard deviations of noise]",
             series=series,
-            reading="Where only excited lines rise above about 3 the gap is linear; a symmetric nonlinearity raises "
-            "odd detection lines as well, one with a bias the even ones.",
+            reading="Where only excited lines exceed about 3, the gap is linear. A symmetric nonlinearity also raises "
+            "odd detection lines, one with a bias even detection lines.",
             log_x=True,
             log_y=True,
         )

@@ -1,4 +1,4 @@
-"""Torque that acts over the torque that was asked for: saturation, gain, bias."""
+"""Effective torque over commanded torque: saturation, gain, bias."""
 
 from __future__ import annotations
 
@@ -15,32 +15,32 @@ if TYPE_CHECKING:
 BINS = 60
 """Parts of the command over which torques are averaged (chosen)."""
 CLOUD = 800
-"""Single samples that are shown (chosen)."""
+"""Number of single samples shown (chosen)."""
 
 
 class EffectiveTorque(AbstractSignature):
-    """Command plus missing torque, over the command."""
+    """Command plus disturbance torque, over the command."""
 
     name: ClassVar[str] = "effective_torque"
 
-    def picture(self, evidence: SignatureData, location: str) -> Picture | None:
+    def picture(self, data: SignatureData, location: str) -> Picture | None:
         """Average the effective torque over parts of the command."""
-        motor, rows = evidence.motor_of(location), evidence.rows
-        unit, _ = evidence.units(motor)
-        command = evidence.motion.torque[rows, motor]
+        motor, rows = data.motor_of(location), data.rows
+        unit, _ = data.units(motor)
+        command = data.motion.torque[rows, motor]
         if not len(rows) or np.ptp(command) <= 0:
             return None
         ends = np.array([command.min(), command.max()])
-        effective = command + evidence.lacking(motor)["before"]
+        effective = command + data.motor_disturbance(motor)["before"]
         step = max(1, len(rows) // CLOUD)
         return Picture(
-            title=f"Effective over commanded torque, {evidence.robot.joint_names[motor]}",
+            title=f"Effective over commanded torque, {data.robot.joint_names[motor]}",
             x_label=f"torque command [{unit}]",
-            y_label=f"torque that acts [{unit}]",
+            y_label=f"effective torque [{unit}]",
             series={
                 "mean": Curve(*binned(command, effective, BINS)),
                 "as commanded": Curve(ends, ends),
                 "single samples": Curve(*thinned(command[::step], effective[::step]), style="points"),
             },
-            reading="A gain error turns the line, a bias shifts it, saturation bends its ends to a constant level.",
+            reading="A gain error changes the slope of the line, a bias shifts it, and saturation flattens its ends.",
         )

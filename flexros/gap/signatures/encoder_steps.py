@@ -21,18 +21,18 @@ class EncoderSteps(AbstractSignature):
 
     name: ClassVar[str] = "encoder_steps"
 
-    def picture(self, evidence: SignatureData, location: str) -> Picture | None:
+    def picture(self, data: SignatureData, location: str) -> Picture | None:
         """Count the differences, without the largest ones."""
-        motor = evidence.motor_of(location)
-        _, unit = evidence.units(motor)
-        step = np.diff(evidence.record.position[:, motor])
-        step = step[evidence.record.valid[1:] & evidence.record.valid[:-1]]
+        motor = data.motor_of(location)
+        _, unit = data.units(motor)
+        step = np.diff(data.record.position[:, motor])
+        step = step[data.record.valid[1:] & data.record.valid[:-1]]
         reach = float(np.quantile(np.abs(step), 0.6)) if len(step) else 0.0
         if reach <= 0:
             return None
         count, edges = np.histogram(step, BINS, range=(-reach, reach))
         return Picture(
-            title=f"Steps of the encoder, {evidence.robot.joint_names[motor]}",
+            title=f"Steps of the encoder, {data.robot.joint_names[motor]}",
             x_label=f"difference of two successive values [{unit}]",
             y_label="number of samples [1]",
             series={"log": Curve((edges[1:] + edges[:-1]) / 2, count.astype(float), style="bars")},

@@ -21,9 +21,9 @@ LOWEST = 1.0
 PART = 2.0
 """Length of the parts over which spectra of the log are averaged [s] (chosen)."""
 LEAST_COHERENCE = 0.9
-"""Coherence that the log needs at a frequency to be shown (chosen)."""
+"""Smallest coherence of the log at which its response is shown (chosen)."""
 POINTS = 600
-"""Frequencies of the models (chosen)."""
+"""Number of frequencies of the models (chosen)."""
 
 
 class FrequencyResponsePicture(AbstractSignature):
@@ -31,38 +31,38 @@ class FrequencyResponsePicture(AbstractSignature):
 
     name: ClassVar[str] = "frequency_response"
 
-    def picture(self, evidence: SignatureData, location: str) -> Picture | None:
+    def picture(self, data: SignatureData, location: str) -> Picture | None:
         """Compute the responses of the linearised robots, and that of the log where it is coherent."""
-        motor = evidence.motor_of(location)
-        torque_unit, unit = evidence.units(motor)
-        highest = min(250.0, 0.4 / evidence.record.sample_time)
+        motor = data.motor_of(location)
+        torque_unit, unit = data.units(motor)
+        highest = min(250.0, 0.4 / data.record.sample_time)
         frequency = np.geomspace(LOWEST, highest, POINTS)
-        series = {"log": Curve(*_of_log(evidence, motor, highest), style="points")}
-        for name, robot in (("before", evidence.robot), ("after", evidence.repaired)):
+        series = {"log": Curve(*_of_log(data, motor, highest), style="points")}
+        for name, robot in (("before", data.robot), ("after", data.repaired)):
             if robot is not None:
                 response = frequency_response(linear_model(robot), frequency)[:, motor, motor]
                 series[name] = Curve(frequency, (2 * np.pi * frequency) ** 2 * np.abs(response))
         if not len(series["log"].x):
             del series["log"]
         return Picture(
-            title=f"Frequency response, {evidence.robot.joint_names[motor]}",
+            title=f"Frequency response, {data.robot.joint_names[motor]}",
             x_label="frequency [Hz]",
             y_label=f"acceleration per torque [{unit}/s²/{torque_unit}]",
             series=series,
-            reading="Valleys and peaks that move sideways are stiffness or inertia, rounder or sharper ones damping, "
-            "another level of the ends inertia or gain, a pair more is another mode. Of the log, which moves and is in "
-            "closed loop, the response is an approximation.",
+            reading="Antiresonances and resonances at other frequencies show an error of stiffness or inertia, "
+            "wider or narrower ones of damping, another level at the ends of inertia or gain. An additional pair is an "
+            "additional mode. The response of the log is an approximation: the robot moves, in closed loop.",
             log_x=True,
             log_y=True,
         )
 
 
-def _of_log(evidence: SignatureData, motor: int, highest: float) -> tuple[FloatArray, FloatArray]:
+def _of_log(data: SignatureData, motor: int, highest: float) -> tuple[FloatArray, FloatArray]:
     """Estimate the response of all motors to all torques from averaged spectra, and return that of one to its own.
 
-    The reference, where it was recorded, is the instrument that keeps noise in the loop from biasing the estimate.
+    The recorded reference is the instrumental variable, so that noise in the loop does not bias the estimate.
     """
-    record, rows = evidence.record, evidence.rows
+    record, rows = data.record, data.rows
     T, length = record.sample_time, round(PART / record.sample_time)
     if len(rows) < 3 * length or not record.valid.all():
         return np.zeros(0), np.zeros(0)

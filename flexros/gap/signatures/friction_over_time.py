@@ -1,4 +1,4 @@
-"""Torque against the motion over time: drift."""
+"""Disturbance torque against the motion over time: drift."""
 
 from __future__ import annotations
 
@@ -21,24 +21,24 @@ class FrictionOverTime(AbstractSignature):
 
     name: ClassVar[str] = "friction_over_time"
 
-    def picture(self, evidence: SignatureData, location: str) -> Picture | None:
+    def picture(self, data: SignatureData, location: str) -> Picture | None:
         """Average the torque against the motion over parts of the time, without rests."""
-        motor, rows = evidence.motor_of(location), evidence.rows
-        torque_unit, _ = evidence.units(motor)
-        speed = evidence.motion.speed[rows, motor]
+        motor, rows = data.motor_of(location), data.rows
+        torque_unit, _ = data.units(motor)
+        speed = data.motion.speed[rows, motor]
         moving = np.abs(speed) > 0.02 * np.abs(speed).max(initial=0.0)
         if not moving.any():
             return None
-        time = rows * evidence.record.sample_time
+        time = rows * data.record.sample_time
         series = {
             name: Curve(*binned(time[moving], -(torque * np.sign(speed))[moving], BINS))
-            for name, torque in evidence.lacking(motor).items()
+            for name, torque in data.motor_disturbance(motor).items()
         }
         return Picture(
-            title=f"Friction over time, {evidence.robot.joint_names[motor]}",
+            title=f"Friction over time, {data.robot.joint_names[motor]}",
             x_label="time [s]",
-            y_label=f"torque against the motion that the model lacks [{torque_unit}]",
+            y_label=f"disturbance torque against the motion [{torque_unit}]",
             series=series,
-            reading="A constant level is friction; a level that falls or rises through the log is friction drift, as "
-            "with warming grease.",
+            reading="A constant level is friction. A level that falls or rises during the log is friction drift, for "
+            "example of warming grease.",
         )

@@ -1,4 +1,4 @@
-"""Data that the pictures of signatures are computed from."""
+"""Input data of the pictures of signatures."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.signatures.missing_torque import missing_torque
+from flexros.gap.signatures.disturbance_torque import disturbance_torque
 from flexros.gap.where.motion import MotorMotion, motion_of
 
 if TYPE_CHECKING:
@@ -48,33 +48,33 @@ class SignatureData:
         return motion_of(self.record, self.robot, self.before.states)
 
     @cached_property
-    def missing(self) -> FloatArray:
-        """Torques at the motors that the nominal model lacks [Nm or N], shape (n, M)."""
-        return missing_torque(self.before.innovations, self.record, self.robot, self.observer)
+    def disturbance(self) -> FloatArray:
+        """Disturbance torques at the motors with the nominal model [Nm or N], shape (n, M)."""
+        return disturbance_torque(self.before.innovations, self.record, self.robot, self.observer)
 
     @cached_property
-    def missing_after(self) -> FloatArray | None:
-        """The same of the repaired model; None where nothing was repaired."""
+    def disturbance_after(self) -> FloatArray | None:
+        """Disturbance torques with the repaired model; None where nothing was repaired."""
         if self.after is None:
             return None
-        return missing_torque(self.after.innovations, self.record, self.robot, self.observer)
+        return disturbance_torque(self.after.innovations, self.record, self.robot, self.observer)
 
     @cached_property
-    def missing_in_gears(self) -> dict[str, FloatArray]:
-        """Torques that the gears transmit less than their nominal springs and dampers [Nm or N].
+    def gear_disturbance(self) -> dict[str, FloatArray]:
+        """Torques by which the gears transmit less than their nominal springs and dampers [Nm or N].
 
-        "before", and "after" where something was repaired; shape (n, M) each, without their slow part.
+        Keys are "before", and "after" where there is a repaired model; shape (n, M) each, without their slow part.
         """
-        found = {}
+        torques = {}
         for name, prediction in (("before", self.before), ("after", self.after)):
             if prediction is not None:
                 errors = prediction.innovations
-                found[name] = missing_torque(errors, self.record, self.robot, self.observer, entry="gear")
-        return found
+                torques[name] = disturbance_torque(errors, self.record, self.robot, self.observer, entry="gear")
+        return torques
 
     @cached_property
     def rows(self) -> IntArray:
-        """Measured samples, without the beginning and the end, where estimates have not settled."""
+        """Indices of measured samples without beginning and end, where the estimates have not settled, shape (k,)."""
         n = self.record.n_samples
         first = max(self.before.first, min(self.observer.settling, n // 10))
         inside = np.zeros(n, dtype=bool)
@@ -85,16 +85,16 @@ class SignatureData:
         """Return the units of a motor's torque and position: "Nm" and "rad", or "N" and "m"."""
         return self.robot.motors[motor].torque_unit, self.robot.motors[motor].position_unit
 
-    def lacking(self, motor: int) -> dict[str, FloatArray]:
-        """Return the torque that the models lack at a motor, at the samples `rows`.
+    def motor_disturbance(self, motor: int) -> dict[str, FloatArray]:
+        """Return the disturbance torques at a motor, at the samples `rows`.
 
         Returns:
             Torques [Nm or N] "before", and "after" where there is a repaired model, shape (k,).
         """
-        found = {"before": self.missing[self.rows, motor]}
-        if self.missing_after is not None:
-            found["after"] = self.missing_after[self.rows, motor]
-        return found
+        torques = {"before": self.disturbance[self.rows, motor]}
+        if self.disturbance_after is not None:
+            torques["after"] = self.disturbance_after[self.rows, motor]
+        return torques
 
     def motor_of(self, location: str) -> int:
         """Return the index of the motor that a location belongs to.

@@ -1,4 +1,4 @@
-"""Time shift of the torque that acts against the command: delay and lag."""
+"""Time shift of the effective torque relative to the command: delay and lag."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 HIGHEST = 40.0
-"""Highest frequency shown [Hz]; above it the missing torque is not estimated (chosen)."""
+"""Highest frequency shown [Hz]; above it the disturbance torque is not estimated (chosen)."""
 PART = 2.0
 """Length of the parts over which spectra are averaged [s] (chosen)."""
 LEAST_POWER = 1e-3
@@ -22,32 +22,32 @@ LEAST_POWER = 1e-3
 
 
 class TimeShift(AbstractSignature):
-    """Phase between command and command plus missing torque, as a time."""
+    """Phase between the command and the effective torque, expressed as a time."""
 
     name: ClassVar[str] = "time_shift"
 
-    def picture(self, evidence: SignatureData, location: str) -> Picture | None:
-        """Compute the time shift by frequency; None where the log is too short or the command is nil."""
-        motor, rows = evidence.motor_of(location), evidence.rows
-        T = evidence.record.sample_time
+    def picture(self, data: SignatureData, location: str) -> Picture | None:
+        """Compute the time shift by frequency; None where the log is too short or the command is zero."""
+        motor, rows = data.motor_of(location), data.rows
+        T = data.record.sample_time
         length = round(PART / T)
         if len(rows) < 3 * length:
             return None
-        command = evidence.motion.torque[rows, motor]
+        command = data.motion.torque[rows, motor]
         frequency, power = welch(command, 1 / T, nperseg=length)
         if not power.max() > 0:
             return None
         shown = (frequency > 1) & (frequency < HIGHEST) & (power > LEAST_POWER * power.max())
         series = {}
-        for name, torque in evidence.lacking(motor).items():
+        for name, torque in data.motor_disturbance(motor).items():
             _, cross = csd(command, command + torque, 1 / T, nperseg=length)
             shift = -np.angle(cross[shown]) / (2 * np.pi * frequency[shown])
             series[name] = Curve(frequency[shown], 1e3 * shift, style="points")
         return Picture(
-            title=f"Time shift of the torque, {evidence.robot.joint_names[motor]}",
+            title=f"Time shift of the torque, {data.robot.joint_names[motor]}",
             x_label="frequency [Hz]",
-            y_label="time by which the torque comes after the model's [ms]",
+            y_label="delay of the torque relative to the model [ms]",
             series=series,
-            reading="A delay shifts all frequencies by the same time, a lag by less towards its corner frequency; a "
-            "repaired model is at zero.",
+            reading="A delay shifts all frequencies by the same time, a lag shifts them less towards its corner "
+            "frequency. A repaired model is at zero.",
         )

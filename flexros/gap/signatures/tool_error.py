@@ -17,25 +17,25 @@ class ToolError(AbstractSignature):
 
     name: ClassVar[str] = "tool_error"
 
-    def picture(self, evidence: SignatureData, location: str) -> Picture | None:
+    def picture(self, data: SignatureData, location: str) -> Picture | None:
         """Show the three components; None where the tool was not measured."""
-        tool, error = evidence.record.tool, evidence.tool_error
+        tool, error = data.record.tool, data.tool_error
         if tool is None or error is None or not len(error):
             return None
-        motor = evidence.motor_of(location)
-        _, unit = evidence.units(motor)
-        time = np.arange(evidence.record.n_samples) * evidence.record.sample_time
-        position = np.interp(tool.time, time, evidence.record.position[:, motor])
+        motor = data.motor_of(location)
+        _, unit = data.units(motor)
+        time = np.arange(data.record.n_samples) * data.record.sample_time
+        position = np.interp(tool.time, time, data.record.position[:, motor])
         order = np.argsort(position, kind="stable")
         series = {
-            axis: Curve(*thinned(position[order], 1e3 * error[order, number], 600), style="points")
-            for number, axis in enumerate("xyz")
+            axis: Curve(*thinned(position[order], 1e3 * error[order, column], 600), style="points")
+            for column, axis in enumerate("xyz")
         }
         return Picture(
-            title=f"Error of the tool over the position of {evidence.robot.joint_names[motor]}",
+            title=f"Error of the tool over the position of {data.robot.joint_names[motor]}",
             x_label=f"position of the motor [{unit}]",
             y_label="measured minus predicted position of the tool [mm]",
             series=series,
             reading="A curve that depends on the position alone is an error of lengths or angles; scatter is motion "
-            "that the model lacks.",
+            "that the model does not predict.",
         )

@@ -1,4 +1,4 @@
-"""Missing torque over the acceleration of a motor: inertia, payload, gain."""
+"""Disturbance torque over the acceleration of a motor: inertia, payload, gain."""
 
 from __future__ import annotations
 
@@ -17,23 +17,25 @@ BINS = 50
 
 
 class TorqueOverAcceleration(AbstractSignature):
-    """Mean missing torque by acceleration."""
+    """Mean disturbance torque by acceleration."""
 
     name: ClassVar[str] = "torque_over_acceleration"
 
-    def picture(self, evidence: SignatureData, location: str) -> Picture | None:
-        """Average the missing torque over parts of the acceleration."""
-        motor, rows = evidence.motor_of(location), evidence.rows
-        torque_unit, unit = evidence.units(motor)
-        acceleration = evidence.motion.acceleration[rows, motor]
+    def picture(self, data: SignatureData, location: str) -> Picture | None:
+        """Average the disturbance torque over parts of the acceleration."""
+        motor, rows = data.motor_of(location), data.rows
+        torque_unit, unit = data.units(motor)
+        acceleration = data.motion.acceleration[rows, motor]
         if not len(rows) or np.ptp(acceleration) <= 0:
             return None
-        series = {name: Curve(*binned(acceleration, torque, BINS)) for name, torque in evidence.lacking(motor).items()}
+        series = {
+            name: Curve(*binned(acceleration, torque, BINS)) for name, torque in data.motor_disturbance(motor).items()
+        }
         return Picture(
-            title=f"Missing torque over acceleration, {evidence.robot.joint_names[motor]}",
+            title=f"Disturbance torque over acceleration, {data.robot.joint_names[motor]}",
             x_label=f"acceleration of the motor [{unit}/s²]",
-            y_label=f"torque that the model lacks [{torque_unit}]",
+            y_label=f"disturbance torque [{torque_unit}]",
             series=series,
             reading="A straight line through zero is an inertia that is too small (falling) or too large (rising) in "
-            "the model; an error of the torque gain looks the same except for springs and gravity.",
+            "the model. An error of the torque gain looks the same except for springs and gravity.",
         )

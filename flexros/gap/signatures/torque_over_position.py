@@ -1,4 +1,4 @@
-"""Missing torque over the position of a motor: gravity and bias."""
+"""Disturbance torque over the position of a motor: gravity and bias."""
 
 from __future__ import annotations
 
@@ -15,27 +15,27 @@ BINS = 80
 
 
 class TorqueOverPosition(AbstractSignature):
-    """Mean missing torque by position, forward and backward separately."""
+    """Mean disturbance torque by position, forward and backward separately."""
 
     name: ClassVar[str] = "torque_over_position"
 
-    def picture(self, evidence: SignatureData, location: str) -> Picture | None:
-        """Average the missing torque over parts of the position."""
-        motor = evidence.motor_of(location)
-        torque_unit, unit = evidence.units(motor)
-        position = evidence.motion.position[evidence.rows, motor]
-        speed = evidence.motion.speed[evidence.rows, motor]
+    def picture(self, data: SignatureData, location: str) -> Picture | None:
+        """Average the disturbance torque over parts of the position."""
+        motor = data.motor_of(location)
+        torque_unit, unit = data.units(motor)
+        position = data.motion.position[data.rows, motor]
+        speed = data.motion.speed[data.rows, motor]
         series = {}
-        for name, torque in evidence.lacking(motor).items():
-            for way, inside in (("forward", speed > 0), ("backward", speed < 0)):
-                series[f"{name}, {way}"] = Curve(*binned(position[inside], torque[inside], BINS))
+        for name, torque in data.motor_disturbance(motor).items():
+            for direction, inside in (("forward", speed > 0), ("backward", speed < 0)):
+                series[f"{name}, {direction}"] = Curve(*binned(position[inside], torque[inside], BINS))
         if not any(len(curve.x) for curve in series.values()):
             return None
         return Picture(
-            title=f"Missing torque over position, {evidence.robot.joint_names[motor]}",
+            title=f"Disturbance torque over position, {data.robot.joint_names[motor]}",
             x_label=f"position of the motor [{unit}]",
-            y_label=f"torque that the model lacks [{torque_unit}]",
+            y_label=f"disturbance torque [{torque_unit}]",
             series=series,
-            reading="A gravity error is a sine of the position, equal in both directions; a bias is constant; friction "
+            reading="A gravity error is a sine of the position, equal in both directions. A bias is constant. Friction "
             "is the distance between the two directions.",
         )

@@ -1,4 +1,4 @@
-"""Missing torque over one turn of the rotor: ripple."""
+"""Disturbance torque over one turn of the rotor: ripple."""
 
 from __future__ import annotations
 
@@ -17,28 +17,28 @@ BINS = 180
 
 
 class TorqueOverRotorAngle(AbstractSignature):
-    """Mean missing torque over one turn of the rotor, forward and backward separately."""
+    """Mean disturbance torque over one turn of the rotor, forward and backward separately."""
 
     name: ClassVar[str] = "torque_over_rotor_angle"
 
-    def picture(self, evidence: SignatureData, location: str) -> Picture | None:
-        """Average the missing torque over parts of a turn; None where the rotor makes less than one turn."""
-        motor = evidence.motor_of(location)
-        torque_unit, _ = evidence.units(motor)
-        angle = evidence.motion.rotor_angle[evidence.rows, motor]
+    def picture(self, data: SignatureData, location: str) -> Picture | None:
+        """Average the disturbance torque over parts of a turn; None where the rotor makes less than one turn."""
+        motor = data.motor_of(location)
+        torque_unit, _ = data.units(motor)
+        angle = data.motion.rotor_angle[data.rows, motor]
         if not len(angle) or np.ptp(angle) < 2 * np.pi:
             return None
-        turn, speed = np.mod(angle, 2 * np.pi), evidence.motion.speed[evidence.rows, motor]
+        turn, speed = np.mod(angle, 2 * np.pi), data.motion.speed[data.rows, motor]
         series = {}
-        for name, torque in evidence.lacking(motor).items():
-            for way, inside in (("forward", speed > 0), ("backward", speed < 0)):
+        for name, torque in data.motor_disturbance(motor).items():
+            for direction, inside in (("forward", speed > 0), ("backward", speed < 0)):
                 level = torque[inside] - torque[inside].mean() if inside.any() else torque[inside]
-                series[f"{name}, {way}"] = Curve(*binned(turn[inside], level, BINS))
+                series[f"{name}, {direction}"] = Curve(*binned(turn[inside], level, BINS))
         return Picture(
-            title=f"Missing torque over one turn of the rotor, {evidence.robot.joint_names[motor]}",
+            title=f"Disturbance torque over one turn of the rotor, {data.robot.joint_names[motor]}",
             x_label="angle of the rotor [rad]",
-            y_label=f"torque that the model lacks, without its mean [{torque_unit}]",
+            y_label=f"disturbance torque without its mean [{torque_unit}]",
             series=series,
-            reading="Harmonics of the rotor angle repeat from turn to turn: equal in both directions for cogging, "
-            "shifted between them where they enter as an angle; their number per turn is the order.",
+            reading="Harmonics of the rotor angle repeat from turn to turn. Those of a torque (cogging) are equal in "
+            "both directions, those of an angle are shifted between them. Their number per turn is the order.",
         )

@@ -1,4 +1,4 @@
-"""Torsion of a gear beyond its nominal spring, over the torque: backlash, hysteresis, stiffness."""
+"""Torsion of a gear in excess of its nominal spring, over the torque: backlash, hysteresis, stiffness."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 CLOUD = 1500
-"""Single samples that are shown (chosen)."""
+"""Number of single samples shown (chosen)."""
 BINS = 60
 """Parts of the torque over which torsions are averaged (chosen)."""
 
@@ -23,16 +23,16 @@ class TorsionOverTorque(AbstractSignature):
 
     name: ClassVar[str] = "torsion_over_torque"
 
-    def picture(self, evidence: SignatureData, location: str) -> Picture | None:
+    def picture(self, data: SignatureData, location: str) -> Picture | None:
         """Show torsion over torque; None for a rigid gear and where no states were kept."""
-        motor, rows = evidence.motor_of(location), evidence.rows
-        torque_unit, unit = evidence.units(motor)
-        torsion, nominal = evidence.motion.torsion[rows, motor], evidence.motion.gear_torque[rows, motor]
+        motor, rows = data.motor_of(location), data.rows
+        torque_unit, unit = data.units(motor)
+        torsion, nominal = data.motion.torsion[rows, motor], data.motion.gear_torque[rows, motor]
         if not len(rows) or not np.isfinite(torsion).any():
             return None
-        missing = {name: torque[rows, motor] for name, torque in evidence.missing_in_gears.items()}
+        disturbance = {name: torque[rows, motor] for name, torque in data.gear_disturbance.items()}
         stiffness = float(nominal @ nominal / (nominal @ torsion)) if nominal @ torsion else np.inf
-        torque, extra = nominal - missing["before"], missing["before"] / stiffness
+        torque, extra = nominal - disturbance["before"], disturbance["before"] / stiffness
         step = max(1, len(rows) // CLOUD)
         rising = np.gradient(nominal) > 0
         series = {
@@ -40,13 +40,13 @@ class TorsionOverTorque(AbstractSignature):
             "falling torque": Curve(*binned(torque[~rising], extra[~rising], BINS)),
             "single samples": Curve(*thinned(torque[::step], extra[::step]), style="points"),
         }
-        if "after" in missing:
-            series["after"] = Curve(*binned(nominal, missing["after"] / stiffness, BINS))
+        if "after" in disturbance:
+            series["after"] = Curve(*binned(nominal, disturbance["after"] / stiffness, BINS))
         return Picture(
-            title=f"Torsion over transmitted torque, {evidence.robot.joint_names[motor]}",
+            title=f"Torsion over transmitted torque, {data.robot.joint_names[motor]}",
             x_label=f"torque through the gear [{torque_unit}]",
-            y_label=f"torsion beyond that of the nominal spring [{unit}]",
+            y_label=f"torsion in excess of the nominal spring [{unit}]",
             series=series,
             reading="Backlash is a step at zero torque, hysteresis a loop between rising and falling torque, a "
-            "nonlinear spring a curve, a wrong stiffness a slope; the nominal gear is at zero.",
+            "nonlinear spring a curve, a stiffness error a slope. The nominal gear is at zero.",
         )

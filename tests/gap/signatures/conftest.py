@@ -1,4 +1,4 @@
-"""Evidence of logs with one effect each."""
+"""Signature data of logs with one effect each."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from tests.oracles.linear_gap import LinearLog, Torque, linear_log, nothing
 def swing(n: int, sample_time: float, amplitude: float, hertz: float) -> FloatArray:
     """Let the motor swing, with some faster motion on top."""
     time = sample_time * np.arange(n)[:, None]
-    wave = (
+    shape = (
         np.sin(2 * np.pi * hertz * time) + 0.02 * np.sin(2 * np.pi * 7.3 * time) + 0.01 * np.sin(2 * np.pi * 19 * time)
     )
-    return np.asarray(np.minimum(time, 1.0) * amplitude * wave)
+    return np.asarray(np.minimum(time, 1.0) * amplitude * shape)
 
 
-def axis(missing: Torque) -> LinearLog:
+def axis(disturbance: Torque) -> LinearLog:
     robot = load_robot("four_mass_linear")
-    return linear_log(robot, swing(16000, robot.sample_time, 12.0, 0.4), (10.0, 0.8), missing)
+    return linear_log(robot, swing(16000, robot.sample_time, 12.0, 0.4), (10.0, 0.8), disturbance)
 
 
-def evidence_of(log: LinearLog, repaired: LinearLog) -> SignatureData:
+def signature_data_of(log: LinearLog, repaired: LinearLog) -> SignatureData:
     return SignatureData(log.robot, log.record, log.observer, log.prediction, repaired.prediction, log.robot)
 
 
@@ -44,7 +44,7 @@ def friction(no_gap: LinearLog) -> SignatureData:
         del time, position, command
         return np.asarray(-0.3 * np.tanh(speed / 0.05))
 
-    return evidence_of(axis(torque), no_gap)
+    return signature_data_of(axis(torque), no_gap)
 
 
 @pytest.fixture(scope="session")
@@ -55,7 +55,7 @@ def ripple(no_gap: LinearLog) -> SignatureData:
         del time, speed, command
         return np.asarray(0.1 * np.sin(6 * position))
 
-    return evidence_of(axis(torque), no_gap)
+    return signature_data_of(axis(torque), no_gap)
 
 
 @pytest.fixture(scope="session")
@@ -68,7 +68,7 @@ def late(no_gap: LinearLog) -> SignatureData:
         line.append(command)
         return np.asarray(line.pop(0) - command)
 
-    return evidence_of(axis(torque), no_gap)
+    return signature_data_of(axis(torque), no_gap)
 
 
 @pytest.fixture(scope="session")
@@ -79,7 +79,7 @@ def weak(no_gap: LinearLog) -> SignatureData:
         del time, position, speed
         return np.asarray(-0.1 * command)
 
-    return evidence_of(axis(torque), no_gap)
+    return signature_data_of(axis(torque), no_gap)
 
 
 def with_gear(part: Callable[[float], float], no_gap: LinearLog) -> SignatureData:
@@ -90,7 +90,7 @@ def with_gear(part: Callable[[float], float], no_gap: LinearLog) -> SignatureDat
         0.25 * np.sin(np.pi * time / 8) * sum(np.sin(2 * np.pi * hertz * time + hertz) for hertz in (2.3, 4.1, 7.7))
     )
     log = linear_log(robot, shaken[:, None], (10.0, 0.8), gear=lambda torsion: 100.0 * (part(torsion) - torsion))
-    return evidence_of(log, no_gap)
+    return signature_data_of(log, no_gap)
 
 
 @pytest.fixture(scope="session")

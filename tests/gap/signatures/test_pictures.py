@@ -1,4 +1,4 @@
-"""Signatures of effects in their pictures."""
+"""Each effect shows its signature in its picture."""
 
 from __future__ import annotations
 
@@ -9,34 +9,34 @@ import pytest
 
 from flexros.effects import parse_effect, place_effects
 from flexros.gap.signatures.base import Picture, signatures
-from flexros.gap.signatures.missing_torque import missing_torque
+from flexros.gap.signatures.disturbance_torque import disturbance_torque
 from flexros.gap.signatures.signature_data import SignatureData
 from flexros.record.record import ToolRecord
 
 pytestmark = pytest.mark.slow
 
 
-def picture(name: str, evidence: SignatureData) -> Picture:
-    found = signatures()[name]().picture(evidence, "motor_1")
-    assert found is not None
-    return found
+def picture(name: str, data: SignatureData) -> Picture:
+    result = signatures()[name]().picture(data, "motor_1")
+    assert result is not None
+    return result
 
 
-def test_missing_torque_is_what_was_missing(friction: SignatureData) -> None:
+def test_disturbance_torque_is_the_friction(friction: SignatureData) -> None:
     speed = friction.motion.speed[friction.rows, 0]
     expected = -0.3 * np.tanh(speed / 0.05)
-    found = friction.missing[friction.rows, 0]
-    assert np.sqrt(np.mean((found - expected) ** 2)) < 0.25 * 0.3
+    estimate = friction.disturbance[friction.rows, 0]
+    assert np.sqrt(np.mean((estimate - expected) ** 2)) < 0.25 * 0.3
 
 
-def test_no_torque_is_missing_without_a_gap(friction: SignatureData) -> None:
-    assert friction.missing_after is not None
-    assert np.std(friction.missing_after[friction.rows]) < 0.02
+def test_disturbance_torque_is_zero_without_a_gap(friction: SignatureData) -> None:
+    assert friction.disturbance_after is not None
+    assert np.std(friction.disturbance_after[friction.rows]) < 0.02
 
 
-def test_missing_torque_is_linear_in_the_errors(friction: SignatureData) -> None:
-    twice = missing_torque(2 * friction.before.innovations, friction.record, friction.robot, friction.observer)
-    assert twice == pytest.approx(2 * friction.missing)
+def test_disturbance_torque_is_linear_in_the_errors(friction: SignatureData) -> None:
+    twice = disturbance_torque(2 * friction.before.innovations, friction.record, friction.robot, friction.observer)
+    assert twice == pytest.approx(2 * friction.disturbance)
 
 
 def test_friction_is_a_step_over_speed(friction: SignatureData) -> None:
@@ -47,7 +47,7 @@ def test_friction_is_a_step_over_speed(friction: SignatureData) -> None:
     assert np.abs(repaired.y).max() < 0.05
 
 
-def test_friction_is_there_at_once_after_a_reversal(friction: SignatureData) -> None:
+def test_friction_acts_at_once_after_a_reversal(friction: SignatureData) -> None:
     curve = picture("torque_after_reversal", friction).series["before"]
     assert curve.y[curve.x > 0.5] == pytest.approx(0.3, abs=0.06)
 
@@ -65,11 +65,11 @@ def test_ripple_is_a_peak_at_its_order(ripple: SignatureData) -> None:
     assert curve.y.max() > 5 * np.median(curve.y)
 
 
-def test_ripple_is_a_wave_over_a_turn(ripple: SignatureData) -> None:
+def test_ripple_is_a_harmonic_over_a_turn(ripple: SignatureData) -> None:
     curve = picture("torque_over_rotor_angle", ripple).series["before, forward"]
-    wave = np.sin(6 * curve.x)
-    assert 2 * np.mean(wave * curve.y) > 0.04
-    rest = curve.y - 2 * np.mean(wave * curve.y) * wave
+    harmonic = np.sin(6 * curve.x)
+    assert 2 * np.mean(harmonic * curve.y) > 0.04
+    rest = curve.y - 2 * np.mean(harmonic * curve.y) * harmonic
     assert rest.std() < curve.y.std()
 
 
@@ -114,8 +114,8 @@ def test_response_of_the_log_is_that_of_the_robot(friction: SignatureData) -> No
 def test_stiffness_moves_the_peaks_of_the_response(friction: SignatureData) -> None:
     robot = friction.robot
     softer = place_effects(robot, [parse_effect("stiffness_error@body_1.rz:relative=-0.3", "test")]).robot
-    found = picture("frequency_response", replace(friction, repaired=softer))
-    before, after = found.series["before"], found.series["after"]
+    response = picture("frequency_response", replace(friction, repaired=softer))
+    before, after = response.series["before"], response.series["after"]
     assert before.x[before.y.argmin()] > 1.02 * after.x[after.y.argmin()]
 
 
@@ -139,10 +139,10 @@ def test_tool_errors_are_shown_over_the_position(friction: SignatureData) -> Non
     assert curve.y == pytest.approx(0.1 * curve.x, abs=1e-6)
 
 
-def test_position_tells_bias_from_friction(friction: SignatureData) -> None:
+def test_torque_over_position_separates_bias_from_friction(friction: SignatureData) -> None:
     series = picture("torque_over_position", friction).series
     assert series["before, forward"].y.mean() == pytest.approx(-series["before, backward"].y.mean(), abs=0.03)
 
 
-def test_places_are_led_back_to_motors(friction: SignatureData) -> None:
+def test_locations_are_assigned_to_motors(friction: SignatureData) -> None:
     assert friction.motor_of("motor_1") == friction.motor_of("body_2.rz") == friction.motor_of("tool") == 0

@@ -1,11 +1,12 @@
-"""Torques that a model lacks, estimated from its prediction errors.
+"""Disturbance torques of a model, estimated from its prediction errors.
 
-With the predictor's error x = state minus predicted state, a missing torque d at the motors and the noise n,
+With the predictor's error x = state minus predicted state, a disturbance torque d at the motors and noise n,
 
     e_k = C x_k + n_k,   x_k+1 = F (I - K C) x_k + B d_k - F K n_k,
 
-so that E = G D + H N with G = C (zI - F(I - KC))^-1 B and H = I - C (zI - F(I - KC))^-1 F K. With d as a random walk of
-the power density q / |1 - 1/z|^2, the best estimate from the whole log is that of Wiener (1949),
+so that E = G D + H N with G = C (zI - F(I - KC))^-1 B and H = I - C (zI - F(I - KC))^-1 F K. With d
+modelled as a random walk of power density q / |1 - 1/z|^2, the best estimate from the whole log is that of Wiener
+(1949),
 
     D = S G^H (G S G^H + H R H^H)^-1 E,
 
@@ -29,19 +30,19 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 BANDWIDTH = 60.0
-"""Frequency [Hz] at which assumed missing torque and noise are equally large in the prediction errors (chosen)."""
+"""Frequency [Hz] at which the assumed disturbance torque and noise contribute equally to prediction errors (chosen)."""
 
 SLOWEST = 1.0
-"""Frequency [Hz] below which torques in gears are not assumed to grow, as they are not observable (chosen)."""
+"""Frequency [Hz] below which the assumed torques in gears are constant, as they are not observable (chosen)."""
 LEAST_NOISE = 0.01
-"""Power of noise that is assumed even where the predictor passes none, as at zero frequency [1] (chosen)."""
+"""Relative noise power that is added because the predictor passes none at zero frequency [1] (chosen)."""
 FADE = 0.3
-"""Time within which prediction errors are faded in and out at the ends of a log [s] (chosen)."""
+"""Duration of the fade of the prediction errors at both ends of a log [s] (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
 class _ErrorDynamics:
-    """Dynamics from noise and missing torques to the prediction errors of a predictor with a fixed gain.
+    """Dynamics from noise and disturbance torques to the prediction errors of a predictor with a fixed gain.
 
     Attributes:
         transition: F (I - K C), shape (n_x, n_x).
@@ -63,7 +64,7 @@ class _ErrorDynamics:
 
         Args:
             z: Points on the unit circle, shape (F,).
-            entry: B, how the input enters the state, shape (n_x, k).
+            entry: Input matrix B, shape (n_x, k).
 
         Returns:
             Response, shape (F, M, k).
@@ -75,7 +76,7 @@ class _ErrorDynamics:
         return np.asarray(np.einsum("ai,fi,ib->fab", left, modal, right, optimize=True))
 
 
-def missing_torque(
+def disturbance_torque(
     innovations: FloatArray,
     record: Record,
     robot: Robot,
@@ -84,20 +85,20 @@ def missing_torque(
     bandwidth: float = BANDWIDTH,
     entry: Literal["motor", "gear"] = "motor",
 ) -> FloatArray:
-    """Estimate the missing torques of all samples.
+    """Estimate the disturbance torques at all samples.
 
     Args:
         innovations: Prediction errors [rad or m], shape (n, M).
         record: The log.
-        robot: The model that made the predictions, linearised at rest.
-        observer: The gain that it was made with.
+        robot: The model of the predictions; it is linearised at rest.
+        observer: Observer gain of the predictions.
         q_a: Arm coordinates of the pose [rad or m], shape (N,); default: home.
         bandwidth: Frequency [Hz] above which the estimate decays to zero.
-        entry: Whether the torques act on the motors alone, or in the gears, between motor and arm. The latter do not
-            move the robot as a whole, so that their slow part is not observable and its estimate is zero.
+        entry: "motor" for torques on the motors alone, "gear" for torques between motor and arm. The latter do not
+            move the robot as a whole, so their slow part is not observable and its estimate is zero.
 
     Returns:
-        Torques that have to be added at the motors [Nm or N], shape (n, M).
+        Torques to be added to those of the model [Nm or N], shape (n, M).
     """
     n = len(innovations)
     dynamics = _ErrorDynamics.of(observer)
@@ -136,7 +137,7 @@ def _torque_response(
 
 
 def _noise(dynamics: _ErrorDynamics, sd: FloatArray, z: ComplexArray) -> ComplexArray:
-    """Return H R H^H with the least noise added, shape (F, M, M)."""
+    """Return H R H^H plus `LEAST_NOISE`, shape (F, M, M)."""
     H = np.eye(len(sd)) - dynamics.response(z, dynamics.injection)
     variance = np.maximum(sd, 1e-12) ** 2
     return np.asarray(np.einsum("fij,j,fkj->fik", H, variance, H.conj()) + LEAST_NOISE * np.diag(variance))
@@ -157,9 +158,9 @@ def _wiener(
     Args:
         path: G, shape (F, M, M).
         noise: H R H^H, shape (F, M, M).
-        steadiness: Inverse of the assumed power density of the torques, up to its level, shape (F,).
+        steadiness: Inverse of the assumed power density of the torques, up to a factor, shape (F,).
         error: Spectrum of the prediction errors, shape (F, M).
-        middle: Frequency at which torques and noise are assumed to be equally large in the errors.
+        middle: Index of the frequency at which torques and noise are assumed to contribute equally to the errors.
 
     Returns:
         Spectrum, shape (F, M).
