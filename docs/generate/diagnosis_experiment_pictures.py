@@ -45,7 +45,7 @@ def course() -> str:
     experiment = Experiment.prepare(scenario)
     log = closed_loop(experiment)
     assert log.joint_commands is not None
-    time = np.arange(experiment.n_samples) * experiment.sample_time
+    time = np.arange(experiment.n_samples, dtype=float) * experiment.sample_time
     made = diagnosis_course(
         scenario.diagnosis,
         experiment.nominal,
@@ -54,7 +54,7 @@ def course() -> str:
         scenario.seed,
         experiment.start,
     )
-    rows = []
+    rows: list[list[Panel]] = []
     for title, values, ticks in (
         ("motor position [rad]", log.joint_states.position, (-50, -25, 0, 25, 50, 75, 100)),
         ("torque [Nm]", log.joint_commands.effort, (-20, -10, 0, 10, 20)),

@@ -6,7 +6,7 @@ import inspect
 import re
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 from effects_pictures import DRAWINGS, pictures
 
@@ -107,8 +107,9 @@ def _table(kind: type[AbstractEffect]) -> str:
 def _sizes(kind: type[AbstractEffect]) -> list[str]:
     """List the parameters that switch an effect on."""
     if issubclass(kind, AbstractLaw) and "neutral" in vars(kind):
-        numbers = [name for name, field in kind.model_fields.items() if field.annotation is float]
-        return [name for name in numbers if not kind.model_construct(**{name: 0.1}).neutral]
+        names = [name for name, field in kind.model_fields.items() if field.annotation is float]
+        single: list[dict[str, Any]] = [{name: 0.1} for name in names]
+        return [name for name, values in zip(names, single) if not kind.model_construct(**values).neutral]
     return [getattr(kind, "size", "relative")]
 
 

@@ -20,7 +20,7 @@ TWO_MASS, ELBOW, E12 = load_robot("two_mass"), load_robot("elbow"), load_robot("
 SLIDE = load_robot("emps").with_values({"motor_1.viscous_friction": 0.0})
 MASS = SLIDE.parameters["body_1.mass"].value
 SPEED, WAY, TIME = "speed [m/s]", "way [m]", "time [s]"
-MISSING, FORCE = "missing force [N]", "force [N]"
+DISTURBANCE, FORCE = "disturbance force [N]", "force [N]"
 ACCELERATION, FREQUENCY = "acceleration per torque [dB]", "frequency [Hz]"
 MARKS = (5.0, 10.0, 20.0, 50.0)
 Panels = Sequence[Panel]
@@ -31,9 +31,9 @@ def swing(size: float, frequency: float = 1.0) -> Callable[[float], list[float]]
     return lambda time: [size * float(np.cos(2 * np.pi * frequency * time))]
 
 
-def missing(moved: Run) -> FloatArray:
-    """Return the force that the slide gets beyond the commanded one [N]."""
-    return MASS * moved.acceleration(0) - moved.command[:, 0]
+def disturbance(moved: Run) -> FloatArray:
+    """Return the disturbance force on the slide [N]."""
+    return np.asarray(MASS * moved.acceleration(0) - moved.command[:, 0])
 
 
 def of_slide(*texts: str, size: float = 150.0, frequency: float = 1.0, duration: float = 2.0) -> Run:
@@ -42,20 +42,27 @@ def of_slide(*texts: str, size: float = 150.0, frequency: float = 1.0, duration:
 
 
 def over_speed(text: str, size: float = 150.0) -> Panels:
-    """Draw the missing force over the speed."""
+    """Draw the disturbance force over the speed."""
     moved = of_slide(*text.split(), size=size)
     inner = slice(5, -5)
     speed = moved.speed[inner, 0]
-    return [panel("on a slide", SPEED, MISSING, [nominal(speed, 0 * speed), changed(speed, missing(moved)[inner])])]
+    return [
+        panel("on a slide", SPEED, DISTURBANCE, [nominal(speed, 0 * speed), changed(speed, disturbance(moved)[inner])])
+    ]
 
 
 def over_time(text: str, duration: float = 2.0) -> Panels:
-    """Draw the missing force over time."""
+    """Draw the disturbance force over time."""
     moved = of_slide(text, duration=duration)
     inner = slice(5, -5)
     time = moved.time[inner]
     return [
-        panel("on a slide", TIME, MISSING, [nominal(time, 0 * time), changed(time, missing(moved)[inner], width=1.0)])
+        panel(
+            "on a slide",
+            TIME,
+            DISTURBANCE,
+            [nominal(time, 0 * time), changed(time, disturbance(moved)[inner], width=1.0)],
+        )
     ]
 
 
@@ -203,8 +210,8 @@ def tool_error(text: str) -> Panels:
 def presliding(text: str) -> Panels:
     """Draw force over way in small motion, and over speed in large motion."""
     small = run(SLIDE, [text], lambda time: [18.0 * float(np.sin(2 * np.pi * time) * np.exp(-0.15 * time))], 4.0)
-    curve = changed(1e6 * small.position[5:-5, 0], missing(small)[5:-5], "")
-    return [panel("below breakaway", "way [um]", MISSING, [curve]), *over_speed(text)]
+    curve = changed(1e6 * small.position[5:-5, 0], disturbance(small)[5:-5], "")
+    return [panel("below breakaway", "way [um]", DISTURBANCE, [curve]), *over_speed(text)]
 
 
 DRAWINGS: dict[str, tuple[Callable[[str], Panels], str]] = {

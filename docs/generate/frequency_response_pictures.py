@@ -50,7 +50,7 @@ def response_panel(axis: TwoMassAxis, title: str, found: tuple[FloatArray, Float
 
 def signals(axis: TwoMassAxis, u: FloatArray, y: FloatArray) -> str:
     """Draw figure 4.5: motor speed and torque without and with noise."""
-    t = np.arange(AT_REST) * axis.sample_time
+    t = np.arange(AT_REST, dtype=float) * axis.sample_time
     speed = np.diff(y, axis=0, prepend=y[:1]) / axis.sample_time
     seconds = (0, 10, 20, 30)
     rows = []

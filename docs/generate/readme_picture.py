@@ -56,9 +56,8 @@ def closed_gap() -> Panel:
         (result.after, "with its patch", "#1f5fa8"),
     ):
         errors = explanation.fit.innovations[:, 0] * 1e3
-        curves.append(
-            Curve(np.arange(len(errors)) * result.record.sample_time, errors, label=label, colour=colour, width=0.7)
-        )
+        time = np.arange(len(errors), dtype=float) * result.record.sample_time
+        curves.append(Curve(time, errors, label=label, colour=colour, width=0.7))
     bound = 5.0 * np.ceil(1.5 * np.abs(curves[0].y).max() / 5.0)  # room for the legend
     ticks = tuple(np.linspace(-bound, bound, 5))
     cause = result.diagnosis.causes[0]

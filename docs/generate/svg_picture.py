@@ -112,8 +112,8 @@ def _panel(panel: Panel, clip: str) -> str:
         parts.append(f'<text x="{LEFT - 5}" y="{y + 4:.1f}" text-anchor="end">{tick:g}</text>')
     parts.append(f'<rect x="{LEFT}" y="{TOP}" width="{wide}" height="{high}" fill="none" stroke="#888"/>')
     for curve in panel.curves:
-        x, y = _thinned(np.asarray(curve.x, dtype=float), np.asarray(curve.y, dtype=float))
-        points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(across(x), upward(y)))
+        abscissa, ordinate = _thinned(np.asarray(curve.x, dtype=float), np.asarray(curve.y, dtype=float))
+        points = " ".join(f"{x:.1f},{y:.1f}" for x, y in zip(across(abscissa), upward(ordinate)))
         dash = f' stroke-dasharray="{curve.dash}"' if curve.dash else ""
         parts.append(
             f'<polyline points="{points}" fill="none" stroke="{curve.colour}" stroke-width="{curve.width}"{dash} '

@@ -8,6 +8,7 @@ from __future__ import annotations
 import ctypes
 import json
 import time
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -21,6 +22,8 @@ from flexros.robot import load_robot
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+
+    from flexros.arrays import FloatArray
 
 T = 5e-4
 
@@ -68,13 +71,14 @@ def evaluation_seconds(function: ca.Function, lanes: int, turns: int = 500) -> f
 def virtual_machine_seconds(function: ca.Function, turns: int = 200) -> float:
     """Time one evaluation by CasADi itself [s], through its buffer interface."""
     rng = np.random.default_rng(0)
-    buffer, call = function.buffer()
+    interface: tuple[Any, Any] = function.buffer()  # the stubs ask for sizes that the views already carry
+    buffer, call = interface
     keep = [0.1 * rng.normal(size=max(1, function.numel_in(k))) for k in range(function.n_in())]
     for k, array in enumerate(keep):
-        buffer.set_arg(k, memoryview(array))
+        buffer.set_arg(k, array.data)
     results = [np.zeros(function.numel_out(k)) for k in range(function.n_out())]
     for k, array in enumerate(results):
-        buffer.set_res(k, memoryview(array))
+        buffer.set_res(k, array.data)
 
     def run() -> None:
         for _ in range(turns):
@@ -112,6 +116,11 @@ def latency_rows(name: str) -> Iterator[dict[str, Any]]:
     yield row(name, "robot file to first sample of a closed loop", seconds(first, 3), "s", 0.5)
 
 
+def lapack_seconds(matrix: FloatArray, rhs: FloatArray) -> float:
+    """Time the solution of a system by LAPACK [s]."""
+    return seconds(lambda: [dgesv(matrix, rhs) for _ in range(20)]) / 20
+
+
 def solver_rows() -> Iterator[dict[str, Any]]:
     """Time factorisation and solution of dense systems, compared with LAPACK."""
     for n in (5, 24, 60, 122):
@@ -121,8 +130,8 @@ def solver_rows() -> Iterator[dict[str, Any]]:
         run = repeated_call(builder, f"call i64 @{lu.factor_solve}(ptr %a0, ptr %a1)", 2, turns)
         matrix = np.asfortranarray(np.linalg.qr(np.random.default_rng(n).normal(size=(n, n)))[0])
         rhs = np.ones(n)  # solved again and again: an orthogonal matrix keeps its size
-        took = seconds(lambda run=run, matrix=matrix, rhs=rhs: run(matrix, rhs)) / turns
-        peer = seconds(lambda matrix=matrix, rhs=rhs: [dgesv(matrix, rhs) for _ in range(20)]) / 20
+        took = seconds(partial(run, matrix, rhs)) / turns
+        peer = lapack_seconds(matrix, rhs)
         yield row(f"{n} x {n} system", "factor and solve", 1e9 * took, "ns")
         yield row(f"{n} x {n} system", "times faster than LAPACK dgesv from SciPy", peer / took, "1")
 

@@ -1,8 +1,8 @@
-"""Time and memory of a diagnosis of a log of 40 s at 2 kHz: all effects at all places.
+"""Time and memory of a diagnosis of a log of 40 s at 2 kHz: all effects at all locations.
 
-Prints a JSON list of rows. The log is that of the diagnosis experiment, with friction in the plant that the model
-lacks; a row tells whether the verdict names it. Every robot is diagnosed in a process of its own, whose largest memory
-counts. The peer of the prediction pass is the same predictor with one set of numbers at a time.
+Prints a JSON list of rows. The log is that of the diagnosis experiment; the plant has friction that the model does not
+contain, and a row reports whether the verdict names it. Every robot is diagnosed in a process of its own, whose peak
+memory is reported. The peer of the prediction pass is the same predictor with one set of parameters at a time.
 
 `python -m tests.bench.bench_gap ROBOT` measures one robot only; six_axis takes minutes.
 """
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 HIDDEN = {"four_mass_linear": 0.05, "e12": 0.5, "six_axis": 2.0}
-"""Coulomb friction of the first motor that the model lacks, by robot [N or Nm]."""
+"""Coulomb friction of the first motor of the plant, by robot [N or Nm]."""
 GOAL_S = {"four_mass_linear": 15.0, "e12": 60.0, "six_axis": 600.0}
 GOAL_GB = 1.5
 LENGTH = 40.0
@@ -87,14 +87,14 @@ def pass_rows(robot: Robot) -> Iterator[dict[str, Any]]:
     predictor = Predictor(model, (candidate,), Tolerance(), record.sample_time)
     thetas = np.array([[free.encode(level * factor) for factor in np.linspace(0.5, 1.5, LANES)]])
     case = f"{robot.name}, {data.record.n_samples} samples"
-    took = seconds(lambda: predictor.predict(thetas, data.record, data.gain, data.start), 10)
+    took = seconds(lambda: predictor.predict(thetas, data.record, data.gain, data.initial_state), 10)
     yield row(case, f"prediction pass of {LANES} lanes", 1e3 * took, "ms")
     yield row(case, "the same per sample and lane", 1e9 * took / (data.record.n_samples * LANES), "ns")
 
     functions = predictor.model.functions(feed_through(robot.n_motors))
     loop = PredictionLoop(functions, sample_time=record.sample_time, delay=predictor.model.delay, lanes=1)
-    columns = [np.array(numbers_of(candidate, float(number))) for number in np.exp(thetas[0])]
-    start = predictor.model.start(data.start, record.torque[0], columns[0])
+    columns = [np.array(parameters_of(candidate, float(level_of_lane))) for level_of_lane in np.exp(thetas[0])]
+    start = predictor.model.start(data.initial_state, record.torque[0], columns[0])
     gain = np.zeros((loop.sizes.state, robot.n_motors))
     gain[: len(data.gain.gain)] = data.gain.gain
     valid = data.record.valid.astype(float)
@@ -106,11 +106,11 @@ def pass_rows(robot: Robot) -> Iterator[dict[str, Any]]:
     yield row(case, f"{LANES} passes of one lane", 1e3 * seconds(one_by_one, 10), "ms")
 
 
-def numbers_of(candidate: Candidate, level: float) -> list[float]:
+def parameters_of(candidate: Candidate, level: float) -> list[float]:
     """List the parameters of the plant with friction of this level."""
     law = candidate.placed({"level": level}).effect
     assert isinstance(law, AbstractLaw)
-    return list(law.numbers.values())
+    return list(law.parameter_values.values())
 
 
 def diagnosed_apart(name: str) -> list[dict[str, Any]]:

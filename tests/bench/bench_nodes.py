@@ -13,6 +13,7 @@ from pathlib import Path
 from statistics import median
 from time import perf_counter, sleep
 from typing import TYPE_CHECKING
+from unittest.mock import patch
 
 from flexros.scenario.scenario import load_scenario
 from flexros_nodes.bringup.run import run_scenario
@@ -48,12 +49,8 @@ def run(what: Scenario, layout: str, *, record: bool = True, real_time: bool = F
 @contextmanager
 def default_executor() -> Iterator[None]:
     """Use rclpy's SingleThreadedExecutor in the block."""
-    ours = spinning.EventsExecutor
-    spinning.EventsExecutor = None
-    try:
+    with patch.object(spinning, "EventsExecutor", None):
         yield
-    finally:
-        spinning.EventsExecutor = ours
 
 
 def speed_row(what: str, given: Scenario, layout: str, goal: float | None, *, record: bool = True) -> dict[str, object]:

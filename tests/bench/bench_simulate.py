@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import time
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -106,7 +107,7 @@ def loop_rows(case: Case) -> Iterator[dict[str, Any]]:
         kernel = case.kernel(lanes)
         case.run(kernel, references[:1])
         yield row(case.name, f"first result, {lanes} lanes", time.perf_counter() - begin, "s", 0.5)
-        took = seconds(lambda kernel=kernel: case.run(kernel, references), 40)
+        took = seconds(partial(case.run, kernel, references), 40)
         what = "closed-loop step" if lanes == 1 else f"closed-loop step per lane, {lanes} lanes"
         yield row(case.name, what, 1e9 * took / (n * lanes), "ns", GOAL_NS[case.name, lanes])
 
@@ -189,7 +190,7 @@ def row(case: str, what: str, value: float, unit: str, goal: float | None = None
 
 def main() -> None:
     """Print all rows as one JSON list."""
-    rows = []
+    rows: list[dict[str, Any]] = []
     for case in (Case.of("e12"), Case.of("six_axis")):
         for part in (loop_rows, peer_rows, node_rows):
             rows += part(case)

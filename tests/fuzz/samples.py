@@ -228,7 +228,7 @@ def record_bytes(opcode: int, content: bytes, claim: int | None = None) -> bytes
 
 def chunk_bytes(records: bytes, compression: str = "zstd", size: int | None = None) -> bytes:
     """A Chunk record's content with the right checksum."""
-    packed = {"zstd": zstandard.compress, "lz4": lz4.frame.compress, "": bytes}[compression](records)
+    packed: bytes = {"zstd": zstandard.compress, "lz4": lz4.frame.compress, "": bytes}[compression](records)
     name = compression.encode()
     head = struct.pack("<QQQII", 0, 0, len(records) if size is None else size, zlib.crc32(records), len(name))
     return head + name + struct.pack("<Q", len(packed)) + packed
@@ -284,9 +284,8 @@ def csv_table() -> bytes:
 
 def npz_archive(compressed: bool = True) -> bytes:
     stream = io.BytesIO()
-    (np.savez_compressed if compressed else np.savez)(
-        stream, **table(), m=np.ones((8, 2)), s=np.zeros(4, [("a", "f8"), ("b", "i4")])
-    )
+    arrays: dict[str, Any] = {**table(), "m": np.ones((8, 2)), "s": np.zeros(4, [("a", "f8"), ("b", "i4")])}
+    (np.savez_compressed if compressed else np.savez)(stream, **arrays)
     return stream.getvalue()
 
 

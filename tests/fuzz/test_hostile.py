@@ -50,7 +50,8 @@ def outcomes() -> dict[str, str]:
         [sys.executable, "-W", "ignore", "-c", program], capture_output=True, text=True, cwd=CHECKOUT, check=False
     )
     assert ended.returncode == 0, ended.stderr
-    return json.loads(ended.stdout.splitlines()[-1])
+    outcomes: dict[str, str] = json.loads(ended.stdout.splitlines()[-1])
+    return outcomes
 
 
 def test_what_was_mended_stays_tried() -> None:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from itertools import permutations
 from pathlib import Path
 
-import psutil  # type: ignore[import-untyped]
+import psutil
 
 from flexros.logs.reader import read_log
 from tests.nodes.conftest import differences

@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 import numpy as np
-import psutil  # type: ignore[import-untyped]
+import psutil
 import pytest
 
 from tests.soak.watching import Sample, Watched, growth, growth_counts, watch

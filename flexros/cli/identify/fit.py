@@ -111,7 +111,7 @@ def print_identification(result: IdentificationResult, out: Path) -> None:
     console.print(parameter_table(result, console.width))
     say(verdict(result))
     if result.bias_signs:
-        say(f"Signs that the model lacks something: {'; '.join(result.bias_signs)}")
+        say(f"Signs of a model-form error: {'; '.join(result.bias_signs)}")
     for direction in result.identifiability.directions:
         say(direction.sentence)
     for sentence in filter(None, (advice(result), kept_text(result))):

@@ -31,8 +31,8 @@ _NARROW, _FEW_DECADES = 0.35, 1.6
 _MARKS = (0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0)
 """Marks of an axis between `_NARROW` and `_FEW_DECADES` decades (chosen)."""
 _BIAS = (
-    "The robot shows effects that the model lacks; the estimates are biased by them, dampers most of all. The "
-    "intervals cover random errors, not this bias: errors may exceed them. Signs of it: "
+    "The model has a form error: the robot shows effects that it does not contain. They bias the estimates, those of "
+    "dampers most. The intervals cover random errors, not this bias: errors may exceed them. Signs of it: "
 )
 
 

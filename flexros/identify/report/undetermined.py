@@ -44,9 +44,9 @@ def _all_determined(result: IdentificationResult) -> str:
     if not result.bias_signs:
         return "All parameters are determined; no further experiment is needed."
     return (
-        "All parameters are determined as far as the errors of the responses go. What the model lacks is not found by "
-        "more positions: identify with slow_motion, which keeps friction from changing its sign, with another "
-        "amplitude, or with more of the physics among the unknown parameters."
+        "All parameters are determined as far as the errors of the responses go. More positions do not remove a "
+        "model-form error. Identify with slow_motion, which keeps friction from changing its sign, with another "
+        "amplitude, or with more parameters among the unknown ones."
     )
 
 

@@ -79,13 +79,12 @@ def _shifted(result: IdentificationResult) -> str:
         return ""
     if result.much_missed and len(result.start_costs) > 0 and result.same_minimum < _SURE:
         return (
-            f" Of {counted(len(result.start_costs), 'start')} {result.same_minimum} ended here, so either the search "
-            "missed the best values, and more initial values find them, or the robot does something that the model "
-            "lacks."
+            f" Of {counted(len(result.start_costs), 'start')} {result.same_minimum} ended here. Either the search "
+            "missed the best values, and more initial values find them, or the model has a form error."
         )
     return (
-        " The robot does something that the model lacks: parameters shift, dampers most of all, and the intervals do "
-        "not cover it."
+        " The model has a form error: the robot shows effects that it does not contain. They bias the parameters, "
+        "dampers most, and the intervals do not cover this bias."
     )
 
 

@@ -75,4 +75,4 @@ def _reason(fit: RigidFit) -> str:
         )
     if fit.robot.n_coordinates > fit.robot.n_motors:
         return "the motion excites the flexibilities or shows too little; record slow moves"
-    return "the model lacks something that acts in the log; check robot and units, and record moves without contact"
+    return "the log contains torques that are not in the model; check robot and units, and record moves without contact"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 import zlib
 
-import lz4.frame  # type: ignore[import-untyped]
+import lz4.frame
 import zstandard
 
 from flexros.input_limits import LARGEST_CHUNK

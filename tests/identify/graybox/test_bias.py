@@ -1,4 +1,4 @@
-"""Signs of bias: absent where the robot is linear, reported for each effect that the model lacks."""
+"""Signs of bias: absent where the robot is linear, reported for each effect that the model does not contain."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def test_linear_robot_shows_no_sign(clear: IdentificationResult) -> None:
 
 def test_odd_distortions_are_a_sign(distorted: IdentificationResult) -> None:
     assert distorted.bias_signs == ("odd detection lines of motor_2 carry 50 times their noise",)
-    assert "parameters shift, dampers most of all, and the intervals do not cover it." in verdict(distorted)
+    assert "the intervals do not cover this bias" in verdict(distorted)
     assert identification_record(distorted)["bias_signs"] == list(distorted.bias_signs)
 
 
@@ -56,7 +56,7 @@ def test_fit_on_a_bound_is_no_evidence_about_the_robot(clear: IdentificationResu
         clear.covariance, reduced_cost=50.0, explanation="by 50: by this, because of a model-form error."
     )
     missed = replace(clear, covariance=covariance)
-    assert "The robot does something that the model lacks" in verdict(missed)
+    assert "The model has a form error" in verdict(missed)
     assert "because of a model-form error" in covariance_text(missed)
     bound = replace(missed, fit=replace(clear.fit, at_bound=np.arange(6) == 2))
     assert bound.bias_signs == ()

@@ -158,16 +158,16 @@ def test_report_into_a_folder_that_is_not_there_is_refused(clear: Identification
         write_identification_report(clear, tmp_path / "none" / "report.html")
 
 
-def test_shifts_by_what_the_model_lacks_are_warned_of_and_only_then(
+def test_bias_by_model_form_errors_is_warned_of_and_only_then(
     html: str, clear: IdentificationResult, tmp_path: Path
 ) -> None:
-    for warning in ("errors may exceed them", "model lacks", "as far as", "What exceeds it"):
+    for warning in ("errors may exceed them", "form error", "as far as", "What exceeds it"):
         assert warning not in words(html)
     missing = replace(clear, covariance=replace(clear.covariance, reduced_cost=12.0))
     text = words(page(missing, tmp_path))
     assert "errors may exceed them" in text
     assert "within 10 % as far as noise goes. The identified model misses the responses in 3 positions by 3.5" in text
-    assert "identify with slow_motion" in text
+    assert "slow_motion" in text
     assert "What exceeds it is not noise" in text
 
 
