@@ -34,42 +34,43 @@ SHARES, DAMPING = (0.003, 0.03, 0.1), 0.03
 RINGING = 60
 """Samples after the edge of a pulse in which a flexibility would ring."""
 PLANTED = (None, (0.01, 20.0), (0.03, 40.0), (0.1, 15.0), (0.1, 40.0))
-"""Share of the mass [1] and frequency [Hz] of what is put into simulated runs."""
+"""Share of the mass [1] and frequency [Hz] of the mode in simulated runs."""
 HEAD = """
 ## Is there a flexibility under the pulses?
 
-The authors name one, as the error of their acceleration grows from 8.6 to 19.8 % under the pulses. The diagnosis does
-not name `extra_mode`. What speaks for and against:
+The authors suspect one, because the error of their acceleration grows from 8.6 to 19.8 % under the pulses. The
+diagnosis does not name `extra_mode`. The evidence for and against:
 
-Motion against force (cross spectra with the pulses; force less published friction over acceleration, exact for a rigid
-mass under a held force). A part m M of the mass M on a spring of frequency f and damping ratio z would turn the phase
-there by m / 2z, and show M below and (1 - m) M above f.
+Force over acceleration (cross spectra with the pulses; force minus published friction over acceleration, exact for a
+rigid mass with a zero-order hold of the force). A part m M of the mass M on a spring of frequency f and damping ratio z
+would change the phase at f by m / 2z, and show M below and (1 - m) M above f.
 
-| frequency [Hz] | force over acceleration [kg] | motion late by [ms] |
+| frequency [Hz] | force over acceleration [kg] | delay of the motion [ms] |
 |---|---|---|
 """
 BETWEEN = """
-So the phase falls in proportion to the frequency, as by a delay of 0.3 ms, and no part of the mass comes loose
-between 20 and 140 Hz. (A motor before a spring would make the ratio fall.) The rise towards 140 Hz is of a lag, of
-the files' own filter (beyond 150 Hz their positions fall off steeply without phase, as behind a zero-phase low-pass
-filter of 200 Hz), or of a flexibility beyond 200 Hz, of which the files tell nothing.
+The phase falls in proportion to the frequency, as for a delay of 0.3 ms, and no part of the mass decouples between 20
+and 140 Hz. (A motor in front of a spring would reduce the ratio.) The rise towards 140 Hz may come from a lag, from the
+filter of the recorded data (above 150 Hz the positions fall off steeply without phase, as after a zero-phase low-pass
+filter of 200 Hz), or from a flexibility above 200 Hz, on which the data contain no information.
 
 """
 TABLE = """
-What one more cause beside Coulomb and viscous friction removes of the mean squared prediction error; on a measured log
-a cause is named where it removes 30 %. "Part of the mass" is `extra_mode` with the mass taken off the body by
-`payload_error`, fitted from three shares at 25 frequencies. The other rows are the same experiment simulated with the
-friction that was found and with such a part.
+Share of the mean squared prediction error that one more cause removes in addition to Coulomb and viscous friction; on a
+measured log a cause is reported where it removes 30 %. "Part of the mass" is `extra_mode` with its mass removed from
+the body by `payload_error`, fitted from three shares at 25 frequencies. The other rows are the same experiment,
+simulated with the identified friction and such a part.
 
 | log | left by friction | """
 CLOSE = """
-On the measured log a mode removes less than a wrong mass or a delay, and far less than 30 %; beside a wrong mass it
-adds {gained:.1f} %, with {frequency:.1f} Hz and {share:.2f} % of the mass. The same fits find planted parts from 1 %
-of the mass on with their frequency and size, those of 10 % at 15 Hz large enough to be named. The larger error of the
-acceleration under the pulses goes away with a delay: with forces 0.3 ms later it is that of the first log (errors
-above). That delay removes too little to be named, and the first log does not show it. So `extra_mode` is not among
-the causes of this log, unlike its authors' remark, and no threshold was changed to bring it there. A part of a known
-mass on a spring needs no effect of its own: it is `extra_mode` beside `payload_error`, as in the last rows.
+On the measured log a mode removes less than a mass error or a delay, and far less than 30 %; in addition to a mass
+error it removes {gained:.1f} %, with {frequency:.1f} Hz and {share:.2f} % of the mass. The same fits recover simulated
+parts from 1 % of the mass with their frequency and size; those of 10 % at 15 Hz are large enough to be reported. The
+larger error of the acceleration under the pulses disappears with a delay: with forces 0.3 ms later it equals that of
+the first log (errors above). That delay removes too little to be reported, and the first log does not show it. So
+`extra_mode` is not among the causes of this log, in contrast to the remark of its authors. No threshold was changed to
+report it. A part of a known mass on a spring needs no separate effect: it is `extra_mode` together with
+`payload_error`, as in the last rows.
 """
 
 
@@ -82,7 +83,7 @@ def flexibility(
         record: The log with pulses.
         pulses: Forces of the pulses [N], shape (n,).
         run: Runs the experiment of the log with a model.
-        repaired: The model that the diagnosis found.
+        repaired: The repaired model of the diagnosis.
     """
     rows, found = [], None
     for planted in PLANTED:
@@ -140,8 +141,8 @@ def _response(record: Record, pulses: FloatArray) -> list[str]:
     return lines
 
 
-class _Beside:
-    """Fits causes beside friction."""
+class _FrictionFits:
+    """Fits of causes in addition to friction."""
 
     def __init__(self, record: Record) -> None:
         model = RobotWithEffects(load_robot("emps"), ())
@@ -154,25 +155,25 @@ class _Beside:
         known = self.null.predictor(tuple(self.candidates[name] for name in KNOWN))
         starts = initial_values(known)
         order = np.argsort(chi2_of(known, self.data, starts))[:3]
-        self.friction = best_of([fit(known, self.data, starts[:, one], 30, enough=1e-3) for one in order])
+        self.friction = best_of([fit(known, self.data, starts[:, column], 30, enough=1e-3) for column in order])
 
     def with_(self, names: tuple[str, ...], starts: FloatArray) -> CandidateFit:
-        """Fit causes beside friction from the best three of some starts."""
+        """Fit causes in addition to friction from the best three of some initial values."""
         hypothesis = (*self.friction.predictor.hypothesis, *[self.candidates[name] for name in names])
         predictor = self.null.predictor(hypothesis)
         before = np.repeat(self.friction.theta[:, None], starts.shape[1], axis=1)
         thetas = np.vstack([before, starts])
         order = np.argsort(chi2_of(predictor, self.data, thetas))[:3]
-        return best_of([fit(predictor, self.data, thetas[:, one], 20) for one in order])
+        return best_of([fit(predictor, self.data, thetas[:, column], 20) for column in order])
 
-    def one(self, name: str) -> CandidateFit:
+    def with_cause(self, name: str) -> CandidateFit:
         """Fit one more cause."""
         return self.with_((name,), initial_values(self.null.predictor((self.candidates[name],))))
 
     def part(self) -> CandidateFit:
         """Fit a part of the mass on a spring."""
         mode, mass = (self.candidates[name] for name in PART)
-        free = {one.name: one for one in mode.free}
+        free = {parameter.name: parameter for parameter in mode.free}
         columns = [
             (
                 free["frequency"].encode(frequency),
@@ -187,14 +188,14 @@ class _Beside:
 
 
 def _row(record: Record) -> tuple[str, dict[str, float]]:
-    """Fit all further causes to a log: the row of the table, and what the part of the mass is."""
-    beside = _Beside(record)
-    left = beside.friction.chi2
-    part = beside.part()
+    """Fit all further causes to a log: return the row of the table and the values of the part."""
+    fits = _FrictionFits(record)
+    left = fits.friction.chi2
+    part = fits.part()
     mode, mass = part.predictor.values(part.theta)[-2:]
-    removed = [100 * (1 - one.chi2 / left) for one in (*[beside.one(name) for name in FURTHER], part)]
+    removed = [100 * (1 - further.chi2 / left) for further in (*[fits.with_cause(name) for name in FURTHER], part)]
     share = 100 * mode["ratio"] * (1 + mass["relative"])
-    cells = [f"{left / beside.data.n_values:.2f}", *[f"{max(one, 0.0):.1f} %" for one in removed]]
+    cells = [f"{left / fits.data.n_values:.2f}", *[f"{max(share_removed, 0.0):.1f} %" for share_removed in removed]]
     cells.append(f"{mode['frequency']:.1f} Hz, {share:.2f} % of the mass, {100 * mass['relative']:+.1f} % in the body")
     gained = removed[-1] - removed[0]
     return f"| {' | '.join(cells)} |\n", {"frequency": mode["frequency"], "share": share, "gained": gained}
@@ -202,13 +203,13 @@ def _row(record: Record) -> tuple[str, dict[str, float]]:
 
 def _after_edges(record: Record, pulses: FloatArray) -> str:
     """Compare the prediction errors after the edges of the pulses with the others."""
-    beside = _Beside(record)
-    errors = beside.friction.residual(beside.data)
+    fits = _FrictionFits(record)
+    errors = fits.friction.residual(fits.data)
     ringing = np.zeros(len(errors), dtype=bool)
     for edge in np.flatnonzero(np.diff(pulses[: len(errors)])) + 1:
         ringing[edge : edge + RINGING] = True
     share = float(np.sum(errors[ringing] ** 2) / np.sum(errors**2))
     return (
         f"The {RINGING} ms after the edges of the pulses are {100 * ringing.mean():.1f} % of the time and have "
-        f"{100 * share:.1f} % of the squared prediction errors that friction leaves: no more than the rest.\n"
+        f"{100 * share:.1f} % of the squared prediction errors after friction: no more than the rest.\n"
     )

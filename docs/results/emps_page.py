@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 POSITION_GAIN, SPEED_GAIN, FORCE_PER_VOLT, LIMIT = 160.18, 243.45, 35.1506, 351.506
 """Controller of the authors: 1/s, V s/m, N/V, N."""
 NOISE = 5e-7
-"""Noise of simulated positions [m]: friction then leaves as much in a run as in the measured log."""
+"""Noise of simulated positions [m]: the residuals after friction are then as large as in the measured log."""
 HEAD = """# A measured drive: EMPS
 
 Written by `FLEXROS_REALDATA=<folder with emps/> python docs/results/emps_page.py`. The data (Janot, Gautier and Brunot
@@ -39,9 +39,9 @@ the last third is held out.
 ERRORS = """
 ## Errors in closed loop
 
-Both experiments are run again from their beginning, under the controller of the authors, with the nominal model and
-with the one that the diagnosis of the first log wrote. Force: relative to the recorded one, unfiltered. Position: root
-mean square. Acceleration: relative, behind a zero-phase low-pass filter of 100 Hz.
+Both experiments are simulated again from their beginning, with the controller of the authors, with the nominal model
+and with the repaired model of the first log. Force: relative to the recorded one, unfiltered. Position: root mean
+square. Acceleration: relative, after a zero-phase low-pass filter of 100 Hz.
 
 | log | model | force [%] | position [um] | acceleration [%] |
 |---|---|---|---|---|
@@ -50,7 +50,7 @@ PUBLISHED = """
 For comparison, from the notes with the data, in force for the first log and the pulses, and in position for the first
 log: a linear model with fitted friction 17.3 and 16.8 %, 6.7 um; symmetric Coulomb friction 5.15 and 6.06 %, 1.74 um;
 asymmetric friction 4.45 and 5.51 %, 1.40 um. The authors give for the symmetric one 5.848 and 8.9409 % in force, 8.6
-and 19.8 % in acceleration, with filters of their own.
+and 19.8 % in acceleration, with their own filters.
 """
 
 
@@ -133,22 +133,24 @@ def experiment(path: Path) -> Experiment:
     return Experiment(record, np.zeros(record.n_samples) if effort is None else effort[:, 0])
 
 
-def _told(name: str, result: DiagnosisResult) -> str:
-    """Write the answer of a diagnosis."""
-    found = result.diagnosis
-    closed = found.gap.closed_fraction
+def _section(name: str, result: DiagnosisResult) -> str:
+    """Write the section on the diagnosis of a log."""
+    diagnosis = result.diagnosis
+    closed = diagnosis.gap.closed_fraction
     lines = [
-        f"\n## {name}: {found.verdict}, {'-' if closed is None else f'{100 * closed:.1f} %'} of the gap closed on "
-        "held-out data\n\n| cause | probability | numbers | closed alone |\n|---|---|---|---|\n"
+        f"\n## {name}: {diagnosis.verdict}, {'-' if closed is None else f'{100 * closed:.1f} %'} of the gap closed on "
+        "held-out data\n\n| cause | probability | parameters | closed alone |\n|---|---|---|---|\n"
     ]
-    for cause in found.causes:
-        numbers = ", ".join(
-            f"{key} {one.value:.4g} ± {one.std:.2g} {one.unit}" for key, one in cause.parameters.items()
+    for cause in diagnosis.causes:
+        parameters = ", ".join(
+            f"{key} {value.value:.4g} ± {value.std:.2g} {value.unit}" for key, value in cause.parameters.items()
         )
         alone = "-" if cause.closed_fraction is None else f"{100 * cause.closed_fraction:.1f} %"
-        lines.append(f"| `{cause.effect}@{cause.location}` | {100 * cause.probability:.2f} % | {numbers} | {alone} |\n")
-    places = [f"{one.effect}@{one.location}" for one in result.ranking[:6]]
-    lines.append(f"\nFirst six of the ranking: {', '.join(places)}.\n")
+        lines.append(
+            f"| `{cause.effect}@{cause.location}` | {100 * cause.probability:.2f} % | {parameters} | {alone} |\n"
+        )
+    candidates = [f"{candidate.effect}@{candidate.location}" for candidate in result.ranking[:6]]
+    lines.append(f"\nFirst six of the ranking: {', '.join(candidates)}.\n")
     return "".join(lines)
 
 
@@ -166,13 +168,13 @@ def page(folder: Path) -> str:
     names = ("DATA_EMPS", "DATA_EMPS_PULSES")
     runs = {name: experiment(folder / f"{name}.mat") for name in names}
     results = {name: diagnose(run.record, nominal, settings=settings) for name, run in runs.items()}
-    parts = [HEAD, *[_told(name, result) for name, result in results.items()], ERRORS]
+    parts = [HEAD, *[_section(name, result) for name, result in results.items()], ERRORS]
     repaired = nominal.with_effects(results["DATA_EMPS"].patch)
     late = repaired.with_effects([parse_effect("delay@all:time=3e-4", "this page")])
     models = {"nominal": nominal, "diagnosed": repaired, "diagnosed, forces 0.3 ms later": late}
     for name, run in runs.items():
-        for told, model in models.items():
-            parts.append(f"| {name} | {told} | " + " | ".join(f"{x:.2f}" for x in run.errors(model)) + " |\n")
+        for label, model in models.items():
+            parts.append(f"| {name} | {label} | " + " | ".join(f"{x:.2f}" for x in run.errors(model)) + " |\n")
     pulses = runs["DATA_EMPS_PULSES"]
     parts.append(PUBLISHED)
     parts.append(flexibility(pulses.record, pulses.pulses, lambda model: pulses.run(model, NOISE), repaired))

@@ -1,6 +1,6 @@
-"""Write gap_monitor_load.md, the cost of the gap monitor next to a loop: python docs/results/gap_monitor_load.py.
+"""Write gap_monitor_load.md, the processor load of the gap monitor: python docs/results/gap_monitor_load.py.
 
-All nodes are processes of their own; their processor time is as the system counts it. It takes a quarter of an hour.
+All nodes are processes of their own; processor time is that of the operating system. It takes a quarter of an hour.
 """
 
 from __future__ import annotations
@@ -24,39 +24,39 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 SETTLE = 25.0
-"""Time for which nodes that have been started are left to make what they need [s]."""
+"""Time for the start-up of nodes before the measurement [s]."""
 SCENARIOS = {"e12": "circle_dae", "six_axis": "six_axis_moves"}
 SHORT, LONG = 1.0, 31.0
 """Simulated times of the two runs in lock-step whose difference is taken [s], so that the start does not count."""
 REAL_TIME, ROUNDS = 20.0, 3
-"""Duration of a run in real time [s], and how often it is done with and without the monitor in turn."""
+"""Duration of a run in real time [s], and number of alternating runs with and without the monitor."""
 RATE = 2000.0
 """Rate for which the load is reported [Hz]."""
 TICK = os.sysconf("SC_CLK_TCK")
 
 HEAD = """# Load of the gap monitor
 
-Written by `python docs/results/gap_monitor_load.py`. Every node is a process of its own, on a machine of two processors
-that had other work. `Computing` is the part of the monitor's processor time that is not the receiving of messages by
-the middleware. The monitor runs at lower priority and nobody waits for it: it skips what it does not hear.
+Written by `python docs/results/gap_monitor_load.py`. Every node is a process of its own, on a machine with two
+processors and other load. `Computing` is the processor time of the monitor without the reception of messages by the
+middleware. The monitor runs at lower priority, the loop does not wait for it, and it skips what it does not receive.
 
 """
 WAITING = """## In lock-step
 
-Processor time for each sample, without the start, times 2000: what the node takes of one processor at 2 kHz. Then the
-speed of the loop with and without the monitor, and which share of the states the monitor heard.
+Processor time per sample, without start-up, times 2000: the load of the node on one processor at 2 kHz. Then the
+speed of the loop with and without the monitor, and the share of the states that the monitor received.
 
-| robot | plant | monitor | computing | monitor / plant | samples/s alone | samples/s beside it | heard |
+| robot | plant | monitor | computing | monitor / plant | samples/s without | samples/s with | received |
 |---|---|---|---|---|---|---|---|
 """
 PACED = """
 ## In real time
 
-{rounds} runs of {duration:g} s at 2 kHz with and without the monitor, in turn: medians, with the least and the most.
+{rounds} runs of {duration:g} s at 2 kHz with and without the monitor, alternating: median, smallest and largest.
 Plant, controller and feedforward have the priorities of `flexros run --realtime`, the monitor has none. Processor time
 over wall time, of one processor; `late` are cycles that began more than a tenth of a period late.
 
-| robot | monitor | computing | late alone | late beside it | rate alone | rate beside it | heard |
+| robot | monitor | computing | late without | late with | rate without | rate with | received |
 |---|---|---|---|---|---|---|---|
 """
 
@@ -87,7 +87,7 @@ def page() -> str:
 
 def _in_lockstep(robot: str) -> str:
     short, long = _run(robot, SHORT), _run(robot, LONG)
-    alone = _run(robot, LONG, watched=False)
+    unmonitored = _run(robot, LONG, watched=False)
     plant = (long.plant_time - short.plant_time) / (LONG - SHORT)
     states = max(long.monitor["states"] - short.monitor["states"], 1.0)
     monitor = RATE * (long.monitor_time - short.monitor_time) / states
@@ -95,21 +95,21 @@ def _in_lockstep(robot: str) -> str:
     heard = min(long.monitor["states"] / (RATE * LONG), 1.0)
     return (
         f"| {robot} | {plant:.1%} | {monitor:.1%} | {computing:.1%} | {monitor / plant:.2f} | "
-        f"{alone.plant['samples_per_s']:.0f} | {long.plant['samples_per_s']:.0f} | {heard:.1%} |\n"
+        f"{unmonitored.plant['samples_per_s']:.0f} | {long.plant['samples_per_s']:.0f} | {heard:.1%} |\n"
     )
 
 
 def _in_real_time(robot: str) -> str:
-    alone, beside = [], []
+    unmonitored, monitored = [], []
     for _ in range(ROUNDS):
-        alone.append(_run(robot, REAL_TIME, watched=False, real_time=True))
-        beside.append(_run(robot, REAL_TIME, real_time=True))
+        unmonitored.append(_run(robot, REAL_TIME, watched=False, real_time=True))
+        monitored.append(_run(robot, REAL_TIME, real_time=True))
     cells = [
-        _spread([100.0 * run.monitor_time / REAL_TIME for run in beside], " %"),
-        _spread([100.0 * run.monitor["processor_time_s"] / REAL_TIME for run in beside], " %"),
-        *(_spread([run.plant["late_percent"] for run in runs], " %") for runs in (alone, beside)),
-        *(_spread([run.plant["rate_hz"] for run in runs], " Hz") for runs in (alone, beside)),
-        _spread([100.0 * min(run.monitor["states"] / (RATE * REAL_TIME), 1.0) for run in beside], " %"),
+        _spread([100.0 * run.monitor_time / REAL_TIME for run in monitored], " %"),
+        _spread([100.0 * run.monitor["processor_time_s"] / REAL_TIME for run in monitored], " %"),
+        *(_spread([run.plant["late_percent"] for run in runs], " %") for runs in (unmonitored, monitored)),
+        *(_spread([run.plant["rate_hz"] for run in runs], " Hz") for runs in (unmonitored, monitored)),
+        _spread([100.0 * min(run.monitor["states"] / (RATE * REAL_TIME), 1.0) for run in monitored], " %"),
     ]
     return f"| {robot} | {' | '.join(cells)} |\n"
 
@@ -119,7 +119,7 @@ def _spread(values: list[float], unit: str) -> str:
 
 
 def _run(robot: str, duration: float, *, watched: bool = True, real_time: bool = False) -> Run:
-    """Run a loop for a time [s], with or without the monitor beside it."""
+    """Run a loop for a time [s], with or without the monitor."""
     with tempfile.TemporaryDirectory() as scratch:
         file = Path(scratch) / "run.yaml"
         file.write_text(json.dumps({**load_scenario(SCENARIOS[robot]).settings(), "duration": duration}))
@@ -158,7 +158,7 @@ def _start(node: str, values: list[str], standing: Mapping[str, Mapping[str, obj
 
 
 def _used(process: int) -> float:
-    """Give the processor time of a process so far [s]."""
+    """Return the processor time of a process so far [s]."""
     fields = Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()
     return (int(fields[11]) + int(fields[12])) / TICK
 

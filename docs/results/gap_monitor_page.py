@@ -1,6 +1,6 @@
 """Write gap_monitor.md: python docs/results/gap_monitor_page.py nominal|detection|accepted|page [WORK].
 
-`nominal`, `detection` and `accepted` add what they find, case by case, to WORK/*.jsonl until all cases are there;
+`nominal`, `detection` and `accepted` append their results case by case to WORK/*.jsonl until all cases are done;
 `page` writes the page. Seeds from 5000 on were not used in development.
 """
 
@@ -36,9 +36,9 @@ if TYPE_CHECKING:
     from flexros.monitor.watch_log import WatchedLog
 
 RATES = (1e-3, 1.0, 10.0, 100.0)
-"""Rates of false alarms whose thresholds are tried [1/h]."""
+"""Rates of false alarms whose thresholds are evaluated [1/h]."""
 NOISES = 10
-"""Runs of one motion, each with noise of its own."""
+"""Runs of one motion, each with its own noise."""
 COURSES = {"four_mass_linear": 40, "four_mass": 30, "elbow": 40, "e12": 40, "six_axis": 8}
 """Motions per robot."""
 EFFECTS = {
@@ -73,9 +73,9 @@ GROWN = {
 }
 """Additional deviations, with their sizes."""
 CALIBRATION, CHECKS, TRIED = 120, 6, 2
-"""Length of the log that is accepted [s], further logs, and logs with something on top for each size."""
+"""Length of the log that is accepted [s], further logs, and logs with an additional effect for each size."""
 TRIALS, ONSET = 5, 20.0
-"""Runs of each effect, and when it sets in [s]."""
+"""Runs of each effect, and its onset [s]."""
 
 
 def course(robot: str, seed: int, length: int = 40, effects: Sequence[str] = ()) -> Experiment:
@@ -85,14 +85,14 @@ def course(robot: str, seed: int, length: int = 40, effects: Sequence[str] = ())
 
 
 def with_noise(planned: Experiment, seed: int) -> Experiment:
-    """Give the same motion noise of another seed."""
-    one = replace(planned, scenario=planned.scenario.model_copy(update={"seed": seed}))
-    vars(one)["reference"] = planned.reference  # computed once for all of them
-    return one
+    """Return the same motion with noise of another seed."""
+    noisy = replace(planned, scenario=planned.scenario.model_copy(update={"seed": seed}))
+    vars(noisy)["reference"] = planned.reference  # computed once for all of them
+    return noisy
 
 
 def nominal() -> Iterator[tuple[str, Callable[[], dict[str, Any]]]]:
-    """List runs of robots that are as their models."""
+    """List runs of robots without a gap to their models."""
     for number in range(max(COURSES.values())):
         for robot, count in COURSES.items():
             if number < count:
@@ -100,7 +100,7 @@ def nominal() -> Iterator[tuple[str, Callable[[], dict[str, Any]]]]:
 
 
 def nominal_case(robot: str, seed: int) -> dict[str, Any]:
-    """Count false alarms of one motion with several noises."""
+    """Count false alarms of one motion with several noise seeds."""
     model, planned = load_model(robot), course(robot, seed)
     found: dict[str, Any] = {
         "robot": robot,
@@ -129,7 +129,7 @@ def nominal_case(robot: str, seed: int) -> dict[str, Any]:
 
 
 def exceeded(monitor: GapMonitor, values: FloatArray) -> list[int]:
-    """Count mean squares beyond the thresholds of several rates."""
+    """Count mean squares above the thresholds of several rates."""
     book, stream = monitor.book, monitor.stream
     counts = []
     for rate in RATES:
@@ -143,7 +143,7 @@ def exceeded(monitor: GapMonitor, values: FloatArray) -> list[int]:
 
 
 def detection() -> Iterator[tuple[str, Callable[[], dict[str, Any]]]]:
-    """List runs in which an effect sets in."""
+    """List runs in which an effect begins."""
     for trial in range(TRIALS):
         for robot, effects in EFFECTS.items():
             for text, sizes in effects:
@@ -153,18 +153,19 @@ def detection() -> Iterator[tuple[str, Callable[[], dict[str, Any]]]]:
 
 
 def onset_case(robot: str, text: str, size: float, seed: int) -> dict[str, Any]:
-    """Let an effect set in, and note when the monitor tells and which place it names."""
+    """Run a motion in which an effect begins; return the delay of the alarm and the reported location."""
     if (robot, seed) not in _PLANNED:
         _PLANNED[robot, seed] = course(robot, seed)
     planned = _PLANNED[robot, seed]
     log = spliced(planned, f"{text}{size:g}")
     watched = watch_log(log, GapMonitor(load_model(robot)), name="onset")
     onset = 1.0 + ONSET
-    told = [one for one in watched.episodes if one.stamp * 1e-9 > onset - 0.1]
+    detected = [episode for episode in watched.episodes if episode.stamp * 1e-9 > onset - 0.1]
     found = {"robot": robot, "effect": text.rstrip("=").split(":")[0], "size": size, "seed": seed}
-    found |= {"before": len(watched.episodes) - len(told), "delay": None, "joint": "", "kind": ""}
-    if told:
-        found |= {"delay": told[0].stamp * 1e-9 + 0.1 - onset, "joint": told[0].joint, "kind": told[0].kind}
+    found |= {"before": len(watched.episodes) - len(detected), "delay": None, "joint": "", "kind": ""}
+    if detected:
+        first = detected[0]
+        found |= {"delay": first.stamp * 1e-9 + 0.1 - onset, "joint": first.joint, "kind": first.kind}
     return found
 
 
@@ -172,7 +173,7 @@ _PLANNED: dict[tuple[str, int], Experiment] = {}
 
 
 def spliced(planned: Experiment, effect: str) -> Log:
-    """Run a motion whose effect sets in on the way: the state of the robot goes on."""
+    """Run a motion in which an effect begins; the state of the robot is continuous."""
     from flexros.compile.loop.arrays import LoopInputs, LoopState
     from flexros.compile.loop.kernel import compile_loop
     from flexros.scenario.closed_loop import run_log
@@ -216,13 +217,13 @@ def spliced(planned: Experiment, effect: str) -> Log:
 
 
 def accepted() -> Iterator[tuple[str, Callable[[], dict[str, Any]]]]:
-    """List robots that are not as their models, with a log that is accepted and others."""
+    """List robots with an accepted gap."""
     for robot in ACCEPTED:
         yield robot, partial(accepted_case, robot)
 
 
 def accepted_case(robot: str) -> dict[str, Any]:
-    """Calibrate by one log, and watch further ones: as accepted, and with something on top."""
+    """Calibrate by one log and monitor further ones, with the accepted gap and with an additional effect."""
     model, known = load_model(robot), ACCEPTED[robot]
 
     def watched(seed: int, effects: Sequence[str], length: int, limits: Calibration | None) -> WatchedLog:
@@ -244,7 +245,7 @@ def accepted_case(robot: str) -> dict[str, Any]:
 
 
 def add(path: Path, cases: Iterator[tuple[str, Callable[[], dict[str, Any]]]]) -> None:
-    """Work off the cases that a file does not have."""
+    """Run the cases that a file does not contain."""
     done = {json.loads(line)["case"] for line in path.read_text().splitlines()} if path.exists() else set()
     for name, case in cases:
         if name not in done:
