@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +17,9 @@ from flexros.input_limits import DEEPEST_NODE, MOST_NODES
 
 if TYPE_CHECKING:
     from ruamel.yaml.nodes import Node
+
+_LONGEST_KEPT = 2**16
+"""Longest text whose content is kept, as nodes and commands of one process read the same files [characters]."""
 
 
 def read_yaml(path: Path) -> dict[str, Any]:
@@ -40,14 +45,10 @@ def parse_yaml(text: str, source: str) -> Any:
     Raises:
         InputError: It is not YAML, has a duplicate key, or more or deeper values than allowed.
     """
-    reader = YAML(typ="safe", pure=True)
     try:
-        top = reader.compose(text)
-        if problem := "" if top is None else _excess(top):
-            raise InputError(f"{source}: {problem}")
-        return None if top is None else reader.constructor.construct_document(top)
-    except InputError:
-        raise
+        return deepcopy(_parsed_once(text)) if len(text) <= _LONGEST_KEPT else _parsed(text)
+    except _TooLargeError as error:
+        raise InputError(f"{source}: {error}") from error
     except MarkedYAMLError as error:
         line = f", line {error.problem_mark.line + 1}" if error.problem_mark else ""
         problem = (str(error.problem or error.context).splitlines() or ["unknown"])[0]
@@ -55,6 +56,21 @@ def parse_yaml(text: str, source: str) -> Any:
     except Exception as error:  # values that look like numbers, dates or tags fail in many ways
         problem = (str(error).splitlines() or [type(error).__name__])[0]
         raise InputError(f"{source}: broken YAML, {problem}; correct the file") from error
+
+
+class _TooLargeError(Exception):
+    """A document has more or deeper values than allowed."""
+
+
+def _parsed(text: str) -> Any:
+    reader = YAML(typ="safe", pure=True)
+    top = reader.compose(text)
+    if problem := "" if top is None else _excess(top):
+        raise _TooLargeError(problem)
+    return None if top is None else reader.constructor.construct_document(top)
+
+
+_parsed_once = lru_cache(maxsize=64)(_parsed)
 
 
 def read_rows(path: Path) -> dict[str, dict[str, Any]]:

@@ -80,7 +80,8 @@ class LogWriter:
         self._clear_messages()
         try:
             for topic in topics:
-                self.add_topic(topic)
+                self._add_channel(topic)
+            self._list_topics()
         except BaseException:
             self._thread.stop()
             self._file.close()
@@ -128,6 +129,12 @@ class LogWriter:
             InputError: Its type is not known.
             RunError: It cannot be written, e.g. because the disk is full.
         """
+        number = self._add_channel(topic)
+        self._list_topics()
+        return number
+
+    def _add_channel(self, topic: Topic) -> int:
+        """Add a topic to the file alone; metadata.yaml, which is slow to write, follows once for several topics."""
         schema = message_schema(topic.type, self._share_folders)
         name = topic.name if topic.name.startswith("/") else f"/{self._namespace}/{topic.name}".replace("//", "/")
         entry = BagTopic(name, topic.type, topic.qos, schema.type_hash)
@@ -139,10 +146,16 @@ class LogWriter:
         try:
             number = self._file.add_channel(name, topic.type, schema.text, channel_metadata)
             self._topics.append(entry)
-            self._write_metadata()
         except OSError as error:
             self._fail(error)
         return number
+
+    def _list_topics(self) -> None:
+        """Write metadata.yaml with the topics so far."""
+        try:
+            self._write_metadata()
+        except OSError as error:
+            self._fail(error)
 
     def topic_id(self, name: str) -> int:
         """Return the number of a topic by its absolute or relative name."""

@@ -160,11 +160,32 @@ def _continued(trajectory: Trajectory, output: OutputDerivatives, near: FloatArr
         speeds.append(_speed(trajectory, output, q, target[1, k], float(grid[k])))
     if grid.size == 1:
         return np.tile(positions[0], (t.size, 1))
-    from scipy.interpolate import CubicHermiteSpline  # loads slowly, and few trajectories need it
+    return cubic_hermite(grid, np.array(positions), np.array(speeds), np.clip(t, 0.0, end))
 
-    curve = CubicHermiteSpline(grid, np.array(positions), np.array(speeds))
-    result: FloatArray = curve(np.clip(t, 0.0, end))
-    return result
+
+def cubic_hermite(grid: FloatArray, values: FloatArray, slopes: FloatArray, t: FloatArray) -> FloatArray:
+    """Interpolate by cubic polynomials with given values and slopes at the ends of each interval.
+
+    The result equals that of `scipy.interpolate.CubicHermiteSpline`, which loads slowly, bit for bit.
+
+    Args:
+        grid: Increasing times, at least two, shape (m,).
+        values: Values at these times, shape (m, n_joints).
+        slopes: Time derivatives at these times, shape (m, n_joints).
+        t: Times within the grid, any order, shape (n,).
+
+    Returns:
+        Shape (n, n_joints).
+    """
+    width = np.diff(grid)[:, None]
+    secant = np.diff(values, axis=0) / width
+    excess = (slopes[:-1] + slopes[1:] - 2 * secant) / width
+    interval = np.clip(np.searchsorted(grid, t, side="right") - 1, 0, grid.size - 2)
+    s = (t - grid[interval])[:, None]
+    quadratic, cubic = (secant - slopes[:-1]) / width - excess, excess / width
+    result: FloatArray = values[interval] + slopes[interval] * s
+    result = result + quadratic[interval] * (s * s)
+    return result + cubic[interval] * (s * s * s)
 
 
 def _advance(

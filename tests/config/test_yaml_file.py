@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from flexros.config.yaml_file import read_rows, read_yaml
+from flexros.config.yaml_file import parse_yaml, read_rows, read_yaml
 from flexros.errors import InputError
 
 
@@ -70,3 +70,9 @@ def test_content_beyond_a_limit_is_refused(tmp_path, text, message):
 def test_aliases_within_the_limits_are_read(tmp_path):
     (tmp_path / "a.yaml").write_text("a: &a {x: 1}\nb: [*a, *a]\nc: {<<: *a, y: 2}\n")
     assert read_yaml(tmp_path / "a.yaml") == {"a": {"x": 1}, "b": [{"x": 1}, {"x": 1}], "c": {"x": 1, "y": 2}}
+
+
+def test_content_that_was_read_before_is_not_changed_by_its_users():
+    text = "a: {b: [1, 2]}\n"
+    parse_yaml(text, "x")["a"]["b"].append(3)
+    assert parse_yaml(text, "x") == {"a": {"b": [1, 2]}}

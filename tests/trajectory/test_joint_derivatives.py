@@ -5,12 +5,13 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 import pytest
+from scipy.interpolate import CubicHermiteSpline
 
 from flexros.arrays import FloatArray
 from flexros.errors import InputError
 from flexros.trajectory.arc import circle
 from flexros.trajectory.bang_bang_snap import bang_bang_snap
-from flexros.trajectory.joint_derivatives import OutputDerivatives, joint_derivatives
+from flexros.trajectory.joint_derivatives import OutputDerivatives, cubic_hermite, joint_derivatives
 from flexros.trajectory.limits import Limits
 from flexros.trajectory.line import JointMove, Line
 from flexros.trajectory.polynomial import ninth_degree, quintic
@@ -157,3 +158,11 @@ def test_output_function_with_parameters_is_refused() -> None:
     q, p = ca.SX.sym("q", 2), ca.SX.sym("p")
     with pytest.raises(InputError, match="output function f has 2 inputs and 1 outputs, allowed is one vector"):
         OutputDerivatives.of(ca.Function("f", [q, p], [q * p]))
+
+
+def test_interpolation_equals_scipy_bit_for_bit() -> None:
+    rng = np.random.default_rng(1)
+    grid = np.concatenate([[0.0], np.cumsum(rng.uniform(0.005, 0.01, 90))])
+    values, slopes = rng.normal(size=(2, grid.size, 6))
+    t = np.concatenate([rng.permutation(np.linspace(0.0, grid[-1], 5000)), grid])
+    np.testing.assert_array_equal(cubic_hermite(grid, values, slopes, t), CubicHermiteSpline(grid, values, slopes)(t))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from io import StringIO
 from typing import TYPE_CHECKING, Any
@@ -12,6 +13,7 @@ from flexros.atomic_file import write_whole
 from flexros.logs.provenance_file import PROVENANCE_FILE
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
 
     from flexros.config.topics import QosProfile
@@ -19,6 +21,10 @@ if TYPE_CHECKING:
 METADATA_FILE = "metadata.yaml"
 VERSION = 9
 ROS_DISTRO = "jazzy"
+
+_WORD = re.compile("[A-Za-z/][A-Za-z0-9_/.]*")
+_WIDTH = 80
+_NOT_TEXT = {"true", "false", "yes", "no", "on", "off", "y", "n", "null"}
 
 _INFINITE = {"sec": 9223372036, "nsec": 854775807}
 
@@ -115,6 +121,9 @@ def offered_qos(profile: QosProfile) -> dict[str, Any]:
 
 def as_yaml(content: dict[str, Any] | list[dict[str, Any]]) -> str:
     """Return YAML text in block style, keys in the given order, without aliases."""
+    lines = list(_block(content))
+    if None not in lines:
+        return "".join(f"{line}\n" for line in lines)
     yaml = YAML(typ="safe", pure=True)
     yaml.default_flow_style = False
     yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]
@@ -122,3 +131,36 @@ def as_yaml(content: dict[str, Any] | list[dict[str, Any]]) -> str:
     stream = StringIO()
     yaml.dump(content, stream)
     return stream.getvalue()
+
+
+def _block(content: dict[str, Any] | list[Any], column: int = 0) -> Iterator[str | None]:
+    """Write what needs no quotes as ruamel.yaml does, in a hundredth of its time; yield None for anything else."""
+    for key, value in content.items() if isinstance(content, dict) else (("-", item) for item in content):
+        if isinstance(value, dict | list) and value:
+            if key == "-":
+                first, *others = _block(value, column + 2)
+                yield None if first is None else f"- {first}"
+            else:
+                yield f"{key}:"
+                others = list(_block(value, column + 2 * isinstance(value, dict)))
+            indent = "  " if key == "-" or isinstance(value, dict) else ""
+            yield from (None if line is None else indent + line for line in others)
+        elif (text := _plain(value)) is None:
+            yield None
+        elif key == "-":
+            yield f"- {text}"
+        elif column + len(key) + 2 + len(text) > _WIDTH:
+            yield from (f"{key}: ", f"  {text}")
+        else:
+            yield f"{key}: {text}"
+
+
+def _plain(value: object) -> str | None:
+    """Return the text of a number, a flag or a word, None where quotes may be needed."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int):
+        return str(value)
+    if isinstance(value, str) and _WORD.fullmatch(value) and value.lower() not in _NOT_TEXT:
+        return value
+    return "''" if value == "" else None

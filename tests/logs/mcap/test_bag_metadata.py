@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from io import StringIO
 from pathlib import Path
 
 import pytest
@@ -71,3 +72,19 @@ def test_failed_writing_leaves_the_old_file(tmp_path, monkeypatch):
         write_whole(path, "new")
     assert path.read_text() == "old"
     assert [p.name for p in tmp_path.iterdir()] == ["metadata.yaml"]
+
+
+@pytest.mark.parametrize(
+    "name", ["/a", "/a b", "a: b", "true", "Null", "1.5", "-", "", "/ä", "x" * 200, "#a", "a#b/c.d"]
+)
+def test_yaml_is_that_of_ruamel(name):
+    qos = [topic.qos for topic in load_topics().values()]
+    topics = tuple(BagTopic(f"{name}{k or ''}", "x/msg/X", qos[k], name) for k in range(len(qos)))
+    for metadata in (BagMetadata(f"{name}_0.mcap", topics, -5, 10**18), BagMetadata("log_0.mcap", ())):
+        content, stream = {"top": metadata.content(), "lists": [1, [2, [name]], {"a": [name, {"b": 1}]}]}, StringIO()
+        yaml = YAML(typ="safe", pure=True)
+        yaml.default_flow_style = False
+        yaml.sort_base_mapping_type_on_output = False
+        yaml.representer.ignore_aliases = lambda data: True
+        yaml.dump(content, stream)
+        assert as_yaml(content) == stream.getvalue()
