@@ -1,4 +1,7 @@
-"""Draw the picture of the README: path errors with three feedforwards, and a gap before and after its patch."""
+"""Draw the picture of the README: path errors with three feedforwards, and a gap before and after its patch.
+
+Usage: readme_picture.py [FOLDER [EFFECT ...]]; the effects that compete in the diagnosis are all if none is named.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +14,7 @@ from svg_picture import Curve, Panel, picture
 from flexros.analysis import analyse
 from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
+from flexros.gap.settings import DiagnosisSettings, SearchSettings
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import load_scenario
@@ -43,12 +47,13 @@ def path_errors() -> Panel:
     )
 
 
-def closed_gap() -> Panel:
+def closed_gap(effects: tuple[str, ...] = ()) -> Panel:
     """Draw prediction errors of a log with hidden friction, with the nominal model and with the patch."""
     changes = {"robot": ROBOT, "diagnosis.length": 12, "plant.effects": [HIDDEN]}
     log = closed_loop(Experiment.prepare(load_scenario("diagnosis").with_values(changes, "picture")))
     model = Experiment.prepare(load_scenario("diagnosis").with_values({"robot": ROBOT}, "picture")).nominal
-    result = diagnose(checked_log(log, model, name="hidden"), model)
+    settings = DiagnosisSettings(where=None, next_experiment=None, search=SearchSettings(effects=effects))
+    result = diagnose(checked_log(log, model, name="hidden"), model, settings=settings)
     assert result.after is not None
     curves = []
     for explanation, label, colour in (
@@ -68,4 +73,4 @@ def closed_gap() -> Panel:
 if __name__ == "__main__":
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[1] / "pictures"
     folder.mkdir(exist_ok=True)
-    (folder / "overview.svg").write_text(picture([[path_errors(), closed_gap()]]), encoding="utf-8")
+    (folder / "overview.svg").write_text(picture([[path_errors(), closed_gap(tuple(sys.argv[2:]))]]), encoding="utf-8")

@@ -113,10 +113,10 @@ def _kill_all(order: Sequence[str], work: Path, environment: dict[str, str]) -> 
     return plant.last_sentence() or "(killed)", wrong
 
 
-def killed_and_back(folder: Path, victims: Sequence[str] = NODES) -> Result:
+def killed_and_back(folder: Path, victims: Sequence[str] = NODES, duration: float = 6.0) -> Result:
     """Kill a node in the midst of a loop and start it again at once, while its partners are patient."""
     result = Result(["killed and started again", "the loop", "exit code of the plant", "log of the first recorder"])
-    wanted = direct_log(scenario_file(_made(folder / "scenario"), "circle_dae", 6.0))
+    wanted = direct_log(scenario_file(_made(folder / "scenario"), "circle_dae", duration))
     for victim in victims:
         work = _made(folder / victim)
         scenario = folder / "scenario" / "scenario.yaml"

@@ -115,11 +115,11 @@ def runs_here(folder: str, in_one_process: int, commands: int, processes: int) -
     print(json.dumps(rows))
 
 
-def side_by_side(folder: Path, runs: int = 8, rounds: int = 5) -> Result:
+def side_by_side(folder: Path, runs: int = 8, rounds: int = 5, duration: float = 2.0) -> Result:
     """Begin runs at the same moment: each log must equal that of a run alone."""
     result = Result(["round", "runs at the same time", "different domains", "logs equal in every bit"])
     folder.mkdir(parents=True, exist_ok=True)
-    scenario = scenario_file(folder, "circle_dae", 2.0)
+    scenario = scenario_file(folder, "circle_dae", duration)
     wanted = direct_log(scenario)
     for number in range(rounds):
         works = [folder / f"{number}_{i}" for i in range(runs)]

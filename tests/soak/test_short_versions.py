@@ -17,12 +17,12 @@ pytestmark = [pytest.mark.ros, pytest.mark.slow]
 
 PARTS: dict[str, Callable[[Path], Result]] = {
     "orders": lambda folder: killed_nodes.killed_in_order(folder, [("feedforward", "recorder", "plant", "controller")]),
-    "back": lambda folder: killed_nodes.killed_and_back(folder, ["feedforward"]),
+    "back": lambda folder: killed_nodes.killed_and_back(folder, ["feedforward"], 3.0),
     "frozen": lambda folder: frozen_partners.frozen(folder, ["controller"], [frozen_partners.SHORT], 2.0),
     "bad_transport": lambda folder: bad_transport.disturbed(folder, 0.2, [1]),
     "flood": lambda folder: foreign_senders.flooded(folder, ["not_finite"], 1.0, 2000.0),
     "in_a_row": lambda folder: many_runs.in_a_row(folder, 3, 1, 0),
-    "side_by_side": lambda folder: many_runs.side_by_side(folder, 3, 1),
+    "side_by_side": lambda folder: many_runs.side_by_side(folder, 2, 1, 1.0),
 }
 
 
@@ -40,6 +40,6 @@ def test_disk_that_is_full_is_survived(tmp_path: Path) -> None:
 
 
 def test_long_run_loses_nothing(tmp_path: Path) -> None:
-    result = long_runs.long_run(tmp_path, "composed", 20.0, 0.01, False)
+    result = long_runs.long_run(tmp_path, "composed", 8.0, 0.01, False)
     assert [row[0] for row in result.rows] == ["run", "log"]
     assert result.rows[-1][-1] == "ok"

@@ -23,6 +23,7 @@ from flexros.scenario.scenario import load_scenario
 pytest.importorskip("rclpy", reason="needs ROS 2")
 
 from flexros_nodes.bringup.run import run_scenario
+from flexros_nodes.plant import node as plant_node
 from flexros_nodes.shell import spinning
 
 pytestmark = pytest.mark.usefixtures("ros_domain")
@@ -89,9 +90,10 @@ def test_single_threaded_executor_gives_the_same_samples(
     tmp_path: Path, log_differences: Differences, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(spinning, "EventsExecutor", None)
-    summary = run_scenario("circle_dae", tmp_path / "log")
+    scenario = load_scenario("circle_dae").with_values({"duration": 0.2})
+    summary = run_scenario(scenario, tmp_path / "log")
     assert summary.exit_code == 0
-    assert log_differences(direct("circle_dae"), read_log(tmp_path / "log")) == []
+    assert log_differences(closed_loop(Experiment.prepare(scenario)), read_log(tmp_path / "log")) == []
 
 
 def test_run_without_a_log_records_nothing() -> None:
@@ -126,8 +128,9 @@ def test_recorder_keeps_the_markers_of_the_arm_where_asked(tmp_path: Path) -> No
         )  # the newest stamp the recorder knows
 
 
-def test_plant_warns_of_a_motor_at_its_torque_limit(tmp_path: Path) -> None:
-    scenario = load_scenario("regulator_four_mass").with_values({"duration": 15.0, "controller.kp": 1e4})
+def test_plant_warns_of_a_motor_at_its_torque_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(plant_node, "period", lambda _: 0.05)  # of diagnostics: a run in lock-step takes a second
+    scenario = load_scenario("regulator_four_mass").with_values({"duration": 2.0, "controller.kp": 1e4})
     run_scenario(scenario, tmp_path / "log")
     with (tmp_path / "log" / "log_0.mcap").open("rb") as file:
         messages = [entry.data for _, _, entry in make_reader(file).iter_messages(topics=["/diagnostics"])]

@@ -11,8 +11,9 @@ from distributed import Client
 from flexros.errors import InputError
 from flexros.scheduler import connected
 from flexros.validation.campaigns.base import CampaignRequest
-from flexros.validation.campaigns.sensitivity import Sensitivity
+from flexros.validation.campaigns.sensitivity import Sensitivity, case_part
 from flexros.validation.campaigns.sensitivity.settings import CASES, SensitivitySettings
+from tests.gap.diagnosis_logs import settings_of
 
 
 @pytest.fixture(scope="module")
@@ -22,7 +23,13 @@ def client() -> Iterator[Client]:
 
 
 @pytest.mark.slow
-def test_a_case_is_diagnosed_with_the_default_and_with_each_factor(client: Client, tmp_path: Path) -> None:
+def test_a_case_is_diagnosed_with_the_default_and_with_each_factor(
+    client: Client, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    few = settings_of(
+        "coulomb_friction", "viscous_friction", "backlash"
+    )
+    monkeypatch.setattr(case_part, "case_settings", lambda: few)
     settings = SensitivitySettings(cases=CASES[2:4], durations=(4.0, 3.0, 1.0), keys=("level",))
     result = Sensitivity(settings).run(CampaignRequest(tmp_path, client, repetitions=1))
     answers = result.record["answers"]
