@@ -32,7 +32,7 @@ def model(name: str = "four_mass_linear") -> RobotWithEffects:
 
 
 def gain(survivors: list[list[PlacedEffect]], entry: str) -> float:
-    found = separated([Explained(model(), tuple(one)) for one in survivors], ENTRIES[entry], 101, 20.0)
+    found = separated([Explained(model(), tuple(one)) for one in survivors], ENTRIES[entry], 101, 10.0)
     assert found is not None
     return found.gain
 

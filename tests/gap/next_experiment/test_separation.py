@@ -18,7 +18,7 @@ from flexros.robot import load_robot
 
 pytestmark = pytest.mark.slow
 
-KEYS = {"diagnosis.length": 20}
+KEYS = {"diagnosis.length": 10}
 SAMPLE_TIME = 5e-4
 
 
