@@ -26,9 +26,7 @@ def client() -> Iterator[Client]:
 def test_a_case_is_diagnosed_with_the_default_and_with_each_factor(
     client: Client, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    few = settings_of(
-        "coulomb_friction", "viscous_friction", "backlash"
-    )
+    few = settings_of("coulomb_friction", "viscous_friction", "backlash")
     monkeypatch.setattr(case_part, "case_settings", lambda: few)
     settings = SensitivitySettings(cases=CASES[2:4], durations=(4.0, 3.0, 1.0), keys=("level",))
     result = Sensitivity(settings).run(CampaignRequest(tmp_path, client, repetitions=1))
