@@ -1,4 +1,4 @@
-"""Many inputs for every reader, and cuts of a log; `python -m tests.fuzz.campaign MINUTES FOLDER` writes fuzzing.md."""
+"""Fuzz every reader and truncate a log; `python -m tests.fuzz.campaign MINUTES FOLDER` writes fuzzing.md."""
 
 from __future__ import annotations
 
@@ -17,27 +17,27 @@ from types import FrameType
 from hypothesis import HealthCheck, Phase, given, seed, settings
 
 from flexros.atomic_file import write_whole
+from tests.fuzz.fixed_faults import FIXED_FAULTS
 from tests.fuzz.hostile import HOSTILE
-from tests.fuzz.mended import MENDED
 from tests.fuzz.readers import READERS, Reader, outcome
 from tests.logs.cut_log import Recovery, chunk_edges, cuts_of, in_small_chunks, recovery
 
 CHECKOUT = Path(__file__).parents[2]
 SAMPLE = CHECKOUT / "bags" / "sample_circle_dae" / "sample_circle_dae_0.mcap"
 BATCH = 500
-"""Inputs of one run of Hypothesis; the next one has another seed."""
+"""Inputs of one run of Hypothesis; the next run has another seed."""
 LONGEST = 60
 """Processor time after which reading counts as a hang [s]."""
 ROOM = 2 * 2**30
-"""Memory beyond what the process has at the start [byte]."""
+"""Memory in addition to that of the process at the start [byte]."""
 N_CUTS = 5_000
 HEAD = """# Fuzzing
 
-Written by `make fuzz`, {minutes:g} minutes of processor time. Everything that reads what others write is given damaged
-inputs (bits, bytes, claimed lengths, pieces cut off, removed, put in, repeated, records in any order with the right
-checksums) and made-up ones, by Hypothesis with a new seed for every {batch}. An input must give a valid result, or
-be refused in one sentence that can be printed. Everything else is a fault: another exception, a hang of {longest} s,
-{room} MB more memory than at the start. [Limits](../reference/limits.md) lists what is refused for its size.
+Written by `make fuzz`, {minutes:g} minutes of processor time. Every reader of foreign data gets damaged inputs (bits,
+bytes, claimed lengths, parts truncated, removed, inserted or repeated, records in any order with correct checksums) and
+generated ones, from Hypothesis with a new seed for every {batch}. An input must give a valid result or be refused with
+one printable sentence. Everything else is a fault: another exception, a hang of {longest} s, {room} MB more memory than
+at the start. [Limits](../reference/limits.md) lists the limits of size.
 """
 
 
@@ -46,7 +46,7 @@ class Tally:
     """Results of the inputs of one reader.
 
     Attributes:
-        what: What it reads.
+        what: Kind of input.
         outcomes: Number of inputs by outcome: read, refused, fault.
         faults: First input of each kind of fault, as text, by kind.
         slowest: Longest time for an input [s] (processor time).
@@ -58,18 +58,18 @@ class Tally:
     slowest: float = 0.0
 
     def read(self, reader: Reader, data: bytes) -> None:
-        """Read an input and note what came of it."""
+        """Read an input and count its outcome."""
         began = time.process_time()
         signal.setitimer(signal.ITIMER_PROF, LONGEST)
         try:
             self.outcomes[outcome(reader, data)] += 1
-        except Exception as error:  # noqa: BLE001 - each is a fault that is written down
+        except Exception as error:  # noqa: BLE001 - each is a fault that is reported
             self.outcomes["fault"] += 1
             trace = error.__traceback__
             while trace is not None and trace.tb_next is not None:
                 trace = trace.tb_next
-            place = f"{Path(trace.tb_frame.f_code.co_filename).name}:{trace.tb_lineno}" if trace else ""
-            self.faults.setdefault(f"{type(error).__name__} at {place}", repr(data[:2000]))
+            location = f"{Path(trace.tb_frame.f_code.co_filename).name}:{trace.tb_lineno}" if trace else ""
+            self.faults.setdefault(f"{type(error).__name__} at {location}", repr(data[:2000]))
         finally:
             signal.setitimer(signal.ITIMER_PROF, 0)
         self.slowest = max(self.slowest, time.process_time() - began)
@@ -80,7 +80,7 @@ def _hang(number: int, frame: FrameType | None) -> None:
 
 
 def fuzz(name: str, budget: float) -> Tally:
-    """Give a reader inputs for a time.
+    """Fuzz a reader for a time.
 
     Args:
         name: Name of the reader.
@@ -108,8 +108,8 @@ def fuzz(name: str, budget: float) -> Tally:
 
 
 def hostile() -> Tally:
-    """Read what was made to take memory, time or the process."""
-    tally = Tally("claims, bombs and depth, made by hand")
+    """Read inputs that are written to exhaust memory or time, or to end the process."""
+    tally = Tally("claimed sizes, expansion and nesting, written by hand")
     for reader, make in HOSTILE.values():
         tally.read(READERS[reader], make())
     return tally
@@ -132,19 +132,19 @@ def _row(what: str, outcomes: Counter[str], slowest: float) -> str:
 def page(tallies: list[Tally], n_chunks: int, found: Recovery, minutes: float) -> str:
     """Write the page."""
     rows = [HEAD.format(batch=BATCH, longest=LONGEST, room=ROOM // 2**20, minutes=minutes)]
-    rows += ["| what is read | inputs | read | refused | faults | slowest [s] |", "|---|---|---|---|---|---|"]
+    rows += ["| reader | inputs | read | refused | faults | slowest [s] |", "|---|---|---|---|---|---|"]
     rows += [_row(tally.what, tally.outcomes, tally.slowest) for tally in tallies]
     together = sum((tally.outcomes for tally in tallies), Counter[str]())
-    rows += [_row("together", together, max(tally.slowest for tally in tallies)), ""]
+    rows += [_row("all", together, max(tally.slowest for tally in tallies)), ""]
     open_faults = [f"- {tally.what}: {kind}" for tally in tallies for kind in tally.faults]
-    rows += ["Open faults:", "", *open_faults, ""] if open_faults else ["No fault is open.", ""]
-    rows += [f"## Faults found and mended: {len(MENDED)}", "", "Each is a test now.", ""]
-    rows += [f"- {what}: {before}" for what, before in MENDED.items()]
-    rows += ["", "## Logs cut off at any byte", ""]
+    rows += ["Open faults:", "", *open_faults, ""] if open_faults else ["No open faults.", ""]
+    rows += [f"## Faults found and fixed: {len(FIXED_FAULTS)}", "", "Each has a test.", ""]
+    rows += [f"- {what}: {before}" for what, before in FIXED_FAULTS.items()]
+    rows += ["", "## Logs truncated at any byte", ""]
     rows.append(
-        f"The shipped log, written again in {n_chunks} chunks, was cut at {found.n_cuts} places: around every begin "
-        f"and end of a chunk, and at random ones. Of {found.n_expected} messages of complete chunks {found.n_read} "
-        f"were read with every bit: {100 * found.share:.6g} %. Messages read that are not among them: {found.n_wrong}."
+        f"The sample log, rewritten in {n_chunks} chunks, was truncated at {found.n_cuts} positions: around the begin "
+        f"and end of every chunk, and at random ones. Of {found.n_expected} messages of complete chunks {found.n_read} "
+        f"were read bit-equal: {100 * found.share:.6g} %. Other messages read: {found.n_wrong}."
     )
     return "\n".join(rows) + "\n"
 

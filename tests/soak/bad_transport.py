@@ -60,9 +60,9 @@ def lossy_in_real_time(
             "seed",
             "commands lost",
             "samples without command, of all",
-            "most lateness of a cycle [ms]",
+            "largest lateness of a cycle [ms]",
             "largest deviation [%]",
-            "what the run says",
+            "message of the run",
             "log",
         ]
     )

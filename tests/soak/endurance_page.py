@@ -1,7 +1,7 @@
 """Write docs/results/endurance.md: python -m tests.soak.endurance_page [--only PART ...] [--again] [--out FOLDER].
 
-Results of parts are kept in a folder of work, and parts that have a whole one there are not run again; so a broken-off
-campaign goes on where it was. Parts that were not run here stay on the page as they are.
+Results of parts are kept in a work folder, and parts with a complete result there are not run again, so an aborted
+campaign resumes. The page keeps the committed results of parts that were not run here.
 """
 
 from __future__ import annotations
@@ -39,10 +39,9 @@ PAGE, FIGURES = "endurance.md", "endurance.json"
 
 HEAD = """# Endurance and faults
 
-Written by `make soak` (`python -m tests.soak.endurance_page`), part by part; short versions of the parts are among the
-tests. Everything ran on this machine, with other work: speeds and late cycles are those of a loaded machine. The last
-column of a table says "ok", or what was not as it must be. That nodes look at steady clocks alone is tested
-(`tests/nodes/runs/test_clock_jumps.py`).
+Written by `make soak` (`python -m tests.soak.endurance_page`), part by part; the tests contain short versions of the
+parts. The machine had other load: speeds and late cycles are those of a loaded machine. The last column of a table is
+"ok" or names the fault. A test proves that nodes use steady clocks only (`tests/nodes/runs/test_clock_jumps.py`).
 """
 
 
@@ -52,10 +51,10 @@ class Part:
 
     Attributes:
         title: Heading on the page.
-        text: What is done, and what must come of it.
-        run: Does it in a folder of its own.
-        values: Parameters of the full version.
-        asked: Whether it is run only where it is named, because it touches more than the checkout.
+        text: Procedure and requirements.
+        run: Function that runs the part in a folder of its own.
+        values: Arguments of the full version.
+        asked: Whether the part runs only when it is named, because it changes more than the checkout.
     """
 
     title: str
@@ -65,10 +64,10 @@ class Part:
     asked: bool = False
 
 
-MEMORY = f"""Growth is the slope of a line through the means of {BLOCKS} equal spans, with its 95 % interval, after the
-first tenth of the time. Memory is flat when the interval lies below {FLAT:g} bytes per sample of the loop, and the
-number of open files never changes. The recorder keeps the index of the log until it closes: 1 kB for each chunk of half
-a second, 1.1 bytes per sample; it is part of the growth."""
+MEMORY = f"""Growth is the slope of a line through the means of {BLOCKS} equal spans after the first tenth of the
+time, with its 95 % interval. Memory is flat when the interval is below {FLAT:g} bytes per sample of the loop and
+the number of open files is constant. The recorder keeps the index of the log until it closes: 1 kB per chunk of
+half a second, 1.1 bytes per sample, which is part of the growth."""
 
 PARTS = {
     "lock_step": Part(
@@ -85,7 +84,7 @@ PARTS = {
     ),
     "real_time": Part(
         "30 minutes of wall clock in real time",
-        f"One process holds all nodes, 2 kHz. Beside other work: the plant may hold a command for 10 s. {MEMORY}",
+        f"One process holds all nodes, at 2 kHz. Due to the other load the plant may hold a command for 10 s. {MEMORY}",
         long_runs.long_run,
         {"layout": "composed", "duration": 1800.0, "period": 3.0, "real_time": True},
     ),
@@ -97,54 +96,55 @@ PARTS = {
     ),
     "killed": Part(
         "A node of a run is killed",
-        """`flexros run --layout processes`, SIGKILL in the midst: exit code 3, a sentence, a plant that brakes, a
-readable log, no process left.""",
+        """`flexros run --layout processes`, SIGKILL during the run. Required: exit code 3, a message, a plant that
+brakes, a readable log, no remaining process.""",
         killed_nodes.killed_in_a_run,
     ),
     "orders": Part(
-        "Nodes killed and started again in every order",
-        """Nodes that were started by themselves, as by `ros2 run`. After the first kill the plant notices, the log is
-readable though its recorder is killed too, and all nodes started again in the same order and domain give the log of an
-undisturbed run.""",
+        "Nodes killed and restarted in every order",
+        """Nodes that were started one by one, as by `ros2 run`. Required: the plant reports the first kill, the log
+is readable although its recorder is killed too, and all nodes, restarted in the same order and domain, give the log
+of an undisturbed run.""",
         killed_nodes.killed_in_order,
     ),
     "back": Part(
-        "A node killed and started again while the others go on",
-        "What becomes of the loop. A controller that comes back has lost its state, and a plant begins anew.",
+        "A node killed and restarted while the others continue",
+        "Behaviour of the loop. A restarted controller has lost its state, and a restarted plant begins a new run.",
         killed_nodes.killed_and_back,
     ),
     "frozen": Part(
         "A node is frozen",
-        """SIGSTOP and SIGCONT in lock-step, time-outs 5 s: a short stop changes no bit, a long one ends the run in
-order; a plant may stop for as long as one likes.""",
+        """SIGSTOP and SIGCONT in lock-step, time-outs 5 s. Required: a short stop changes no bit, a long one ends
+the run in an orderly way; a plant may stop for any time.""",
         frozen_partners.frozen,
     ),
     "frozen_real_time": Part(
         "A controller is frozen in real time",
-        """The plant holds the last command for 0.1 s, counts what is missing, and then brakes. A controller that comes
-back in time answers all that it has missed.""",
+        """The plant holds the last command for 0.1 s, counts the missing commands, and then brakes. A controller
+that resumes in time answers all missed measurements.""",
         frozen_partners.frozen_in_real_time,
     ),
     "stepped_clock": Part(
         "The system clock is set",
-        """The clock of the machine is set off and right again, three times in a run; so this part is run by its name
-only (`--only stepped_clock`). The libraries of the wheels wait on the system clock: before nodes were woken by the
-kernel when it is set, a loop in real time stood still until the clock was right again, for 1.5 s here. In real time no
-period may be longer than 100 ms.""",
+        """The clock of the machine is set wrong and right again, three times in a run. This part runs only when it
+is named (`--only stepped_clock`). The libraries of the ROS 2 wheels wait on the system clock: before the kernel
+woke the nodes when it is set, a loop in real time stopped until the clock was right again, here for 1.5 s. In real
+time no period may be longer than 100 ms.""",
         stepped_clock.stepped,
         asked=True,
     ),
     "bad_transport": Part(
         "Messages lost, repeated and swapped",
-        """A node stands between plant, controller and feedforward; it loses 5 % of all messages, sends 5 % twice and
-swaps 5 % with the next one. The log must equal that of an undisturbed run.""",
+        """A relay between plant, controller and feedforward loses 5 % of all messages, sends 5 % twice and swaps
+5 % with the next one. The log must equal that of an undisturbed run.""",
         bad_transport.disturbed,
     ),
     "loss_real_time": Part(
         "Messages lost in real time",
-        """Plant and controller do not see 5 % of the commands, measurements and references, at 2 kHz: commands and
-measurements are not sent again, the plant holds the last command; chunks of the reference are. The loop has to go on,
-nothing may be missing in the log, and no motor may leave the undisturbed motion by more than 1 % of its range.""",
+        """Plant and controller lose 5 % of the commands, measurements and references, at 2 kHz. Commands and
+measurements are not sent again, and the plant holds the last command; chunks of the reference are sent again.
+Required: the loop continues, the log is complete, and no motor deviates from the undisturbed motion by more than
+1 % of its range.""",
         bad_transport.lossy_in_real_time,
     ),
     "flood": Part(
@@ -155,15 +155,14 @@ undisturbed run.""",
     ),
     "flood_real_time": Part(
         "Floods in real time",
-        """The same at 2 kHz, with one process per node: the loop has to go on, and its log must hold all that its nodes
-have sent: a sample that the controller never saw has neither command nor reference, and is not lost. Cycles count as
-late from 50 us on, and looking through a flood takes longer.""",
+        """The same at 2 kHz, with one process per node. Required: the loop continues, and its log holds all
+messages of its nodes. A sample that the controller did not receive has neither command nor reference and is not
+counted as lost. Cycles are late from 50 us on, and discarding a flood takes longer.""",
         foreign_senders.flooded_in_real_time,
     ),
     "second_controller": Part(
         "Two controllers on one topic",
-        """A second controller with other gains joins: the run breaks off as soon as two commands for one sample
-differ.""",
+        """A second controller with other gains joins. The run aborts as soon as two commands for one sample differ.""",
         foreign_senders.second_controller,
     ),
     "full_disk": Part(
@@ -173,12 +172,12 @@ differ.""",
     ),
     "in_a_row": Part(
         "Hundreds of runs in a row",
-        "The circle test again and again. Nothing may stay: no shared memory, temporary files, processes, open files.",
+        "The circle test, repeated. Required: no shared memory, temporary files, processes or open files remain.",
         many_runs.in_a_row,
     ),
     "side_by_side": Part(
         "Runs at the same time",
-        "Eight runs begin at the same moment. None may hear another one.",
+        "Eight runs begin at the same moment. None may receive messages of another one.",
         many_runs.side_by_side,
     ),
 }
@@ -186,7 +185,7 @@ differ.""",
 
 
 def done(part: Part) -> dict[str, Any]:
-    """Run a part; give its result with its time and the version of the code."""
+    """Run a part; return its result with its time and the version of the code."""
     began, load = monotonic(), os.getloadavg()[0]
     with tempfile.TemporaryDirectory(prefix="soak_", dir=os.environ.get("TMPDIR")) as work:
         result = part.run(Path(work), **part.values)
@@ -210,7 +209,7 @@ def page(results: dict[str, dict[str, Any]]) -> str:
     described = machine()
     about = [f"- {key}: {value}" for key, value in described.items()]
     about.append("- versions: " + ", ".join(f"{name} {text}" for name, text in versions().items()))
-    lines = [HEAD, *about, "", "| part | tried | as it must be | minutes | version |", "|---|---|---|---|---|"]
+    lines = [HEAD, *about, "", "| part | checks | passed | minutes | version |", "|---|---|---|---|---|"]
     sections = []
     for name, part in PARTS.items():
         if name not in results:
@@ -227,7 +226,7 @@ def page(results: dict[str, dict[str, Any]]) -> str:
 
 
 def main() -> int:
-    """Run what has no result yet, and write the page after each part; 1 if something was not as it must be."""
+    """Run the parts without a result, and write the page after each part; return 1 if a check failed."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
         "--only",
@@ -237,7 +236,7 @@ def main() -> int:
         metavar="PART",
         help=", ".join(PARTS),
     )
-    parser.add_argument("--again", action="store_true", help="run parts that have a result, too")
+    parser.add_argument("--again", action="store_true", help="also run parts that have a result")
     parser.add_argument("--out", type=Path, default=CHECKOUT / "docs" / "results", help="folder of the page")
     parser.add_argument("--work", type=Path, default=CHECKOUT / "bags" / "soak", help="folder of finished parts")
     given = parser.parse_args()
@@ -250,7 +249,7 @@ def main() -> int:
             print(f"{name} ...", flush=True)
             try:
                 found = done(PARTS[name])
-            except Exception:  # noqa: BLE001 - the other parts shall be run all the same
+            except Exception:  # noqa: BLE001 - the other parts are run all the same
                 traceback.print_exc()
                 failed = True
                 continue

@@ -40,7 +40,7 @@ FLOODS = {
 
 def flooded(folder: Path, kinds: Sequence[str] = tuple(FLOODS), duration: float = 20.0, rate: float = RATE) -> Result:
     """Flood a loop in lock-step while it runs: its log must be that of an undisturbed run."""
-    result = Result(["flood", "sent", "rate [1/s]", "samples/s, alone and flooded", "log"])
+    result = Result(["flood", "sent", "rate [1/s]", "samples/s, without and with flood", "log"])
     folder.mkdir(parents=True, exist_ok=True)
     scenario = scenario_file(folder, "circle_dae", duration)
     wanted = direct_log(scenario)
@@ -100,8 +100,8 @@ def _run(
 
 
 def second_controller(folder: Path) -> Result:
-    """Let a second controller with other gains join a run."""
-    result = Result(["loop", "exit code", "what the run says", "samples in the log"])
+    """Run with a second controller of other gains that joins."""
+    result = Result(["loop", "exit code", "message of the run", "samples in the log"])
     for options in ((), ("--realtime",)):
         work = folder / f"second{len(options)}"
         work.mkdir(parents=True)
@@ -116,7 +116,7 @@ def second_controller(folder: Path) -> Result:
                 take(start_node("controller", work, environment, scenario=other, observers=0))
                 code = run.exit_code(300.0)
         said, samples = run.last_sentence(), samples_in(work / "log")
-        wrong = [f"exit code {code}"] * (code != 3) + ["not told"] * ("a plant accepts one controller" not in said)
+        wrong = [f"exit code {code}"] * (code != 3) + ["not reported"] * ("a plant accepts one controller" not in said)
         result.add("real time" if options else "lock-step", str(code), said, str(samples), wrong="; ".join(wrong))
         shutil.rmtree(work)
     return result

@@ -30,7 +30,7 @@ def frozen(
     For a short time nobody may notice, and the log is that of an undisturbed run. A plant may be frozen for as long as
     one likes. For the others the plant gives up after its time-out, brakes and says so.
     """
-    result = Result(["frozen", "time [s]", "exit code", "what the run says", "log"])
+    result = Result(["frozen", "time [s]", "exit code", "message of the run", "log"])
     options = [word for key, value in PATIENCE for word in ("--parameter", f"{key}={value}")]
     for seconds in times:
         for victim in victims:
@@ -60,7 +60,7 @@ def frozen(
 
 def frozen_in_real_time(folder: Path, times: Sequence[float] = (0.04, 0.5)) -> Result:
     """Freeze the controller of a run in real time, for less and for more than `real_time_patience` (0.1 s)."""
-    result = Result(["frozen", "time [s]", "exit code", "what the run says", "samples without command"])
+    result = Result(["frozen", "time [s]", "exit code", "message of the run", "samples without command"])
     for seconds in times:
         work = folder / f"real_time{seconds}"
         work.mkdir(parents=True)

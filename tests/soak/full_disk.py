@@ -19,7 +19,7 @@ def full_disk(
     folder: Path, layouts: Sequence[str] = ("composed", "processes"), sizes: Sequence[str] = ("64k", "2m")
 ) -> Result:
     """Record onto a disk that is too small: the run must end in order, and the log be valid up to that point."""
-    result = Result(["layout", "disk", "exit code", "what the run says", "samples in the log"])
+    result = Result(["layout", "disk", "exit code", "message of the run", "samples in the log"])
     folder.mkdir(parents=True, exist_ok=True)
     scenario, disk = scenario_file(folder, "circle_dae", 60.0), folder / "disk"
     disk.mkdir()
@@ -34,7 +34,7 @@ def full_disk(
             )
             found = json.loads(output)
             wrong = [f"exit code {found['code']}"] * (found["code"] != 3)
-            wrong += ["not told"] * ("make space and run again" not in found["said"])
+            wrong += ["not reported"] * ("make space and run again" not in found["said"])
             wrong += ["few samples"] * (size != "64k" and found["samples"] < 500)
             texts = (layout, size, str(found["code"]), found["said"], str(found["samples"]))
             result.add(*texts, wrong="; ".join(wrong))

@@ -28,7 +28,7 @@ from tests.soak.watching import name_of
 NODES = ("plant", "controller", "feedforward", "recorder")
 ORDERS = list(permutations(NODES))
 IMPATIENT = {"partner_timeout": 3.0, "recorder_timeout": 4.0, "brake_duration": 0.05}
-TOLD = {
+MESSAGES = {
     "controller": "the controller is gone or lacks its reference; the plant has braked",
     "feedforward": "the controller is gone or lacks its reference; the plant has braked",
     "recorder": "it is gone; the plant has braked",
@@ -38,7 +38,7 @@ TOLD = {
 
 def killed_in_a_run(folder: Path, victims: Sequence[str] = NODES) -> Result:
     """Kill one node of `flexros run --layout processes`, in lock-step and in real time."""
-    result = Result(["killed", "loop", "exit code", "what the run says", "samples in the log"])
+    result = Result(["killed", "loop", "exit code", "message of the run", "samples in the log"])
     for victim in victims:
         for options in ((), ("--realtime",)):
             work = folder / f"{victim}{len(options)}"
@@ -53,7 +53,7 @@ def killed_in_a_run(folder: Path, victims: Sequence[str] = NODES) -> Result:
             said = run.last_sentence()
             alive = [name for name, one in children.items() if one.is_running()]
             wrong = [f"exit code {code}"] * (code != 3) + ["few samples"] * (samples < 500)
-            wrong += ["not told"] * (f"the process of node {victim} was killed by SIGKILL" not in said)
+            wrong += ["not reported"] * (f"the process of node {victim} was killed by SIGKILL" not in said)
             wrong += [f"{', '.join(alive)} left"] * bool(alive)
             result.add(
                 victim, "real time" if options else "lock-step", str(code), said, str(samples), wrong="; ".join(wrong)
@@ -68,7 +68,7 @@ def killed_in_order(folder: Path, orders: Sequence[Sequence[str]] = ORDERS) -> R
     After the first kill the plant has to notice; the log must be readable though its recorder was killed too; and what
     is started again in the same domain must give the log of an undisturbed run.
     """
-    result = Result(["order", "the plant says", "samples in the log", "started again"])
+    result = Result(["order", "message of the plant", "samples in the log", "restarted"])
     again = folder / "again"
     again.mkdir(parents=True)
     wanted = direct_log(scenario_file(again, "circle_dae", 1.0))
@@ -105,7 +105,7 @@ def _kill_all(order: Sequence[str], work: Path, environment: dict[str, str]) -> 
         if first != "plant":
             code = plant.exit_code()
             wrong += [f"exit code {code}"] * (code != 3)
-            wrong += ["not told"] * (TOLD[first] not in plant.last_sentence())
+            wrong += ["not reported"] * (MESSAGES[first] not in plant.last_sentence())
         for name in order[1:]:
             if name != "plant" and nodes[name].ended:
                 wrong.append(f"{name} ended by itself")
@@ -115,7 +115,7 @@ def _kill_all(order: Sequence[str], work: Path, environment: dict[str, str]) -> 
 
 def killed_and_back(folder: Path, victims: Sequence[str] = NODES, duration: float = 6.0) -> Result:
     """Kill a node in the midst of a loop and start it again at once, while its partners are patient."""
-    result = Result(["killed and started again", "the loop", "exit code of the plant", "log of the first recorder"])
+    result = Result(["killed and restarted", "loop", "exit code of the plant", "log of the first recorder"])
     wanted = direct_log(scenario_file(_made(folder / "scenario"), "circle_dae", duration))
     for victim in victims:
         work = _made(folder / victim)

@@ -29,7 +29,7 @@ def in_a_row(folder: Path, in_one_process: int = 180, commands: int = 40, proces
     Where the system permits it, this happens with a shared memory of its own; else other programs disturb the count.
     """
     result = Result(
-        ["runs", "broken off", "files in shared memory", "temporary files", "processes", "open files of a process"]
+        ["runs", "aborted", "files in shared memory", "temporary files", "processes", "open files of a process"]
     )
     folder.mkdir(parents=True, exist_ok=True)
     command = [sys.executable, "-c", _IN_A_ROW, str(folder), *map(str, (in_one_process, commands, processes))]

@@ -8,7 +8,7 @@ from pathlib import Path
 
 
 def with_mount(command: list[str], folder: Path, size: str) -> list[str]:
-    """Give a command that sees an empty file system of a size at a folder, and takes it away at its end."""
+    """Return a command that runs with an empty file system of a given size at a folder, and unmounts it at its end."""
     script = f"mount -t tmpfs -o size={size} none {shlex.quote(str(folder))} && exec {shlex.join(command)}"
     return ["unshare", "--mount", "sh", "-c", script]
 

@@ -30,14 +30,14 @@ PATIENCE = 120.0
 
 
 def user_environment(**settings: str) -> dict[str, str]:
-    """Give an environment with the checkout and the settings given, without those of ROS."""
+    """Return an environment with the checkout and the given settings, without those of ROS."""
     kept = {name: text for name, text in os.environ.items() if not name.startswith(("ROS_", "RMW_", "FAST"))}
     return {**kept, "PYTHONPATH": str(CHECKOUT), "OMP_NUM_THREADS": "1", **settings}
 
 
 @contextmanager
 def own_domain() -> Iterator[dict[str, str]]:
-    """Give the environment of nodes that are to meet: a domain nobody else has, on this machine only."""
+    """Return the environment of nodes that communicate: a domain of their own, on this machine only."""
     with domain_of_run({}, os.getpid()) as domain:
         yield user_environment(**{DOMAIN_VARIABLE: str(domain)}, **exposure_settings({}, network=False))
 
@@ -86,7 +86,7 @@ class Started:
         return self.said.read_text(encoding="utf-8", errors="replace")
 
     def last_sentence(self) -> str:
-        """Give what a node or a command says of its end."""
+        """Return the last message of a node or command."""
         for line in reversed(self.words().splitlines()):
             for prefix in ("flexros: ", ERROR_PREFIX):
                 if line.startswith(prefix):
@@ -117,7 +117,7 @@ def start_node(
 
 @contextmanager
 def ending(*first: Started) -> Iterator[Callable[[Started], Started]]:
-    """Give what takes processes in charge: they end with the block."""
+    """Yield a function that registers processes; they end with the block."""
     with ExitStack() as stack:
 
         def take(one: Started) -> Started:

@@ -33,7 +33,7 @@ def clock_may_be_set() -> bool:
 
 @contextmanager
 def clock_set_right() -> Iterator[float]:
-    """Give the distance of the system clock from the steady one [s], and set the clock right after the block."""
+    """Yield the offset of the system clock from the steady one [s], and restore the clock after the block."""
     distance = time.clock_gettime(time.CLOCK_REALTIME) - time.clock_gettime(time.CLOCK_MONOTONIC)
     try:
         yield distance
@@ -42,7 +42,7 @@ def clock_set_right() -> Iterator[float]:
 
 
 def set_clock(distance: float) -> None:
-    """Set the system clock to a distance from the steady one [s]."""
+    """Set the system clock to an offset from the steady one [s]."""
     time.clock_settime(time.CLOCK_REALTIME, distance + time.clock_gettime(time.CLOCK_MONOTONIC))
 
 
@@ -51,7 +51,7 @@ def stepped(folder: Path, steps: Sequence[float] = STEPS, layouts: Sequence[str]
 
     In lock-step the log is that of an undisturbed run; in real time no period is longer than a plant has patience.
     """
-    result = Result(["layout", "loop", "clock set forth by [s]", "exit code", "longest period [ms]", "log"])
+    result = Result(["layout", "loop", "clock set forward by [s]", "exit code", "longest period [ms]", "log"])
     if not clock_may_be_set():
         result.notes.append("Not tried: this user may not set the clock.")
         return result

@@ -1,4 +1,4 @@
-"""Growth of memory over time: what leaks is told, what does not is called flat."""
+"""Growth of memory over time: a leak is reported, constant memory is flat."""
 
 from __future__ import annotations
 

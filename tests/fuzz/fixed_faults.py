@@ -1,8 +1,8 @@
-"""Faults that fuzzing and hostile inputs have shown: the input in `HOSTILE`, and what came of it before."""
+"""Faults found by fuzzing and fixed: the input in `HOSTILE`, and its outcome before the fix."""
 
 from __future__ import annotations
 
-MENDED: dict[str, str] = {
+FIXED_FAULTS: dict[str, str] = {
     "robot: merges of merges": "no answer within 20 s (any YAML file)",
     "robot: tag without a value": "IndexError (any YAML file)",
     "setting: deep lists": "RecursionError",
