@@ -118,16 +118,16 @@ class Answer:
         if faint or (kind == "unknown" and self.unknown):
             return ""
         if not self.alarm:
-            return "not seen"
+            return "not detected"
         if kind == "unknown":
             return "a known effect is named"
         if self.unknown:
-            return "called unknown"
+            return "reported as unknown"
         if self.both() if kind == "pair" else self.named(1):
             return ""
         if kind == "pair":
-            return "one of both is missing" if self.named(2) else "both are missing"
-        return "ambiguous, another one first" if self.in_group else "another one first"
+            return "one of the two is missing" if self.named(2) else "both are missing"
+        return "ambiguous, another effect first" if self.in_group else "another effect first"
 
     @property
     def reported(self) -> str:

@@ -21,19 +21,19 @@ ROWS = (
     ("the same, nested effects counted", "top_1_nested"),
     ("right effect among first three", "top_3"),
     ("right effect in the ambiguity group", "in_group"),
-    ("right place, of those with right name", "location"),
-    ("gap seen", "detected"),
+    ("right location, of those with right name", "location"),
+    ("gap detected", "detected"),
     ("false alarms of logs without deviation", "false_alarms"),
-    ("cause outside the library called unknown", "unknown_found"),
-    ("cause outside the library seen at all", "unknown_seen"),
-    ("effect of the library called unknown", "known_unknown"),
+    ("cause outside the library reported as unknown", "unknown_found"),
+    ("cause outside the library detected", "unknown_seen"),
+    ("effect of the library reported as unknown", "known_unknown"),
     ("both effects of a pair first", "pairs"),
     ("the same, nested effects counted", "pairs_nested"),
     ("size in its 95 % interval", "covered"),
     ("patch closes 95 % of the gap of a third log", "third_95"),
     ("logs refused", "refused"),
 )
-"""Shares by what they are; visible deviations only where nothing else is reported."""
+"""Shares by description; of visible deviations unless stated otherwise."""
 
 
 WIDE = 150
@@ -74,8 +74,8 @@ def figure_rows(scores: dict[str, Score]) -> list[list[str]]:
     rows.append(["mean size of ambiguity groups", *[_number(one.group_size) for one in columns]])
     rows.append(["calibration error of the first cause", *[_calibration(one, "error") for one in columns]])
     rows.append(["log loss of the first cause [nats]", *[_calibration(one, "log_loss") for one in columns]])
-    rows.append(["gain at which 50 % are seen [nats]", *[_number(one.detection.centre) for one in columns]])
-    rows.append(["gain at which 90 % are seen [nats]", *[_number(one.detection.at_90) for one in columns]])
+    rows.append(["gain at which 50 % are detected [nats]", *[_number(one.detection.centre) for one in columns]])
+    rows.append(["gain at which 90 % are detected [nats]", *[_number(one.detection.at_90) for one in columns]])
     rows.append(["gain at which 50 % are named [nats]", *[_number(one.naming.centre) for one in columns]])
     rows.append(["gain at which 90 % are named [nats]", *[_number(one.naming.at_90) for one in columns]])
     rows.append(["median closed fraction", *[_number(one.closed) for one in columns]])

@@ -30,8 +30,8 @@ GROUPS = {
 
 PICTURES = {
     "confusion": "Confusion matrix of single effects well above the noise, logs without deviation, and causes outside "
-    "the library: rows are truths, columns answers, numbers are logs.",
-    "detection": "Share of single effects that are seen and named against their expected gain in log-likelihood.",
+    "the library: rows are truths, columns answers, entries numbers of logs.",
+    "detection": "Share of single effects that are detected and named against their expected gain in log-likelihood.",
     "calibration": "Calibration of the first cause.",
 }
 
@@ -65,7 +65,7 @@ def blind_page(
     for heading, key in GROUPS.items():
         lines += ["", f"## {heading}", "", *_table(scores_by(answers, key))]
     lines += ["", "## By effect", "", *_effects(answers)]
-    lines += ["", "## What was missed", "", *missed_cases(answers)]
+    lines += ["", "## Missed cases", "", *missed_cases(answers)]
     lines += ["", "## Sizes outside their 95 % intervals", "", *missed_sizes(answers)]
     if failures:
         lines += ["", "## Logs without answer", ""]
@@ -77,13 +77,13 @@ def blind_page(
 def _introduction(answers: Sequence[Answer], planned: int, settings: BlindSettings) -> list[str]:
     return [
         f"Written by `flexros campaign blind`: {len(answers)} of {planned} planned cases, seed {settings.seed} of the "
-        "stream of evaluation, which was not looked at in development. Every case is a robot with something hidden in "
-        "it, simulated by other equations, laws and time steps than those of the diagnosis; the diagnosis gets a log "
-        f"of {settings.durations[0]:g} s, a second one of {settings.durations[1]:g} s and the nominal model. The "
-        f"patch that it gives is then held against a third log of {settings.durations[2]:g} s that it has not seen. "
-        "The truth was sealed before. Shares have 95 % intervals (Wilson). Effects are well above the noise when the "
-        f"expected gain in log-likelihood of the true model is at least {VISIBLE:g}; shares of effects are of those, "
-        "detection curves of all. Nested effects, of which one holds the other as a special case, are counted apart.",
+        "evaluation stream, which was not used in development. Every case is a robot with a hidden deviation, "
+        "simulated with other equations, laws and time steps than those of the diagnosis. The diagnosis gets a log of "
+        f"{settings.durations[0]:g} s, a second one of {settings.durations[1]:g} s and the nominal model. Its patch is "
+        f"then compared with a third log of {settings.durations[2]:g} s that it did not get. The truth was sealed "
+        "before. Shares have 95 % intervals (Wilson). Effects are well above the noise when the expected gain in "
+        f"log-likelihood of the true model is at least {VISIBLE:g}; shares of effects refer to those, detection curves "
+        "to all. Nested effects, of which one contains the other as a special case, are counted separately.",
     ]
 
 
@@ -94,8 +94,8 @@ def _table(scores: dict[str, Score]) -> list[str]:
 
 def _effects(answers: Sequence[Answer]) -> list[str]:
     lines = [
-        "| effect | well above the noise | first | first, nested counted | among three | seen | named at 90 % [nats] "
-        "| size in its 95 % interval |",
+        "| effect | well above the noise | first | first, nested counted | among three | detected | named at 90 % "
+        "[nats] | size in its 95 % interval |",
         "|---|---|---|---|---|---|---|---|",
     ]
     for name, one in record(answers)["effects"].items():
@@ -123,8 +123,8 @@ def blind_summary(answers: Sequence[Answer], planned: int) -> tuple[str, ...]:
     sentences = [
         f"{len(answers)} of {planned} planned cases; right effect first in {found.top_1} "
         f"(with nested effects {found.top_1_nested}).",
-        f"False alarms in {found.false_alarms}; unknown causes called unknown in {found.unknown_found}; known ones in "
-        f"{found.known_unknown}; both of a pair in {found.pairs_nested}.",
+        f"False alarms in {found.false_alarms}; unknown causes reported as unknown in {found.unknown_found}; known "
+        f"ones in {found.known_unknown}; both of a pair in {found.pairs_nested}.",
     ]
     if rest and np.isfinite(found.seconds):
         hours = rest * found.seconds / 3600

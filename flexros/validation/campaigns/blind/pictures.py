@@ -61,7 +61,7 @@ def detection_picture(answers: Sequence[Answer]) -> str:
         lines = [line for place, curve in enumerate((seen, named)) for line in _line(curve, place)]
         title = f"{robot}, {len(chosen)} single effects"
         panels.append(Panel(title, _GAINS, (0.0, 1.0), tuple(lines), x_log=True, y_log=False, levels=(0.5, 0.9)))
-    legend = (("gap seen", run_colour(0)), ("right effect first", run_colour(1)))
+    legend = (("gap detected", run_colour(0)), ("right effect first", run_colour(1)))
     return Drawing(tuple(panels), 2, width=300, height=170, legend=legend).svg()
 
 

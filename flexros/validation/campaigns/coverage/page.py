@@ -64,16 +64,16 @@ def coverage_page(
     """
     default = next(one for one in ways if one.name == DEFAULT)
     parts = [
-        ["# Do the intervals of an identification cover the truth?"],
+        ["# Coverage of the confidence intervals of an identification"],
         ["Written by `flexros campaign coverage` (`make campaign`)."],
         _how(settings, duration),
         ["## Goals", "", *(f"- {sentence}" for sentence in coverage_summary(ways, duration))],
-        ["## Ways to estimate", "", *_table(_WAYS, (_way_row(way) for way in ways))],
+        ["## Estimators and weights", "", *_table(_WAYS, (_way_row(way) for way in ways))],
         *_remarks(ways),
         [f"## Parameters, {DEFAULT}", "", *_table(_PARAMETERS, (_parameter_row(one) for one in default.parameters))],
         [
             "Bias, spread and std are of logarithms: mean and standard deviation of the errors over the repetitions, "
-            "and the median of the standard deviations that the intervals are made of. Errors exclude parameters "
+            "and the median of the standard deviations of the intervals. Errors exclude parameters "
             "where they were judged not determined. Intervals of single parameters are Wilson's; that of all "
             "parameters comes from the differences between sets of phases."
         ],
@@ -87,11 +87,11 @@ def _how(settings: CoverageSettings, duration: float) -> list[str]:
         f"The experiment of scenario `{settings.scenario}` is repeated {settings.repetitions} times on a robot that "
         f"equals the nominal one (nonlinear simulation, encoder noise as in its file): {settings.positions} positions "
         f"chosen out of {settings.candidates} by the D-optimal design, {duration / 60:.1f} min of robot time. "
-        f"{settings.lanes * settings.groups_per_phase} repetitions each share random phases, every one has noise of "
-        f"its own; seeds from {settings.first_seed} on, which were not used in development. Every fit starts at random "
-        f"within a factor of {settings.start_factor:g} of the truth, {_starts(settings.starts)}, with user weights; "
-        "the fit with the weights named here goes on from what it found, as in `flexros identify`, whose default is "
-        f"{DEFAULT}. NLS goes on from LLS."
+        f"Groups of {settings.lanes * settings.groups_per_phase} repetitions share random phases; every repetition has "
+        f"its own noise. Seeds start at {settings.first_seed} and were not used in development. Every fit starts at a "
+        f"random point within a factor of {settings.start_factor:g} of the truth, {_starts(settings.starts)}, with "
+        "user weights. The fit with the weights named here starts from its result, as in `flexros identify`, whose "
+        f"default is {DEFAULT}. NLS starts from the result of LLS."
     ]
 
 
@@ -102,9 +102,9 @@ def _remarks(ways: Sequence[WayCoverage]) -> list[list[str]]:
         return []
     return [
         [
-            f"Intervals of {' and '.join(short)} are too short: optimal weights rest on a variance that is averaged "
-            "over neighbouring lines, and at a few of the lowest lines, to which they give much weight, distortions "
-            "that depend on the phases exceed it. Combined weights limit what a single line can weigh."
+            f"Intervals of {' and '.join(short)} are too short: optimal weights use a variance that is averaged "
+            "over neighbouring lines. At a few of the lowest lines, which have large weights, distortions that depend "
+            "on the phases exceed it. Combined weights limit the weight of a single line."
         ]
     ]
 

@@ -11,9 +11,9 @@ if TYPE_CHECKING:
 
 
 NOTES = {
-    "backlash, hysteresis": "A gap takes stiffness away near zero torque, hysteresis adds some after every reversal: "
-    "one explains nothing of the other, so sizes just above those that the log shows are named at once. Fits of these "
-    "two alone say the same with springs, dampers and inertias free within 20, 50 and 10 %.",
+    "backlash, hysteresis": "Backlash reduces the stiffness near zero torque, hysteresis increases it after every "
+    "reversal. Neither explains the other, so sizes just above the detection limit are named at once. Fits of these "
+    "two alone with springs, dampers and inertias free within 20, 50 and 10 % give the same result.",
 }
 """Further notes on a pair (development seeds)."""
 
@@ -35,10 +35,10 @@ def pairs_page(
         "# Effects that a log cannot separate, and the experiment that does",
         "",
         f"Written by `flexros campaign hard_pairs`. The robot is {settings.robot}; one effect is hidden in it, of a "
-        "size chosen near that at which the first log shows it, where a pair is hardest. That log is "
-        f"{settings.duration:g} s of gentle moves: two thirds are fitted, the last third is held out. Where the answer "
-        "is ambiguous, the experiment that the "
-        "diagnosis proposes is run on the same robot, and its log is diagnosed alone, with nothing known of the first.",
+        "size near the detection limit of the first log, where a pair is hardest to separate. That log contains "
+        f"{settings.duration:g} s of slow moves: two thirds are fitted, the last third is held out. Where the answer "
+        "is ambiguous, the experiment that the diagnosis proposes is run on the same robot, and its log is diagnosed "
+        "without the first one.",
     ]
     for pair, parts in by_pair.items():
         lines += ["", f"## {pair.replace(', ', ' and ')}", "", pair_sentence(pair, parts), ""]

@@ -27,7 +27,7 @@ class PathErrors(AbstractCampaign):
     """Circle test on a robot with springs 20 % off, with feedforward from the nominal and from the identified model."""
 
     name: ClassVar[str] = "path_improvement"
-    question: ClassVar[str] = "Does the identified model make the path error of the real robot smaller?"
+    question: ClassVar[str] = "Does the identified model reduce the path error of the real robot?"
 
     def run(self, request: CampaignRequest) -> CampaignResult:
         """Run the campaign, which takes less than a minute, so nothing is kept; see `AbstractCampaign.run`."""
@@ -74,7 +74,7 @@ def _page(found: Improvement, used: dict[str, str]) -> str:
         for name, (nominal, true, value, relative) in found.parameters.items()
     ]
     lines = [
-        "# What an identified model is worth on the path",
+        "# Path error with an identified model",
         "",
         "Written by `flexros campaign path_improvement` (`make campaign`).",
         "",
@@ -86,7 +86,7 @@ def _page(found: Improvement, used: dict[str, str]) -> str:
         "|---|---|---|---|---|---|",
         *paths,
         "",
-        "Largest distance from the circle. What is left with the true model is the method's own error.",
+        "Largest distance from the circle. The error with the true model is that of the method.",
         "",
         "| parameter | nominal | true | identified | std [%] | error [%] |",
         "|---|---|---|---|---|---|",

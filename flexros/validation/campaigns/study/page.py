@@ -83,9 +83,8 @@ def page(study: Study, scenario: Scenario) -> str:
     lines = [
         "# The study of Paper A repeated",
         "",
-        "Moberg (2007), Paper A, section 6, on a simulated robot. The model does not know the friction, the hardening "
-        "gears and the torque ripple of the robot that is measured; all of these are chosen. Written by "
-        "`make campaign`.",
+        "Moberg (2007), Paper A, section 6, on a simulated robot. The measured robot has friction, hardening gears and "
+        "torque ripple, all chosen, which the model does not contain. Written by `make campaign`.",
         "",
         f"- robot: {robot.name}, {len(study.problem.names)} unknown parameters",
         f"- experiment: {len(specification.positions)} positions from the D-optimal design, "
@@ -99,10 +98,9 @@ def page(study: Study, scenario: Scenario) -> str:
         *_share_rows(study),
         "",
         f"Left out of the springs, as one is in the paper: {study.problem.names[hardest_spring(study)]}. The published "
-        "shares come from a general-purpose gradient search (fminunc) on a real robot. The column 'by BFGS' has such a "
-        f"search here (SciPy, exact gradient, at most {STEPS} steps, no bounds) from the first {_peers(study)} starts; "
-        "all other columns have the search of FlexROS: Levenberg-Marquardt with limited steps and bounds. Steps are "
-        "means.",
+        "shares come from a general-purpose gradient search (fminunc) on a real robot. The column 'by BFGS' is such a "
+        f"search (SciPy, exact gradient, at most {STEPS} steps, no bounds) from the first {_peers(study)} starts. All "
+        "other columns use the search of FlexROS: Levenberg-Marquardt with limited steps and bounds. Steps are means.",
         "",
         f"## Parameters of the {REFERENCE} models within {BEST:g} of the lowest cost (Table 1)",
         "",
@@ -121,9 +119,9 @@ def _table_notes(study: Study) -> str:
     return (
         "All columns but the first are relative to the best model; std is over starts, redrawn over fits to "
         f"{study.redrawn} sets of responses with noise drawn anew from the measured covariance, theory is equation "
-        "(5), corrected is the same with the factor for the model-form error. For these three the model's responses "
-        "decide which lines stand out of the noise, not the measured ones: (5) has no meaning for lines in a notch of "
-        "the model. "
+        "(5), corrected is the same with the factor for the model-form error. For these three, lines above the noise "
+        "are selected by the model's responses instead of the measured ones: (5) has no meaning for lines in a notch "
+        "of the model. "
         f"{study.explanation}"
     )
 

@@ -20,16 +20,16 @@ GROUP = (DELAY, LAG)
         (answer(truth("null"), diagnosis("unknown_effect")), "false alarm"),
         (answer(truth("null"), None), "refused"),
         (answer(truth("single", DELAY), diagnosis("explained", DELAY)), ""),
-        (answer(truth("single", DELAY), diagnosis("explained", FRICTION, DELAY)), "another one first"),
+        (answer(truth("single", DELAY), diagnosis("explained", FRICTION, DELAY)), "another effect first"),
         (answer(truth("single", DELAY), diagnosis("ambiguous", LAG, DELAY, groups=(GROUP,))),
-         "ambiguous, another one first"),
-        (answer(truth("single", DELAY), diagnosis("unknown_effect", DELAY)), "called unknown"),
-        (answer(truth("single", DELAY), diagnosis("no_gap")), "not seen"),
+         "ambiguous, another effect first"),
+        (answer(truth("single", DELAY), diagnosis("unknown_effect", DELAY)), "reported as unknown"),
+        (answer(truth("single", DELAY), diagnosis("no_gap")), "not detected"),
         (answer(truth("single", DELAY, gain=20.0), diagnosis("no_gap")), ""),
         (answer(truth("unknown", "cable@motor_1"), diagnosis("unknown_effect")), ""),
         (answer(truth("unknown", "cable@motor_1"), diagnosis("explained", FRICTION)), "a known effect is named"),
         (answer(truth("pair", FRICTION, DELAY), diagnosis("explained", DELAY, FRICTION)), ""),
-        (answer(truth("pair", FRICTION, DELAY), diagnosis("explained", LAG, FRICTION)), "one of both is missing"),
+        (answer(truth("pair", FRICTION, DELAY), diagnosis("explained", LAG, FRICTION)), "one of the two is missing"),
         (answer(truth("pair", FRICTION, DELAY), diagnosis("explained", LAG)), "both are missing"),
     ],
 )  # fmt: skip
@@ -43,7 +43,7 @@ def test_a_row_tells_what_was_hidden_and_what_was_said() -> None:
     _, _, row = missed_cases([right, wrong])
     assert row == (
         "| case_0007 | e12 | exact | random, 0.5 ms | delay motor_2 1e+03 | coulomb_friction motor_1 0.90; "
-        "delay motor_2 0.10 | another one first |"
+        "delay motor_2 0.10 | another effect first |"
     )
 
 
