@@ -84,12 +84,12 @@ class Score:
         top_3: Visible single effects among the first three.
         in_group: Visible single effects that come first or in the ambiguity group of the first.
         group_size: Mean size of the ambiguity groups of visible single effects.
-        location: Of visible single effects with the right name (nested ones too), those with the right place.
-        detected: Visible single effects of which a gap was seen at all.
+        location: Of visible single effects with the right name (nested ones too), those with the right location.
+        detected: Visible single effects of which a gap was detected.
         false_alarms: Logs without deviation in which a gap was claimed.
-        unknown_found: Causes outside the library that were called unknown.
-        unknown_seen: Causes outside the library of which a gap was seen at all.
-        known_unknown: Visible effects of the library, single or in pairs, that were called unknown.
+        unknown_found: Causes outside the library that were reported as unknown.
+        unknown_seen: Causes outside the library of which a gap was detected.
+        known_unknown: Visible effects of the library, single or in pairs, that were reported as unknown.
         pairs: Pairs, both visible, whose names both are the first two.
         pairs_nested: The same with nested effects counted.
         refused: Logs that the diagnosis refused.
