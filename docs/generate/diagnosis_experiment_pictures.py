@@ -32,7 +32,7 @@ COLOURS = {
 
 
 def thinned(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Keep the smallest and the largest value of equal pieces, in their order."""
+    """Reduce a curve to the smallest and largest value of each of many equal pieces."""
     pieces = np.array_split(np.arange(len(time)), PIECES)
     keep = sorted({int(piece[pick(values[piece])]) for piece in pieces for pick in (np.argmin, np.argmax)})
     return time[keep], values[keep]

@@ -119,7 +119,7 @@ def panel(
     *,
     logarithmic: bool = False,
 ) -> Panel:
-    """Make a panel whose axes enclose its curves."""
+    """Return a panel whose axes enclose its curves."""
     across = ticks([curve.x for curve in curves]) if x_ticks is None else x_ticks
     upward = ticks([curve.y for curve in curves])
     if any(curve.label for curve in curves):  # room for the legend

@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import re
 import sys
+import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
@@ -87,7 +88,7 @@ def _section(kind: type[AbstractEffect]) -> str:
             f"{text}\n",
             f"Locations: {locations}.\n",
             _table(kind),
-            f"Seen in data: {kind.fingerprint}.\n",
+            textwrap.fill(f"Seen in data: {kind.fingerprint}.", 120, break_on_hyphens=False) + "\n",
             f"![{kind.name}](pictures/effects/{kind.name}.svg)\n",
             f"`{shown}`\n",
         ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args, get_origin
 
@@ -83,30 +84,35 @@ def default_of(field: FieldInfo) -> str:
     return "" if value is None else f"`{cell(value)}`"
 
 
+def paragraph(text: str) -> str:
+    """Wrap a text, with links and options unbroken."""
+    return textwrap.fill(" ".join(text.split()), 120, break_long_words=False, break_on_hyphens=False)
+
+
 def section(model: type[BaseModel]) -> str:
-    """Write the section of one model: what it is, and a row for each key."""
+    """Write the section of one model: its summary, and a row for each key."""
     rows = []
     for name, field in model.model_fields.items():
         key, value, meaning = field.alias or name, type_name(field.annotation), cell(field.description or "")
         rows.append(f"| `{key}` | {value} | {default_of(field)} | {meaning} |")
     summary = (model.__doc__ or "").strip().split("\n\n")[0]
     table = ["| key | value | default | meaning |", "|---|---|---|---|", *rows] if rows else []
-    return "\n".join([f"## {model.__name__}", "", cell(summary), "", *table, ""])
+    return "\n".join([f"## {model.__name__}", "", paragraph(summary), "", *table, ""])
 
 
 def file_page(title: str, introduction: str, model: type[BaseModel], more: Sequence[type[BaseModel]] = ()) -> str:
     """Write the page of a file: its keys, then those of every section it consists of."""
     known: list[type[BaseModel]] = [model, *more]
-    for one in known:  # grows while it is gone through
-        for field in one.model_fields.values():
+    for part_model in known:  # grows during the iteration
+        for field in part_model.model_fields.values():
             known += [part for part in dict.fromkeys(models_in(field.annotation)) if part not in known]
-    return "\n".join([WRITTEN, "", f"# {title}", "", introduction, "", *(section(one) for one in known)])
+    return "\n".join([WRITTEN, "", f"# {title}", "", paragraph(introduction), "", *(section(one) for one in known)])
 
 
 def commands(command: click.Command, path: str) -> Iterator[str]:
     """Write the section of a command and of those below it."""
     subcommands = getattr(command, "commands", None)
-    yield f"{'##' if path.count(' ') < 2 else '###'} {path}\n\n{cell((command.help or '').split('Args:')[0])}\n"
+    yield f"{'##' if path.count(' ') < 2 else '###'} {path}\n\n{paragraph((command.help or '').split('Args:')[0])}\n"
     if subcommands:
         for name in subcommands:
             yield from commands(subcommands[name], f"{path} {name}")
@@ -128,7 +134,7 @@ def commands_page() -> str:
     """Write the page of the command line."""
     root = typer.main.get_command(app)
     parts = [part for name in root.commands for part in commands(root.commands[name], f"flexros {name}")]  # type: ignore[attr-defined]
-    return "\n".join([WRITTEN, "", "# Commands", "", EXIT_CODES, "", *parts])
+    return "\n".join([WRITTEN, "", "# Commands", "", paragraph(EXIT_CODES), "", *parts])
 
 
 def topics_page() -> str:
@@ -136,7 +142,14 @@ def topics_page() -> str:
     rows = []
     for name, topic in load_topics().items():
         rate = "on demand" if topic.rate is None else f"{topic.rate:g} Hz"
-        rows += [f"## {name}", "", topic.description, "", f"`{topic.type}`, {rate}, from {topic.producer}", ""]
+        rows += [
+            f"## {name}",
+            "",
+            paragraph(topic.description),
+            "",
+            f"`{topic.type}`, {rate}, from {topic.producer}",
+            "",
+        ]
         if topic.fields:
             rows += ["| field | unit | meaning |", "|---|---|---|"]
             rows += [f"| {field} | {cell(one.unit)} | {cell(one.meaning)} |" for field, one in topic.fields.items()]
@@ -159,7 +172,7 @@ def pages() -> dict[str, str]:
         "or a mapping of value, unit, source and tolerance (one standard deviation)."
     )
     mapping = (
-        "A mapping file says which column of a foreign log is which quantity of which joint: "
+        "A mapping file assigns the columns of a foreign log to quantities of joints: "
         "`flexros import MAPPING FILE... --out BAG`."
     )
     answer = "The answer of `flexros diagnose`, as DIR/diagnosis.json."

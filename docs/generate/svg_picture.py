@@ -135,7 +135,7 @@ def _legend(curves: Sequence[Curve]) -> list[str]:
 
 
 def _thinned(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Keep the smallest and largest value of equal pieces, in their order."""
+    """Reduce a curve to the smallest and largest value of each of many equal pieces."""
     if len(x) <= MOST_POINTS:
         return x, y
     pieces = np.array_split(np.arange(len(x)), MOST_POINTS // 2)

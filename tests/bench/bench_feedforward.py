@@ -94,7 +94,7 @@ class Case:
 
 
 def seconds(work: Callable[[], object], repeats: int) -> float:
-    """Give the shortest time of several runs [s]: others on the machine only ever make it longer."""
+    """Return the shortest time of several runs [s]; other load on the machine only increases it."""
     times = []
     for _ in range(repeats):
         begin = time.perf_counter()
@@ -132,7 +132,7 @@ def stepper_rows(case: Case) -> Iterator[dict[str, Any]]:
 
 
 def reference_rows(case: Case) -> Iterator[dict[str, Any]]:
-    """Time a whole reference with everything: zero dynamics, start, stepper, hold, tool pose, compiled already."""
+    """Time a whole reference with all parts: zero dynamics, start, stepper, hold, tool pose, compiled already."""
     specification = FeedforwardSpecification(output=case.output)
 
     def run() -> object:
@@ -164,7 +164,7 @@ def plain_residual(case: Case) -> ca.Function:
 
 
 def fsolve_rows(case: Case) -> Iterator[dict[str, Any]]:
-    """Time the published way: fsolve with finite differences at every step."""
+    """Time the published method: fsolve with finite differences at every step."""
     residual, n = plain_residual(case), 400 if case.name == "e12" else 100
 
     def run() -> None:
@@ -203,7 +203,7 @@ def virtual_machine_rows(case: Case) -> Iterator[dict[str, Any]]:
 
 
 def index_one_rows(case: Case) -> Iterator[dict[str, Any]]:
-    """Time the index-1 form and tell its drift, at two tolerances."""
+    """Time the index-1 form and measure its drift, at two tolerances."""
     for rtol in (1e-6, 1e-9):
         begin = time.perf_counter()
         solution = solve_index_one(case.problem, "LSODA", rtol, 1e-2 * rtol)
@@ -215,7 +215,7 @@ def index_one_rows(case: Case) -> Iterator[dict[str, Any]]:
 
 
 def row(case: str, what: str, value: float, unit: str, goal: float | None = None) -> dict[str, Any]:
-    """Make one row of the results."""
+    """Return one row of the results."""
     return {"case": case, "what": what, "value": float(f"{value:.4g}"), "unit": unit, "goal": goal}
 
 

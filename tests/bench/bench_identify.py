@@ -39,7 +39,7 @@ STARTS = 6
 
 
 def seconds(work: Callable[[], object], repeats: int = 15) -> float:
-    """Give the shortest time of several runs [s]: others on the machine only ever make it longer."""
+    """Return the shortest time of several runs [s]; other load on the machine only increases it."""
     times = []
     for _ in range(repeats):
         begin = time.perf_counter()
@@ -49,7 +49,7 @@ def seconds(work: Callable[[], object], repeats: int = 15) -> float:
 
 
 def motor_positions() -> FloatArray:
-    """Give 15 poses spread over the workspace [rad], shape (15, 6)."""
+    """Return 15 poses spread over the workspace [rad], shape (15, 6)."""
     spread: FloatArray = np.array([0, 0.2, 0.2, 0.2, 0.6, 0.3]) + np.random.default_rng(0).uniform(-0.8, 0.8, (15, 6))
     return spread
 
@@ -126,7 +126,7 @@ def fit_rows() -> Iterator[dict[str, Any]]:
 
 
 def row(what: str, value: float, unit: str, goal: float | None = None) -> dict[str, Any]:
-    """Make one row of the results."""
+    """Return one row of the results."""
     return {"case": CASE, "what": what, "value": float(f"{value:.4g}"), "unit": unit, "goal": goal}
 
 

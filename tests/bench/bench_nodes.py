@@ -84,7 +84,7 @@ def lock_step_rows() -> list[dict[str, object]]:
 
 
 def bare_loop() -> dict[str, object]:
-    """Keep the schedule with nothing to do."""
+    """Measure the schedule of an empty loop."""
     n = round(DURATION / T)
     schedule = Schedule(T)
     with precise_timing():
@@ -102,7 +102,7 @@ def bare_loop() -> dict[str, object]:
 
 
 def timing_row(what: str, timing: dict[str, float], goal: float | None) -> dict[str, object]:
-    """Lay out the figures of a real-time run; the goal is that of the late cycles."""
+    """Return the row of a real-time run; its goal is that of the late cycles."""
     return {
         "what": what,
         "value": timing["late_percent"],
@@ -132,7 +132,7 @@ def real_time_rows() -> list[dict[str, object]]:
 
 
 def median_row(rows: Sequence[dict[str, object]]) -> dict[str, object]:
-    """Give the row with the median value, and the best value."""
+    """Return the row with the median value, and the best value."""
     ordered = sorted(rows, key=lambda row: float(str(row["value"])))
     return {**ordered[len(ordered) // 2], "best": ordered[0]["value"]}
 

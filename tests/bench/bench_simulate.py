@@ -89,7 +89,7 @@ class Case:
 
 
 def seconds(work: Callable[[], object], repeats: int) -> float:
-    """Give the shortest time of several runs [s]: others on the machine only ever make it longer."""
+    """Return the shortest time of several runs [s]; other load on the machine only increases it."""
     times = []
     for _ in range(repeats):
         begin = time.perf_counter()
@@ -184,7 +184,7 @@ def batch_rows() -> Iterator[dict[str, Any]]:
 
 
 def row(case: str, what: str, value: float, unit: str, goal: float | None = None) -> dict[str, Any]:
-    """Make one row of the results."""
+    """Return one row of the results."""
     return {"case": case, "what": what, "value": float(f"{value:.4g}"), "unit": unit, "goal": goal}
 
 
