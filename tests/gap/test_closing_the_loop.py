@@ -16,7 +16,7 @@ from flexros.gap.held_out.closed_loop_gap import closed_loop_gap
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import Scenario, load_scenario
-from tests.gap.diagnosis_logs import FEW_EFFECTS, settings_of
+from tests.gap.diagnosis_logs import settings_of
 
 HIDDEN = "coulomb_friction@motor_1:level=1.5"
 ROBOT = "four_mass_linear"
@@ -36,7 +36,7 @@ def test_the_patch_of_a_diagnosis_brings_the_tool_back_to_the_path_without_effec
     model = load_model(ROBOT)
     log = closed_loop(Experiment.prepare(experiment))
     record = checked_log(log, model.robot, name="hidden")
-    result = diagnose(record, model, log=log, settings=settings_of(*FEW_EFFECTS))
+    result = diagnose(record, model, log=log, settings=settings_of("coulomb_friction", "viscous_friction"))
     assert result.diagnosis.causes[0].effect == "coulomb_friction"
     ahead, *in_loop = result.signals
     assert ahead.signal == "motor_1 position, 0.1 s ahead"
