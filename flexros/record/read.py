@@ -178,7 +178,7 @@ class _Reader:
         assert held is not None
         if held.end - held.first < 2:
             raise InputError(
-                f"{self.name}: no measurement lies between the first and the last command, so the torques that acted "
+                f"{self.name}: no measurement is between the first and the last command, so the torques that acted "
                 "are not known; check the time offset between joint_states and joint_commands"
             )
         self.warnings.extend(f"joint_commands: {text}" for text in held.warnings)

@@ -262,7 +262,7 @@ def test_tool_keeps_its_own_rate_and_counts_time_from_the_first_sample(emps: Rob
 
 def test_commands_elsewhere_in_time_are_refused(emps: Robot) -> None:
     stamp = stamps_ns(N, T) + 10_000_000_000
-    with pytest.raises(InputError, match="^log: no measurement lies between the first and the last command"):
+    with pytest.raises(InputError, match="^log: no measurement is between the first and the last command"):
         read(make_log(joint_commands=JointSeries(stamp, ONE, effort=column(2))), emps)
 
 

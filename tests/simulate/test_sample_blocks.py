@@ -1,4 +1,4 @@
-"""Samples do not depend on how they are asked for."""
+"""Samples do not depend on the blocks in which they are requested."""
 
 from __future__ import annotations
 

@@ -88,7 +88,7 @@ def candidate_positions(
         InputError: The ranges are not M pairs in order, or hardly any position within them can be held.
     """
     if number < 1:
-        raise InputError(f"{number} candidate positions were asked for, but at least one is needed")
+        raise InputError(f"{number} candidate positions were requested, but at least one is needed")
     limits = _checked(robot, default_ranges(robot) if ranges is None else np.asarray(ranges, dtype=float))
     sequence = qmc.Halton(d=robot.n_motors, seed=seed)
     judge = _Judge(robot)

@@ -42,11 +42,11 @@ def round_design(design: Design, number: int, most: int | None = None) -> IntArr
     """
     limit = number if most is None else most
     if number < 1:
-        raise InputError(f"{number} experiments were asked for, but at least one is needed")
+        raise InputError(f"{number} experiments were requested, but at least one is needed")
     if limit * len(design.weights) < number:
         raise InputError(
             f"{number} experiments with at most {limit} in each of {len(design.weights)} candidate positions were "
-            "asked for; draw more candidates or ask for fewer experiments"
+            "requested; draw more candidates or request fewer experiments"
         )
     counts = np.zeros(len(design.weights), dtype=np.int64)
     if number < len(design.support):

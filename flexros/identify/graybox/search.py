@@ -62,7 +62,7 @@ class SearchSettings:
         with argument_named("weights"):
             weights_named(self.weights)
         if self.starts < 1:
-            raise InputError(f"{self.starts} starts were asked for, but at least one is needed", "starts")
+            raise InputError(f"{self.starts} starts were requested, but at least one is needed", "starts")
         if self.seed < 0:
             raise InputError(f"the seed is {self.seed}, but must be 0 or more", "seed")
         with argument_named("bound"):

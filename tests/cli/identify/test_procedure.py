@@ -220,7 +220,7 @@ def test_log_that_is_there_is_not_written_over_and_the_way_on_is_named(
     [
         (("--estimator", "FOO"), "--estimator: unknown estimator 'FOO'"),
         (("--weights", "foo"), "--weights: unknown kind of weights 'foo'"),
-        (("--starts", "0"), "--starts: 0 starts were asked for"),
+        (("--starts", "0"), "--starts: 0 starts were requested"),
         (("--layout", "threads"), "unknown layout 'threads' in --layout"),
         (("--bound", "body_1.ry.stiffness=2e5:1e5"), "body_1.ry.stiffness has the bounds 200000 and 100000"),
         (("--bound", "motor_1.inertia=50:200"), "--bound: unknown fitted parameter 'motor_1.inertia'"),
@@ -240,7 +240,7 @@ def test_choices_of_the_fit_are_checked_before_anything_moves(
     [
         (("--estimator", "LLT"), "unknown estimator 'LLT'"),
         (("--weights", "equal"), "unknown kind of weights 'equal'"),
-        (("--starts", "0"), "0 starts were asked for, but at least one is needed"),
+        (("--starts", "0"), "0 starts were requested, but at least one is needed"),
         (("--seed", "-1"), "--seed: the seed is -1, but must be 0 or more"),
         (("--bound", "spring=1:2"), "--bound: unknown fitted parameter 'spring'"),
         (("--bound", "body_1.ry.stiffness=1e4"), "--bound is 'body_1.ry.stiffness=1e4', but must be NAME=LOW:HIGH"),

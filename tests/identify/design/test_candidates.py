@@ -57,7 +57,7 @@ def test_default_ranges_lie_about_home() -> None:
 @pytest.mark.parametrize(
     ("number", "ranges", "message"),
     [
-        (0, None, "0 candidate positions were asked for"),
+        (0, None, "0 candidate positions were requested"),
         (4, [[0, 1]], "robot e12 needs 2 pairs of smallest and largest coordinate"),
         (4, [[0, 1], [1, 0]], "robot e12 needs 2 pairs of smallest and largest coordinate"),
     ],

@@ -45,7 +45,7 @@ def test_too_few_experiments_are_refused() -> None:
     design = d_optimal(monomials(np.linspace(-1, 1, 21), 3))
     with pytest.raises(InputError, match="3 experiments cannot determine the 4 parameters in any of the positions"):
         round_design(design, 3)
-    with pytest.raises(InputError, match="0 experiments were asked for, but at least one is needed"):
+    with pytest.raises(InputError, match="0 experiments were requested, but at least one is needed"):
         round_design(design, 0)
 
 

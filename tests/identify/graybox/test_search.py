@@ -75,7 +75,7 @@ def test_weights_that_did_not_settle_are_reported(clear: IdentificationResult, m
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        (SearchSettings(starts=0), "0 starts were asked for, but at least one is needed"),
+        (SearchSettings(starts=0), "0 starts were requested, but at least one is needed"),
         (SearchSettings(weights="equal"), "unknown kind of weights 'equal'"),
         (SearchSettings(estimator="LLT"), "unknown estimator 'LLT'"),
     ],

@@ -47,7 +47,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def quick(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """Answer without looking; gives the names of the cases that were asked for."""
+    """Answer without looking; gives the names of the cases that were requested."""
     asked: list[str] = []
 
     def diagnosed(folder: Path, case: object) -> DiagnosisResult:

@@ -1,4 +1,4 @@
-"""The plan holds what was asked for, and says nothing of it in the numbers of the cases."""
+"""The plan contains the requested cases, and their names do not reveal the truth."""
 
 from __future__ import annotations
 

@@ -115,7 +115,7 @@ def find_size(draft: Draft, rehearsal: Rehearsal, target: float) -> Sized:
         target: Expected gain [nats].
 
     Returns:
-        The deviation whose gain is nearest; with less than asked for where no physical size has as much.
+        The deviation whose gain is nearest; with less than requested where no physical size has as much.
     """
     size, largest = min(1.0, draft.largest), draft.largest
     tried: list[tuple[float, float]] = []

@@ -33,7 +33,7 @@ def estimated_spread(problem: GrayBoxProblem, found: GrayBoxFit, number: int, se
         InputError: Fewer than two draws, or no covariance of the responses is known.
     """
     if number < 2:
-        raise InputError(f"{number} draws were asked for, allowed are 2 or more to estimate a spread; give more")
+        raise InputError(f"{number} draws were requested, allowed are 2 or more to estimate a spread; give more")
     model = problem.model_at(found.values).response(found.values)
     roots = [_root(response) for response in problem.responses]
     rng, rows = np.random.default_rng(seed), []

@@ -22,7 +22,7 @@ def test_spread_is_that_of_its_seed(small_study: Study) -> None:
 
 
 def test_one_draw_is_refused(small_study: Study) -> None:
-    with pytest.raises(InputError, match=r"1 draws were asked for, allowed are 2 or more"):
+    with pytest.raises(InputError, match=r"1 draws were requested, allowed are 2 or more"):
         estimated_spread(small_study.problem, small_study.best, 1, 0)
 
 
