@@ -37,7 +37,7 @@ AT_ONCE = 500
 
 @cache
 def course(effect: str) -> Log:
-    changes: dict[str, Any] = {"robot": "elbow", "diagnosis.length": 12, "seed": 31}
+    changes: dict[str, Any] = {"robot": "elbow", "diagnosis.length": 10, "seed": 31}
     if effect:
         changes["plant.effects"] = [effect]
     return closed_loop(Experiment.prepare(load_scenario("diagnosis").with_values(changes, "test")))

@@ -62,7 +62,7 @@ def killed_in_a_run(folder: Path, victims: Sequence[str] = NODES) -> Result:
     return result
 
 
-def killed_in_order(folder: Path, orders: Sequence[Sequence[str]] = ORDERS) -> Result:
+def killed_in_order(folder: Path, orders: Sequence[Sequence[str]] = ORDERS, duration: float = 1.0) -> Result:
     """Kill nodes that were started by themselves, in an order; then start all again in that order.
 
     After the first kill the plant has to notice; the log must be readable though its recorder was killed too; and what
@@ -71,7 +71,7 @@ def killed_in_order(folder: Path, orders: Sequence[Sequence[str]] = ORDERS) -> R
     result = Result(["order", "message of the plant", "samples in the log", "restarted"])
     again = folder / "again"
     again.mkdir(parents=True)
-    wanted = direct_log(scenario_file(again, "circle_dae", 1.0))
+    wanted = direct_log(scenario_file(again, "circle_dae", duration))
     for order in orders:
         work, anew = folder / "first", again / "run"
         work.mkdir()

@@ -68,9 +68,7 @@ def exists(pid: int) -> bool:
 
 
 @pytest.mark.usefixtures("ros_domain")
-@pytest.mark.parametrize(
-    ("layout", "number"), [("composed", signal.SIGINT), ("processes", signal.SIGINT), ("composed", signal.SIGTERM)]
-)
+@pytest.mark.parametrize(("layout", "number"), [("composed", signal.SIGTERM), ("processes", signal.SIGINT)])
 def test_interrupted_run_closes_its_log(
     tmp_path: Path, long_scenario: Path, layout: str, number: signal.Signals
 ) -> None:
