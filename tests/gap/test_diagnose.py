@@ -17,16 +17,16 @@ from flexros.record.record import Record
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import load_scenario
-from tests.gap.diagnosis_logs import FEW_EFFECTS, ROBOT, record_of, settings_of
+from tests.gap.diagnosis_logs import ROBOT, record_of, settings_of
 
 pytestmark = pytest.mark.slow
 
-SETTINGS, FEW = settings_of(), settings_of(*FEW_EFFECTS)
+ALL, FEW = settings_of(), settings_of("coulomb_friction", "stiffness_error", "motor_inertia_error")
 LONG = 10.0
 FRICTION, SOFT = "coulomb_friction@motor_1:level=0.05", "stiffness_error@body_2.rz:relative=-0.05"
 
 
-def diagnosed(*effects: str, tool: bool = False, settings: DiagnosisSettings = SETTINGS) -> DiagnosisResult:
+def diagnosed(*effects: str, tool: bool = False, settings: DiagnosisSettings = FEW) -> DiagnosisResult:
     record, holdout = (record_of(*effects, length=LONG, seed=seed, tool=tool) for seed in (1, 2))
     return diagnose(record, ROBOT, holdout=holdout, settings=settings)
 
@@ -37,17 +37,18 @@ def causes(result: DiagnosisResult) -> list[str]:
 
 @pytest.fixture(scope="module")
 def null() -> DiagnosisResult:
-    return diagnosed(tool=True)
+    return diagnosed(tool=True, settings=settings_of(*FEW.search.effects, "kinematic_error"))
 
 
 @pytest.fixture(scope="module")
 def single() -> DiagnosisResult:
-    return diagnosed(FRICTION)
+    """All effects compete."""
+    return diagnosed(FRICTION, settings=ALL)
 
 
 @pytest.fixture(scope="module")
 def pair() -> DiagnosisResult:
-    return diagnosed(FRICTION, SOFT, settings=FEW)
+    return diagnosed(FRICTION, SOFT)
 
 
 @pytest.fixture(scope="module")
@@ -136,7 +137,7 @@ def test_covariance_belongs_to_the_numbers_in_their_units(pair: DiagnosisResult)
 
 
 def test_a_coarse_encoder_is_named_and_no_gap_is_left() -> None:
-    result = diagnosed("encoder_quantization@motor_1:step=0.002", settings=FEW)
+    result = diagnosed("encoder_quantization@motor_1:step=0.002")
     assert causes(result) == ["encoder_quantization@motor_1"]
     assert result.diagnosis.causes[0].parameters["step"].value == pytest.approx(0.002, rel=1e-3)
     assert result.diagnosis.verdict == "explained"
@@ -153,7 +154,7 @@ def test_coloured_noise_is_no_place_of_a_gap() -> None:
         noise = lfilter([0.6], [1.0, -0.8], rng.normal(size=record.n_samples))[:, None] * ROBOT.encoder_noise
         return replace(record, position=record.position + noise)
 
-    settings = settings_of(*FEW_EFFECTS, where=WhereSettings())
+    settings = settings_of(*FEW.search.effects, where=WhereSettings())
     result = diagnose(recorded(1), ROBOT, holdout=recorded(2), settings=settings)
     assert result.diagnosis.verdict == "no_gap"
     assert result.diagnosis.where == ()
