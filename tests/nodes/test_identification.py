@@ -88,11 +88,10 @@ def direct(path: Path) -> Log:
 
 
 @pytest.mark.usefixtures("ros_domain")
-@pytest.mark.parametrize("layout", ["composed", "processes"])
 def test_log_equals_the_direct_simulation(
-    tmp_path: Path, identification_scenario: Path, log_differences: Differences, layout: str
+    tmp_path: Path, identification_scenario: Path, log_differences: Differences
 ) -> None:
-    summary = run_scenario(identification_scenario, tmp_path / "log", layout)
+    summary = run_scenario(identification_scenario, tmp_path / "log")
     assert (summary.exit_code, summary.message, summary.missing) == (0, "", 0)
     assert set(summary.reports) == {"recorder", "identification", "controller", "plant"}
     assert summary.reports["identification"].figures["completed"] == 4
