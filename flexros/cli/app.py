@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, get_type_hints
 import typer
 from typer.models import OptionInfo
 
-from flexros.cli import analyze, demo, diagnose, gap, import_log, monitor, replay, robots, run
+from flexros.cli import analyze, demo, diagnose, exchange, gap, import_log, monitor, replay, robots, run
 from flexros.cli.identify import procedure as identify
 from flexros.errors import INTERNAL_ERROR, INTERRUPTED, FlexrosError, InputError
 
@@ -102,6 +102,8 @@ COMMANDS: dict[str, Callable[..., Any]] = {
     "robot": robots.robot,
     "import": import_log.import_log,
     "import-urdf": robots.import_urdf,
+    "import-mjcf": exchange.import_mjcf,
+    "export": exchange.export,
     "scenarios": run.scenarios,
     "run": run.run,
     "replay": replay.replay,

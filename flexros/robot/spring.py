@@ -65,6 +65,16 @@ class Spring(Settings):
         return self
 
     @property
+    def at_zero(self) -> float:
+        """Stiffness at zero deflection [Nm/rad or N/m]."""
+        if self.stiffness is not None:
+            return self.stiffness.value
+        if self.piecewise_linear is not None:
+            return self.piecewise_linear.slopes[0]
+        assert self.cubic is not None
+        return self.cubic.linear
+
+    @property
     def linear(self) -> bool:
         """Whether the law is linear."""
         return self.stiffness is not None

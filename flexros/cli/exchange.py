@@ -1,0 +1,134 @@
+"""Commands that exchange robots with other simulators: import of an MJCF, export of repaired numbers."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+from rich.table import Table
+
+from flexros.atomic_file import write_result
+from flexros.cli.model import ROBOT
+from flexros.cli.output import console, print_json, say
+from flexros.errors import InputError, unknown_name
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.robot.exchange.numbers import NotHeld
+
+
+def import_mjcf(
+    file: Path = typer.Argument(help="MJCF of MuJoCo with a serial arm of hinges and slides on a fixed base."),
+    out: Path = typer.Option(..., "--out", help="Robot YAML to write."),
+    patch: Path = typer.Option(
+        None, "--patch", help="Patch to write with what a robot file cannot state; default: OUT with _patch."
+    ),
+    end: str = typer.Option("", "--end", help="Body at the end of the arm; needed where there are several chains."),
+    as_json: bool = typer.Option(False, "--json", help="Print JSON."),
+) -> None:
+    """Convert an MJCF to a robot YAML, and its dry friction, lags and delays to a patch of it."""
+    from flexros.effects.patching.export import patch_of_import
+    from flexros.effects.patching.patch import name_from
+    from flexros.robot.exchange.mjcf_import import robot_from_mjcf
+
+    second = patch or out.with_name(f"{out.stem}_patch.yaml")
+    imported = robot_from_mjcf(file, end)
+    made = patch_of_import(imported, name_from(str(out), second.parent))
+    for path in (out, second) if made else (out,):
+        _refuse_existing(path)
+    write_result(out, imported.text, "robot file")
+    if made:
+        write_result(second, made.text(), "patch")
+    if as_json:
+        content = {
+            "robot": str(out),
+            "patch": str(second) if made else None,
+            "effects": [asdict(each) for each in imported.effects],
+            "joints": [asdict(each) for each in imported.joints],
+            "not_held": [asdict(each) for each in imported.not_held],
+        }
+        print_json(content)
+        return
+    table = Table("coordinate", "joint", "sign", "zero at")
+    for joint in imported.joints:
+        table.add_row(joint.coordinate, joint.joint, f"{joint.sign:+d}", f"{joint.reference:.6g}")
+    console.print(table)
+    _print_not_held(imported.not_held, "Neither robot file nor patch holds:")
+    say(f"{out} written, with rigid gears; to make one flexible replace its 'rigid' by the stiffness")
+    if made:
+        say(f"{second} written: {', '.join(made.names)}")
+
+
+def export(
+    name: str = typer.Argument(help=ROBOT),
+    to: str = typer.Option(..., "--to", help="Format: mjcf, urdf, sdf, or json of joint numbers."),
+    out: Path = typer.Option(..., "--out", help="File to write."),
+    base: Path = typer.Option(
+        None, "--base", help="Your own MJCF, URDF or SDF: OUT is this file with the numbers of the robot."
+    ),
+    joint: list[str] = typer.Option(
+        [], "--joint", help="MOTOR=JOINT, repeatable: joint of the base that a motor is; default: by name or order."
+    ),
+    end: str = typer.Option("", "--end", help="Body at the end of the arm in the MJCF of --base."),
+    as_json: bool = typer.Option(False, "--json", help="Print JSON."),
+) -> None:
+    """Write the numbers of a robot or patch where other simulators keep them, and list what they cannot hold."""
+    from flexros.effects.patching.export import FORMATS, export_model
+    from flexros.effects.patching.patched_robot import load_patched
+
+    formats = {each: each for each in FORMATS}
+    if to not in formats:
+        raise unknown_name("format", to, formats, "--to")
+    if base is not None and base.resolve() == out.resolve():
+        raise InputError(f"{out} is the base itself, which is kept; give another file", "out")
+    _refuse_existing(out)
+    exported = export_model(load_patched(name), formats[to], base, _joints(joint), end)
+    write_result(out, exported.text, to.upper())
+    if as_json:
+        content = {
+            "out": str(out),
+            "format": to,
+            "base": None if base is None else str(base),
+            "written": [asdict(each) for each in exported.written],
+            "not_held": [asdict(each) for each in exported.not_held],
+        }
+        print_json(content)
+        return
+    table = Table("location", "quantity", "where", "before", "now", "unit")
+    for each in exported.written:
+        before = "" if each.before is None else f"{each.before:.6g}"
+        table.add_row(each.location, each.quantity, each.place, before, f"{each.value:.6g}", each.unit)
+    if exported.written:
+        console.print(table)
+    else:
+        say(f"Nothing differs from {base}.")
+    _print_not_held(exported.not_held, f"Not held by the {to.upper()}:")
+    say(f"{out} written")
+
+
+def _joints(pairs: Sequence[str]) -> dict[str, str]:
+    joints = {}
+    for pair in pairs:
+        motor, equals, joint = pair.partition("=")
+        if not equals or not motor or not joint:
+            raise InputError(f"'{pair}' is not MOTOR=JOINT; give for instance motor_1=shoulder_pan", "joint")
+        joints[motor] = joint
+    return joints
+
+
+def _refuse_existing(path: Path) -> None:
+    if path.exists():
+        raise InputError(f"{path} exists already; give another name or remove it")
+
+
+def _print_not_held(entries: Sequence[NotHeld], title: str) -> None:
+    if not entries:
+        return
+    say(title)
+    table = Table("location", "what", "size", "why")
+    for each in entries:
+        table.add_row(each.location, each.name, each.size, each.reason)
+    console.print(table)

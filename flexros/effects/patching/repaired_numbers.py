@@ -1,0 +1,209 @@
+"""Numbers of joints and bodies of a robot with effects, on the joint side of the gears, for other programs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.effects.actuator_lag import ActuatorLag
+from flexros.effects.coulomb_friction import CoulombFriction
+from flexros.effects.delay import Delay
+from flexros.effects.gravity_error import GravityError
+from flexros.effects.presliding_friction import PreslidingFriction
+from flexros.effects.torque_gain_error import TorqueGainError
+from flexros.effects.torque_saturation import TorqueSaturation
+from flexros.effects.viscous_friction import ViscousFriction
+from flexros.errors import InputError
+from flexros.robot.exchange.numbers import BodyNumbers, JointNumbers, NotHeld, RepairedNumbers
+from flexros.robot.spring import Spring
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from flexros.arrays import FloatArray
+    from flexros.effects.kinds.law import AbstractLaw
+    from flexros.effects.patching.patched_robot import PatchedRobot
+    from flexros.effects.patching.placement import PlacedLaw
+    from flexros.robot import Robot
+    from flexros.robot.motors import RobotMotor
+
+ASYMMETRIC = "the two directions have one level; the mean is written"
+NO_LAW = "no joint number stands for it: add it as a force, or keep it in FlexROS"
+
+
+def repaired_numbers(patched: PatchedRobot) -> RepairedNumbers:
+    """Return the numbers of joints and bodies of a robot with its effects.
+
+    Values stated on the motor side of a gear with ratio n (key `coordinates`) are converted: torques times n, friction
+    coefficients, stiffness and inertia times n^2.
+
+    Args:
+        patched: Robot with effects, as loaded.
+
+    Raises:
+        InputError: The file states values on the motor side, which cannot be converted.
+    """
+    model = patched.model
+    scale = joint_side(model.robot)
+    joints = [_Joint(model.robot, motor, scale) for motor in model.robot.motors]
+    weights: dict[str, float] = {}
+    not_held = _of_robot(model.robot, scale)
+    for law in model.laws:
+        if law.effect.neutral:
+            continue
+        if isinstance(law.effect, GravityError):
+            weights[law.location] = weights.get(law.location, 0.0) + law.effect.relative
+            held = law.effect.moment == 0
+            reason = "the weight is written, the mass moment is not: move the centre of mass"
+        else:
+            held, reason = False, NO_LAW
+            for joint in (each for each in joints if law.location == each.motor.name):
+                held, reason = joint.take(law.effect)
+        if not held:
+            not_held.append(NotHeld(law.location, law.name.partition("@")[0], _size(law), reason))
+    return RepairedNumbers(
+        tuple(joint.numbers() for joint in joints),
+        tuple(
+            BodyNumbers(
+                f"body_{k}",
+                body.label,
+                _ratio(body.mass.value, nominal.mass.value, body.inertia.matrix(), nominal.inertia.matrix()),
+                weights.get(f"body_{k}", 0.0),
+            )
+            for k, (body, nominal) in enumerate(zip(model.robot.spec.bodies, patched.base.spec.bodies), start=1)
+        ),
+        tuple(not_held),
+    )
+
+
+def joint_side(robot: Robot) -> float:
+    """Return the factor from coordinates of the robot file to those of its joints: 1, or the inverse gear ratio.
+
+    Raises:
+        InputError: The file states values on the motor side of several gears, or with masses and gravity.
+    """
+    if robot.spec.coordinates == "arm":
+        return 1.0
+    ratios = {motor.gear_ratio for motor in robot.motors}
+    masses = any(body.mass.value for body in robot.spec.bodies)
+    if len(ratios) > 1 or masses or not all(joint.rotary for joint in robot.joints):
+        raise InputError(
+            f"robot {robot.name} states values on the motor side of its gears (key coordinates: motor) with "
+            f"{'masses' if masses else 'several gear ratios or translations'}, which cannot be converted to joints; "
+            "state them on the arm side"
+        )
+    return 1 / ratios.pop()
+
+
+@dataclass
+class _Joint:
+    """Numbers of a motor in the coordinates of the robot file, to which laws are added."""
+
+    robot: Robot
+    motor: RobotMotor
+    scale: float
+    damping: float = field(init=False)
+    friction: float = 0.0
+    gain: float = 1.0
+    limit: float = field(init=False)
+    delay: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.damping = self.motor.specification.viscous_friction.value
+        self.limit = self.motor.torque_limit
+        self.delay = self.robot.delay
+
+    def take(self, effect: AbstractLaw) -> tuple[bool, str]:
+        """Take up a law; return whether it is held as a whole, and else the reason."""
+        takers: dict[type[AbstractLaw], Callable[..., tuple[bool, str]]] = {
+            ViscousFriction: self._viscous,
+            CoulombFriction: self._coulomb,
+            PreslidingFriction: self._presliding,
+            TorqueGainError: self._gain,
+            TorqueSaturation: self._saturation,
+            Delay: self._delay,
+        }
+        if type(effect) in takers:
+            return takers[type(effect)](effect)
+        if isinstance(effect, ActuatorLag):
+            return False, "a first-order lag: in MuJoCo an actuator `general` with dyntype filter and dynprm"
+        return False, NO_LAW
+
+    def numbers(self) -> JointNumbers:
+        """Return the numbers on the joint side."""
+        squared = self.scale**2
+        spring = self.motor.joint.direction.spring
+        stiffness = spring.at_zero / squared if isinstance(spring, Spring) else None
+        return JointNumbers(
+            motor=self.motor.name,
+            rotary=self.motor.rotary,
+            gear_ratio=self.motor.gear_ratio,
+            damping=self.damping / squared,
+            friction=self.friction / self.scale,
+            armature=self.motor.inertia / squared,
+            torque_limit=None if np.isinf(self.limit) else self.limit / self.scale,
+            torque_gain=self.gain,
+            delay=self.delay,
+            stiffness=stiffness,
+        )
+
+    def _viscous(self, effect: ViscousFriction) -> tuple[bool, str]:
+        self.damping += effect.coefficient
+        return effect.asymmetry == 0, ASYMMETRIC
+
+    def _coulomb(self, effect: CoulombFriction) -> tuple[bool, str]:
+        self.friction += effect.level
+        return effect.asymmetry == 0, ASYMMETRIC
+
+    def _presliding(self, effect: PreslidingFriction) -> tuple[bool, str]:
+        self.friction += effect.level
+        return False, "its level is written as dry friction; bristle and hump are not"
+
+    def _gain(self, effect: TorqueGainError) -> tuple[bool, str]:
+        self.gain *= 1 + effect.relative
+        return True, ""
+
+    def _saturation(self, effect: TorqueSaturation) -> tuple[bool, str]:
+        self.limit = min(self.limit, effect.limit)
+        return True, ""
+
+    def _delay(self, effect: Delay) -> tuple[bool, str]:
+        self.delay += effect.time
+        return True, ""
+
+
+def _of_robot(robot: Robot, scale: float) -> list[NotHeld]:
+    """List what the robot file itself has beyond numbers of joints and bodies."""
+    found = []
+    for joint in robot.joints:
+        spring = joint.direction.spring
+        if isinstance(spring, Spring) and spring.stiffness is None:
+            law = spring.piecewise_linear or spring.cubic
+            assert law is not None
+            size = ", ".join(f"{name} {value}" for name, value in law.model_dump(exclude_defaults=True).items())
+            written = spring.at_zero / scale**2
+            reason = f"its stiffness at zero deflection is written, on the joint side {written:.6g}"
+            found.append(NotHeld(joint.name, "nonlinear spring", size, reason))
+    if robot.spec.inertial_coupling:
+        found.append(
+            NotHeld("all", "inertial_coupling", "rotors turn with the links", "an armature acts on its joint alone")
+        )
+    return found
+
+
+def _size(law: PlacedLaw) -> str:
+    """Write the parameters of a law that differ from their defaults."""
+    fields = type(law.effect).model_fields
+    changed = {name: value for name, value in law.effect.model_dump().items() if value != fields[name].default}
+    return ", ".join(
+        f"{name} {value:.6g}" if isinstance(value, float) else f"{name} {value}" for name, value in changed.items()
+    )
+
+
+def _ratio(mass: float, nominal_mass: float, inertia: FloatArray, nominal: FloatArray) -> float:
+    if nominal_mass > 0:
+        return mass / nominal_mass
+    total = float(np.trace(nominal))
+    return float(np.trace(inertia)) / total if total > 0 else 1.0

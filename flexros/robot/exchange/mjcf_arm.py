@@ -1,0 +1,244 @@
+"""One serial arm of a compiled MJCF: its joints, and the mass that each carries, in a frame along the joint axes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexros.errors import InputError, unknown_name
+from flexros.robot.exchange.mujoco_model import mujoco_package
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+
+ALIGNED = 1e-6
+"""Largest 1 - cosine between a joint axis and a coordinate axis that counts as parallel [1] (as for a URDF)."""
+
+
+@dataclass(frozen=True, eq=False)
+class ArmJoint:
+    """A joint of the arm with the bodies that it carries up to the next joint.
+
+    Attributes:
+        index: Index of the joint in the model.
+        name: Its name, empty for none.
+        body: Name of the body that it belongs to, empty for none.
+        rotary: Hinge (True) or slide (False).
+        axis: Index of the coordinate axis of the frame, 0 to 2.
+        sign: -1 where the joint's axis points against the coordinate axis, else 1.
+        anchor: Its anchor [m], shape (3,).
+        mass: Mass that it carries [kg].
+        center: Centre of this mass [m], shape (3,).
+        inertia: Inertia about the centre [kg m2], shape (3, 3).
+        bodies: Indices of the bodies that it carries.
+    """
+
+    index: int
+    name: str
+    body: str
+    rotary: bool
+    axis: int
+    sign: int
+    anchor: FloatArray
+    mass: float
+    center: FloatArray
+    inertia: FloatArray
+    bodies: tuple[int, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class MjcfArm:
+    """An arm at the reference configuration of the model, all vectors in a frame along the joint axes.
+
+    Attributes:
+        joints: Its joints from base to end.
+        frame: Axes of the frame in the world of the model, one per row, shape (3, 3).
+        gravity: Gravity [m/s2], shape (3,).
+        end: Position of the end body [m], shape (3,).
+        frozen: Names of further joints on the arm, held at their reference: fingers, for instance.
+    """
+
+    joints: tuple[ArmJoint, ...]
+    frame: FloatArray
+    gravity: FloatArray
+    end: FloatArray
+    frozen: tuple[str, ...]
+
+
+def find_arm(model: Any, source: str, end: str = "") -> MjcfArm:
+    """Find a serial arm of hinges and slides in a compiled model.
+
+    Args:
+        model: The compiled model, mujoco.MjModel.
+        source: The file, for error messages.
+        end: Name of the body at the end of the arm; default: the only one that can be meant.
+
+    Raises:
+        InputError: No arm, several without a name, a free or ball joint, a closed chain, or joint axes that are
+            neither parallel nor perpendicular to each other.
+    """
+    mujoco = mujoco_package()
+    last = _end_body(model, source, end)
+    path = _path(model, last)
+    owner = _owners(model, path)
+    indices = [j for body in path for j in _joints_of(model, body)]
+    _refuse_joints(model, indices, source)
+    _refuse_loops(model, indices, owner, source)
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    frame = _frame(np.array([data.xaxis[j] for j in indices]), [_joint_name(model, j) for j in indices], source)
+    joints = tuple(
+        _arm_joint(model, data, frame, j, np.flatnonzero(owner == k).tolist()) for k, j in enumerate(indices)
+    )
+    carried = [body for joint in joints for body in joint.bodies]
+    frozen = [j for body in carried for j in _joints_of(model, body) if j not in indices]
+    return MjcfArm(
+        joints,
+        frame,
+        frame @ np.array(model.opt.gravity),
+        frame @ data.xpos[last],
+        tuple(_joint_name(model, j) for j in frozen),
+    )
+
+
+def _joints_of(model: Any, body: int) -> list[int]:
+    start = int(model.body_jntadr[body])
+    return list(range(start, start + int(model.body_jntnum[body])))
+
+
+def _joint_name(model: Any, joint: int) -> str:
+    return str(model.joint(joint).name) or f"joint {joint} without a name"
+
+
+def _path(model: Any, body: int) -> list[int]:
+    path = []
+    while body:
+        path.append(body)
+        body = int(model.body_parentid[body])
+    return path[::-1]
+
+
+def _end_body(model: Any, source: str, end: str) -> int:
+    """Return the index of the end body."""
+    names = {str(model.body(b).name): b for b in range(1, model.nbody)}
+    if end:
+        if end not in names:
+            error = unknown_name("body", end, names, source)
+            error.argument = "end"
+            raise error
+        return names[end]
+    moving = [b for b in range(1, model.nbody) if model.body_jntnum[b]]
+    if not moving:
+        raise InputError(f"{source}: no joint was found; give the MJCF of a robot arm")
+    inner = {b for each in moving for b in _path(model, each)[:-1]}
+    tips = [b for b in moving if b not in inner]
+    if len(tips) > 1:
+        listed = ", ".join(str(model.body(b).name) or f"body {b}" for b in tips)
+        raise InputError(
+            f"{source} has several chains, which end at the bodies {listed}, but a robot here is one serial chain; "
+            "name the body at the end of the arm",
+            "end",
+        )
+    return tips[0]
+
+
+def _owners(model: Any, path: list[int]) -> FloatArray:
+    """Return for each body the number of the joint of the path that carries it; -1 for bodies beside the arm."""
+    owner = np.full(model.nbody, -1)
+    count = 0
+    known = {}
+    for body in path:
+        count += int(model.body_jntnum[body])
+        known[body] = count - 1
+    for body in range(1, model.nbody):  # parents come before their children
+        owner[body] = known.get(body, owner[int(model.body_parentid[body])])
+    return owner
+
+
+def _refuse_joints(model: Any, indices: list[int], source: str) -> None:
+    kinds = mujoco_package().mjtJoint
+    words = {int(kinds.mjJNT_FREE): "a free joint", int(kinds.mjJNT_BALL): "a ball joint"}
+    if not indices:
+        raise InputError(f"{source}: no joint leads to this body; name the body at the end of the arm", "end")
+    for j in indices:
+        kind = int(model.jnt_type[j])
+        if kind in words:
+            raise InputError(
+                f"{source}: {_joint_name(model, j)} on body '{model.body(int(model.jnt_bodyid[j])).name}' is "
+                f"{words[kind]}, but a robot here has a fixed base and hinge or slide joints; remove it from the chain"
+            )
+
+
+def _refuse_loops(model: Any, indices: list[int], owner: FloatArray, source: str) -> None:
+    """Refuse active equality constraints that move the arm."""
+    kinds = mujoco_package().mjtEq
+    for e in range(model.neq):
+        if not model.eq_active0[e]:
+            continue
+        ends = [int(model.eq_obj1id[e]), int(model.eq_obj2id[e])]
+        if int(model.eq_type[e]) == int(kinds.mjEQ_JOINT):
+            binds = any(end in indices for end in ends)
+        elif int(model.eq_type[e]) in (int(kinds.mjEQ_CONNECT), int(kinds.mjEQ_WELD)):
+            if int(model.eq_objtype[e]) == int(mujoco_package().mjtObj.mjOBJ_SITE):
+                ends = [int(model.site_bodyid[end]) for end in ends]
+            held = {int(owner[end]) if end >= 0 else -1 for end in ends}
+            binds = len(held) > 1
+        else:
+            binds = False
+        if binds:
+            name = str(model.equality(e).name) or f"number {e}"
+            raise InputError(
+                f"{source}: the equality constraint {name} closes a chain or couples joints of the arm, but a robot "
+                "here is one open chain; remove it, or set its attribute active to false"
+            )
+
+
+def _frame(axes: FloatArray, names: list[str], source: str) -> FloatArray:
+    """Return a frame along whose axes all joints move: that of the world if it is one."""
+    if np.all(np.abs(axes).max(axis=1) > 1 - ALIGNED):
+        return np.eye(3)
+    first = axes[0]
+    others = [axis for axis in axes if abs(axis @ first) < ALIGNED]
+    second = others[0] if others else np.eye(3)[int(np.argmin(np.abs(first)))]
+    second = second - (second @ first) * first
+    second = second / np.linalg.norm(second)
+    frame = np.array([first, second, np.cross(first, second)])
+    for name, axis in zip(names, axes):
+        if np.abs(frame @ axis).max() <= 1 - ALIGNED:
+            raise InputError(
+                f"{source}: the axis of {name} is {np.round(axis, 4).tolist()} at the reference configuration, which "
+                f"is neither parallel nor perpendicular to those before ({np.round(first, 4).tolist()}, ...), but the "
+                "axes of a robot file lie along x, y or z; change the reference configuration"
+            )
+    return frame
+
+
+def _arm_joint(model: Any, data: Any, frame: FloatArray, index: int, bodies: list[int]) -> ArmJoint:
+    axis = frame @ data.xaxis[index]
+    along = int(np.argmax(np.abs(axis)))
+    masses = model.body_mass[bodies]
+    mass = float(masses.sum())
+    anchor = frame @ data.xanchor[index]
+    centers = (frame @ data.xipos[bodies].T).T
+    center = masses @ centers / mass if mass > 0 else anchor
+    inertia = np.zeros((3, 3))
+    for body, m, c in zip(bodies, masses, centers):
+        turn = frame @ data.ximat[body].reshape(3, 3)
+        arm = c - center
+        inertia += turn @ np.diag(model.body_inertia[body]) @ turn.T + m * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    return ArmJoint(
+        index=index,
+        name=str(model.joint(index).name),
+        body=str(model.body(int(model.jnt_bodyid[index])).name),
+        rotary=int(model.jnt_type[index]) == int(mujoco_package().mjtJoint.mjJNT_HINGE),
+        axis=along,
+        sign=1 if axis[along] > 0 else -1,
+        anchor=anchor,
+        mass=mass,
+        center=center,
+        inertia=inertia,
+        bodies=tuple(bodies),
+    )

@@ -1,0 +1,219 @@
+"""Export of a robot as an MJCF for MuJoCo."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+from xml.etree import ElementTree
+
+import numpy as np
+
+from flexros.robot.exchange.number_text import number, numbers_text
+from flexros.robot.exchange.numbers import Export, NotHeld, Written
+from flexros.robot.link_shape import link_shapes, tool_offset
+from flexros.robot.quantity import unit_of
+from flexros.robot.spring import Spring
+
+if TYPE_CHECKING:
+    from xml.etree.ElementTree import Element
+
+    from flexros.arrays import FloatArray
+    from flexros.robot import Robot
+    from flexros.robot.exchange.numbers import JointNumbers, RepairedNumbers
+    from flexros.robot.specification import Body
+    from flexros.robot.symbolic.chain import Joint
+
+LEAST = 1e-9
+"""Mass and inertia of bodies that have none, which MuJoCo refuses [kg, kg m2] (chosen)."""
+FRICTION_STEPS = 2
+"""Time constant of the dry friction's constraint, in time steps [1]: the shortest that MuJoCo accepts."""
+
+
+def mjcf_export(robot: Robot, numbers: RepairedNumbers) -> Export:
+    """Return a robot as an MJCF on the joint side of its gears.
+
+    Bodies are `body_1`, `body_2`, ..., with frames parallel to the world at zero. Motors are the joints `motor_1`, ...;
+    behind a flexible gear the joint `body_1.ry` follows, whose position is the deflection of the gear, arm minus motor.
+    Elastic directions are joints with the names of the arm coordinates. The controls are the motor torques of the robot
+    file: with values stated on the motor side the attribute `gear` is the gear ratio.
+
+    Args:
+        robot: The robot with the changes of its effects.
+        numbers: Its numbers on the joint side.
+    """
+    return _Writer(robot, numbers).export()
+
+
+def delay_attributes(delay: float, step: float) -> dict[str, str]:
+    """Return the attributes of an actuator for a delay [s]: the buffer holds the controls of that time."""
+    if delay <= 0:
+        return {}
+    return {"delay": number(delay), "nsample": str(int(np.ceil(delay / step - 1e-9)))}
+
+
+class _Writer:
+    """Elements of the file, and the list of what was written."""
+
+    def __init__(self, robot: Robot, numbers: RepairedNumbers) -> None:
+        self.robot, self.numbers = robot, numbers
+        self.squared = 1.0
+        if robot.spec.coordinates == "motor":
+            self.squared = robot.motors[0].gear_ratio ** 2
+        self.written: list[Written] = []
+        self.not_held = list(numbers.not_held)
+        self.root = ElementTree.Element("mujoco", model=robot.name)
+
+    def export(self) -> Export:
+        """Write all elements."""
+        spec, step = self.robot.spec, self.robot.spec.sample_time.value
+        ElementTree.SubElement(self.root, "compiler", angle="radian", autolimits="true")
+        option = {"timestep": number(step), "gravity": numbers_text(spec.gravity.value), "integrator": "RK4"}
+        ElementTree.SubElement(self.root, "option", option)
+        place = ElementTree.SubElement(self.root, "worldbody")
+        offset = np.zeros(3)
+        for index, body in enumerate(spec.bodies):
+            place = ElementTree.SubElement(place, "body", name=f"body_{index + 1}", pos=numbers_text(offset))
+            weight = self.numbers.bodies[index].weight_error
+            if weight:
+                place.set("gravcomp", number(-weight))
+                self._note(f"body_{index + 1}", "weight", "body gravcomp", -weight, "1")
+            self._inertial(place, index, body)
+            for joint in self.robot.joints:
+                if joint.body == index:
+                    self._joints(place, joint, step)
+            offset = np.array(body.length.value, dtype=float)
+        self._shapes()
+        if spec.tool.linear is None:
+            ElementTree.SubElement(place, "site", name="tool", pos=numbers_text(tool_offset(spec)))
+        self._absolute_friction()
+        actuators = ElementTree.SubElement(self.root, "actuator")
+        for motor in self.numbers.joints:
+            self._actuator(actuators, motor, step)
+        ElementTree.indent(self.root)
+        text = f"{ElementTree.tostring(self.root, encoding='unicode')}\n"
+        return Export(text, tuple(self.written), tuple(self.not_held))
+
+    def _note(self, location: str, quantity: str, place: str, value: float, unit: str) -> None:
+        self.written.append(Written(location, quantity, place, None, value, unit))
+
+    def _inertial(self, element: Element, index: int, body: Body) -> None:
+        tensor = self.squared * body.inertia.matrix()
+        mass = body.mass.value
+        attributes = {
+            "pos": numbers_text(body.center_of_mass.value),
+            "mass": number(max(mass, LEAST)),
+            "fullinertia": numbers_text(_entries(self._possible(tensor))),
+        }
+        ElementTree.SubElement(element, "inertial", attributes)
+        name = f"body_{index + 1}"
+        if mass:
+            self._note(name, "mass", "body/inertial mass", mass, "kg")
+        for key, value in zip(("xx", "yy", "zz", "xy", "xz", "yz"), _entries(tensor)):
+            if value:
+                self._note(name, f"inertia {key}", "body/inertial fullinertia", value, "kg m2")
+
+    def _possible(self, tensor: FloatArray) -> FloatArray:
+        """Fill moments that a planar robot file omits: those about axes that no joint turns about."""
+        axes = {joint.axis for joint in self.robot.joints if joint.rotary}
+        full = tensor + 0.0
+        if len(axes) <= 1:
+            kept = float(tensor[next(iter(axes)), next(iter(axes))]) if axes else 0.0
+            moments = np.linalg.eigvalsh(tensor)
+            if moments[0] <= 0 or moments[2] > moments[0] + moments[1]:
+                full = np.eye(3) * max(kept, LEAST)
+        return full if np.any(full) else np.eye(3) * LEAST
+
+    def _joints(self, element: Element, joint: Joint, step: float) -> None:
+        if joint.motor is None:
+            self._elastic(element, joint)
+            return
+        motor = self.numbers.joints[joint.motor]
+        attributes = {
+            "damping": number(motor.damping),
+            "armature": number(motor.armature),
+            "frictionloss": number(motor.friction),
+        }
+        if motor.friction:
+            attributes["solreffriction"] = numbers_text((FRICTION_STEPS * step, 1.0))
+        self._joint(element, motor.motor, joint, attributes)
+        unit = {kind: unit_of(kind, joint.rotary) for kind in ("damping", "inertia", "torque")}
+        self._note(motor.motor, "viscous friction", "joint damping", motor.damping, unit["damping"])
+        self._note(motor.motor, "dry friction", "joint frictionloss", motor.friction, unit["torque"])
+        self._note(motor.motor, "rotor inertia", "joint armature", motor.armature, unit["inertia"])
+        if joint.motor_coordinate is not None:
+            self._elastic(element, joint)
+
+    def _elastic(self, element: Element, joint: Joint) -> None:
+        spring = joint.direction.spring
+        assert isinstance(spring, Spring)
+        stiffness, damping = spring.at_zero * self.squared, joint.direction.damper.value * self.squared
+        self._joint(element, joint.name, joint, {"stiffness": number(stiffness), "damping": number(damping)})
+        place = f"joint {joint.name}"
+        self._note(joint.name, "stiffness", f"{place} stiffness", stiffness, unit_of("stiffness", joint.rotary))
+        self._note(joint.name, "damper", f"{place} damping", damping, unit_of("damping", joint.rotary))
+
+    def _joint(self, element: Element, name: str, joint: Joint, attributes: dict[str, str]) -> None:
+        kind = "hinge" if joint.rotary else "slide"
+        axis = numbers_text(np.eye(3)[joint.axis])
+        ElementTree.SubElement(element, "joint", {"name": name, "type": kind, "axis": axis, **attributes})
+
+    def _actuator(self, element: Element, joint: JointNumbers, step: float) -> None:
+        ratio = float(np.sqrt(self.squared))
+        gear = ratio * joint.torque_gain
+        attributes = {"name": joint.motor, "joint": joint.motor, "gear": number(gear)}
+        self._note(joint.motor, "torque per control", "actuator gear", gear, "1")
+        if joint.torque_limit is not None:
+            limit = joint.torque_limit / ratio
+            attributes["ctrlrange"] = numbers_text((-limit, limit))
+            torque = unit_of("torque", joint.rotary)
+            self._note(joint.motor, "torque limit", "actuator ctrlrange", limit, torque)
+        attributes |= delay_attributes(joint.delay, step)
+        if joint.delay > 0:
+            self._note(joint.motor, "delay", "actuator delay", joint.delay, "s")
+        ElementTree.SubElement(element, "motor", attributes)
+
+    def _shapes(self) -> None:
+        bodies = {element.get("name"): element for element in self.root.iter("body")}
+        for shape in link_shapes(self.robot.spec):
+            attributes = {
+                "type": "capsule",
+                "fromto": numbers_text((*shape.start, *shape.end)),
+                "size": number(shape.radius),
+                "contype": "0",
+                "conaffinity": "0",
+                "group": "1",
+            }
+            ElementTree.SubElement(bodies[f"body_{shape.body + 1}"], "geom", attributes)
+
+    def _absolute_friction(self) -> None:
+        """Write friction against the absolute rotation of bodies, as tendons over the joints before them."""
+        rubbing = [k for k, body in enumerate(self.robot.spec.bodies) if body.viscous_friction.value]
+        rotary = [joint for joint in self.robot.joints if joint.rotary]
+        if len({joint.axis for joint in rotary}) > 1:
+            self.not_held += [
+                NotHeld(
+                    f"body_{k + 1}",
+                    "viscous_friction",
+                    f"{self.robot.spec.bodies[k].viscous_friction.value:.6g} Nm s/rad",
+                    "friction against the absolute rotation of a body has no place beside that of joints",
+                )
+                for k in rubbing
+            ]
+            return
+        tendons = ElementTree.SubElement(self.root, "tendon") if rubbing else None
+        for k in rubbing:
+            assert tendons is not None
+            damping = self.squared * self.robot.spec.bodies[k].viscous_friction.value
+            name = f"body_{k + 1}.viscous_friction"
+            tendon = ElementTree.SubElement(tendons, "fixed", name=name, damping=number(damping))
+            for joint in (each for each in rotary if each.body <= k):
+                names = [joint.name] if joint.motor is None else [f"motor_{joint.motor + 1}"]
+                if joint.motor is not None and joint.motor_coordinate is not None:
+                    names.append(joint.name)
+                for each in names:
+                    ElementTree.SubElement(tendon, "joint", joint=each, coef="1")
+            self._note(f"body_{k + 1}", "viscous friction", "tendon/fixed damping", damping, "Nm s/rad")
+
+
+def _entries(tensor: FloatArray) -> tuple[float, ...]:
+    pairs = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+    return tuple(float(tensor[pair]) for pair in pairs)

@@ -1,0 +1,127 @@
+"""Numbers of a robot as other programs keep them: one record per joint and body, and what a format cannot hold."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+SAME = 1e-9
+"""Relative difference up to which a number of a file is left as it is [1] (chosen, far above round-off)."""
+
+
+@dataclass(frozen=True)
+class JointNumbers:
+    """Numbers of one motor on the joint side of its gear.
+
+    Attributes:
+        motor: Name of the motor, e.g. "motor_1".
+        rotary: Rotary (True) or prismatic (False).
+        gear_ratio: Turns of the rotor per turn of the joint [1].
+        damping: Viscous friction [Nm s/rad or N s/m].
+        friction: Level of dry friction [Nm or N].
+        armature: Inertia of the rotor times the square of the gear ratio [kg m2 or kg].
+        torque_limit: Largest absolute torque [Nm or N], None for no limit.
+        torque_gain: Torque of the motor over the commanded one [1].
+        delay: Delay of the commands [s].
+        stiffness: Stiffness of its gear [Nm/rad or N/m], None for a rigid gear.
+    """
+
+    motor: str
+    rotary: bool
+    gear_ratio: float
+    damping: float
+    friction: float
+    armature: float
+    torque_limit: float | None
+    torque_gain: float
+    delay: float
+    stiffness: float | None
+
+
+@dataclass(frozen=True)
+class BodyNumbers:
+    """Numbers of one body that a diagnosis may correct.
+
+    Attributes:
+        body: Name of the body, e.g. "body_2".
+        label: Its label in the robot file: its name in the file that it was imported from.
+        mass_factor: Mass and inertia over those of the robot without effects [1].
+        weight_error: Unmodelled share of its weight, without change of inertia [1].
+    """
+
+    body: str
+    label: str
+    mass_factor: float
+    weight_error: float
+
+
+@dataclass(frozen=True)
+class NotHeld:
+    """A number that a format has no place for.
+
+    Attributes:
+        location: Motor, spring or body.
+        name: The effect or quantity.
+        size: Its values with units, for the reader.
+        reason: Why it is not held, or where it belongs instead.
+    """
+
+    location: str
+    name: str
+    size: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Written:
+    """A number in a file of another program.
+
+    Attributes:
+        location: Motor, spring or body.
+        quantity: The quantity, e.g. "viscous friction".
+        place: Element and attribute of the file that hold it.
+        before: Value before, in the unit; None where there was none.
+        value: Value written, in the unit.
+        unit: SI unit.
+    """
+
+    location: str
+    quantity: str
+    place: str
+    before: float | None
+    value: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class RepairedNumbers:
+    """Numbers of a robot with its effects.
+
+    Attributes:
+        joints: Per motor, in order.
+        bodies: Per body, in order.
+        not_held: Effects that none of these numbers holds, or holds in part.
+    """
+
+    joints: tuple[JointNumbers, ...]
+    bodies: tuple[BodyNumbers, ...]
+    not_held: tuple[NotHeld, ...]
+
+
+@dataclass(frozen=True)
+class Export:
+    """A robot in the format of another program.
+
+    Attributes:
+        text: Content of the file.
+        written: Its numbers.
+        not_held: What the format has no place for.
+    """
+
+    text: str
+    written: tuple[Written, ...]
+    not_held: tuple[NotHeld, ...]
+
+
+def same(value: float, other: float) -> bool:
+    """Return whether two numbers are equal up to `SAME`."""
+    return abs(value - other) <= SAME * max(abs(value), abs(other))
