@@ -87,6 +87,9 @@ def export(
     _refuse_existing(out)
     exported = export_model(load_patched(name), formats[to], base, _joints(joint), end)
     write_result(out, exported.text, to.upper())
+    if base is not None and out.resolve().parent != base.resolve().parent and " file=" in exported.text:
+        text = f"flexros: {out} names files relative to its folder, but {base} is in another one; move it there"
+        typer.echo(text, err=True)
     if as_json:
         content = {
             "out": str(out),

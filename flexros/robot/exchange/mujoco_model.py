@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from flexros.config.text_file import read_text
+from flexros.config.text_file import is_file, read_text
 from flexros.errors import InputError
 from flexros.input_limits import LARGEST_URDF
+from flexros.robot.exchange.xml_text import XmlText
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -50,8 +51,23 @@ def compile_text(text: str, folder: Path, source: str) -> Any:
     """
     mujoco = mujoco_package()
     try:
-        specification = mujoco.MjSpec.from_string(text)
+        specification = mujoco.MjSpec.from_string(text, include=_included(text, folder))
         specification.modelfiledir = str(folder)
         return specification.compile()
     except (ValueError, mujoco.FatalError) as error:
         raise InputError(f"{source}: MuJoCo refuses the changed model: {error}") from error
+
+
+def _included(text: str, folder: Path) -> dict[str, bytes]:
+    """Return the files that a text includes, also through others, by the name in the text."""
+    found: dict[str, bytes] = {}
+    waiting = [text]
+    while waiting:
+        for element in XmlText(waiting.pop(), "the MJCF").root.iter("include"):
+            name = element.attributes.get("file", "")
+            path = folder / name
+            if name and name not in found and is_file(path):
+                content = read_text(path, "MJCF", LARGEST_URDF)
+                found[name] = content.encode()
+                waiting.append(content)
+    return found

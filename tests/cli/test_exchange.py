@@ -1,0 +1,82 @@
+"""Commands that exchange robots with other simulators."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.robot.exchange.arm_mjcf import ARM
+
+pytest.importorskip("mujoco", reason="MuJoCo is not installed")
+pytestmark = pytest.mark.slow
+
+Flexros = Callable[..., "object"]
+
+
+@pytest.fixture
+def base(tmp_path: Path) -> Path:
+    file = tmp_path / "arm.xml"
+    file.write_text(ARM)
+    return file
+
+
+def test_import_writes_robot_and_patch(flexros: Flexros, base: Path, tmp_path: Path) -> None:
+    out = tmp_path / "arm.yaml"
+    ended = flexros("import-mjcf", str(base), "--out", str(out), "--json")
+    assert ended.code == 0
+    content = json.loads(ended.out)
+    assert content["patch"] == str(tmp_path / "arm_patch.yaml")
+    effect = content["effects"][0]
+    assert (effect["effect"], effect["location"], effect["value"]) == ("coulomb_friction", "motor_1", 2.0)
+    assert flexros("robot", content["patch"]).code == 0
+    again = flexros("import-mjcf", str(base), "--out", str(out))
+    assert (again.code, "exists already" in again.err) == (2, True)
+
+
+def test_import_names_the_option_of_the_end_body(flexros: Flexros, base: Path, tmp_path: Path) -> None:
+    ended = flexros("import-mjcf", str(base), "--out", str(tmp_path / "a.yaml"), "--end", "hnd")
+    assert ended.code == 2
+    assert "--end" in ended.err
+    assert not (tmp_path / "a.yaml").exists()
+
+
+def test_round_trip_of_an_import_changes_nothing(flexros: Flexros, base: Path, tmp_path: Path) -> None:
+    out, written = tmp_path / "arm.yaml", tmp_path / "again.xml"
+    assert flexros("import-mjcf", str(base), "--out", str(out)).code == 0
+    patch = str(tmp_path / "arm_patch.yaml")
+    ended = flexros("export", patch, "--to", "mjcf", "--base", str(base), "--out", str(written), "--json")
+    assert ended.code == 0
+    assert json.loads(ended.out)["written"] == []
+    assert written.read_text() == ARM
+
+
+@pytest.mark.parametrize("to", ["mjcf", "urdf", "sdf", "json"])
+def test_export_lists_what_was_written(flexros: Flexros, tmp_path: Path, to: str) -> None:
+    out = tmp_path / "elbow.out"
+    ended = flexros("export", "elbow", "--to", to, "--out", str(out))
+    assert ended.code == 0
+    assert "viscous friction" in ended.out
+    assert out.stat().st_size > 100
+
+
+@pytest.mark.parametrize(
+    ("options", "named"),
+    [
+        (("--to", "usd"), "--to"),
+        (("--to", "mjcf", "--joint", "motor_1"), "--joint"),
+        (("--to", "json", "--base", "x.json"), "--base"),
+        (("--to", "mjcf", "--base", "missing.xml"), "missing.xml"),
+    ],
+)
+def test_bad_options_write_nothing(flexros: Flexros, tmp_path: Path, options: tuple[str, ...], named: str) -> None:
+    out = tmp_path / "out.xml"
+    ended = flexros("export", "elbow", *options, "--out", str(out))
+    assert (ended.code, named in ended.err, out.exists()) == (2, True, False)
+
+
+def test_base_is_never_overwritten(flexros: Flexros, base: Path) -> None:
+    ended = flexros("export", "elbow", "--to", "mjcf", "--base", str(base), "--out", str(base))
+    assert (ended.code, base.read_text()) == (2, ARM)
