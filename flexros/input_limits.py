@@ -13,7 +13,7 @@ MOST_NODES = 200_000
 DEEPEST_NODE = 60
 """Levels of lists and mappings in a YAML file [1]."""
 LARGEST_URDF = 10 * 2**20
-"""URDF file [byte]; meshes are files of their own."""
+"""URDF, MJCF or SDF file [byte]; meshes are files of their own."""
 
 EXPANSION = 200
 """Unpacked content relative to the size of its file [1]; a robot at rest has 9..."""

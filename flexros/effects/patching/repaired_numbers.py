@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -50,6 +51,8 @@ def repaired_numbers(patched: PatchedRobot) -> RepairedNumbers:
     joints = [_Joint(model.robot, motor, scale) for motor in model.robot.motors]
     weights: dict[str, float] = {}
     not_held = _of_robot(model.robot, scale)
+    sliding = {motor.name for motor in model.robot.motors if not motor.rotary}
+    sliding |= {joint.name for joint in model.robot.joints if not joint.rotary}
     for law in model.laws:
         if law.effect.neutral:
             continue
@@ -62,7 +65,9 @@ def repaired_numbers(patched: PatchedRobot) -> RepairedNumbers:
             for joint in (each for each in joints if law.location == each.motor.name):
                 held, reason = joint.take(law.effect)
         if not held:
-            not_held.append(NotHeld(law.location, law.name.partition("@")[0], _size(law), reason))
+            not_held.append(
+                NotHeld(law.location, law.name.partition("@")[0], _size(law, law.location not in sliding), reason)
+            )
     return RepairedNumbers(
         tuple(joint.numbers() for joint in joints),
         tuple(
@@ -193,13 +198,18 @@ def _of_robot(robot: Robot, scale: float) -> list[NotHeld]:
     return found
 
 
-def _size(law: PlacedLaw) -> str:
-    """Write the parameters of a law that differ from their defaults."""
+def _size(law: PlacedLaw, rotary: bool) -> str:
+    """Write the parameters of a law that differ from their defaults, with the units of their descriptions."""
     fields = type(law.effect).model_fields
-    changed = {name: value for name, value in law.effect.model_dump().items() if value != fields[name].default}
-    return ", ".join(
-        f"{name} {value:.6g}" if isinstance(value, float) else f"{name} {value}" for name, value in changed.items()
-    )
+    words = []
+    for name, value in law.effect.model_dump().items():
+        if value == fields[name].default:
+            continue
+        stated = re.findall(r"\[([^\]]+)\]", fields[name].description or "")
+        unit = stated[0].split(" or ")[0 if rotary else -1] if stated else ""
+        number = f"{value:.6g}" if isinstance(value, float) else str(value)
+        words.append(f"{name} {number} {'' if unit in ('1', '-') else unit}".strip())
+    return ", ".join(words)
 
 
 def _ratio(mass: float, nominal_mass: float, inertia: FloatArray, nominal: FloatArray) -> float:

@@ -246,7 +246,7 @@ def _body(model: Any, arm: MjcfArm, k: int, actuator: JointActuator | None, is_m
     dof, rotary = _dof(model, joint), joint.rotary
     body = CommentedMap({"label": joint.body})
     if joint.mass > 0:
-        body["mass"] = joint.mass
+        body["mass"] = _number(joint.mass)
         body["center_of_mass"] = _numbers(joint.center - joint.anchor)
         pairs = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
         inertia = CommentedMap({key: _number(joint.inertia[at]) for key, at in pairs.items()})
@@ -278,7 +278,7 @@ def _body(model: Any, arm: MjcfArm, k: int, actuator: JointActuator | None, is_m
 
 
 def _number(value: float) -> float:
-    return 0.0 if abs(value) < SMALL else float(value)
+    return 0.0 if abs(value) < SMALL else float(f"{value:.15g}")
 
 
 def _numbers(values: Iterable[float] | FloatArray) -> CommentedSeq:

@@ -73,7 +73,7 @@ def test_what_has_no_place_is_listed(to: Format, patched: PatchedRobot) -> None:
     assert rows["motor_1", "rotor inertia"] == "60 kg m2"
     assert rows["motor_1", "stiffness of the gear"] == "200000 Nm/rad"
     assert rows["motor_2", "delay"] == "0.003 s"
-    assert rows["motor_1", "backlash"] == "gap 0.001"
+    assert rows["motor_1", "backlash"] == "gap 0.001 rad"
 
 
 def test_missing_dynamics_are_added(patched: PatchedRobot, tmp_path: Path) -> None:

@@ -116,7 +116,7 @@ def test_what_mjcf_has_no_place_for_is_listed(repair: Repair) -> None:
         "  - {effect: stribeck_friction, location: motor_3, parameters: {extra: 1.5, velocity: 0.1}}\n"
     )
     rows = {(row.location, row.name): row.size for row in exported.not_held}
-    assert "amplitude 0.5" in rows["motor_1", "torque_ripple"]
+    assert "amplitude 0.5 Nm" in rows["motor_1", "torque_ripple"]
     assert "asymmetry 0.2" in rows["motor_2", "coulomb_friction"]
     assert "extra 1.5" in rows["motor_3", "stribeck_friction"]
     assert [row.location for row in exported.written] == ["motor_2"]

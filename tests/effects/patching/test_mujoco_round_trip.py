@@ -1,0 +1,42 @@
+"""A patch written into an MJCF brings MuJoCo closer to measured logs, which are not in this repository."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+pytest.importorskip("mujoco", reason="MuJoCo is not installed")
+
+REALDATA = os.environ.get("FLEXROS_REALDATA", "")
+DATA = Path(REALDATA) / "dfki_double_pendulum"
+SCRIPT = Path(__file__).parents[3] / "docs" / "results" / "mujoco_round_trip.py"
+pytestmark = pytest.mark.skipif(
+    not REALDATA or not DATA.is_dir(),
+    reason="FLEXROS_REALDATA is unset or names no folder with dfki_double_pendulum/, the measured pendulum",
+)
+
+
+@pytest.fixture(scope="module")
+def script() -> ModuleType:
+    specification = importlib.util.spec_from_file_location("mujoco_round_trip", SCRIPT)
+    assert specification is not None
+    assert specification.loader is not None
+    module = importlib.util.module_from_spec(specification)
+    sys.modules["mujoco_round_trip"] = module
+    specification.loader.exec_module(module)
+    return module
+
+
+@pytest.mark.parametrize("log", ["C_143339", "C_143524", "C_143906"])
+@pytest.mark.parametrize("window", [0.1, 0.5])
+def test_published_friction_halves_the_error(script: ModuleType, log: str, window: float, tmp_path: Path) -> None:
+    models = script.models_of(DATA / script.NOMINAL, {"published": DATA / script.PUBLISHED}, tmp_path)
+    recorded = script.read(DATA / f"{log}.csv")
+    before, after = (np.linalg.norm(script.errors(model, recorded, window)) for model in models.values())
+    assert after < 0.6 * before
