@@ -71,7 +71,7 @@ setup(
     ],
     extras_require={
         "ros": ROS_WHEELS,
-        "mujoco": ["mujoco>=3.1"],
+        "mujoco": ["mujoco>=3.3"],
         "test": TEST,
         "docs": ["mkdocs>=1.6,<2", "mkdocs-material>=9.6", "mkdocstrings[python]>=0.29"],
         "dev": [*TEST, "ruff>=0.12", "mypy>=1.15", "import-linter>=2.5", "colcon-common-extensions>=0.3"],

@@ -7,6 +7,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from flexros.robot.exchange.link_inertia import LEAST, possible_tensor
 from flexros.robot.exchange.number_text import number, numbers_text
 from flexros.robot.exchange.numbers import Export, NotHeld, Written
 from flexros.robot.link_shape import link_shapes, tool_offset
@@ -22,8 +23,6 @@ if TYPE_CHECKING:
     from flexros.robot.specification import Body
     from flexros.robot.symbolic.chain import Joint
 
-LEAST = 1e-9
-"""Mass and inertia of bodies that have none, which MuJoCo refuses [kg, kg m2] (chosen)."""
 FRICTION_STEPS = 2
 """Time constant of the dry friction's constraint, in time steps [1]: the shortest that MuJoCo accepts."""
 
@@ -101,7 +100,7 @@ class _Writer:
         attributes = {
             "pos": numbers_text(body.center_of_mass.value),
             "mass": number(max(mass, LEAST)),
-            "fullinertia": numbers_text(_entries(self._possible(tensor))),
+            "fullinertia": numbers_text(_entries(possible_tensor(self.robot, tensor))),
         }
         ElementTree.SubElement(element, "inertial", attributes)
         name = f"body_{index + 1}"
@@ -110,17 +109,6 @@ class _Writer:
         for key, value in zip(("xx", "yy", "zz", "xy", "xz", "yz"), _entries(tensor)):
             if value:
                 self._note(name, f"inertia {key}", "body/inertial fullinertia", value, "kg m2")
-
-    def _possible(self, tensor: FloatArray) -> FloatArray:
-        """Fill moments that a planar robot file omits: those about axes that no joint turns about."""
-        axes = {joint.axis for joint in self.robot.joints if joint.rotary}
-        full = tensor + 0.0
-        if len(axes) <= 1:
-            kept = float(tensor[next(iter(axes)), next(iter(axes))]) if axes else 0.0
-            moments = np.linalg.eigvalsh(tensor)
-            if moments[0] <= 0 or moments[2] > moments[0] + moments[1]:
-                full = np.eye(3) * max(kept, LEAST)
-        return full if np.any(full) else np.eye(3) * LEAST
 
     def _joints(self, element: Element, joint: Joint, step: float) -> None:
         if joint.motor is None:

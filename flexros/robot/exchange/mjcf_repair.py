@@ -56,7 +56,7 @@ def repair_mjcf(base: Path, robot: Robot, numbers: RepairedNumbers, joints: Mapp
     for body in numbers.bodies:
         repair.body(body, arm, names)
     changed = text.text()
-    compile_text(changed, base.resolve().parent, str(base))
+    repair.check(compile_text(changed, base.resolve().parent, str(base)))
     return Export(changed, tuple(repair.written), tuple(repair.not_held))
 
 
@@ -67,6 +67,7 @@ class _Repair:
         self.model, self.root, self.source, self.robot = model, text.root, source, robot
         self.written: list[Written] = []
         self.not_held = list(numbers.not_held)
+        self.expected: list[tuple[str, int, float]] = []
 
     def joint(self, joint: JointNumbers, name: str) -> None:
         """Write viscous friction, dry friction and rotor inertia of a motor."""
@@ -96,6 +97,7 @@ class _Repair:
             further = getattr(self.model, f"dof_{attribute}poly", np.zeros((self.model.nv, 0)))[dof]
             values = [wanted - of_actuators, *(further if np.any(further) else ())]
             element.set(attribute, numbers_text(values))
+            self.expected.append((f"dof_{attribute}", dof, values[0]))
             self._note(joint.motor, quantity, f"joint {name} {attribute}", before, wanted, unit)
 
     def actuator(self, joint: JointNumbers, name: str) -> None:
@@ -170,11 +172,24 @@ class _Repair:
             element = self._element("body", label)
             if not same(body.mass_factor, 1.0):
                 self._scale(element, index, body.mass_factor)
+                self.expected.append(("body_mass", index, mass * body.mass_factor))
                 self._note(body.body, "mass", f"body {label} inertial", mass, mass * body.mass_factor, "kg")
             if body.weight_error:
                 before = float(self.model.body_gravcomp[index])
                 element.set("gravcomp", number(before - body.weight_error))
                 self._note(body.body, "weight", f"body {label} gravcomp", before, before - body.weight_error, "1")
+
+    def check(self, model: Any) -> None:
+        """Refuse a result in which something else of the file overrides the numbers that were written."""
+        for array, index, wanted in self.expected:
+            found = float(getattr(model, array)[index])
+            if abs(found - wanted) > 1e-6 * abs(wanted):
+                owner = model.body(index) if array == "body_mass" else model.joint(int(model.dof_jntid[index]))
+                raise InputError(
+                    f"{self.source}: {array.split('_')[1]} of {owner.name} was set to {wanted:.6g}, but MuJoCo makes "
+                    f"it {found:.6g}: another setting overrides it, such as inertiafromgeom or settotalmass of "
+                    "<compiler>; remove that setting"
+                )
 
     def _scale(self, element: XmlElement, index: int, factor: float) -> None:
         mass = number(factor * float(self.model.body_mass[index]))

@@ -36,6 +36,8 @@ class _Joint:
     rotation: FloatArray
     axis: FloatArray
     effort: float
+    damping: float
+    friction: float
 
 
 def skeleton_from_urdf(file: Path) -> str:
@@ -56,6 +58,7 @@ def skeleton_from_urdf(file: Path) -> str:
     joints = _chain(root, links, file)
     bodies = CommentedSeq()
     outputs: list[str] = []
+    names: list[str] = []
     rotation = np.eye(3)
     length_before = np.zeros(3)
     for joint in joints:
@@ -72,10 +75,11 @@ def skeleton_from_urdf(file: Path) -> str:
             direction = ("t" if joint.kind == "prismatic" else "r") + "xyz"[index]
             body["directions"] = CommentedMap({direction: _gear(joint, opposite=bool(axis[index] < 0))})
             outputs.append(f"body_{len(bodies) + 1}.{direction}")
+            names.append(joint.name)
         bodies.append(body)
     if not outputs:
         raise InputError(f"{file}: no revolute, continuous or prismatic joint was found; give the URDF of a robot arm")
-    return _text(root.get("name", file.stem), file.name, bodies, outputs, length_before)
+    return _text(root.get("name", file.stem), file.name, bodies, outputs, names, length_before)
 
 
 def _parse(file: Path) -> ElementTree.Element:
@@ -134,6 +138,8 @@ def _joint(element: ElementTree.Element, links: Mapping[str, ElementTree.Element
         rotation=Rotation.from_euler("xyz", _vector(origin, "rpy", "0 0 0", place)).as_matrix(),
         axis=_vector(element.find("axis"), "xyz", "1 0 0", place),
         effort=_scalar(element.find("limit"), "effort", place),
+        damping=_scalar(element.find("dynamics"), "damping", place),
+        friction=_scalar(element.find("dynamics"), "friction", place),
     )
 
 
@@ -212,15 +218,20 @@ def _base_axis(joint: _Joint, rotation: FloatArray, file: Path) -> FloatArray:
 
 
 def _gear(joint: _Joint, opposite: bool) -> CommentedMap:
-    motor = CommentedMap({"inertia": 0, "viscous_friction": 0})
+    motor = CommentedMap({"inertia": 0, "viscous_friction": _number(max(joint.damping, 0.0)) or 0})
     if joint.effort > 0:
         motor["torque_limit"] = joint.effort
     motor.fa.set_flow_style()
     gear = CommentedMap({"spring": "rigid", "damper": 0, "motor": motor})
     unit = unit_of("stiffness", joint.kind != "prismatic")
     gear.yaml_add_eol_comment(f"replace by the gear's stiffness [{unit}]; then give damper and motor inertia", "spring")
-    if opposite:
-        gear.yaml_set_start_comment("the URDF's axis points the other way: its joint angle has the opposite sign")
+    notes = ["the URDF's axis points the other way: its joint angle has the opposite sign"] if opposite else []
+    if joint.friction > 0:
+        notes.append(
+            f"the URDF's dry friction of {joint.friction:g} is no part of a robot file: effect coulomb_friction"
+        )
+    if notes:
+        gear.yaml_set_start_comment("\n".join(notes))
     return gear
 
 
@@ -262,7 +273,7 @@ def _numbers(values: FloatArray) -> CommentedSeq:
     return sequence
 
 
-def _text(name: str, source: str, bodies: CommentedSeq, outputs: list[str], base: FloatArray) -> str:
+def _text(name: str, source: str, bodies: CommentedSeq, outputs: list[str], names: list[str], base: FloatArray) -> str:
     data: Any = CommentedMap()
     data["name"] = name
     data["description"] = f"Skeleton made from {source}; the first joint is at {base.tolist()} m in the URDF's base."
@@ -275,6 +286,7 @@ def _text(name: str, source: str, bodies: CommentedSeq, outputs: list[str], base
         {"tool": CommentedMap({"pose": pose}), "joints": CommentedMap({"coordinates": CommentedSeq(outputs)})}
     )
     data["controlled"] = "joints"
+    data["tags"] = CommentedMap({f"motor_{k}.joint": name for k, name in enumerate(names, start=1)})
     stream = io.StringIO()
     yaml = YAML()
     yaml.width = 120

@@ -155,6 +155,54 @@ def test_springdamper_is_refused(repair: Repair) -> None:
         repair("", text)
 
 
+def test_a_setting_that_overrides_the_numbers_is_named(repair: Repair) -> None:
+    text = ARM.replace('autolimits="true"', 'autolimits="true" inertiafromgeom="true"')
+    with pytest.raises(InputError, match="inertiafromgeom"):
+        repair("  - {effect: payload_error, location: tool, parameters: {relative: 0.2}}\n", text)
+
+
+def test_motor_side_numbers_are_right_in_joint_units(tmp_path: Path) -> None:
+    """MuJoCo with the user's joint and its gear moves as the robot whose file states all on the motor side."""
+    robot, patch, base = tmp_path / "axis.yaml", tmp_path / "patch.yaml", tmp_path / "axis.xml"
+    robot.write_text(
+        "name: axis\ncoordinates: motor\nsample_time: 0.001\nbodies:\n"
+        "  - inertia: {zz: 2.0e-4}\n    directions:\n"
+        "      rz: {spring: rigid, motor: {inertia: 3.0e-4, viscous_friction: 1.0e-3, gear_ratio: 50}}\n"
+        "outputs: {joints: {coordinates: [body_1.rz]}}\ncontrolled: joints\n"
+        "tool: {linear: {divisor: 50, weights: {body_1.rz: 1}}}\n"
+    )
+    patch.write_text(
+        "robot: axis.yaml\neffects:\n"
+        "  - {effect: coulomb_friction, location: motor_1, parameters: {level: 0.02}}\n"
+        "  - {effect: viscous_friction, location: motor_1, parameters: {coefficient: 1.0e-3}}\n"
+        "  - {effect: torque_gain_error, location: motor_1, parameters: {relative: 0.2}}\n"
+    )
+    base.write_text(
+        '<mujoco><option timestep="0.001" integrator="RK4"/><worldbody><body><inertial pos="0 0 0" mass="1" '
+        'diaginertia="0.5 0.5 0.5"/><joint name="waist" axis="0 0 1"/></body></worldbody>'
+        '<actuator><motor joint="waist" gear="50"/></actuator></mujoco>'
+    )
+    model = mujoco.MjModel.from_xml_string(export_model(load_patched(patch), "mjcf", base).text)
+    data, torque, duration = mujoco.MjData(model), 0.1, 0.4
+    for _ in range(round(duration / model.opt.timestep)):
+        data.ctrl[:] = torque
+        mujoco.mj_step(model, data)
+    rate, final = 2e-3 / 5e-4, (1.2 * torque - 0.02) / 2e-3
+    motor_speed = final * (1 - np.exp(-rate * duration))
+    assert 50 * data.qvel[0] == pytest.approx(motor_speed, rel=1e-3)
+
+
+def test_meshes_are_found_from_the_folder_of_the_base(repair: Repair, tmp_path: Path) -> None:
+    (tmp_path / "meshes").mkdir()
+    corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+    (tmp_path / "meshes" / "tip.obj").write_text(corners)
+    text = ARM.replace('eulerseq="zyx"', 'eulerseq="zyx" meshdir="meshes"').replace(
+        "<worldbody>", '<asset><mesh name="tip" file="tip.obj"/></asset><worldbody><geom type="mesh" mesh="tip"/>'
+    )
+    effect = "  - {effect: coulomb_friction, location: motor_1, parameters: {level: 0.5}}\n"
+    assert 'frictionloss="2.5"' in repair(effect, text).text
+
+
 def test_assets_beside_the_base_are_found(repair: Repair, tmp_path: Path) -> None:
     (tmp_path / "scene.xml").write_text("<mujocoinclude><asset><material name='steel'/></asset></mujocoinclude>")
     text = ARM.replace("<worldbody>", '<include file="scene.xml"/><worldbody>')

@@ -146,3 +146,13 @@ def test_long_tail_of_fixed_links_is_no_obstacle(urdf: Path) -> None:
 def test_missing_file(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="cannot read"):
         skeleton_from_urdf(tmp_path / "none.urdf")
+
+
+def test_friction_and_names_of_joints_are_kept(tmp_path: Path) -> None:
+    file, robot_file = tmp_path / "little.urdf", tmp_path / "little.yaml"
+    file.write_text(URDF.replace('<axis xyz="0 0 1"/>', '<axis xyz="0 0 1"/><dynamics damping="4" friction="2"/>'))
+    robot_file.write_text(skeleton_from_urdf(file))
+    robot = load_robot(robot_file)
+    assert robot.motors[0].specification.viscous_friction.value == 4
+    assert robot.spec.tags["motor_2.joint"] == "elbow"
+    assert "dry friction of 2" in robot_file.read_text()

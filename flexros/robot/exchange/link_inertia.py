@@ -1,0 +1,34 @@
+"""Inertia of bodies as simulators accept it: positive in all directions."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+    from flexros.robot import Robot
+
+LEAST = 1e-9
+"""Mass and inertia of bodies that have none, which simulators refuse or replace by 1 [kg, kg m2] (chosen)."""
+
+
+def possible_tensor(robot: Robot, tensor: FloatArray) -> FloatArray:
+    """Fill moments that a planar robot file omits: those about axes that no joint turns about.
+
+    Args:
+        robot: The robot.
+        tensor: Inertia of one of its bodies [kg m2], shape (3, 3).
+
+    Returns:
+        Inertia that a body can have, with the same moment about the axes of the joints [kg m2], shape (3, 3).
+    """
+    axes = {joint.axis for joint in robot.joints if joint.rotary}
+    full: FloatArray = tensor + 0.0
+    if len(axes) <= 1:
+        kept = float(tensor[next(iter(axes)), next(iter(axes))]) if axes else 0.0
+        moments = np.linalg.eigvalsh(tensor)
+        if moments[0] <= 0 or moments[2] > moments[0] + moments[1]:
+            full = np.eye(3) * max(kept, LEAST)
+    return full if np.any(full) else np.eye(3) * LEAST
