@@ -77,7 +77,7 @@ class _Repair:
     """The changes of one file."""
 
     def __init__(self, document: XmlText, kind: Description, numbers: RepairedNumbers, new: bool) -> None:
-        self.root, self.kind, self.new = document.root, kind, new
+        self.root, self.kind, self.new, self.source = document.root, kind, new, document.source
         self.written: list[Written] = []
         self.not_held = list(numbers.not_held)
         self.joints = {
@@ -128,15 +128,15 @@ class _Repair:
             reason = f"no link '{body.label or body.body}' with a mass was found"
             self.not_held.append(NotHeld(body.body, "payload", f"mass x {body.mass_factor:.6g}", reason))
             return
-        before = float(mass.attributes.get("value") or mass.content)
+        place = f"link {link.attributes['name']} inertial"
+        before = self._float(mass.attributes.get("value") or mass.content, f"{place} mass")
         self._write(mass, "value", body.mass_factor * before)
         inertia = inertial.find("inertia")
         for entry in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz") if inertia else ():
             assert inertia is not None
             own = inertia if self.kind == "urdf" else inertia.find(entry)
             if own is not None and (value := own.attributes.get(entry) or own.content):
-                self._write(own, entry, body.mass_factor * float(value))
-        place = f"link {link.attributes['name']} inertial"
+                self._write(own, entry, body.mass_factor * self._float(value, f"{place} {entry}"))
         self.written.append(Written(body.body, "mass", place, before, body.mass_factor * before, "kg"))
 
     def springs(self, robot: Robot) -> None:
@@ -156,7 +156,7 @@ class _Repair:
             key = each.place.split()[-1]
             own = None if element is None else (element if self.kind == "urdf" else element.find(key))
             text = "" if own is None else (own.attributes.get(key, "") if self.kind == "urdf" else own.content)
-            before = float(text) if text.strip() else None
+            before = self._float(text, each.place) if text.strip() else None
             if same(each.value, before or 0.0):
                 self.written += [each] if self.new else []
                 continue
@@ -171,6 +171,14 @@ class _Repair:
             home.add(tag, missing)
         elif missing:
             home.add(tag, {}, missing)
+
+    def _float(self, text: str, place: str) -> float:
+        try:
+            return float(text)
+        except ValueError:
+            raise InputError(
+                f"{self.source}: {place} is '{text.strip()}', but must be a number; correct the file", "base"
+            ) from None
 
     def _write(self, element: XmlElement, key: str, value: float) -> None:
         if self.kind == "urdf":

@@ -17,6 +17,8 @@ from flexros.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
+_START_TAG = re.compile(rb"<(?:[^>\"']|\"[^\"]*\"|'[^']*')*>")
+
 
 @dataclass(eq=False)
 class XmlElement:
@@ -45,10 +47,12 @@ class XmlElement:
 
     def iter(self, tag: str) -> Iterator[XmlElement]:
         """Yield the elements of a name at any depth, in order."""
-        for child in self.children:
-            if child.tag == tag:
-                yield child
-            yield from child.iter(tag)
+        waiting = self.children[::-1]
+        while waiting:  # no recursion: a document may be nested deeper than Python's stack
+            element = waiting.pop()
+            if element.tag == tag:
+                yield element
+            waiting += element.children[::-1]
 
     def find(self, tag: str) -> XmlElement | None:
         """Return the first child of a name, None for none."""
@@ -86,8 +90,8 @@ class XmlElement:
         if not self.children:
             self.content = document[self._start + self._length : end].decode()
 
-    def changes(self) -> Iterator[tuple[int, int, bytes]]:
-        """Yield the changed ranges of the text: from, to, new bytes."""
+    def change(self) -> tuple[int, int, bytes]:
+        """Return the range of the document that the element sets, and its new bytes."""
         head, closed = self._head, self._head.endswith(b"/>")
         added = self._inside + (self._text or b"")
         if added and closed:
@@ -97,13 +101,15 @@ class XmlElement:
         end = self._start + self._length
         if self._text is not None and not closed:
             end = self._content_end
-        yield self._start, end, head
-        for child in self.children:
-            yield from child.changes()
+        return self._start, end, head
 
 
 class XmlText:
-    """An XML text whose start tags can be changed."""
+    """An XML text whose start tags can be changed.
+
+    Attributes:
+        source: The file, for error messages.
+    """
 
     def __init__(self, text: str, source: str) -> None:
         """Parse the text.
@@ -117,8 +123,10 @@ class XmlText:
         """
         if "<!ENTITY" in text or "<!DOCTYPE" in text:
             raise InputError(f"{source} has a document type definition, which it does not need; remove it")
+        self.source = source
         self._content = text.encode()
         self._stack: list[XmlElement] = []
+        self._elements: list[XmlElement] = []
         self._root: XmlElement | None = None
         self._parser = parser = expat.ParserCreate("utf-8")
         parser.StartElementHandler = self._begin
@@ -137,14 +145,14 @@ class XmlText:
     def text(self) -> str:
         """Return the document with all changes."""
         parts, done = [], 0
-        for start, end, new in sorted(self.root.changes(), key=lambda change: change[0]):
+        for start, end, new in (element.change() for element in self._elements):
             parts += [self._content[done:start], new]
             done = end
         return b"".join([*parts, self._content[done:]]).decode()
 
     def _begin(self, tag: str, attributes: dict[str, str]) -> None:
         start = self._parser.CurrentByteIndex
-        head = re.match(rb"<(?:[^>\"']|\"[^\"]*\"|'[^']*')*>", self._content[start:])
+        head = _START_TAG.match(self._content, start)
         assert head is not None
         element = XmlElement(tag, dict(attributes), start, head[0])
         if self._stack:
@@ -152,6 +160,7 @@ class XmlText:
         else:
             self._root = element
         self._stack.append(element)
+        self._elements.append(element)
 
     def _end(self, tag: str) -> None:
         del tag

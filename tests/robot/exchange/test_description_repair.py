@@ -111,3 +111,9 @@ def test_an_imported_urdf_finds_its_joints_again(tmp_path: Path) -> None:
     )
     exported = export_model(load_patched(patch), "urdf", base)
     assert [(row.place, row.value) for row in exported.written] == [("joint fore dynamics friction", 7)]
+
+
+def test_a_number_that_is_none_is_named(patched: PatchedRobot, tmp_path: Path) -> None:
+    text = export_model(load_patched("elbow"), "urdf").text.replace('damping="60"', 'damping="much"')
+    with pytest.raises(InputError, match="joint motor_1 dynamics damping is 'much'"):
+        export_model(patched, "urdf", base_file(tmp_path, "urdf", text))

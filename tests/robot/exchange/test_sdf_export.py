@@ -31,7 +31,7 @@ def test_every_link_has_a_mass_and_a_tensor_that_a_body_can_have() -> None:
             for key, (row, column) in ENTRIES.items():
                 tensor[row, column] = tensor[column, row] = float(link.findtext(f"inertial/inertia/{key}", "0"))
             moments = np.linalg.eigvalsh(tensor)
-            assert 0 < moments[0]
+            assert moments[0] > 0
             assert moments[2] <= (1 + 1e-9) * (moments[0] + moments[1])
         masses = sum(float(link.findtext("inertial/mass", "0")) for link in root.iter("link"))
         np.testing.assert_allclose(masses, sum(body.mass.value for body in robot.spec.bodies), rtol=1e-6)

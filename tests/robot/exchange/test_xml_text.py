@@ -48,3 +48,10 @@ def test_children_and_texts() -> None:
 def test_broken_text_is_refused(text: str) -> None:
     with pytest.raises(InputError, match="^t "):
         XmlText(text, "t")
+
+
+def test_deep_documents_are_read() -> None:
+    text = "<a>" * 20_000 + '<b c="1"/>' + "</a>" * 20_000
+    document = XmlText(text, "t")
+    next(document.root.iter("b")).set("c", "2")
+    assert document.text() == text.replace('"1"', '"2"')
