@@ -22,6 +22,7 @@ from flexros.gap.search.candidate_fits import prepare_search
 from flexros.gap.search.forward_selection import explain
 from flexros.gap.settings import DiagnosisSettings
 from flexros.gap.where.find import where
+from flexros.record.resampled import may_be_resampled, resampled
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -33,10 +34,6 @@ if TYPE_CHECKING:
     from flexros.logs.time_series import Log
     from flexros.record.record import Record
     from flexros.robot import Robot
-
-
-SAME_RATE = 1e-3
-"""Relative difference of sample times up to which two logs have the same rate [1]."""
 
 
 @one_blas_thread()
@@ -74,6 +71,7 @@ def diagnose(
     stages.begin("nominal model", 0.03)
     fitted, held = (record, holdout) if holdout is not None else split(record, settings.fitted_share)
     _check_alike(fitted, held)
+    held = resampled(held, fitted.sample_time)
     data = fit_data(fitted, model, settings)
     held_data = fit_data(held, model, settings, measurement_in(held, model.robot, data.measurement, settings))
     null = fit_null(data, model, tolerance_of(model.robot, tolerance or {}), settings.fit)
@@ -132,5 +130,9 @@ def _check_alike(fitted: Record, held: Record) -> None:
         f"{'measured' if record.measured_torque else 'commanded'} torques"
         for record in (held, fitted)
     ]
-    if abs(held.sample_time / fitted.sample_time - 1) > SAME_RATE or held.measured_torque != fitted.measured_torque:
+    if not may_be_resampled(held, fitted.sample_time):
+        raise InputError(
+            f"{ways[0]}, but {ways[1]}; exchange the two, so that the one with more samples is held out, or give none"
+        )
+    if held.measured_torque != fitted.measured_torque:
         raise InputError(f"{ways[0]}, but {ways[1]}; give a holdout that was recorded like the log, or none")

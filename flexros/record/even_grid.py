@@ -12,8 +12,8 @@ from flexros.errors import InputError
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray, IntArray
 
-LOWEST_RATE = 95.0
-"""Lowest rate of a log [Hz]: the contract's 100 Hz with a margin for jitter (chosen)."""
+LOWEST_RATE = 19.0
+"""Lowest rate of a log [Hz]: servo logs of 20 Hz with a margin for jitter (chosen)."""
 
 HIGHEST_RATE = 2.1e4
 """Highest rate of a log [Hz]; beyond it the unit of time is more likely wrong (chosen)."""
@@ -24,6 +24,12 @@ NOTED_JITTER = 0.005
 MOST_MISSING = 0.5
 """Share of missing samples above which stamps are not sampling instants (chosen)."""
 
+MOST_SKIPPED = 0.01
+"""Share of messages before which an even grid skips a slot although the one before is near, above which sampling is
+irregular (chosen)."""
+
+_HOLE = 1.9  # intervals of irregular sampling from which messages are missing, over the mean one
+_ALONE = 0.75  # distance from the nearest message, in samples, from which an instant was not measured
 _FIRST = 32  # messages at the beginning of the search for the sample time
 _GROWTH = 1.5  # growth of the fitted stretch; keeps the error at its end far below a sample
 _NEAR = 0.35  # deviation in samples up to which a stamp counts in the fit
@@ -42,6 +48,8 @@ class EvenGrid:
         numbers: Their slots, increasing from 0, shape (m,).
         deviation: Stamp of each minus the instant of its slot [s], shape (m,).
         warnings: What is doubtful, one sentence each.
+        irregular: Whether intervals differ by more than jitter about even instants, as where a recorder of 94 Hz
+            samples a clock of 500 Hz; numbers then count the messages, and deviations may exceed a sample.
     """
 
     origin: int
@@ -51,6 +59,7 @@ class EvenGrid:
     numbers: IntArray
     deviation: FloatArray
     warnings: tuple[str, ...] = ()
+    irregular: bool = False
 
     @property
     def n_slots(self) -> int:
@@ -61,6 +70,11 @@ class EvenGrid:
     def instants(self) -> FloatArray:
         """Instants of all slots after `origin` [s], shape (n_slots,)."""
         return np.asarray(self.start + self.sample_time * np.arange(self.n_slots), dtype=np.float64)
+
+    @property
+    def times(self) -> FloatArray:
+        """Stamps of the messages that are used, after `origin` [s], shape (m,)."""
+        return np.asarray(self.start + self.sample_time * self.numbers + self.deviation, dtype=np.float64)
 
     @property
     def jitter(self) -> float:
@@ -76,6 +90,32 @@ class EvenGrid:
         slots = np.arange(self.n_slots)
         index = np.searchsorted(self.numbers, slots, side="right") - 1
         return index, self.numbers[index] == slots
+
+    def near(self, usable: BoolArray) -> BoolArray:
+        """Mark the slots with a usable message near their instant, by the true times.
+
+        Args:
+            usable: Which of the messages that are used count, shape (m,).
+
+        Returns:
+            Marks, shape (n_slots,).
+        """
+        times, at = self.times[usable], self.instants
+        later = np.clip(np.searchsorted(times, at), 1, len(times) - 1)
+        distance = np.minimum(np.abs(at - times[later - 1]), np.abs(times[later] - at))
+        return np.asarray(distance < _ALONE * self.sample_time)
+
+    def interpolated(self, values: FloatArray) -> FloatArray:
+        """Interpolate a signal linearly to the instants of the slots, by the true times.
+
+        Args:
+            values: Signal, one row per message that is used; rows that are not finite are left out, shape (m, k).
+
+        Returns:
+            Signal, shape (n_slots, k).
+        """
+        finite = np.all(np.isfinite(values), axis=1)
+        return np.column_stack([np.interp(self.instants, self.times[finite], column) for column in values[finite].T])
 
 
 def even_grid(stamp: IntArray, nominal: float, topic: str) -> EvenGrid:
@@ -106,6 +146,9 @@ def even_grid(stamp: IntArray, nominal: float, topic: str) -> EvenGrid:
             f"{topic}: the stamps come in bursts, as the receive times of a recorder do; the samples are treated as "
             f"even at {1 / sample_time:.6g} Hz, so their timing is doubtful"
         )
+    irregular = _is_irregular(time, numbers, sample_time)
+    if irregular:
+        numbers, start, sample_time = _by_interval(time)
     sample_time, start = _round(time, numbers, sample_time, start, nominal)
     rows = _one_per_slot(time, numbers, start, sample_time)
     if len(rows) < len(numbers):
@@ -116,7 +159,23 @@ def even_grid(stamp: IntArray, nominal: float, topic: str) -> EvenGrid:
     numbers = numbers[rows]
     start, numbers = start + sample_time * int(numbers[0]), numbers - numbers[0]
     deviation = time[rows] - start - sample_time * numbers
-    return EvenGrid(int(stamp[0]), start, sample_time, rows, numbers, deviation, tuple(warnings))
+    return EvenGrid(int(stamp[0]), start, sample_time, rows, numbers, deviation, tuple(warnings), irregular)
+
+
+def _is_irregular(time: FloatArray, numbers: IntArray, step: float) -> bool:
+    """Whether an even grid skips slots between messages that are near to each other."""
+    skipped = (np.diff(numbers) > 1) & (np.diff(time) < 1.5 * step)
+    return bool(skipped.sum() > MOST_SKIPPED * len(numbers))
+
+
+def _by_interval(time: FloatArray) -> tuple[IntArray, float, float]:
+    """Number messages consecutively, with empty slots in holes only; return numbers, start and sample time [s]."""
+    interval = np.diff(time)
+    usual = float(np.mean(interval[interval < _HOLE * np.median(interval)]))
+    steps = np.where(interval < _HOLE * usual, 1, np.rint(interval / usual)).astype(np.int64)
+    numbers = np.concatenate([[0], np.cumsum(steps)])
+    slope, start = np.polyfit(numbers, time, 1)
+    return numbers, float(start), float(slope)
 
 
 def _check_rate(step: float, topic: str) -> None:

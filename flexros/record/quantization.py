@@ -29,6 +29,9 @@ OFF_LATTICE = 0.08
 MATTERS = 0.05
 """Rms rounding error over the noise of the encoder above which quantisation is an effect (chosen)."""
 
+ROUNDED = 1e-5
+"""Differences over the largest one up to which they are rounding of the file, such as decimals of text (chosen)."""
+
 _DIVISORS = range(1, 7)  # number of steps that the quantile may be
 _MULTIPLES = (8.0, 64.0, 512.0)  # differences up to these numbers of steps refine it in turn
 
@@ -58,8 +61,8 @@ def lattice_step(values: FloatArray) -> float | None:
     signal = values[np.isfinite(values)]
     if len(signal) < FEWEST or len(np.unique(signal)) < 3:
         return None
-    resolution = 32 * float(np.spacing(np.abs(signal).max()))
     change = np.abs(np.concatenate([np.diff(signal), np.diff(signal, 2)]))
+    resolution = max(32 * float(np.spacing(np.abs(signal).max())), ROUNDED * float(change.max(initial=0.0)))
     change = change[change > resolution]
     if len(change) < FEWEST:
         return None

@@ -78,8 +78,8 @@ def read_record(log: Log, robot: Robot, *, name: str, torque: TorqueSource = "co
         torque=acting[rows],
         valid=valid[rows],
         late=held.late[rows] if held.late.any() else None,
-        velocity=reader.measured(states.velocity, grid, rows),
-        effort=reader.measured(states.effort, grid, rows),
+        velocity=reader.measured(states.velocity, grid, rows, instants),
+        effort=reader.measured(states.effort, grid, rows, instants),
         reference=reader.reference(grid, rows),
         tool=_tool(log, grid, rows),
         measured_torque=measured,
@@ -169,7 +169,7 @@ class _Reader:
                     "the effort of joint_states is a copy of the commands, not a measurement; it is not used"
                 )
             elif source == "measured":
-                return sampled_torque(states.effort[:, self.columns], grid), True
+                return sampled_torque(states.effort[:, self.columns], grid, instants), True
             else:
                 self.warnings.append(
                     "joint_states has measured torques too; the commanded torques are used, so actuator errors will "
@@ -196,10 +196,14 @@ class _Reader:
                 return True
         return False
 
-    def measured(self, values: FloatArray | None, grid: EvenGrid, rows: slice) -> FloatArray | None:
+    def measured(
+        self, values: FloatArray | None, grid: EvenGrid, rows: slice, instants: bool
+    ) -> FloatArray | None:
         """Return a signal of joint_states by slot, missing values held; None where none is finite."""
-        if values is None or not np.any(np.all(np.isfinite(values[:, self.columns]), axis=1)):
+        if values is None or not np.any(np.all(np.isfinite(values[grid.rows][:, self.columns]), axis=1)):
             return None
+        if instants:
+            return grid.interpolated(values[grid.rows][:, self.columns])[rows]
         return _finite(values[:, self.columns][grid.rows][grid.held()[0]])[0][rows]
 
     def reference(self, grid: EvenGrid, rows: slice) -> FloatArray | None:

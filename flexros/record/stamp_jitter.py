@@ -47,19 +47,28 @@ def positions_on_grid(
     if grid.jitter <= NOTED_JITTER * grid.sample_time:
         return position, valid, False
     share = seen_share(position, grid, valid)
-    amount = f"the stamps of joint_states deviate from even sampling by {1e6 * grid.jitter:.3g} us rms"
+    amount = _amount(grid)
     if not share > _BELIEVED:
         warnings.append(f"{amount}, which the positions do not follow; the samples are treated as even")
         return position, valid, False
     warnings.append(f"{amount} and are the true instants; the positions were interpolated to even ones")
     from scipy.interpolate import CubicSpline  # here, because it loads slowly
 
-    time = grid.start + grid.sample_time * grid.numbers + grid.deviation
-    spline = CubicSpline(time[finite], taken[finite])
-    at = np.clip(grid.instants[valid], time[finite][0], time[finite][-1])
+    time, valid = grid.times[finite], grid.near(finite)
     position = position.copy()
-    position[valid] = spline(at)
+    position[valid] = CubicSpline(time, taken[finite])(np.clip(grid.instants[valid], time[0], time[-1]))
     return position, valid, True
+
+
+def _amount(grid: EvenGrid) -> str:
+    """Say how far the stamps are from even sampling."""
+    if not grid.irregular:
+        return f"the stamps of joint_states deviate from even sampling by {1e6 * grid.jitter:.3g} us rms"
+    low, high = 1e3 * np.quantile(np.diff(grid.times), (0.01, 0.99))
+    return (
+        f"the stamps of joint_states are irregular ({low:.3g} to {high:.3g} ms apart, {1 / grid.sample_time:.5g} Hz in "
+        "the mean)"
+    )
 
 
 def seen_share(position: FloatArray, grid: EvenGrid, valid: BoolArray) -> float:

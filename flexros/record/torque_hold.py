@@ -139,18 +139,22 @@ def _with_holes(
     return HeldTorque(torque, known, late, first, end, tuple(warnings))
 
 
-def sampled_torque(effort: FloatArray, grid: EvenGrid) -> HeldTorque:
+def sampled_torque(effort: FloatArray, grid: EvenGrid, true_instants: bool = False) -> HeldTorque:
     """Average the torques measured at the beginning and the end of each sample.
 
     Args:
         effort: Measured torques, one row per measurement [Nm or N], shape (n, M).
         grid: The grid of the measurements.
+        true_instants: Whether stamps off the grid are the true instants, so that torques are interpolated to it.
 
     Returns:
         The torque; in the last slot it is the measured one.
     """
     index, own = grid.held()
     values = effort[grid.rows][index]
+    finite = np.all(np.isfinite(effort[grid.rows]), axis=1)
+    if true_instants and finite.any():
+        values, own = grid.interpolated(effort[grid.rows]), grid.near(finite)
     mean = values.copy()
     mean[:-1] = (values[:-1] + values[1:]) / 2
     known = own & np.append(own[1:], True)

@@ -12,9 +12,10 @@ from flexros.record.balance.joint_assignments import DOUBTFUL, best_assignment, 
 from flexros.record.balance.spectra import torque_balance
 from flexros.record.balance.torque_balance import Delay
 from flexros.record.missing_samples import bridged
+from flexros.record.smoothing import noise_power, smooth_motion
 
 if TYPE_CHECKING:
-    from flexros.arrays import FloatArray
+    from flexros.arrays import BoolArray, FloatArray
     from flexros.record.balance.joint_assignments import JointAssignment
     from flexros.record.balance.torque_balance import BalanceFit, TorqueBalance
     from flexros.record.record import Record
@@ -22,6 +23,12 @@ if TYPE_CHECKING:
 
 SAME_RATE = 0.1
 """Relative difference of two sample times up to which they count as equal (chosen)."""
+
+STANDS_OUT = 10.0
+"""Rms of the smooth motion over the noise of the encoder above which a motor moves (chosen)."""
+
+FASTEST_LOOK = 50.0
+"""Corner frequency of the low-pass for the motion [Hz] (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +47,18 @@ class CheckedRecord:
     def position(self) -> FloatArray:
         """Motor positions without holes [rad or m], shape (n, M)."""
         return bridged(self.record.position, self.record.valid)
+
+    @cached_property
+    def motion(self) -> FloatArray:
+        """Smooth positions, speeds and accelerations of the motors, shape (3, n, M)."""
+        cutoff = min(FASTEST_LOOK, 0.1 / self.record.sample_time)
+        return smooth_motion(self.position, self.record.sample_time, cutoff)
+
+    @cached_property
+    def moves(self) -> BoolArray:
+        """Motors that move beyond the noise of their encoder, shape (M,)."""
+        noise = np.sqrt(np.maximum(noise_power(self.position), 1e-24))
+        return np.asarray(np.std(self.motion[0], axis=0) > STANDS_OUT * noise)
 
     @cached_property
     def balance(self) -> TorqueBalance | None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from flexros.record.checks.base import AbstractCheck, Finding
+from flexros.record.checks.repeated_values import change_beside, slow_change
 from flexros.record.missing_samples import runs
 
 if TYPE_CHECKING:
@@ -22,6 +23,10 @@ CONTINUOUS = 0.5
 
 JUMP = 0.4
 """Step between two samples over the range of an encoder above which it wrapped around (chosen)."""
+
+FAR = 20.0
+"""Such a step over the median one of those that are not zero (chosen): an encoder that stands still steps by its
+resolution, which is all the range it has."""
 
 MOST = 0.05
 """Share of samples in flat tops above which a log is rejected (chosen)."""
@@ -41,7 +46,7 @@ class ClippedEncoder(AbstractCheck):
             values = record.position[record.valid, motor]
             span = float(np.ptp(values))
             steps = np.abs(np.diff(values))
-            if span > 0 and steps.max(initial=0.0) > JUMP * span and np.median(steps) < 1e-3 * span:
+            if span > 0 and _wraps(steps, span):
                 at = float(np.flatnonzero(record.valid)[int(np.argmax(steps))]) * record.sample_time
                 text = (
                     f"the position of {name} jumps by {steps.max():.4g} at {at:.4g} s, as an encoder that wraps around "
@@ -49,7 +54,7 @@ class ClippedEncoder(AbstractCheck):
                 )
                 problems.append(Finding(text, hopeless=True))
                 continue
-            if len(np.unique(values)) < CONTINUOUS * len(values):
+            if len(np.unique(values)) < CONTINUOUS * len(values) or not checked.moves[motor]:
                 continue
             spoilt = _flat_tops(values, record.valid)
             flat = int(spoilt.sum())
@@ -62,11 +67,21 @@ class ClippedEncoder(AbstractCheck):
         return tuple(problems)
 
 
+def _wraps(steps: FloatArray, span: float) -> bool:
+    """Whether the largest step is one of the whole range among small ones."""
+    largest, usual = float(steps.max(initial=0.0)), float(np.median(steps[steps > 0]))
+    return largest > JUMP * span and largest > FAR * usual and float(np.median(steps)) < 1e-3 * span
+
+
 def _flat_tops(values: FloatArray, valid: BoolArray) -> BoolArray:
-    """Mark the samples in which the position rests at its largest or smallest value."""
+    """Mark the samples in which the position is cut off at its largest or smallest value.
+
+    At a turning point and at rest an encoder without noise repeats its value too, but comes there slowly.
+    """
     rows, spoilt = np.flatnonzero(valid), np.zeros(len(valid), dtype=bool)
+    slow = slow_change(values)
     for level in (values.max(), values.min()):
         for begin, length in zip(*runs(values == level), strict=True):
-            if length >= PLATEAU:
+            if length >= PLATEAU and change_beside(values, int(begin), int(length)) > slow:
                 spoilt[rows[begin : begin + length]] = True
     return spoilt

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from flexros.record.checks.base import AbstractCheck, Finding
+from flexros.record.checks.repeated_values import change_beside, slow_change
 from flexros.record.missing_samples import runs
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ class StuckEncoder(AbstractCheck):
                 problems += _constant(name, torque)
                 continue
             stuck = _stuck(values)
-            if not np.any(stuck):
+            if not checked.moves[motor] or not np.any(stuck):
                 continue
             spoilt = np.zeros(record.n_samples, dtype=bool)
             spoilt[rows[stuck]] = True
@@ -57,12 +58,17 @@ class StuckEncoder(AbstractCheck):
 
 
 def _stuck(values: FloatArray) -> BoolArray:
-    """Mark the samples that repeat the one before in long stretches, unless the encoder often repeats its value."""
+    """Mark the samples that repeat the one before in long stretches.
+
+    An encoder that often repeats its value elsewhere, or that comes to rest slowly, is not stuck.
+    """
+    slow = slow_change(values)
     same = np.concatenate([[False], np.diff(values) == 0.0])
     stuck = np.zeros(len(values), dtype=bool)
     ends = values == values.max(), values == values.min()  # flat tops belong to another check
     for begin, length in zip(*runs(same), strict=True):
-        if length >= LONGEST and not any(end[begin] for end in ends):
+        rests = change_beside(values, int(begin), int(length)) <= slow
+        if length >= LONGEST and not rests and not any(end[begin] for end in ends):
             stuck[begin : begin + length] = True
     outside = same[~stuck & ~ends[0] & ~ends[1]]
     if outside.size and outside.mean() > USUAL_REPEATS:

@@ -1,0 +1,58 @@
+"""Values of an encoder that repeat: at rest or at a turning point, or because it is clipped or stuck."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.record.quantization import lattice_step
+from flexros.record.smoothing import noise_power
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+
+BESIDE = 4
+"""Samples before and after repeated values whose change is looked at (chosen)."""
+
+STEPS = 6.5
+"""Change within `BESIDE` samples, in steps of the encoder, up to which it is at rest (chosen): beside a turning point
+that takes 8 samples or more it is at most 4, and more where friction lets the motor stick."""
+
+USUAL = 0.99
+"""Share of accelerations that are usual: a motor that friction stops decelerates like this (chosen)."""
+
+SLOW = 0.02
+"""The same over the largest change within as many samples, for a signal without noise, as a simulator writes it
+(chosen)."""
+
+NOISELESS = 1e-6
+"""Noise over that largest change below which there is none (chosen)."""
+
+
+def slow_change(values: FloatArray) -> float:
+    """Return the change within `BESIDE` samples up to which a signal comes to rest.
+
+    Args:
+        values: Positions [rad or m], shape (n,).
+    """
+    largest = float(np.abs(values[BESIDE:] - values[:-BESIDE]).max(initial=0.0))
+    turned = np.abs(values[2 * BESIDE :] - 2 * values[BESIDE:-BESIDE] + values[: -2 * BESIDE])
+    noiseless = float(noise_power(values[:, None])[0]) < (NOISELESS * largest) ** 2
+    step = lattice_step(values)
+    if step is not None:
+        return max(STEPS * step, float(np.quantile(turned, USUAL)) / 2)
+    return SLOW * largest if noiseless else 0.0
+
+
+def change_beside(values: FloatArray, begin: int, length: int) -> float:
+    """Return the largest change within `BESIDE` samples beside a stretch of repeated values.
+
+    Args:
+        values: Positions [rad or m], shape (n,).
+        begin: First sample of the stretch.
+        length: Number of its samples.
+    """
+    before = values[max(0, begin - BESIDE) : begin]
+    after = values[begin + length : begin + length + BESIDE]
+    return float(np.abs(np.concatenate([before, after]) - values[begin]).max(initial=0.0))

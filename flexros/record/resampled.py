@@ -1,0 +1,83 @@
+"""A record at another sample time, such as a second log of a recorder whose rate differs a little."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+    from flexros.record.record import Record
+
+SAME_RATE = 1e-3
+"""Relative difference of sample times up to which two records have the same rate [1] (chosen)."""
+
+MOST_RAISED = 0.05
+"""Relative increase of the rate up to which a record is resampled [1] (chosen): beyond it there would be more samples
+than measurements, whose noise is not independent."""
+
+
+def may_be_resampled(record: Record, sample_time: float) -> bool:
+    """Whether a record holds enough samples for another sample time.
+
+    Args:
+        record: The record.
+        sample_time: The other sample time [s].
+    """
+    return record.sample_time <= (1 + MOST_RAISED) * sample_time
+
+
+def resampled(record: Record, sample_time: float) -> Record:
+    """Resample a record.
+
+    Positions are interpolated by a cubic spline, torques averaged over each new sample, and other signals interpolated
+    linearly. A new sample is valid where the old ones beside it are.
+
+    Args:
+        record: The record.
+        sample_time: The new sample time [s].
+
+    Returns:
+        The record at that sample time, without periodic parts, whose samples were counted at the old one; the same
+        record where the sample times are equal within `SAME_RATE`.
+    """
+    old = record.sample_time
+    if abs(sample_time / old - 1) <= SAME_RATE:
+        return record
+    from scipy.interpolate import CubicSpline  # here, because it loads slowly
+
+    n = int(np.floor(record.duration / sample_time + 1e-9)) + 1
+    before, at = old * np.arange(record.n_samples), sample_time * np.arange(n)
+    left = np.clip(np.floor(at / old + 1e-9).astype(np.int64), 0, record.n_samples - 1)
+    right = np.minimum(left + (at > before[left] + 1e-9 * old), record.n_samples - 1)
+
+    def linear(values: FloatArray | None) -> FloatArray | None:
+        if values is None:
+            return None
+        return np.column_stack([np.interp(at, before, column) for column in values.T])
+
+    integral = np.vstack([np.zeros((1, record.torque.shape[1])), old * np.cumsum(record.torque, axis=0)])
+    edges, ends = np.append(at, at[-1] + sample_time), np.append(before, before[-1] + old)
+    sums = np.column_stack([np.interp(edges, ends, column) for column in integral.T])
+    spans = np.diff(np.minimum(edges, ends[-1]))
+    position = CubicSpline(before[record.valid], record.position[record.valid])(at)
+    text = (
+        f"{record.name} has {1 / old:.6g} samples per second; it was resampled to {1 / sample_time:.6g}, the rate of the "
+        "fitted log"
+    )
+    return replace(
+        record,
+        sample_time=sample_time,
+        position=position,
+        torque=np.diff(sums, axis=0) / spans[:, None],
+        valid=record.valid[left] & record.valid[right],
+        late=None if record.late is None else record.late[left] | record.late[right],
+        velocity=linear(record.velocity),
+        effort=linear(record.effort),
+        reference=linear(record.reference),
+        parts=(),
+        first=round(record.first * old / sample_time),
+        warnings=(*record.warnings, text),
+    )
