@@ -13,7 +13,7 @@ from flexros.gap.noise.autoregression import TREND, colour_of, without_trend
 from flexros.gap.prediction.predictor import Predictor
 from flexros.prediction.observer import observer_gain
 from flexros.record.missing_samples import bridged, runs
-from flexros.record.quantization import encoder_quantization
+from flexros.record.quantization import encoder_quantization, lattice_step
 from flexros.record.smoothing import HIGH_DIFFERENCE, smooth_motion
 
 if TYPE_CHECKING:
@@ -29,6 +29,11 @@ QUIET = 2.0
 JITTER_SEEN, JITTER_OF_EACH = 4.0, 2.0
 """Slope of the noise power over the squared speed, in standard deviations, from which it is jitter: of all motors
 together, and of each (chosen)."""
+ROUNDED_SHARE = 0.1
+"""Share of rounding in the noise of an encoder from which its jitter is looked for at high speed alone (chosen)."""
+CROSSED, SPREAD, FEWEST_BLOCKS = 2.0, 2.5, 20
+"""Steps of an encoder that a motor crosses within a sample, from which rounding no longer grows with speed; the factor
+by which some blocks must exceed that, and their fewest number (chosen)."""
 RUN_AWAY = 1e3
 """Largest prediction over the largest position; beyond it the prediction has diverged [1] (chosen)."""
 MOST_MOVED, LEAST_COLOUR = 1.3, 0.25
@@ -77,7 +82,7 @@ def measure_noise(record: Record, robot: Robot, settings: DiagnosisSettings) -> 
     M = robot.n_motors
     coarse = {one.motor for one in encoder_quantization(record, robot)}  # rounding hides the noise
     driven = _driven(record, robot, position, settings.level)
-    power, jitter = _above_band(position, speed, record.valid)
+    power, jitter = _above_band(position, speed, record)
     deviation, colours, source = np.sqrt(power), [np.zeros(0)] * M, ["above the band"] * M
     for motor in range(M):
         rest = _at_standstill(
@@ -166,23 +171,30 @@ def _driven(record: Record, robot: Robot, position: FloatArray, level: float) ->
     return predicted if np.all(np.abs(predicted) < RUN_AWAY * np.abs(position).max()) else np.zeros_like(position)
 
 
-def _above_band(position: FloatArray, speed: FloatArray, valid: BoolArray) -> tuple[FloatArray, float]:
+def _above_band(position: FloatArray, speed: FloatArray, record: Record) -> tuple[FloatArray, float]:
     """Regress the power of high differences on squared speed: variance of the noise, shape (M,), and jitter [s]."""
     half = len(HIGH_DIFFERENCE) // 2
     n = (len(position) - 2 * half) // _BLOCK * _BLOCK
     rows = slice(half, half + n)
-    whole = valid[rows].reshape(-1, _BLOCK).all(axis=1)
+    whole = record.valid[rows].reshape(-1, _BLOCK).all(axis=1)
     variance, slopes, spreads = np.zeros(position.shape[1]), [], []
     for motor, column in enumerate(position.T):
         high = np.convolve(column, HIGH_DIFFERENCE, mode="valid")[:n]
         power = np.mean(high.reshape(-1, _BLOCK) ** 2, axis=1)[whole]
         square = np.mean(speed[rows, motor].reshape(-1, _BLOCK) ** 2, axis=1)[whole]
         variance[motor], slope, spread = _line(square, power)
+        step = lattice_step(column[record.valid]) or 0.0
+        if step**2 / 12 > ROUNDED_SHARE * variance[motor]:
+            crossed = np.sqrt(square) * record.sample_time / step
+            crossing = crossed > CROSSED
+            if crossing.sum() < FEWEST_BLOCKS or crossed.max() < SPREAD * CROSSED:
+                continue
+            _, slope, spread = _line(square[crossing], power[crossing])
         slopes.append(slope)
         spreads.append(spread)
     shown = np.array(slopes) / np.maximum(np.array(spreads), 1e-300)
     # a clock jitters for all motors alike; the rest is fast motion of one
-    if not (np.all(shown > JITTER_OF_EACH) and np.linalg.norm(shown) > JITTER_SEEN):
+    if not (len(shown) and np.all(shown > JITTER_OF_EACH) and np.linalg.norm(shown) > JITTER_SEEN):
         return variance, 0.0
     weight = 1 / np.maximum(np.array(spreads), 1e-300) ** 2
     jitter = float(np.sqrt(max(float(weight @ np.array(slopes) / weight.sum()), 0.0)))

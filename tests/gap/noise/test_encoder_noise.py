@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -125,3 +127,16 @@ def test_a_small_swing_at_rest_is_no_colour_where_the_band_above_shows_the_state
     noise = measure_noise(Record("log", T, position, np.zeros_like(position), np.ones(N, bool)), robot, SETTINGS)
     assert noise.standard_deviation[0] == pytest.approx(SIGMA, rel=0.03)
     assert not noise.autoregression.size
+
+
+@pytest.mark.parametrize("step", [1e-4, 5e-4, 1e-3, 5e-3])
+def test_rounding_of_a_coarse_encoder_is_no_jitter(robot: Robot, step: float) -> None:
+    record = record_of(white(0.1 * SIGMA), still=True)
+    record = replace(record, position=step * np.round(record.position / step))
+    assert measure_noise(record, robot, SETTINGS).jitter == 0.0
+
+
+def test_jitter_is_found_beside_rounding_at_high_speed(robot: Robot) -> None:
+    record = record_of(white(0.1 * SIGMA), still=True, jitter=1e-4)
+    record = replace(record, position=3e-4 * np.round(record.position / 3e-4))
+    assert measure_noise(record, robot, SETTINGS).jitter == pytest.approx(1e-4, rel=0.1)
