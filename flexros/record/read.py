@@ -196,9 +196,7 @@ class _Reader:
                 return True
         return False
 
-    def measured(
-        self, values: FloatArray | None, grid: EvenGrid, rows: slice, instants: bool
-    ) -> FloatArray | None:
+    def measured(self, values: FloatArray | None, grid: EvenGrid, rows: slice, instants: bool) -> FloatArray | None:
         """Return a signal of joint_states by slot, missing values held; None where none is finite."""
         if values is None or not np.any(np.all(np.isfinite(values[grid.rows][:, self.columns]), axis=1)):
             return None

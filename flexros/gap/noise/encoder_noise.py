@@ -17,7 +17,7 @@ from flexros.record.quantization import encoder_quantization, lattice_step
 from flexros.record.smoothing import HIGH_DIFFERENCE, smooth_motion
 
 if TYPE_CHECKING:
-    from flexros.arrays import BoolArray, FloatArray
+    from flexros.arrays import FloatArray
     from flexros.gap.settings import DiagnosisSettings, NoiseSettings
     from flexros.record.record import Record
     from flexros.robot import Robot

@@ -13,7 +13,7 @@ from flexros.errors import InputError
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.noise.weights import measurement_of, spread_of
 from flexros.gap.prediction.predictor import LANES, Predictor
-from flexros.gap.residuals.lost_commands import spoilt_by_lost_commands
+from flexros.gap.residuals.lost_commands import check_enough_left, lost_commands
 from flexros.gap.residuals.tool_data import tool_data, tracker_noise
 from flexros.gap.residuals.tool_frame import FEWEST, usable_poses
 from flexros.prediction.observer import observer_gain
@@ -82,7 +82,8 @@ class FitData:
         gain: Gain of the predictor.
         initial_state: State of the robot before the first sample, shape (2 n_coordinates,).
         spread: Standard deviation of a prediction error without a gap [rad or m], shape (n, M); infinite where a sample
-            was not measured, or where an initial-state error or a lost command has not decayed.
+            was not measured, or where an initial-state error or a lost command has not decayed; larger where the
+            torque of a lost command still matters.
         measurement: Noise of the encoders.
         settings: Settings of the diagnosis.
         from_rest: Whether the log begins at rest, in which case every model begins in its own equilibrium.
@@ -251,8 +252,10 @@ def fit_data(
         first_part = nominal.predict(np.zeros((0, 1)), record.part(0, cut), fast, state)
         state, record = first_part.final[: len(state), 0], record.part(cut, record.n_samples)
     gain = gain_at(settings.level)
-    spread = spread_of(record, gain, measurement, from_rest=from_rest)
-    spread[spoilt_by_lost_commands(record, nominal, gain, state, settings.residuals)] = np.inf
+    lost = lost_commands(record, nominal, gain, state, pose, settings.residuals)
+    record, known = lost.record, spread_of(record, gain, measurement, from_rest=from_rest)
+    spread = lost.spread(known)
+    check_enough_left(record, known, spread, settings.residuals)
     data = FitData(_with_usable_tool(record), gain, state, spread, measurement, settings, from_rest, pose=pose)
     samples = None if data.record.tool is None else np.arange(record.n_samples)
     predicted = data.predict(nominal, np.zeros((0, 1)), pose_samples=samples)

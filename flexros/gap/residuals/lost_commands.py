@@ -1,13 +1,16 @@
-"""Lost commands: samples at which the torque that acted is not known, and the time until that has decayed."""
+"""Lost commands: samples at which the torque that acted is not known, and what that leaves of the prediction errors."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.linalg import expm
 
 from flexros.errors import InputError
+from flexros.record.missing_samples import MOST_BRIDGED, runs
+from flexros.robot.linear.linearise import linear_model
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
@@ -15,61 +18,161 @@ if TYPE_CHECKING:
     from flexros.gap.settings import ResidualSettings
     from flexros.prediction.observer import ObserverGain
     from flexros.record.record import Record
+    from flexros.robot import Robot
+
+MOST_DOUBTFUL = 1.0
+"""Error by a lost command over the spread of a prediction error above which the sample is not used (chosen)."""
+
+LEAST_DOUBTFUL = 0.05
+"""The same up to which the spread stays as it is (chosen)."""
 
 
-def spoilt_by_lost_commands(
-    record: Record, nominal: Predictor, gain: ObserverGain, state: FloatArray, settings: ResidualSettings
-) -> BoolArray:
-    """Find the samples that are not used because the torque before them is not known.
+@dataclass(frozen=True, eq=False)
+class LostCommands:
+    """What lost commands leave of a log.
+
+    Attributes:
+        record: The log, with torques interpolated where commands were lost.
+        deviation: Standard deviation of the prediction errors by the unknown torques [rad or m], shape (n, M).
+    """
+
+    record: Record
+    deviation: FloatArray
+
+    def spread(self, spread: FloatArray) -> FloatArray:
+        """Return the standard deviation of every prediction error, unknown torques included.
+
+        Args:
+            spread: The same without them [rad or m], shape (n, M).
+
+        Returns:
+            Standard deviations, infinite where the unknown torques dominate, shape (n, M).
+        """
+        share = self.deviation / spread
+        wider = np.where(share > LEAST_DOUBTFUL, np.hypot(spread, self.deviation), spread)
+        wider[np.any(share > MOST_DOUBTFUL, axis=1)] = np.inf
+        return np.asarray(wider)
+
+
+def lost_commands(
+    record: Record,
+    nominal: Predictor,
+    gain: ObserverGain,
+    state: FloatArray,
+    pose: FloatArray,
+    settings: ResidualSettings,
+) -> LostCommands:
+    """Find the commands that were lost, and what the unknown torques add to the prediction errors.
 
     A controller that is late holds its command; a recorder may lose a command. In long holes the torque is not known.
     Short holes count as held commands, unless the nominal model predicts the log better with torques interpolated over
-    them, in which case these commands were lost too. After each lost command the predictor needs time to settle.
+    them, in which case these commands were lost too. An interpolated torque errs as much as it does where commands are
+    known; the error that this leaves in the prediction decays as the error of a state does, and is added to its spread.
 
     Args:
         record: The log.
         nominal: Predictor of the nominal model.
         gain: Its gain.
         state: State of the robot before the first sample, shape (2 n_coordinates,).
+        pose: Arm coordinates at which the gain was computed [rad or m], shape (N,).
         settings: Settings of the residuals.
+    """
+    nothing = np.zeros_like(record.position)
+    late = np.zeros(record.n_samples, dtype=bool) if record.late is None else record.late
+    lost = late & ~record.valid
+    if np.any(late & ~lost) and _better_interpolated(record, late, nominal, gain, state, settings.lost_commands):
+        lost = late
+    if not lost.any():
+        return LostCommands(record, nothing)
+    delay = 0.0 if record.measured_torque else nominal.robot.delay / record.sample_time
+    variance = nothing**2
+    begins, lengths = runs(lost)
+    for length in np.unique(lengths).tolist():
+        added = _variance(nominal.robot, record, gain, pose, length, delay)
+        for begin in begins[lengths == length].tolist():
+            n = min(len(added), record.n_samples - begin)
+            variance[begin : begin + n] += added[:n]
+    return LostCommands(_interpolated(record, lost), np.sqrt(variance))
 
-    Returns:
-        True where a sample is not used, shape (n,).
+
+def check_enough_left(record: Record, without: FloatArray, spread: FloatArray, settings: ResidualSettings) -> None:
+    """Refuse a log of which lost commands leave too little.
+
+    Args:
+        record: The log.
+        without: Standard deviations of the prediction errors without lost commands, shape (n, M).
+        spread: The same with them.
+        settings: Settings of the residuals.
 
     Raises:
         InputError: Too little of the log is left.
     """
-    late = np.zeros(record.n_samples, dtype=bool) if record.late is None else record.late
-    if not late.any():
-        return late
-    lost = late & ~record.valid
-    if np.any(late & ~lost) and _better_interpolated(record, late, nominal, gain, state, settings.lost_commands):
-        lost = late
-    ends = np.minimum(np.flatnonzero(lost) + gain.settling, record.n_samples)
-    steps = np.zeros(record.n_samples + 1)
-    np.add.at(steps, np.flatnonzero(lost), 1.0)
-    np.add.at(steps, ends, -1.0)
-    spoilt: BoolArray = np.cumsum(steps[:-1]) > 0.5
-    left = 1 - float(spoilt.mean())
+    before, after = (np.all(np.isfinite(values), axis=1) for values in (without, spread))
+    left = float(after.sum() / max(before.sum(), 1))
     if left < settings.least_left:
         raise InputError(
-            f"{record.name}: {np.count_nonzero(lost)} commands were lost when it was recorded, so that the torques "
-            f"that acted are not known; the predictor needs {gain.settling * record.sample_time:.2g} s to settle after "
-            f"each, which leaves {100 * left:.0f} % of the log, but {100 * settings.least_left:.0f} % are needed: "
-            "record joint_commands without losses, e.g. on the machine of the controller"
+            f"{record.name}: commands were lost when it was recorded, so that the torques that acted are not known; "
+            f"where that changes the prediction by no more than noise, {100 * left:.0f} % of the log are left, but "
+            f"{100 * settings.least_left:.0f} % are needed: record joint_commands without losses, e.g. on the machine "
+            "of the controller"
         )
-    return spoilt
+
+
+def _variance(
+    robot: Robot, record: Record, gain: ObserverGain, pose: FloatArray, length: int, delay: float
+) -> FloatArray:
+    """Compute the variance of the prediction errors from the first of `length` lost commands on, shape (k, M).
+
+    In a short hole the error of the torque has one sign. In a long one it may oscillate with any mode, so that the sum
+    of the magnitudes of the impulse response, times the largest error, is the bound.
+    """
+    A, B, _, _ = linear_model(robot, pose).matrices()
+    short = length <= MOST_BRIDGED
+    states = _held(A, B[:, : robot.n_motors], record.sample_time) * _interpolation_error(record.torque, length, short)
+    impulse = []
+    for _ in range(min(gain.settling, record.n_samples)):
+        impulse.append(gain.readout @ states)
+        states = gain.transition @ states
+    response = np.stack(impulse) if short else np.abs(impulse)
+    total = np.cumsum(np.concatenate([response, np.zeros((length, *response.shape[1:]))]), axis=0)
+    total[length:] -= total[:-length].copy()
+    errors = np.sum(total**2, axis=2)
+    early, late = (np.vstack([np.zeros((1 + int(d), errors.shape[1])), errors]) for d in (delay, np.ceil(delay)))
+    return np.maximum(np.vstack([early, np.zeros((len(late) - len(early), early.shape[1]))]), late)
+
+
+def _held(A: FloatArray, B: FloatArray, sample_time: float) -> FloatArray:
+    """Return the change of the states by torques that are held over a sample, shape (2 n, M)."""
+    n, m = B.shape
+    whole = expm(np.block([[A, B], [np.zeros((m, n + m))]]) * sample_time)
+    return np.asarray(whole[:n, n:])
+
+
+def _interpolation_error(torque: FloatArray, length: int, short: bool) -> FloatArray:
+    """Return the rms error, in long holes the largest, of torques interpolated where they are known, shape (M,)."""
+    middle = (length + 1) // 2
+    if len(torque) < 2 * length + 4:
+        return np.asarray(np.ptp(torque, axis=0))
+    first, last = torque[: -length - 1], torque[length + 1 :]
+    known, share = torque[middle : middle + len(first)], middle / (length + 1)
+    error = np.abs(known - (1 - share) * first - share * last)
+    return np.asarray(np.sqrt(np.mean(error**2, axis=0)) if short else error.max(axis=0))
+
+
+def _interpolated(record: Record, lost: BoolArray) -> Record:
+    """Interpolate the torques over lost commands."""
+    samples, own = np.arange(record.n_samples), ~lost
+    torque = np.stack([np.interp(samples, samples[own], column[own]) for column in record.torque.T], axis=1)
+    return replace(record, torque=torque)
 
 
 def _better_interpolated(
     record: Record, late: BoolArray, nominal: Predictor, gain: ObserverGain, state: FloatArray, decrease: float
 ) -> bool:
     """Test whether torques interpolated over short holes predict the log better than held ones."""
-    samples, own = np.arange(record.n_samples), ~late
-    interpolated = np.stack([np.interp(samples, samples[own], column[own]) for column in record.torque.T], axis=1)
     sums = []
-    for torque in (record.torque, interpolated):
-        predicted = nominal.predict(np.zeros((0, 1)), replace(record, torque=torque), gain, state)
-        errors = predicted.innovation[gain.settling :, :, 0] / gain.spread
+    for tried in (record, _interpolated(record, late)):
+        predicted = nominal.predict(np.zeros((0, 1)), tried, gain, state)
+        errors = predicted.innovation[min(gain.settling, record.n_samples // 4) :, :, 0] / gain.spread
         sums.append(float(np.sum(errors**2)))
     return sums[1] < sums[0] - decrease
