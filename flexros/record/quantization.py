@@ -74,6 +74,21 @@ def lattice_step(values: FloatArray) -> float | None:
     return None
 
 
+def encoder_step(record: Record, motor: int) -> float:
+    """Return the resolution of an encoder as measured, also where its positions were interpolated since.
+
+    Args:
+        record: The record.
+        motor: Number of the motor (0-based).
+
+    Returns:
+        The step [rad or m]; 0 without quantisation.
+    """
+    if record.encoder_steps:
+        return record.encoder_steps[motor]
+    return lattice_step(record.position[record.valid, motor]) or 0.0
+
+
 def _refined(step: float, change: FloatArray) -> float:
     """Fit the step to increasingly long differences."""
     for most in _MULTIPLES:

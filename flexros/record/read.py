@@ -16,6 +16,7 @@ from flexros.errors import InputError
 from flexros.logs.stamps import START_NS
 from flexros.record.even_grid import even_grid
 from flexros.record.joint_columns import motor_columns
+from flexros.record.quantization import lattice_step
 from flexros.record.record import Record, ToolRecord
 from flexros.record.stamp_jitter import positions_on_grid
 from flexros.record.torque_hold import held_torque, sampled_torque
@@ -85,6 +86,7 @@ def read_record(log: Log, robot: Robot, *, name: str, torque: TorqueSource = "co
         measured_torque=measured,
         simulated=bool(log.provenance.get("scenario")),
         imported=bool(log.provenance.get("import")),
+        encoder_steps=_steps(states.position[:, reader.columns]) if instants else (),
         first=begin + rows.start,
         warnings=tuple(dict.fromkeys(warnings)),
     )
@@ -227,6 +229,11 @@ class _Reader:
         if np.array_equal(series.stamp[finite], self.log.joint_states.stamp) and np.abs(grid.deviation).max() < 1e-9:
             return np.asarray(values[finite][grid.rows][grid.held()[0]][rows])
         return np.column_stack([np.interp(at, time, column) for column in values[finite].T])
+
+
+def _steps(position: FloatArray) -> tuple[float, ...]:
+    """Return the resolution of each encoder as measured; 0 without one."""
+    return tuple(lattice_step(column) or 0.0 for column in position.T)
 
 
 def _finite(values: FloatArray) -> tuple[FloatArray, BoolArray]:

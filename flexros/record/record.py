@@ -43,6 +43,8 @@ class Record:
         simulated: Whether the provenance names a scenario of this program.
         imported: Whether the log was imported from files of a real machine, whose model is never exact.
         parts: Periodic parts of the motion, as far as they are known.
+        encoder_steps: Resolution of each encoder before its positions were interpolated [rad or m], 0 without one,
+            length M; empty where they are as measured.
         first: Number of the first sample, counted from the beginning of simulated time.
         begin: Time of the first sample since the beginning of the log [s]; zero except for a part.
         warnings: What was repaired or is doubtful, one sentence each.
@@ -62,6 +64,7 @@ class Record:
     simulated: bool = False
     imported: bool = False
     parts: tuple[PeriodicPart, ...] = ()
+    encoder_steps: tuple[float, ...] = ()
     first: int = 0
     begin: float = 0.0
     warnings: tuple[str, ...] = ()

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.record.local_cubic import local_cubic
+
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.record.record import Record
@@ -32,7 +34,7 @@ def may_be_resampled(record: Record, sample_time: float) -> bool:
 def resampled(record: Record, sample_time: float) -> Record:
     """Resample a record.
 
-    Positions are interpolated by a cubic spline, torques averaged over each new sample, and other signals interpolated
+    Positions are interpolated by cubics, torques averaged over each new sample, and other signals interpolated
     linearly. A new sample is valid where the old ones beside it are.
 
     Args:
@@ -46,10 +48,9 @@ def resampled(record: Record, sample_time: float) -> Record:
     old = record.sample_time
     if abs(sample_time / old - 1) <= SAME_RATE:
         return record
-    from scipy.interpolate import CubicSpline  # here, because it loads slowly
-
     n = int(np.floor(record.duration / sample_time + 1e-9)) + 1
-    before, at = old * np.arange(record.n_samples), sample_time * np.arange(n)
+    before: FloatArray = np.arange(record.n_samples, dtype=np.float64) * old
+    at: FloatArray = np.arange(n, dtype=np.float64) * sample_time
     left = np.clip(np.floor(at / old + 1e-9).astype(np.int64), 0, record.n_samples - 1)
     right = np.minimum(left + (at > before[left] + 1e-9 * old), record.n_samples - 1)
 
@@ -62,10 +63,10 @@ def resampled(record: Record, sample_time: float) -> Record:
     edges, ends = np.append(at, at[-1] + sample_time), np.append(before, before[-1] + old)
     sums = np.column_stack([np.interp(edges, ends, column) for column in integral.T])
     spans = np.diff(np.minimum(edges, ends[-1]))
-    position = CubicSpline(before[record.valid], record.position[record.valid])(at)
+    position = local_cubic(before[record.valid], record.position[record.valid], at)
     text = (
-        f"{record.name} has {1 / old:.6g} samples per second; it was resampled to {1 / sample_time:.6g}, the rate of the "
-        "fitted log"
+        f"{record.name} has {1 / old:.6g} samples per second; it was resampled to {1 / sample_time:.6g}, the rate of "
+        "the fitted log"
     )
     return replace(
         record,

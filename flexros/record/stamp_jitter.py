@@ -8,6 +8,7 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.record.even_grid import NOTED_JITTER
+from flexros.record.local_cubic import local_cubic
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
@@ -52,11 +53,9 @@ def positions_on_grid(
         warnings.append(f"{amount}, which the positions do not follow; the samples are treated as even")
         return position, valid, False
     warnings.append(f"{amount} and are the true instants; the positions were interpolated to even ones")
-    from scipy.interpolate import CubicSpline  # here, because it loads slowly
-
     time, valid = grid.times[finite], grid.near(finite)
     position = position.copy()
-    position[valid] = CubicSpline(time, taken[finite])(np.clip(grid.instants[valid], time[0], time[-1]))
+    position[valid] = local_cubic(time, taken[finite], np.clip(grid.instants[valid], time[0], time[-1]))
     return position, valid, True
 
 

@@ -86,3 +86,28 @@ def test_mixed_units_are_refused() -> None:
 def test_few_messages_are_refused() -> None:
     with pytest.raises(InputError, match="^log: joint_states has 10 messages, at least 32 are needed"):
         even_grid(stamps(1e-3, n=10), 1e-3, "log: joint_states")
+
+
+def test_stamps_of_a_faster_clock_lose_no_sample() -> None:
+    """A recorder of 94 Hz that samples a clock of 500 Hz: intervals of 10 and 12 ms."""
+    time = 2e-3 * np.rint(np.arange(N) * 10.66e-3 / 2e-3)
+    grid = even_grid(np.rint(time * 1e9).astype(np.int64), 2e-3, "x")
+    assert grid.irregular
+    assert grid.sample_time == pytest.approx(10.66e-3, rel=1e-4)
+    np.testing.assert_array_equal(grid.numbers, np.arange(N))
+    assert grid.near(np.ones(N, dtype=bool)).all()
+
+
+def test_holes_between_irregular_stamps_are_seen() -> None:
+    time = 2e-3 * np.rint(np.arange(N) * 10.66e-3 / 2e-3)
+    keep = np.ones(N, dtype=bool)
+    keep[1000:1007] = False
+    grid = even_grid(np.rint(time[keep] * 1e9).astype(np.int64), 2e-3, "x")
+    assert grid.numbers[-1] == N - 1
+    near = grid.near(np.ones(keep.sum(), dtype=bool))
+    assert 5 <= np.count_nonzero(~near) <= 7
+
+
+@pytest.mark.parametrize("rate", [20.0, 50.0])
+def test_servo_rates_are_read(rate: float) -> None:
+    assert even_grid(stamps(1 / rate), 5e-4, "x").sample_time == pytest.approx(1 / rate)

@@ -61,3 +61,10 @@ def test_step_far_below_the_noise_is_no_effect() -> None:
     robot = load_robot("four_mass_linear")
     assert encoder_quantization(record(np.round(motion(1), 6)), robot) == ()
     assert encoder_quantization(record(motion(1)), robot) == ()
+
+
+def test_step_is_found_in_a_file_of_rounded_decimals() -> None:
+    time = np.arange(5000) * 2e-3
+    true = 3.0679615758e-5 * np.round(0.4 * np.sin(2 * np.pi * 0.7 * time) / 3.0679615758e-5)
+    written = np.array([float(f"{value:.9g}") for value in np.rad2deg(true)])
+    assert lattice_step(np.deg2rad(written)) == pytest.approx(3.068e-5, rel=1e-3)

@@ -275,3 +275,19 @@ def test_log_with_more_motors_than_the_robot_is_refused(emps: Robot) -> None:
         InputError, match=r"^log: joint_states has the motors motor_1, motor_2, but robot emps has 1 \(motor_1\)"
     ):
         read(log, emps)
+
+
+def test_irregular_samples_are_resampled_by_their_true_times(emps: Robot) -> None:
+    stamp = np.rint(2e6 * np.rint(np.arange(N) * 10.66e-3 / 2e-3)).astype(np.int64) + 10**9
+    time = (stamp - 10**9) * 1e-9
+    position = 0.05 * np.sin(2 * np.pi * 1.3 * time)[:, None]
+    states = JointSeries(stamp, ONE, position=position, velocity=position.copy(), effort=3 * position)
+    record = read(Log(states, provenance={"import": {}}), emps)
+    at = np.arange(record.n_samples) * record.sample_time
+    wanted = 0.05 * np.sin(2 * np.pi * 1.3 * (at + np.median(time - 10.66e-3 * np.arange(N))))
+    assert record.valid.mean() > 0.999
+    assert np.abs(record.position[:, 0] - wanted)[2:-2].max() < 2e-4
+    assert np.abs(record.velocity[:, 0] - wanted)[2:-2].max() < 4e-4
+    mean = 3 * (wanted[:-1] + wanted[1:]) / 2
+    assert np.abs(record.torque[:-1, 0] - mean)[2:-2].max() < 1.5e-3
+    assert any("are irregular (10 to 12 ms apart" in text for text in record.warnings)

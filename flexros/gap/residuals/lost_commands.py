@@ -138,7 +138,7 @@ def _variance(
     total[length:] -= total[:-length].copy()
     errors = np.sum(total**2, axis=2)
     early, late = (np.vstack([np.zeros((1 + int(d), errors.shape[1])), errors]) for d in (delay, np.ceil(delay)))
-    return np.maximum(np.vstack([early, np.zeros((len(late) - len(early), early.shape[1]))]), late)
+    return np.asarray(np.maximum(np.vstack([early, np.zeros((len(late) - len(early), early.shape[1]))]), late))
 
 
 def _held(A: FloatArray, B: FloatArray, sample_time: float) -> FloatArray:

@@ -30,6 +30,13 @@ COHERENT = 0.8
 LEAST_PHASE = 0.01
 """Standard deviation added to that of every phase, because the model is not exact [rad] (chosen)."""
 
+FEWEST_PHASES, WIDEST = 3, 2.0
+"""Fewest bands with a usable phase, and ratio of the highest to the lowest of their frequencies, from which a delay is
+told from the error of a damper (chosen): in slow motion friction shifts the phase of one or two bands by more."""
+
+MODEL_SHARE = 0.1
+"""Share of the torque without inverse-dynamics torque that counts as an error of the phase of a band (chosen)."""
+
 STEP = 0.02
 """Relative step of the multiples that are tried (chosen)."""
 
@@ -143,7 +150,8 @@ class TorqueBalance:
             tau = float(np.sum(w * product.imag)) / size
             middle = float(np.sqrt(size / product.real.sum()))
             noise = np.sqrt(max(1 - share**2, 0.0) / rows.sum()) / share
-            slopes.append((middle, tau, float(np.hypot(noise, LEAST_PHASE)) / middle))
+            least = np.hypot(LEAST_PHASE, MODEL_SHARE * np.sqrt(max(1 - share**2, 0.0)))
+            slopes.append((middle, tau, float(np.hypot(noise, least)) / middle))
         return slopes
 
 
@@ -165,6 +173,8 @@ class Delay:
 def _common_delay(slopes: FloatArray) -> tuple[float, float]:
     """Fit a delay and c / w^2 robustly to delays of bands, shape (n, 3); return the delay and its deviation [s]."""
     w, tau, deviation = slopes.T
+    if len(w) < FEWEST_PHASES or w.max() < WIDEST * w.min():
+        return float(np.median(tau)), float("inf")  # a delay and the error of a damper look the same
     weight = np.ones(len(w))
     regressors = np.stack([np.ones(len(w)), (w.min() / w) ** 2], axis=1) / deviation[:, None]
     solution, spread = np.zeros(2), 1.0

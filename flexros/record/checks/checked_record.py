@@ -12,6 +12,7 @@ from flexros.record.balance.joint_assignments import DOUBTFUL, best_assignment, 
 from flexros.record.balance.spectra import torque_balance
 from flexros.record.balance.torque_balance import Delay
 from flexros.record.missing_samples import bridged
+from flexros.record.quantization import encoder_step
 from flexros.record.smoothing import noise_power, smooth_motion
 
 if TYPE_CHECKING:
@@ -56,8 +57,9 @@ class CheckedRecord:
 
     @cached_property
     def moves(self) -> BoolArray:
-        """Motors that move beyond the noise of their encoder, shape (M,)."""
-        noise = np.sqrt(np.maximum(noise_power(self.position), 1e-24))
+        """Motors that move beyond noise and rounding of their encoder, shape (M,)."""
+        rounding = np.array([encoder_step(self.record, motor) for motor in range(self.robot.n_motors)]) / np.sqrt(12)
+        noise = np.maximum(np.sqrt(noise_power(self.position)), np.maximum(rounding, 1e-12))
         return np.asarray(np.std(self.motion[0], axis=0) > STANDS_OUT * noise)
 
     @cached_property
@@ -68,7 +70,8 @@ class CheckedRecord:
     @cached_property
     def own(self) -> tuple[BalanceFit | None, ...]:
         """Comparison of the torques of every motor, length M; None where its motion is not clear of noise."""
-        return own_fits(self.balance, self.robot.n_motors)
+        fits = own_fits(self.balance, self.robot.n_motors)
+        return tuple(fit if moves else None for fit, moves in zip(fits, self.moves.tolist(), strict=True))
 
     @cached_property
     def delay(self) -> Delay:

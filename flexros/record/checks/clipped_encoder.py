@@ -9,6 +9,7 @@ import numpy as np
 from flexros.record.checks.base import AbstractCheck, Finding
 from flexros.record.checks.repeated_values import change_beside, slow_change
 from flexros.record.missing_samples import runs
+from flexros.record.quantization import encoder_step
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
@@ -44,9 +45,9 @@ class ClippedEncoder(AbstractCheck):
         problems = []
         for motor, name in enumerate(robot.joint_names):
             values = record.position[record.valid, motor]
-            span = float(np.ptp(values))
+            span, step = float(np.ptp(values)), encoder_step(record, motor)
             steps = np.abs(np.diff(values))
-            if span > 0 and _wraps(steps, span):
+            if span > 0 and _wraps(steps, span, step):
                 at = float(np.flatnonzero(record.valid)[int(np.argmax(steps))]) * record.sample_time
                 text = (
                     f"the position of {name} jumps by {steps.max():.4g} at {at:.4g} s, as an encoder that wraps around "
@@ -56,7 +57,7 @@ class ClippedEncoder(AbstractCheck):
                 continue
             if len(np.unique(values)) < CONTINUOUS * len(values) or not checked.moves[motor]:
                 continue
-            spoilt = _flat_tops(values, record.valid)
+            spoilt = _flat_tops(values, step, record.valid)
             flat = int(spoilt.sum())
             if flat:
                 text = (
@@ -67,19 +68,19 @@ class ClippedEncoder(AbstractCheck):
         return tuple(problems)
 
 
-def _wraps(steps: FloatArray, span: float) -> bool:
+def _wraps(steps: FloatArray, span: float, step: float) -> bool:
     """Whether the largest step is one of the whole range among small ones."""
     largest, usual = float(steps.max(initial=0.0)), float(np.median(steps[steps > 0]))
-    return largest > JUMP * span and largest > FAR * usual and float(np.median(steps)) < 1e-3 * span
+    return largest > JUMP * span and largest > FAR * max(usual, step) and float(np.median(steps)) < 1e-3 * span
 
 
-def _flat_tops(values: FloatArray, valid: BoolArray) -> BoolArray:
+def _flat_tops(values: FloatArray, step: float, valid: BoolArray) -> BoolArray:
     """Mark the samples in which the position is cut off at its largest or smallest value.
 
     At a turning point and at rest an encoder without noise repeats its value too, but comes there slowly.
     """
     rows, spoilt = np.flatnonzero(valid), np.zeros(len(valid), dtype=bool)
-    slow = slow_change(values)
+    slow = slow_change(values, step)
     for level in (values.max(), values.min()):
         for begin, length in zip(*runs(values == level), strict=True):
             if length >= PLATEAU and change_beside(values, int(begin), int(length)) > slow:

@@ -26,8 +26,7 @@ class Motion(AbstractCheck):
 
     def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
         """Compare the motion of every motor with its noise."""
-        record, robot = checked.record, checked.robot
-        speed, moves = checked.motion[1], checked.moves
+        robot, speed, moves = checked.robot, checked.motion[1], checked.moves
         if not np.any(moves):
             return (
                 Finding(

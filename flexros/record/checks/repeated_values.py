@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.record.quantization import lattice_step
 from flexros.record.smoothing import noise_power
 
 if TYPE_CHECKING:
@@ -30,17 +29,17 @@ NOISELESS = 1e-6
 """Noise over that largest change below which there is none (chosen)."""
 
 
-def slow_change(values: FloatArray) -> float:
+def slow_change(values: FloatArray, step: float) -> float:
     """Return the change within `BESIDE` samples up to which a signal comes to rest.
 
     Args:
         values: Positions [rad or m], shape (n,).
+        step: Resolution of the encoder [rad or m]; 0 without one.
     """
     largest = float(np.abs(values[BESIDE:] - values[:-BESIDE]).max(initial=0.0))
     turned = np.abs(values[2 * BESIDE :] - 2 * values[BESIDE:-BESIDE] + values[: -2 * BESIDE])
     noiseless = float(noise_power(values[:, None])[0]) < (NOISELESS * largest) ** 2
-    step = lattice_step(values)
-    if step is not None:
+    if step > 0:
         return max(STEPS * step, float(np.quantile(turned, USUAL)) / 2)
     return SLOW * largest if noiseless else 0.0
 

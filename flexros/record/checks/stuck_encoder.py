@@ -9,10 +9,12 @@ import numpy as np
 from flexros.record.checks.base import AbstractCheck, Finding
 from flexros.record.checks.repeated_values import change_beside, slow_change
 from flexros.record.missing_samples import runs
+from flexros.record.quantization import encoder_step
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
     from flexros.record.checks.checked_record import CheckedRecord
+    from flexros.record.record import Record
 
 USUAL_REPEATS = 0.02
 """Share of samples equal to the one before up to which an encoder has noise in every sample (chosen)."""
@@ -22,6 +24,10 @@ LONGEST = 8
 
 DRIVEN = 0.3
 """Standard deviation over rms of the torque above which a motor with a constant position is driven (chosen)."""
+
+STILL = 0.01
+"""Range of a reference, or largest measured speed, over that of the motor that moves most, below which a motor stands
+still (chosen)."""
 
 MOST = 0.3
 """Share of stuck samples above which a log is rejected (chosen)."""
@@ -41,9 +47,9 @@ class StuckEncoder(AbstractCheck):
         for motor, name in enumerate(robot.joint_names):
             values, torque = record.position[rows, motor], record.torque[rows, motor]
             if np.ptp(values) == 0.0:
-                problems += _constant(name, torque)
+                problems += _constant(name, torque, _stands_still(record, motor))
                 continue
-            stuck = _stuck(values)
+            stuck = _stuck(values, encoder_step(record, motor))
             if not checked.moves[motor] or not np.any(stuck):
                 continue
             spoilt = np.zeros(record.n_samples, dtype=bool)
@@ -57,12 +63,12 @@ class StuckEncoder(AbstractCheck):
         return tuple(problems)
 
 
-def _stuck(values: FloatArray) -> BoolArray:
+def _stuck(values: FloatArray, step: float) -> BoolArray:
     """Mark the samples that repeat the one before in long stretches.
 
     An encoder that often repeats its value elsewhere, or that comes to rest slowly, is not stuck.
     """
-    slow = slow_change(values)
+    slow = slow_change(values, step)
     same = np.concatenate([[False], np.diff(values) == 0.0])
     stuck = np.zeros(len(values), dtype=bool)
     ends = values == values.max(), values == values.min()  # flat tops belong to another check
@@ -76,10 +82,19 @@ def _stuck(values: FloatArray) -> BoolArray:
     return stuck
 
 
-def _constant(name: str, torque: FloatArray) -> list[Finding]:
+def _stands_still(record: Record, motor: int) -> bool:
+    """Whether reference or measured speed say that a motor stands still while others move."""
+    for values, size in ((record.reference, np.ptp), (record.velocity, lambda v, axis: np.abs(v).max(axis=axis))):
+        if values is not None:
+            sizes = size(values, axis=0)
+            return bool(sizes[motor] < STILL * sizes.max())
+    return False
+
+
+def _constant(name: str, torque: FloatArray, still: bool) -> list[Finding]:
     """Judge a position that never changes: stuck where the torque varies as much as it is large."""
     driven = float(np.std(torque)) > DRIVEN * float(np.sqrt(np.mean(torque**2))) > 0
-    if not driven:
+    if still or not driven:
         return [Finding(f"the position of {name} never changes; nothing about it is identifiable", hopeless=False)]
     text = (
         f"the position of {name} never changes although its torque does: its encoder is stuck, or its brake is closed; "

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 
 def test_few_clipped_samples_do_not_count(found, healthy) -> None:
@@ -31,3 +32,24 @@ def test_encoder_that_wraps_around_is_refused(found, healthy) -> None:
     assert finding.hopeless
     assert "the position of motor_1 jumps by" in finding.text
     assert "unwrap it" in finding.text
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.3])
+def test_encoder_of_a_joint_at_rest_does_not_wrap_around(found, healthy, noise: float) -> None:
+    """A coarse encoder of a joint that stands still changes by one step, all its range."""
+    record = healthy("elbow")
+    position = record.position.copy()
+    position[:, 1] = position[0, 1] + 1e-4 * (np.arange(record.n_samples) > record.n_samples // 2)
+    position[:, 1] += 1e-4 * np.rint(noise * np.random.default_rng(1).normal(size=record.n_samples))
+    assert not any("jumps" in finding.text for finding in found("elbow", position=position))
+
+
+def test_turning_point_of_a_coarse_encoder_is_not_clipped(found, healthy) -> None:
+    record = healthy("emps")
+    time = np.arange(record.n_samples) * record.sample_time
+    position = 0.04 * np.cos(2 * np.pi * 0.31 * time) + 0.01 * np.cos(2 * np.pi * 0.083 * time)
+    position = 1e-6 * np.round(position[:, None] / 1e-6)
+    assert len(np.unique(position)) > 0.5 * len(position)
+    assert not any("stays at the end" in finding.text for finding in found("emps", position=position))
+    clipped = np.minimum(position, 0.045)
+    assert any("stays at the end" in finding.text for finding in found("emps", position=clipped))

@@ -54,3 +54,12 @@ def test_coarse_encoder_may_rest(found, healthy) -> None:
     record = healthy("emps")
     texts = [finding.text for finding in found("emps", position=2e-5 * np.round(record.position / 2e-5))]
     assert not any("repeats its value" in text for text in texts)
+
+
+def test_joint_that_stands_still_on_purpose_is_told_only(found, healthy) -> None:
+    record = healthy("e12")
+    position, reference = record.position.copy(), record.reference.copy()
+    position[:, 0], reference[:, 0] = 0.2, 0.2
+    findings = found("e12", position=position, reference=reference)
+    assert any("never changes" in finding.text and not finding.hopeless for finding in findings)
+    assert not any("never changes" in finding.text and finding.hopeless for finding in findings)

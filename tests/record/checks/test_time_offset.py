@@ -80,3 +80,16 @@ def test_torques_that_agree_with_the_motion_at_no_time_are_not_late(share: float
     found = TorqueBalance(frequency, band, given, needed, still, np.ones((400, 1), dtype=bool)).delay()
     assert (abs(found.time) > 5 * found.deviation) == late
     assert found.time == pytest.approx(0.02, abs=1e-3) or not late
+
+
+def test_wrong_damping_in_one_band_of_slow_motion_is_no_offset() -> None:
+    """The phase of one band tells a delay of 5 ms from wrong damping as little as 2.5 s of motion at 1 Hz do."""
+    from flexros.record.balance.torque_balance import TorqueBalance
+
+    frequency = np.linspace(0.9, 1.1, 40)
+    needed = np.random.default_rng(1).normal(size=(40, 1)) + 0j
+    given = needed * np.exp(-2j * np.pi * 0.005 * frequency)[:, None]
+    band, still = np.zeros(40, dtype=int), np.zeros((40, 1, 2), dtype=complex)
+    assert not np.isfinite(
+        TorqueBalance(frequency, band, given, needed, still, np.ones((40, 1), dtype=bool)).delay().deviation
+    )

@@ -1,0 +1,49 @@
+"""Records at another sample time."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexros.record.record import Record
+from flexros.record.resampled import may_be_resampled, resampled
+
+N = 2000
+OLD = 1 / 100.235
+
+
+def record_of(sample_time: float = OLD) -> Record:
+    time = np.arange(N) * sample_time
+    valid = np.ones(N, dtype=bool)
+    valid[500] = False
+    return Record(
+        name="log",
+        sample_time=sample_time,
+        position=np.sin(2 * np.pi * time)[:, None],
+        torque=np.cos(2 * np.pi * time)[:, None],
+        valid=valid,
+        velocity=time[:, None],
+    )
+
+
+def test_positions_torques_and_speeds_are_those_of_the_new_instants() -> None:
+    record = resampled(record_of(), 0.01)
+    at = np.arange(record.n_samples) * 0.01
+    assert record.sample_time == 0.01
+    assert record.duration == pytest.approx(record_of().duration, abs=0.01)
+    np.testing.assert_allclose(record.position[:, 0], np.sin(2 * np.pi * at), atol=1e-5)
+    np.testing.assert_allclose(record.velocity[:, 0], at, atol=1e-9)
+    assert np.abs(record.torque[:, 0] - np.cos(2 * np.pi * at)).max() < 0.07
+    assert np.sum(record.torque) * 0.01 == pytest.approx(np.sum(record_of().torque) * OLD, abs=0.02)
+    assert 1 <= np.count_nonzero(~record.valid) <= 3
+    assert "resampled" in record.warnings[-1]
+
+
+def test_the_same_rate_changes_nothing() -> None:
+    record = record_of(0.01)
+    assert resampled(record, 0.010005) is record
+
+
+@pytest.mark.parametrize(("sample_time", "allowed"), [(0.01, True), (0.02, True), (0.005, False)])
+def test_a_rate_is_not_raised_much(sample_time: float, allowed: bool) -> None:
+    assert may_be_resampled(record_of(), sample_time) == allowed
