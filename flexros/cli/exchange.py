@@ -57,7 +57,8 @@ def import_mjcf(
         table.add_row(joint.coordinate, joint.joint, f"{joint.sign:+d}", f"{joint.reference:.6g}")
     console.print(table)
     _print_not_held(imported.not_held, "Neither robot file nor patch holds:")
-    say(f"{out} written, with rigid gears; to make one flexible replace its 'rigid' by the stiffness")
+    rigid = "; to make a gear elastic replace its 'rigid' by the stiffness" if "spring: rigid" in imported.text else ""
+    say(f"{out} written{rigid}")
     if made:
         say(f"{second} written: {', '.join(made.names)}")
 

@@ -2,28 +2,23 @@
 
 from __future__ import annotations
 
-import io
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from ruamel.yaml import YAML
-from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
-from flexros.robot.exchange.mjcf_actuators import JointActuator, joint_actuator
-from flexros.robot.exchange.mjcf_arm import ArmJoint, MjcfArm, find_arm
+from flexros.robot.exchange.mjcf_arm import find_arm
+from flexros.robot.exchange.mjcf_axes import axes_of
+from flexros.robot.exchange.mjcf_robot_text import robot_text
 from flexros.robot.exchange.mujoco_model import compile_file
 from flexros.robot.exchange.numbers import NotHeld
 from flexros.robot.quantity import unit_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
     from pathlib import Path
 
-    from flexros.arrays import FloatArray
-
-SMALL = 1e-13
-"""Values below are round-off of the frames, and zero [m, kg m2] (chosen)."""
+    from flexros.robot.exchange.mjcf_actuators import JointActuator
+    from flexros.robot.exchange.mjcf_arm import ArmJoint, MjcfArm
 
 
 @dataclass(frozen=True)
@@ -50,7 +45,8 @@ class ImportedJoint:
     """How a coordinate of the robot follows from a joint of the MJCF: sign (position - reference).
 
     Attributes:
-        coordinate: Motor, or arm coordinate of a joint without an actuator.
+        coordinate: Motor, or arm coordinate of a joint without an actuator; behind a motor the joint is the deflection
+            of its gear, arm minus motor.
         joint: Name of the joint in the MJCF.
         sign: Sign of the coordinate relative to the joint.
         reference: Joint position at the zero of the coordinate [rad or m].
@@ -83,8 +79,8 @@ def robot_from_mjcf(file: Path, end: str = "") -> ImportedRobot:
     """Return a robot file, and effects for what it cannot state, from one serial arm of an MJCF.
 
     MuJoCo compiles the file, so defaults, angles and inertias of geoms are resolved. Joints with an actuator become
-    motors with rigid gears; those without become elastic directions with stiffness and damping. Where no joint has an
-    actuator, all are motors.
+    motors, with an elastic gear where a joint with a spring on the same axis follows; those without become elastic
+    directions with stiffness and damping. Where no joint has an actuator, all are motors.
 
     Args:
         file: The MJCF.
@@ -95,33 +91,29 @@ def robot_from_mjcf(file: Path, end: str = "") -> ImportedRobot:
     """
     model = compile_file(file)
     arm = find_arm(model, str(file), end)
-    actuators = [joint_actuator(model, joint.index) for joint in arm.joints]
-    passive = any(actuators)
-    names: list[str] = []
-    for k, (joint, actuator) in enumerate(zip(arm.joints, actuators)):
-        is_motor = actuator is not None or not passive
-        motors = sum(name.startswith("motor_") for name in names)
-        names.append(f"motor_{motors + 1}" if is_motor else f"body_{k + 1}.{_direction(joint)}")
+    axes = axes_of(model, arm)
     effects: list[ImportedEffect] = []
+    joints: list[ImportedJoint] = []
     not_held = _not_held_of_model(model, arm)
-    for name, joint, actuator in zip(names, arm.joints, actuators):
-        effects += _effects(model, name, joint, actuator)
-        not_held += _not_held(model, name, joint, actuator)
-    delays = {actuator.delay for actuator in actuators if actuator}
+    for axis in axes:
+        effects += _effects(model, axis.coordinate, axis.joint, axis.actuator)
+        not_held += _not_held(model, axis.coordinate, axis.joint, axis.actuator)
+        joints.append(_imported(model, axis.coordinate, axis.joint))
+        if axis.deflection is not None:
+            not_held += _not_held(model, axis.arm_coordinate, axis.deflection, None)
+            joints.append(_imported(model, axis.arm_coordinate, axis.deflection))
+    delays = {axis.actuator.delay for axis in axes if axis.actuator}
     common = len(delays) == 1  # then it is the delay of the robot file
     return ImportedRobot(
-        text=_text(model, file, arm, actuators, names, max(delays) if common else 0.0),
+        text=robot_text(model, file.stem, file.name, arm, axes, max(delays) if common else 0.0),
         effects=tuple(effect for effect in effects if effect.effect != "delay" or not common),
-        joints=tuple(
-            ImportedJoint(name, joint.name, joint.sign, float(model.qpos0[model.jnt_qposadr[joint.index]]))
-            for name, joint in zip(names, arm.joints)
-        ),
+        joints=tuple(joints),
         not_held=tuple(not_held),
     )
 
 
-def _direction(joint: ArmJoint) -> str:
-    return ("r" if joint.rotary else "t") + "xyz"[joint.axis]
+def _imported(model: Any, coordinate: str, joint: ArmJoint) -> ImportedJoint:
+    return ImportedJoint(coordinate, joint.name, joint.sign, float(model.qpos0[model.jnt_qposadr[joint.index]]))
 
 
 def _dof(model: Any, joint: ArmJoint) -> int:
@@ -201,87 +193,3 @@ def _not_held_of_model(model: Any, arm: MjcfArm) -> list[NotHeld]:
     if model.ntendon:
         found.append(NotHeld("all", "tendons", str(model.ntendon), "springs and actuators of tendons are omitted"))
     return found
-
-
-def _text(
-    model: Any,
-    file: Path,
-    arm: MjcfArm,
-    actuators: list[JointActuator | None],
-    names: list[str],
-    delay: float,
-) -> str:
-    data: Any = CommentedMap()
-    data["name"] = file.stem
-    turned = "" if np.allclose(arm.frame, np.eye(3)) else f", turned by {arm.frame.tolist()} (x, y, z in its world)"
-    base = [_number(value) for value in arm.joints[0].anchor]
-    data["description"] = f"From {file.name}; the first joint is at {base} m of its world{turned}."
-    data["defaults"] = CommentedMap({"source": file.name, "tolerance": 0.03})
-    data["gravity"] = _numbers(arm.gravity)
-    data["sample_time"] = float(model.opt.timestep)
-    if delay:
-        data["delay"] = delay
-    data["bodies"] = CommentedSeq(
-        _body(model, arm, k, actuators[k], name.startswith("motor_")) for k, name in enumerate(names)
-    )
-    data["tool"] = CommentedMap({"position": _numbers(arm.end - arm.joints[-1].anchor)})
-    pose = CommentedSeq(["x", "y", "z"])
-    pose.fa.set_flow_style()
-    motors = [f"body_{k + 1}.{_direction(arm.joints[k])}" for k, name in enumerate(names) if name.startswith("motor_")]
-    data["outputs"] = CommentedMap(
-        {"tool": CommentedMap({"pose": pose}), "joints": CommentedMap({"coordinates": CommentedSeq(motors)})}
-    )
-    data["controlled"] = "joints"
-    data["tags"] = CommentedMap({f"{name}.joint": joint.name for name, joint in zip(names, arm.joints) if joint.name})
-    stream = io.StringIO()
-    yaml = YAML()
-    yaml.width = 1000
-    yaml.indent(mapping=2, sequence=4, offset=2)
-    yaml.dump(data, stream)
-    return stream.getvalue()
-
-
-def _body(model: Any, arm: MjcfArm, k: int, actuator: JointActuator | None, is_motor: bool) -> CommentedMap:
-    joint = arm.joints[k]
-    dof, rotary = _dof(model, joint), joint.rotary
-    body = CommentedMap({"label": joint.body})
-    if joint.mass > 0:
-        body["mass"] = _number(joint.mass)
-        body["center_of_mass"] = _numbers(joint.center - joint.anchor)
-        pairs = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
-        inertia = CommentedMap({key: _number(joint.inertia[at]) for key, at in pairs.items()})
-        inertia.fa.set_flow_style()
-        body["inertia"] = inertia
-    if k + 1 < len(arm.joints):
-        body["length"] = _numbers(arm.joints[k + 1].anchor - joint.anchor)
-    damping = float(model.dof_damping[dof]) + (actuator.damping if actuator else 0.0)
-    gear: Any
-    if is_motor:
-        motor = CommentedMap({"inertia": float(model.dof_armature[dof]) + (actuator.armature if actuator else 0.0)})
-        motor["viscous_friction"] = damping
-        if actuator and actuator.gear not in (0.0, 1.0):
-            motor["gear_ratio"] = abs(actuator.gear)
-        if actuator and actuator.torque_limit is not None:
-            motor["torque_limit"] = actuator.torque_limit
-        motor.fa.set_flow_style()
-        gear = CommentedMap({"spring": "rigid", "motor": motor})
-        unit = unit_of("stiffness", rotary)
-        gear.yaml_add_eol_comment(f"or the stiffness of the gear [{unit}], then also its damper", "spring")
-    else:
-        gear = CommentedMap({"spring": float(model.jnt_stiffness[joint.index]), "damper": damping})
-    if joint.sign < 0:
-        gear.yaml_set_start_comment(
-            "its joint has the opposite axis: coordinate and torque have the other sign", indent=10
-        )
-    body["directions"] = CommentedMap({_direction(joint): gear})
-    return body
-
-
-def _number(value: float) -> float:
-    return 0.0 if abs(value) < SMALL else float(f"{value:.15g}")
-
-
-def _numbers(values: Iterable[float] | FloatArray) -> CommentedSeq:
-    sequence = CommentedSeq([_number(float(value)) for value in values])
-    sequence.fa.set_flow_style()
-    return sequence

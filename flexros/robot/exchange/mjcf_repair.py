@@ -158,9 +158,12 @@ class _Repair:
         if same(body.mass_factor, 1.0) and body.weight_error == 0:
             return
         joint = next((each for each in self.robot.joints[::-1] if f"body_{each.body + 1}" == body.body), None)
-        name = "" if joint is None else (f"motor_{joint.motor + 1}" if joint.motor is not None else joint.name)
-        wanted = names.get(name, tagged(self.robot, name))
-        carried = next((each.bodies for each in arm.joints if each.name == wanted), ())
+        bodies = {each.name: each.bodies for each in arm.joints}
+        carried: tuple[int, ...] = ()
+        if joint is not None:  # of an elastic gear the joint of the deflection carries the bodies
+            own = tagged(self.robot, joint.name) or joint.name
+            motor = "" if joint.motor is None else names[f"motor_{joint.motor + 1}"]
+            carried = bodies.get(own, ()) or bodies.get(motor, ())
         if not carried:
             size = f"mass x {body.mass_factor:.6g}, weight {body.weight_error:+.6g}"
             reason = "it is not clear which bodies of the file are meant"

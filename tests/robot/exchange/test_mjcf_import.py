@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from flexros.effects.patching.export import export_model
+from flexros.effects.patching.patched_robot import load_patched
 from flexros.errors import InputError
 from flexros.robot import load_robot
 from flexros.robot.exchange.mjcf_import import robot_from_mjcf
@@ -150,3 +152,21 @@ def test_missing_mujoco_names_the_extra(tmp_path: Path, monkeypatch: pytest.Monk
     monkeypatch.setitem(sys.modules, "mujoco", None)
     with pytest.raises(InputError, match=r"flexros\[mujoco\]"):
         robot_from_mjcf(written(tmp_path, one_link()))
+
+
+@pytest.mark.parametrize("name", ["elbow", "six_axis", "two_mass"])
+def test_an_exported_robot_comes_back_with_its_elastic_gears(name: str, tmp_path: Path) -> None:
+    before = load_patched(name)
+    file = written(tmp_path, export_model(before, "mjcf").text)
+    imported = robot_from_mjcf(file)
+    robot = load_robot(written(tmp_path, imported.text, "imported.yaml"))
+    assert [motor.flexible for motor in robot.motors] == [motor.flexible for motor in before.base.motors]
+    assert imported.not_held == ()
+    rng, n = np.random.default_rng(1), robot.n_coordinates
+    for _ in range(3):
+        q, v, u = rng.uniform(-0.1, 0.1, n), rng.normal(size=n), rng.normal(size=robot.n_motors)
+        ours, theirs = (
+            np.asarray(each.model.acceleration(q, v, u, np.zeros(6), each.model.parameter_values)).ravel()
+            for each in (before.base, robot)
+        )
+        np.testing.assert_allclose(theirs, ours, rtol=0, atol=1e-8 * np.abs(ours).max())

@@ -208,3 +208,26 @@ def test_assets_beside_the_base_are_found(repair: Repair, tmp_path: Path) -> Non
     text = ARM.replace("<worldbody>", '<include file="scene.xml"/><worldbody>')
     effect = "  - {effect: coulomb_friction, location: motor_1, parameters: {level: 0.5}}\n"
     assert 'frictionloss="2.5"' in repair(effect, text).text
+
+
+def test_elastic_gears_and_payload_of_an_exported_robot(tmp_path: Path) -> None:
+    base, patch = tmp_path / "elbow.xml", tmp_path / "patch.yaml"
+    base.write_text(export_model(load_patched("elbow"), "mjcf").text)
+    patch.write_text(
+        "robot: elbow\neffects:\n"
+        "  - {effect: payload_error, location: tool, parameters: {relative: 0.2}}\n"
+        "  - {effect: stiffness_error, location: body_1.ry, parameters: {relative: -0.1}}\n"
+        "  - {effect: damping_error, location: body_1.ry, parameters: {relative: 0.5}}\n"
+        "  - {effect: coulomb_friction, location: motor_1, parameters: {level: 12}}\n"
+    )
+    exported = export_model(load_patched(patch), "mjcf", base)
+    assert {(row.location, row.quantity): row.value for row in exported.written} == {
+        ("motor_1", "dry friction"): 12,
+        ("body_1.ry", "stiffness"): 1.8e5,
+        ("body_1.ry", "damping"): 180,
+        ("body_2", "mass"): pytest.approx(54),
+    }
+    new = mujoco.MjModel.from_xml_string(export_model(load_patched(patch), "mjcf").text)
+    repaired = mujoco.MjModel.from_xml_string(exported.text)
+    for array in ("dof_damping", "dof_frictionloss", "dof_armature", "jnt_stiffness", "body_mass"):
+        np.testing.assert_allclose(getattr(repaired, array), getattr(new, array), err_msg=array)
