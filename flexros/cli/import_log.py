@@ -13,9 +13,10 @@ from rich.table import Table
 from flexros.cli.output import console, print_json, progress_bar, say
 
 if TYPE_CHECKING:
-    from flexros.logs.time_series import JointSeries, Log
+    from flexros.logs.time_series import Log, Series
 
-_TOPICS = ("joint_states", "joint_commands", "joint_reference")
+_TOPICS = ("joint_states", "joint_commands", "joint_reference", "link_states", "tool_imu")
+_FIELDS = ("position", "velocity", "effort", "acceleration", "turning_rate")
 
 
 def import_log(
@@ -36,7 +37,7 @@ def import_log(
         log = read_files(load_mapping(mapping), file)
         progress.update(task, description="writing", completed=1)
         write_log(log, out)
-    rows = [_figures(name, getattr(log, name)) for name in _TOPICS if getattr(log, name) is not None]
+    rows = [_figures(name, series) for name in _TOPICS if (series := log.series(name)) is not None]
     if as_json:
         print_json({"log": str(out), "topics": rows, "warnings": list(log.warnings)})
         return
@@ -45,14 +46,14 @@ def import_log(
     say(f"Analyse it: flexros analyze {shlex.quote(str(out))}")
 
 
-def _figures(name: str, series: JointSeries) -> dict[str, object]:
+def _figures(name: str, series: Series) -> dict[str, object]:
     """Return the figures of one topic."""
     interval = np.diff(series.stamp) * 1e-9
     duration = float((series.stamp[-1] - series.stamp[0]) * 1e-9)
     return {
         "topic": name,
-        "joints": list(series.names),
-        "fields": [field for field in ("position", "velocity", "effort") if getattr(series, field) is not None],
+        "joints": list(getattr(series, "names", ())),
+        "fields": [field for field in _FIELDS if getattr(series, field, None) is not None],
         "samples": len(series.stamp),
         "duration_s": duration,
         "rate_hz": len(interval) / duration,

@@ -112,6 +112,32 @@ class PoseSeries:
 
 
 @dataclass(frozen=True, eq=False)
+class ImuSeries:
+    """Measurement of an accelerometer and a gyroscope over time.
+
+    Attributes:
+        stamp: Sampling instants [ns], increasing, shape (n,).
+        frame_id: Frame of the sensor.
+        acceleration: Acceleration with gravity [m/s^2], NaN along axes that were not measured, shape (n, 3); None where
+            it was not measured.
+        turning_rate: Turning rate [rad/s], as above, shape (n, 3).
+        received: When the recorder took each message, its log time [ns], shape (n,); None if it equals the stamp.
+    """
+
+    stamp: IntArray
+    frame_id: str
+    acceleration: FloatArray | None = None
+    turning_rate: FloatArray | None = None
+    received: IntArray | None = None
+
+    def __post_init__(self) -> None:
+        _check_stamp("ImuSeries", self.stamp)
+        _check_received("ImuSeries", self.received, len(self.stamp))
+        _check_shape("ImuSeries", "acceleration", self.acceleration, (len(self.stamp), 3))
+        _check_shape("ImuSeries", "turning_rate", self.turning_rate, (len(self.stamp), 3))
+
+
+@dataclass(frozen=True, eq=False)
 class Log:
     """One recorded run: the time series of its topics and their provenance.
 

@@ -71,6 +71,7 @@ def read_record(log: Log, robot: Robot, *, name: str, torque: TorqueSource = "co
     valid &= finite
     rows = slice(held.first, max(held.first, min(held.end, grid.n_slots)))
     _count_lost(valid[rows], name, warnings)
+    warnings += _unused(log)
     begin = round(((grid.origin - START_NS) * 1e-9 + grid.start) / grid.sample_time)
     return Record(
         name=name,
@@ -229,6 +230,13 @@ class _Reader:
         if np.array_equal(series.stamp[finite], self.log.joint_states.stamp) and np.abs(grid.deviation).max() < 1e-9:
             return np.asarray(values[finite][grid.rows][grid.held()[0]][rows])
         return np.column_stack([np.interp(at, time, column) for column in values[finite].T])
+
+
+def _unused(log: Log) -> list[str]:
+    """Name the sensors of a log whose measurements are not used."""
+    names = {"link_states": "sensors behind the springs", "tool_imu": "accelerometer or gyroscope of the tool"}
+    found = [f"{topic} ({text})" for topic, text in names.items() if log.series(topic) is not None]
+    return [f"the log has {' and '.join(found)}, which nothing is estimated from yet"] if found else []
 
 
 def _steps(position: FloatArray) -> tuple[float, ...]:

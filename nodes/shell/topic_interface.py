@@ -34,8 +34,12 @@ def period(name: str) -> float:
 
 @cache
 def sampled_topics() -> tuple[str, ...]:
-    """Return the recorded topics that carry one message per sampling instant, in the order of `topics.yaml`."""
-    return tuple(name for name, row in load_topics().items() if row.recorded and codec_of(row.type).sampled)
+    """Return the recorded topics with one message per sampling instant of the loop, in the order of `topics.yaml`.
+
+    Sensors of the user may have any rate, or none.
+    """
+    rows = load_topics().items()
+    return tuple(name for name, row in rows if row.recorded and row.producer != "user" and codec_of(row.type).sampled)
 
 
 @cache

@@ -14,6 +14,8 @@ CONTRACT = {
     "joint_reference": "sensor_msgs/msg/JointState",
     "tool_pose": "geometry_msgs/msg/PoseStamped",
     "tool_reference": "geometry_msgs/msg/PoseStamped",
+    "link_states": "sensor_msgs/msg/JointState",
+    "tool_imu": "sensor_msgs/msg/Imu",
 }
 
 

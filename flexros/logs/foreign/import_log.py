@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import hashlib
 from collections import defaultdict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fnmatch import fnmatch
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from flexros.errors import InputError, unknown_name
+from flexros.logs.foreign.mapping import clock_of
+from flexros.logs.foreign.plausibility import doubts
 from flexros.logs.foreign.quantities import QUANTITIES, TIME_UNITS
 from flexros.logs.foreign.signal_source import AbstractSignalSource, open_source, safe_name
 from flexros.logs.mcap.bag_files import find_bag_files
 from flexros.logs.stamps import START_NS
-from flexros.logs.time_series import JointSeries, Log
+from flexros.logs.time_series import OWN_SERIES, ImuSeries, JointSeries, Log
 from flexros.one_line import one_line
 from flexros.provenance import versions
 
@@ -23,12 +25,18 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from flexros.arrays import FloatArray
-    from flexros.logs.foreign.mapping import LogMapping, MappedColumn
+    from flexros.arrays import FloatArray, IntArray
+    from flexros.logs.foreign.mapping import Clock, LogMapping, MappedColumn
     from flexros.logs.foreign.signal_source import Signal
 
 _FEWEST = 2
 """Smallest number of rows of a log."""
+
+TOOL_FRAME = "tool"
+"""Frame of the sensors of the tool."""
+
+_FIELDS_OF_TOOL = {"linear_acceleration": "acceleration", "angular_velocity": "turning_rate"}
+"""Fields of the series of an Imu message."""
 
 _PART = 2**20
 """Bytes of a file that are read at once [byte]."""
@@ -76,9 +84,15 @@ def import_log(mapping: LogMapping, files: Sequence[Path]) -> Log:
     topics: dict[str, list[_Mapped]] = defaultdict(list)
     for signal in signals:
         topics[QUANTITIES[signal.entry.quantity].topic].append(signal)
-    series: dict[str, Any] = {name: _series(group, zero, warnings) for name, group in topics.items()}
+    _add_motor_positions(topics)
+    series: dict[str, Any] = {
+        name: (_tool_series if QUANTITIES[group[0].entry.quantity].of_tool else _series)(group, zero, warnings)
+        for name, group in topics.items()
+    }
+    warnings += doubts(series)
     return Log(
-        **series,
+        **{name: values for name, values in series.items() if name in OWN_SERIES},
+        other_series={name: values for name, values in series.items() if name not in OWN_SERIES},
         provenance=_provenance(mapping, files, zero + 1e-9 * signals[0].origin, warnings),
         warnings=tuple(map(one_line, warnings)),
     )
@@ -91,20 +105,26 @@ def _find(
     present, absent = [], []
     for entry in mapping.columns:
         holders = [path for path in sources if not entry.file or fnmatch(path.name, entry.file)]
-        having = [path for path in holders if entry.column in sources[path].names]
+        having = [path for path in holders if entry.factors.keys() <= set(sources[path].names)]
         if len(having) > 1:
             raise InputError(
-                f"mapping {mapping.name}: column '{entry.column}' is in several files "
+                f"mapping {mapping.name}: column '{entry.label}' is in several files "
                 f"({', '.join(path.name for path in having)}); add the key 'file' to the column"
             )
         if having:
             present.append((having[0], entry))
         elif entry.optional:
-            absent.append(entry.column)
+            absent.append(entry.label)
         else:
             names = [name for path in holders for name in sources[path].names]
             where = ", ".join(str(path) for path in holders) or f"any file like '{entry.file}'"
-            raise unknown_name(f"column of mapping {mapping.name}", entry.column, names, where)
+            missing = next((column for column in entry.factors if column not in names), None)
+            if missing is None:
+                raise InputError(
+                    f"mapping {mapping.name}: the columns {entry.label} of {entry.quantity} are in different files "
+                    f"({where}); a sum needs all of them in one"
+                )
+            raise unknown_name(f"column of mapping {mapping.name}", missing, names, where)
     return present, absent
 
 
@@ -112,42 +132,67 @@ def _read(
     mapping: LogMapping, sources: dict[Path, AbstractSignalSource], present: list[tuple[Path, MappedColumn]]
 ) -> list[_Mapped]:
     """Read, check and convert all columns, file by file; return them in the order of the mapping."""
-    clock = mapping.time.column if mapping.time else ""
     read: dict[Path, dict[str, Signal]] = {}
     for path, source in sources.items():
-        columns = {entry.column: None for holder, entry in present if holder == path}
-        if not columns:
+        entries = [entry for holder, entry in present if holder == path]
+        if not entries:
             raise InputError(f"{path} has none of the columns of mapping {mapping.name}; leave the file out")
-        read[path] = source.read([*columns, *([clock] if clock in source.names and clock not in columns else [])])
+        clocks = [clock_of(mapping, entry, path.name) for entry in entries]
+        wanted = [column for entry in entries for column in entry.factors]
+        wanted += [clock.column for clock in clocks if clock is not None and clock.column in source.names]
+        read[path] = source.read(list(dict.fromkeys(wanted)))
     origin = min(signal.origin for signals in read.values() for signal in signals.values())
     mapped = []
     for path, entry in present:
-        signal, column = read[path][entry.column], f"{path}, column '{entry.column}'"
+        signal, column = _added(entry, read[path], path), f"{path}, column '{entry.label}'"
         _check_finite(signal.values, column)
-        time = _times(mapping, signal, read[path], sources[path].names, column, str(path))
+        clock = clock_of(mapping, entry, path.name)
+        time = _times(mapping, clock, signal, read[path], sources[path].names, column, str(path))
         time = time + ((signal.origin - origin) * 1e-9 + entry.time_offset)
         values = entry.factor * signal.values + entry.offset
         mapped.append(_Mapped(entry, column, time, values, origin, signal.notes))
     return mapped
 
 
+def _added(entry: MappedColumn, signals: dict[str, Signal], path: Path) -> Signal:
+    """Return the column of a quantity, or the sum of its columns in the unit of the file."""
+    first, *others = (signals[column] for column in entry.factors)
+    for column, signal in zip(list(entry.factors)[1:], others, strict=True):
+        same = (signal.time is None) == (first.time is None) and len(signal.values) == len(first.values)
+        if not same or (signal.time is not None and not np.array_equal(signal.time, first.time)):
+            raise InputError(
+                f"{path}: the columns {entry.label} are added, but '{column}' was sampled at other times than "
+                f"'{next(iter(entry.factors))}'; give columns of the same rows"
+            )
+    if not others and not entry.sum:
+        return first
+    values = sum(factor * signals[column].values for column, factor in entry.factors.items())
+    return replace(first, values=np.asarray(values), notes=tuple(n for s in (first, *others) for n in s.notes))
+
+
 def _times(
-    mapping: LogMapping, signal: Signal, signals: dict[str, Signal], names: Sequence[str], column: str, path: str
+    mapping: LogMapping,
+    clock: Clock | None,
+    signal: Signal,
+    signals: dict[str, Signal],
+    names: Sequence[str],
+    column: str,
+    path: str,
 ) -> FloatArray:
-    """Return the times of a signal [s]: its own, or those of the mapping's clock."""
-    clock = mapping.time
+    """Return the times of a signal [s]: its own, or those of its clock."""
     if signal.time is not None:
         time, clock_name = signal.time, column
     elif clock is None:
+        lacks = f"no key time, but {path}" if mapping.time is None else f"no clock for {path}, which"
         raise InputError(
-            f"mapping {mapping.name} has no key time, but {path} has no times of its own; add time: {{column: NAME}} "
-            "or time: {rate: HZ}"
+            f"mapping {mapping.name} has {lacks} has no times of its own; add time: {{column: NAME}} or "
+            "time: {rate: HZ}"
         )
     elif clock.rate is not None:
-        time, clock_name = np.arange(len(signal.values)) / clock.rate, f"{path}, time column ''"
+        time, clock_name = np.arange(len(signal.values)) / clock.rate + clock.offset, f"{path}, time column ''"
     elif clock.column in signals:
         time, clock_name = (
-            signals[clock.column].values * TIME_UNITS[clock.unit],
+            signals[clock.column].values * TIME_UNITS[clock.unit] + clock.offset,
             f"{path}, time column '{clock.column}'",
         )
     else:
@@ -184,24 +229,60 @@ def _check_increasing(time: FloatArray, column: str) -> None:
         )
 
 
-def _series(signals: list[_Mapped], zero: float, warnings: list[str]) -> JointSeries:
-    """Interpolate the quantities of one topic at the times of the first and stack the joints."""
-    joints = sorted({signal.entry.joint for signal in signals}, key=lambda name: int(name.split("_")[1]))
+def _add_motor_positions(topics: dict[str, list[_Mapped]]) -> None:
+    """Add the positions of the motors to deflections, which are measured from there."""
+    motors = {signal.entry.joint: signal for signal in topics["joint_states"] if signal.entry.quantity == "position"}
+    for signals in topics.values():
+        for k, signal in enumerate(signals):
+            if not QUANTITIES[signal.entry.quantity].beyond_motor:
+                continue
+            motor = motors[signal.entry.joint]
+            inside = (signal.time >= motor.time[0]) & (signal.time <= motor.time[-1])
+            time = signal.time[inside]
+            values = signal.values[inside] + np.interp(time, motor.time, motor.values)
+            signals[k] = replace(signal, time=time, values=values)
+
+
+def _common_times(signals: list[_Mapped], warnings: list[str]) -> tuple[FloatArray, list[FloatArray]]:
+    """Interpolate the quantities of one topic at the times of the first; return these times and the values."""
     base = signals[0]
     moved = [signal for signal in signals if not np.array_equal(signal.time, base.time)]
     inside = np.ones(len(base.time), bool)
     for signal in moved:
         inside &= (base.time >= signal.time[0]) & (base.time <= signal.time[-1])
         warnings.append(
-            f"{signal.entry.quantity} of {signal.entry.joint} was interpolated linearly at the times of "
-            f"{base.entry.quantity} of {base.entry.joint}"
+            f"{signal.entry.quantity} of {signal.entry.component} was interpolated linearly at the times of "
+            f"{base.entry.quantity} of {base.entry.component}"
         )
     time = base.time[inside]
     if len(time) < _FEWEST:
         raise InputError(f"{base.column} and {moved[0].column} have no time in common; correct the clocks")
+    return time, [
+        np.interp(time, signal.time, signal.values) if signal in moved else signal.values[inside] for signal in signals
+    ]
+
+
+def _stamps(time: FloatArray, zero: float) -> IntArray:
+    """Return the stamps of times, of which the first of all columns is `zero` [ns]."""
+    return np.asarray(START_NS + np.rint((time - zero) * 1e9).astype(np.int64))
+
+
+def _tool_series(signals: list[_Mapped], zero: float, warnings: list[str]) -> ImuSeries:
+    """Stack the axes of the quantities of the tool; axes that are not mapped are NaN."""
+    time, values = _common_times(signals, warnings)
+    fields: dict[str, FloatArray] = {}
+    for signal, own in zip(signals, values, strict=True):
+        field = _FIELDS_OF_TOOL[QUANTITIES[signal.entry.quantity].field]
+        fields.setdefault(field, np.full((len(time), 3), np.nan))[:, "xyz".index(signal.entry.component)] = own
+    return ImuSeries(_stamps(time, zero), TOOL_FRAME, **fields)
+
+
+def _series(signals: list[_Mapped], zero: float, warnings: list[str]) -> JointSeries:
+    """Stack the joints of the quantities of one topic."""
+    joints = sorted({signal.entry.joint for signal in signals}, key=lambda name: int(name.split("_")[1]))
+    time, common = _common_times(signals, warnings)
     fields: dict[str, dict[str, FloatArray]] = defaultdict(dict)
-    for signal in signals:
-        own = signal.values[inside] if signal not in moved else np.interp(time, signal.time, signal.values)
+    for signal, own in zip(signals, common, strict=True):
         fields[QUANTITIES[signal.entry.quantity].field][signal.entry.joint] = own
     quantities = {QUANTITIES[signal.entry.quantity].field: signal.entry.quantity for signal in signals}
     for field, values in fields.items():
@@ -211,9 +292,8 @@ def _series(signals: list[_Mapped], zero: float, warnings: list[str]) -> JointSe
                 f"the quantity {quantities[field]} is mapped for {', '.join(values)} but not for {', '.join(missing)}; "
                 "map it for all joints or for none"
             )
-    stamp = START_NS + np.rint((time - zero) * 1e9).astype(np.int64)
     stacked: dict[str, Any] = {field: np.column_stack([v[joint] for joint in joints]) for field, v in fields.items()}
-    return JointSeries(stamp, tuple(joints), **stacked)
+    return JointSeries(_stamps(time, zero), tuple(joints), **stacked)
 
 
 def _provenance(mapping: LogMapping, files: Sequence[Path], zero: float, warnings: list[str]) -> dict[str, Any]:

@@ -17,13 +17,17 @@ class Quantity:
 
     Attributes:
         topic: Topic of `topics.yaml`.
-        field: Field of its messages: "position", "velocity" or "effort".
-        kind: Kind of its unit: "position", "velocity" or "torque".
+        field: Field of its messages, such as "position" or "effort".
+        kind: Kind of its unit: "position", "velocity", "torque", "acceleration" or "turning rate".
+        of_tool: Whether it is one of the tool, along an axis, instead of one of a joint.
+        beyond_motor: Whether it is added to the position of the motor: a deflection.
     """
 
     topic: str
     field: str
     kind: str
+    of_tool: bool = False
+    beyond_motor: bool = False
 
 
 QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
@@ -35,9 +39,19 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
         "reference_position": Quantity("joint_reference", "position", "position"),
         "reference_velocity": Quantity("joint_reference", "velocity", "velocity"),
         "feedforward_torque": Quantity("joint_reference", "effort", "torque"),
+        "link_position": Quantity("link_states", "position", "position"),
+        "link_deflection": Quantity("link_states", "position", "position", beyond_motor=True),
+        "link_velocity": Quantity("link_states", "velocity", "velocity"),
+        "joint_torque": Quantity("link_states", "effort", "torque"),
+        "tool_acceleration": Quantity("tool_imu", "linear_acceleration", "acceleration", of_tool=True),
+        "tool_turning_rate": Quantity("tool_imu", "angular_velocity", "turning rate", of_tool=True),
     }
 )
-"""Every quantity of a motor that a mapping file may name."""
+"""Every quantity that a mapping file may name."""
+
+
+STANDARD_GRAVITY = 9.80665
+"""Acceleration of the unit g [m/s^2]."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +59,7 @@ class Unit:
     """One unit of a kind of quantity.
 
     Attributes:
-        kind: "position", "velocity" or "torque".
+        kind: "position", "velocity", "torque", "acceleration" or "turning rate".
         rotary: Whether it is a unit of rotation; otherwise of translation.
         factor: Its size in the SI unit.
     """
@@ -74,6 +88,9 @@ UNITS: Mapping[str, Unit] = MappingProxyType(
         "kNm": Unit("torque", True, 1e3),
         "N": Unit("torque", False, 1.0),
         "kN": Unit("torque", False, 1e3),
+        "m/s2": Unit("acceleration", False, 1.0),
+        "mm/s2": Unit("acceleration", False, 1e-3),
+        "g": Unit("acceleration", False, STANDARD_GRAVITY),
     }
 )
 """Units that need no scale; a scale converts every other unit (V, A, counts, ...) to one of these."""
@@ -84,4 +101,6 @@ TIME_UNITS: Mapping[str, float] = MappingProxyType({"s": 1.0, "ms": 1e-3, "us": 
 
 def units_of(kind: str) -> list[str]:
     """List the units of a kind of quantity, those of rotations first."""
+    if kind == "turning rate":
+        return [name for name, unit in UNITS.items() if unit.kind == "velocity" and unit.rotary]
     return [name for name, unit in UNITS.items() if unit.kind == kind]

@@ -184,3 +184,67 @@ def test_emps_from_matlab_and_from_csv(write_csv, tmp_path: Path, assert_same_lo
     whole = import_log(mapping, [file])
     assert len(whole.joint_states.stamp) == 24841
     assert whole.joint_reference.effort is not None
+
+
+def test_joints_of_a_coupled_wrist_are_sums_of_columns(mapping_of, table, write_csv, tmp_path: Path) -> None:
+    wrist = {"sum": {"q": 0.5, "r": -0.5}, "quantity": "position", "unit": "deg", "joint": "motor_2"}
+    log = import_log(mapping_of(Q, wrist), [write_csv(tmp_path / "a.csv", table)])
+    np.testing.assert_allclose(log.joint_states.position[:, 1], np.deg2rad((table["q"] - table["r"]) / 2))
+
+
+def test_columns_of_a_sum_are_in_one_file(mapping_of, table, write_csv, tmp_path: Path) -> None:
+    files = [write_csv(tmp_path / f"{k}.csv", {"t": table["t"], k: table[k]}) for k in ("q", "r")]
+    with pytest.raises(InputError, match="q . r of position are in different files"):
+        import_log(mapping_of({"sum": {"q": 1, "r": 1}, "quantity": "position", "unit": "rad"}), files)
+
+
+def test_files_have_clocks_of_their_own(mapping_of, write_csv, tmp_path: Path) -> None:
+    time = np.arange(50) * 0.01
+    q = write_csv(tmp_path / "q.csv", {"t": time, "q": time})
+    u = write_csv(tmp_path / "u.csv", {"stamp": 1e3 * time, "u": time})
+    clocks = [{"column": "stamp", "unit": "ms", "file": "u*", "offset": 0.005}, {"column": "t"}]
+    log = import_log(mapping_of(Q, U, time=clocks), [q, u])
+    assert np.all(log.joint_commands.stamp - log.joint_states.stamp == 5_000_000)
+
+
+def test_a_column_has_a_clock_of_its_own(mapping_of, write_csv, tmp_path: Path) -> None:
+    time = np.arange(50) * 0.01
+    file = write_csv(tmp_path / "a.csv", {"t": time, "q": time, "t2": time + 0.002, "u": time})
+    log = import_log(mapping_of(Q, {**U, "time": {"column": "t2"}}), [file])
+    assert np.all(log.joint_commands.stamp - log.joint_states.stamp == 2_000_000)
+
+
+def test_sensors_of_link_and_tool_become_their_topics(mapping_of, table, write_csv, tmp_path: Path) -> None:
+    columns = [
+        Q,
+        {"column": "u", "quantity": "link_deflection", "unit": "mrad"},
+        {"column": "r", "quantity": "joint_torque", "unit": "Nm"},
+        {"column": "q", "quantity": "tool_acceleration", "axis": "y", "unit": "g"},
+    ]
+    log = import_log(mapping_of(*columns), [write_csv(tmp_path / "a.csv", table)])
+    write_log(log, tmp_path / "bag")
+    again = read_log(tmp_path / "bag")
+    link, imu = again.series("link_states"), again.series("tool_imu")
+    np.testing.assert_allclose(link.position[:, 0], table["q"] + 1e-3 * table["u"])
+    np.testing.assert_array_equal(link.effort[:, 0], table["r"])
+    np.testing.assert_allclose(imu.acceleration[:, 1], 9.80665 * table["q"])
+    assert np.isnan(imu.acceleration[:, 0]).all()
+    assert imu.turning_rate is None
+
+
+@pytest.mark.parametrize(
+    ("link", "doubt"),
+    [({"sign": -1}, "moves against its motor"), ({"unit": "deg"}, "times as far as its motor"), ({}, "")],
+)
+def test_link_that_moves_unlike_its_motor_is_told(mapping_of, table, write_csv, tmp_path, link, doubt) -> None:
+    file = write_csv(tmp_path / "a.csv", {**table, "l": table["q"] + 1e-3})
+    entry = {"column": "l", "quantity": "link_position", "unit": "rad", **link}
+    warnings = import_log(mapping_of(Q, entry), [file]).warnings
+    assert len(warnings) == bool(doubt)
+    assert all(doubt in text for text in warnings)
+
+
+def test_acceleration_without_gravity_is_told(mapping_of, table, write_csv, tmp_path: Path) -> None:
+    axes = [{"column": "q", "quantity": "tool_acceleration", "axis": a, "unit": "mm/s2"} for a in "xyz"]
+    (text,) = import_log(mapping_of(Q, *axes), [write_csv(tmp_path / "a.csv", table)]).warnings
+    assert "must contain gravity" in text

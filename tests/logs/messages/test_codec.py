@@ -17,6 +17,7 @@ def test_codecs_are_found_by_their_type():
     assert list(codecs()) == [
         "diagnostic_msgs/msg/DiagnosticArray",
         "geometry_msgs/msg/PoseStamped",
+        "sensor_msgs/msg/Imu",
         "sensor_msgs/msg/JointState",
         "trajectory_msgs/msg/JointTrajectory",
     ]

@@ -59,7 +59,7 @@ def test_entry_that_is_no_number(tmp_path: Path, text: str, message: str) -> Non
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("0,1\n1,2\n", "line 1: the first line holds '0', but must name the columns"),
+        ("0,a\n1,2\n", "line 1: the first line holds '0', but must name the columns"),
         ("t,q,q\n0,1,2\n", "line 1: the column name 'q' occurs twice"),
         ("# only a comment\n", "has no rows; give a table with a line of names"),
     ],
@@ -83,3 +83,39 @@ def test_line_of_names_alone(tmp_path: Path) -> None:
         InputError, match=r"log.csv has no rows below its line of names \(t, q\); give a table with rows"
     ):
         table(tmp_path, "t,q\n").read(["q"])
+
+
+def test_columns_of_a_table_without_names_are_numbered(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("# recorded on a Monday\n0.0,1.5,2\n0.1,2.5,3\n")
+    source = CsvTable(tmp_path / "a.csv")
+    assert source.names == ("[0]", "[1]", "[2]")
+    np.testing.assert_array_equal(source.read(["[1]"])["[1]"].values, [1.5, 2.5])
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        't,q,u\n0,"[0.1, 0.2]",5\n1,"[0.3, 0.4]",6\n',
+        "t,q,u\n0,[0.1, 0.2],5\n1,[0.3, 0.4],6\n",
+        "t;q;u\n0;(0.1 0.2);5\n1;(0.3  0.4);6\n",
+        "t q u\n0 [0.1,0.2] 5\n1 [0.3,0.4] 6\n",
+    ],
+)
+def test_entries_of_lists_in_cells_are_columns(tmp_path: Path, text: str) -> None:
+    (tmp_path / "a.csv").write_text(text)
+    source = CsvTable(tmp_path / "a.csv")
+    assert source.names == ("t", "q[0]", "q[1]", "u")
+    read = source.read(["q[1]", "u"])
+    np.testing.assert_array_equal(read["q[1]"].values, [0.2, 0.4])
+    np.testing.assert_array_equal(read["u"].values, [5, 6])
+
+
+def test_list_of_another_length_is_refused_with_its_line(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text('t,q\n0,"[0.1, 0.2]"\n1,"[0.3]"\n')
+    with pytest.raises(InputError, match="line 3 has 2 numbers"):
+        CsvTable(tmp_path / "a.csv").read(["t", "q[0]"])
+
+
+def test_brackets_in_names_are_names(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("t,q[0],q[1]\n0,1,2\n1,3,4\n")
+    assert CsvTable(tmp_path / "a.csv").names == ("t", "q[0]", "q[1]")
