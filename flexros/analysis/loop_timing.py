@@ -12,7 +12,7 @@ from flexros.analysis.pace import ArrivalTiming, Pacing, loop_arrivals, plant_pa
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray, IntArray
-    from flexros.logs.time_series import JointSeries, Log, PoseSeries
+    from flexros.logs.time_series import Log, Series
 
 _GAP = 1.5
 """A step of more than this many periods has lost at least one sample."""
@@ -146,12 +146,13 @@ def loop_timing(log: Log) -> LoopTiming:
     Args:
         log: The log; missing topics are omitted.
     """
-    series: dict[str, JointSeries | PoseSeries | None] = {
+    series: dict[str, Series | None] = {
         "joint_states": log.joint_states,
         "joint_commands": log.joint_commands,
         "joint_reference": log.joint_reference,
         "tool_pose": log.tool_pose,
         "tool_reference": log.tool_reference,
+        **log.other_series,
     }
     present = {name: values.stamp for name, values in series.items() if values is not None and len(values.stamp) > 0}
     start = start_stamp(log)

@@ -158,8 +158,8 @@ def _added(entry: MappedColumn, signals: dict[str, Signal], path: Path) -> Signa
     """Return the column of a quantity, or the sum of its columns in the unit of the file."""
     first, *others = (signals[column] for column in entry.factors)
     for column, signal in zip(list(entry.factors)[1:], others, strict=True):
-        same = (signal.time is None) == (first.time is None) and len(signal.values) == len(first.values)
-        if not same or (signal.time is not None and not np.array_equal(signal.time, first.time)):
+        own, base = (np.arange(len(s.values)) if s.time is None else s.time for s in (signal, first))
+        if not np.array_equal(own, base):
             raise InputError(
                 f"{path}: the columns {entry.label} are added, but '{column}' was sampled at other times than "
                 f"'{next(iter(entry.factors))}'; give columns of the same rows"
@@ -274,7 +274,7 @@ def _tool_series(signals: list[_Mapped], zero: float, warnings: list[str]) -> Im
     for signal, own in zip(signals, values, strict=True):
         field = _FIELDS_OF_TOOL[QUANTITIES[signal.entry.quantity].field]
         fields.setdefault(field, np.full((len(time), 3), np.nan))[:, "xyz".index(signal.entry.component)] = own
-    return ImuSeries(_stamps(time, zero), TOOL_FRAME, **fields)
+    return ImuSeries(_stamps(time, zero), TOOL_FRAME, fields.get("acceleration"), fields.get("turning_rate"))
 
 
 def _series(signals: list[_Mapped], zero: float, warnings: list[str]) -> JointSeries:

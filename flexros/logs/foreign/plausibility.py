@@ -46,8 +46,8 @@ def doubts(series: Mapping[str, Any]) -> list[str]:
         mean = float(np.linalg.norm(imu.acceleration, axis=1).mean())
         if not GRAVITY[0] < mean < GRAVITY[1]:
             found.append(
-                f"tool_acceleration is {mean:.3g} m/s2 in the mean, although it must contain gravity (9.81 m/s2); check "
-                "its unit"
+                f"tool_acceleration is {mean:.3g} m/s2 in the mean, although it must contain gravity (9.81 m/s2); "
+                "check its unit"
             )
     return found
 

@@ -110,7 +110,7 @@ class ImuCodec(AbstractSeriesCodec[ImuLayout]):
             ]
             layout = imu_layout(message.header.frame_id).message
             stamp = np.array([stamp_of_message(message)], np.int64)
-            return layout.serialise(stamp, [np.array([numbers], dtype=np.float64)])[0].tobytes()
+            return bytes(layout.serialise(stamp, [np.array([numbers], dtype=np.float64)])[0].tobytes())
 
         return serialise
 

@@ -53,6 +53,6 @@ def test_sensors_of_link_and_tool_survive_a_log(tmp_path, make_log):
 
 
 def test_turning_rate_alone():
-    layout, numbers = ImuCodec().columns(ImuSeries(STAMP, "tool", None, RATE))
+    _, numbers = ImuCodec().columns(ImuSeries(STAMP, "tool", None, RATE))
     np.testing.assert_array_equal(numbers[0][:, 13:16], RATE)
     assert (numbers[0][:, 28] == -1).all()
