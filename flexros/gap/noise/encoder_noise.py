@@ -88,7 +88,7 @@ def measure_noise(record: Record, robot: Robot, settings: DiagnosisSettings) -> 
         rest = _at_standstill(
             position[:, motor], smooth[:, motor], driven[:, motor], record, float(deviation[motor]), numbers
         )
-        if motor in coarse:
+        if motor in coarse and robot.encoder_noise[motor] > 0:
             deviation[motor], source[motor] = robot.encoder_noise[motor], "robot file"
         elif rest is not None:
             stated = float(robot.encoder_noise[motor])

@@ -10,7 +10,7 @@ import numpy as np
 from flexros.errors import InputError
 from flexros.gap.noise.encoder_noise import measure_noise
 from flexros.record.missing_samples import bridged
-from flexros.record.quantization import encoder_quantization
+from flexros.record.quantization import encoder_quantization, encoder_step
 from flexros.record.smoothing import smooth_motion
 
 if TYPE_CHECKING:
@@ -77,27 +77,28 @@ def measurement_of(record: Record, robot: Robot, settings: DiagnosisSettings) ->
         InputError: There is no noise.
     """
     noise, numbers = measure_noise(record, robot, settings), settings.noise
-    declared = robot.encoder_noise
+    stated, declared = robot.encoder_noise > 0, _declared(record, robot, noise)
+    quantizations = tuple(one for one in encoder_quantization(record, robot) if stated[one.motor])
     autoregression = np.zeros((robot.n_motors, max(1, noise.autoregression.shape[1])))
     autoregression[:, : noise.autoregression.shape[1]] = noise.autoregression
-    if not np.all((declared > 0) & (noise.standard_deviation > 0)):
+    if not np.all((declared > 0) & ((noise.standard_deviation > 0) | ~stated)):
         raise InputError(
-            f"{record.name}: robot {robot.name} declares encoder noise of {declared.tolist()} rad or m and the log "
-            f"shows {noise.standard_deviation.tolist()}, but both must be above zero to separate a gap from noise; "
+            f"{record.name}: robot {robot.name} declares encoder noise of {robot.encoder_noise.tolist()} rad or m and "
+            f"the log shows {noise.standard_deviation.tolist()}, but a noise above zero separates a gap from noise; "
             "give sensors.encoder_noise in the robot file"
         )
-    near = np.abs(noise.standard_deviation / declared - 1) < numbers.as_declared
+    near = (np.abs(noise.standard_deviation / declared - 1) < numbers.as_declared) | ~stated
     deviation = np.where(near, declared, noise.standard_deviation)
     for motor, source in enumerate(noise.source):
         share = float((noise.standard_deviation[motor] / declared[motor]) ** 2)
-        if source == "above the band" and share < COLOURED_BELOW and not np.any(autoregression[motor]):
+        dim = stated[motor] and source == "above the band" and share < COLOURED_BELOW
+        if dim and not np.any(autoregression[motor]):
             deviation[motor], autoregression[motor, 0] = declared[motor], (1 - share) / (1 + share)
-    quantizations = encoder_quantization(record, robot)
     for one in quantizations:
         deviation[one.motor] = np.hypot(declared[one.motor], one.step / np.sqrt(12))
     rounding = max((1 - (declared[one.motor] / deviation[one.motor]) ** 2 for one in quantizations), default=0.0)
     coloured = bool(np.any(autoregression))
-    error = numbers.coloured_error if coloured else 0.0 if bool(np.all(near)) else numbers.measured_error
+    error = numbers.coloured_error if coloured else 0.0 if bool(np.all(near & stated)) else numbers.measured_error
     whitening = np.hstack([np.ones((robot.n_motors, 1)), -autoregression[:, : None if coloured else 0]])
     return Measurement(
         deviation=deviation,
@@ -109,8 +110,25 @@ def measurement_of(record: Record, robot: Robot, settings: DiagnosisSettings) ->
         floor_error=float(np.hypot(error, numbers.rounding_error * rounding)),
         doubt=0.0 if coloured else numbers.doubt * _difference(noise, deviation),
         signal_tolerance=noise.signal_tolerance,
-        warnings=noise.warnings,
+        warnings=(*noise.warnings, *_undeclared(robot, declared)),
     )
+
+
+def _declared(record: Record, robot: Robot, noise: Noise) -> FloatArray:
+    """Return the declared noise; where the robot file declares none, the measured one with rounding."""
+    steps = np.array([encoder_step(record, motor) for motor in range(robot.n_motors)])
+    measured = np.maximum(noise.standard_deviation, steps / np.sqrt(12))
+    return np.where(robot.encoder_noise > 0, robot.encoder_noise, measured)
+
+
+def _undeclared(robot: Robot, used: FloatArray) -> tuple[str, ...]:
+    """Say which noise is used for encoders whose robot file declares none."""
+    names = [
+        f"{name}: {used[motor]:.2g}" for motor, name in enumerate(robot.joint_names) if not robot.encoder_noise[motor]
+    ]
+    if not names:
+        return ()
+    return (f"the robot file declares no encoder noise, so that of the log is used ({', '.join(names)})",)
 
 
 def measurement_in(record: Record, robot: Robot, measurement: Measurement, settings: DiagnosisSettings) -> Measurement:

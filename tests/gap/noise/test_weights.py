@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -127,3 +128,12 @@ def test_little_noise_above_the_band_of_a_log_without_rest_is_coloured(monkeypat
     assert found.whitening[0, 1] == pytest.approx(-0.75, abs=0.01)
     assert found.driving == pytest.approx(declared * np.sqrt(1 - 0.75**2), rel=0.01)
     assert found.floor_error == SETTINGS.noise.coloured_error
+
+
+def test_a_robot_file_without_noise_takes_that_of_the_log() -> None:
+    silent = copy(ROBOT)
+    silent.__dict__["encoder_noise"] = np.zeros(1)
+    found = measurement_of(record_of(), silent, SETTINGS)
+    assert found.deviation[0] == pytest.approx(1e-4, rel=0.3)
+    assert found.floor_error > 0
+    assert any("declares no encoder noise" in text for text in found.warnings)
