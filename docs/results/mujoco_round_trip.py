@@ -1,6 +1,6 @@
-"""Write mujoco_round_trip.md: FLEXROS_REALDATA=... python docs/results/mujoco_round_trip.py [FOLDER] [PATCH].
+"""Write mujoco_round_trip.md: FLEXROS_REALDATA=... python docs/results/mujoco_round_trip.py [FOLDER].
 
-PATCH is the patch of a diagnosis that was made before; without it the log DIAGNOSED is diagnosed, which takes minutes.
+The log DIAGNOSED is diagnosed twice, with different held-out data, which takes some minutes.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 
 DATA = "dfki_double_pendulum"
 NOMINAL, PUBLISHED = "robot_without_friction.yaml", "patch_published.yaml"
-DIAGNOSED = "C_143601"
-LOGS = (DIAGNOSED, "C_143339", "C_143524", "C_143906", "C_144115")
+DIAGNOSED, HOLDOUT = "C_143601", "C_143339"
+LOGS = (DIAGNOSED, HOLDOUT, "C_143524", "C_143906", "C_144115")
 WINDOWS = (0.1, 0.5)
 """Durations of the runs [s], each from a measured state."""
 
@@ -43,8 +43,10 @@ Written by `FLEXROS_REALDATA=<folder with dfki_double_pendulum/> python docs/res
 The nominal robot file, rigid and without friction, is exported by `flexros export ROBOT --to mjcf`. Patches are then
 written into that file by `flexros export PATCH --to mjcf --base nominal.xml`. MuJoCo runs over each log in windows from
 the measured positions and speeds, with the recorded commands held; the figures are rms errors of the positions over all
-samples, in mrad. The published friction is that of the authors' identification; the diagnosed one is the patch of
-`flexros diagnose` with {log}, its effects at the time this page was written; the other logs are not fitted.
+samples, in mrad. The published friction is that of the authors' identification. The diagnosed ones are the patches of
+`flexros diagnose` with {log} at the time this page was written: A with the last third of that log held out, B with
+`--holdout {holdout}`. The two name different effects, so the split of the data decides here what is found; {holdout} is
+not fitted by either, but B's answer depends on it. The other logs were used by neither.
 
 {patches}
 """
@@ -134,25 +136,39 @@ def models_of(nominal: Path, patches: Mapping[str, Path], folder: Path) -> dict[
     }
 
 
-def diagnosed_patch(source: Path, folder: Path) -> Path:
-    """Diagnose a log and return the patch that was written."""
-    log = import_log(load_mapping(str(source / "mapping.yaml")), [source / f"{DIAGNOSED}.csv"])
+def diagnosed_patch(source: Path, folder: Path, holdout: str) -> Path:
+    """Diagnose a log and return the patch that was written.
+
+    Args:
+        source: Folder of the data.
+        folder: Folder for the files of the diagnosis; it is made.
+        holdout: Name of the held-out log, empty for the last third of the log itself.
+    """
     known = load_model(source / NOMINAL)
-    record = checked_log(log, known.robot, name=DIAGNOSED)
-    write_diagnosis(diagnose(record, known, log=log), str(source / NOMINAL), folder)
+    mapping = load_mapping(str(source / "mapping.yaml"))
+    names = [DIAGNOSED, *([holdout] if holdout else [])]
+    logs = [import_log(mapping, [source / f"{name}.csv"]) for name in names]
+    record, *others = [checked_log(log, known.robot, name=name) for log, name in zip(logs, names)]
+    folder.mkdir()
+    result = diagnose(record, known, holdout=others[0] if others else None, log=logs[-1])
+    write_diagnosis(result, str(source / NOMINAL), folder)
     return folder / "patch.yaml"
 
 
-def page(source: Path, patch: Path | None) -> str:
+def page(source: Path) -> str:
     """Write the page from the data of a folder."""
     logs = {name: read(source / f"{name}.csv") for name in LOGS}
     with tempfile.TemporaryDirectory() as made:
         folder = Path(made)
-        patches = {"published": source / PUBLISHED, "diagnosed": patch or diagnosed_patch(source, folder)}
+        patches = {
+            "published": source / PUBLISHED,
+            "diagnosed A": diagnosed_patch(source, folder / "a", ""),
+            "diagnosed B": diagnosed_patch(source, folder / "b", HOLDOUT),
+        }
         models = models_of(source / NOMINAL, patches, folder)
         new = mujoco.MjModel.from_xml_string(export_model(load_patched(patches["published"]), "mjcf").text)
         listed = [f"- {name}: {_effects(file)}." for name, file in patches.items()]
-    text = HEAD.format(log=DIAGNOSED, patches="\n".join(listed))
+    text = HEAD.format(log=DIAGNOSED, holdout=HOLDOUT, patches="\n".join(listed))
     for window in WINDOWS:
         text += TABLE.format(window=window, names=" | ".join(patches), rules="|".join("---" for _ in patches))
         for name, log in logs.items():
@@ -185,6 +201,5 @@ def _effects(patch: Path) -> str:
 
 if __name__ == "__main__":
     target = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent
-    given = Path(sys.argv[2]) if len(sys.argv) > 2 else None
-    written = page(Path(os.environ["FLEXROS_REALDATA"]) / DATA, given)
+    written = page(Path(os.environ["FLEXROS_REALDATA"]) / DATA)
     (target / "mujoco_round_trip.md").write_text(written, encoding="utf-8")
