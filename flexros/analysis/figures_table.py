@@ -119,6 +119,8 @@ def _motor(motor: MotorTracking) -> Iterator[_Figure]:
     if motor.tracking is not None:
         yield motor.joint, "tracking error, max", small, 1e3 * motor.tracking.maximum
         yield motor.joint, "tracking error, rms", small, 1e3 * motor.tracking.rms
+    if motor.deflection is not None:
+        yield motor.joint, "link deflection, max", small, 1e3 * motor.deflection
     if motor.torque_max is not None:
         yield motor.joint, "commanded torque, max", torque, motor.torque_max
     if motor.feedback_rms is not None:

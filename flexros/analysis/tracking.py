@@ -10,12 +10,13 @@ import numpy as np
 from flexros.analysis.elapsed_time import elapsed_seconds
 from flexros.analysis.error_statistics import ErrorStatistics, error_statistics
 from flexros.errors import InputError
+from flexros.logs.time_series import JointSeries
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from flexros.arrays import FloatArray, IntArray
-    from flexros.logs.time_series import JointSeries, Log
+    from flexros.logs.time_series import Log
 
 _AT_LIMIT = 1e-9
 """A torque within this relative distance of its limit is limited."""
@@ -43,6 +44,8 @@ class MotorTracking:
         limited_by: Source of the limit.
         saturated_share: Share of the torque samples at the limit.
         overload_share: Share of the torque samples whose feedforward alone exceeds the limit.
+        deflection: Largest absolute difference between link-side encoder and motor, both about their means [rad, or m];
+            None without such an encoder.
     """
 
     joint: str
@@ -61,6 +64,7 @@ class MotorTracking:
     limited_by: str | None
     saturated_share: float | None
     overload_share: float | None
+    deflection: float | None = None
 
     def as_dict(self) -> dict[str, object]:
         """Return the figures as plain numbers: rad and Nm; m and N for a linear motor."""
@@ -73,6 +77,7 @@ class MotorTracking:
             "torque_limited_by": self.limited_by,
             "saturated_share": self.saturated_share,
             "overload_share": self.overload_share,
+            "link_deflection_max": self.deflection,
         }
 
 
@@ -180,7 +185,18 @@ def _motor(log: Log, joint: str, start: int, drive: Drive | None) -> MotorTracki
         limited_by=None if drive is None or not np.isfinite(drive.torque_limit) else drive.limited_by,
         saturated_share=_beyond(torque, limit, -_AT_LIMIT) if known else None,
         overload_share=_beyond(feedforward, limit, _AT_LIMIT) if known else None,
+        deflection=_deflection(log, joint, position),
     )
+
+
+def _deflection(log: Log, joint: str, position: tuple[IntArray, FloatArray] | None) -> float | None:
+    """Return the largest deflection of a link about its mean; the zeros of the two encoders may differ."""
+    series = log.series("link_states")
+    link = _signal(series, joint, "position") if isinstance(series, JointSeries) else None
+    if position is None or link is None:
+        return None
+    _, own, motor = _paired(link, position)
+    return float(np.max(np.abs(own - motor - np.mean(own - motor)))) if len(own) else None
 
 
 def _beyond(torque: FloatArray | None, limit: float | None, margin: float) -> float | None:

@@ -129,3 +129,14 @@ def test_drives_are_assigned_by_place_where_the_names_differ_and_that_is_said():
         "the log names its joints elbow, motor_1 and the robot motor_1, motor_2, so torque limits were assigned in the "
         "order of the log"
     ]
+
+
+def test_deflection_of_a_link_is_that_about_its_mean():
+    position = np.linspace(0.0, 1.0, 1000)
+    bent = 2e-3 * np.sin(np.arange(1000) * 2 * np.pi / 100)
+    link = series(position=column(position + bent + 0.1))
+    log = Log(series(position=column(position)), other_series={"link_states": link})
+    (motor,) = motor_tracking(log, START)
+    assert motor.deflection == pytest.approx(2e-3, rel=1e-6)
+    assert motor.as_dict()["link_deflection_max"] == motor.deflection
+    assert motor_tracking(Log(series(position=column(position))), START)[0].deflection is None

@@ -1,0 +1,63 @@
+"""Logs of real recorders, which are not in this repository: what was refused or misread."""
+
+from __future__ import annotations
+
+import os
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flexros.effects import RobotWithEffects
+from flexros.gap.residuals.fit_data import fit_data
+from flexros.gap.settings import DiagnosisSettings
+from flexros.logs.foreign.import_log import import_log
+from flexros.logs.foreign.mapping import load_mapping
+from flexros.record.checks.run import findings
+from flexros.record.quantization import lattice_step
+from flexros.record.read import read_record
+from flexros.record.record import Record
+from flexros.robot import Robot, load_robot
+
+FOLDER = Path(os.environ.get("FLEXROS_REALDATA") or "/nowhere")
+PENDULUM, LINKS = FOLDER / "dfki_double_pendulum", FOLDER / "quanser_2dsfl"
+pytestmark = pytest.mark.skipif(
+    not (PENDULUM.is_dir() and LINKS.is_dir()),
+    reason="FLEXROS_REALDATA is unset or lacks dfki_double_pendulum/ and quanser_2dsfl/, the measured robots",
+)
+
+
+@cache
+def recorded(folder: Path, file: str, mapping: str, robot: str) -> tuple[Record, Robot]:
+    model = load_robot(folder / robot)
+    return read_record(import_log(load_mapping(folder / mapping), [folder / file]), model, name=file), model
+
+
+def test_one_lost_command_leaves_a_log_of_which_slow_modes_settle_for_seconds() -> None:
+    record, robot = recorded(PENDULUM, "C_143704.csv", "mapping.yaml", "robot_without_friction.yaml")
+    data = fit_data(record, RobotWithEffects(robot, ()), DiagnosisSettings())
+    assert data.gain.settling > 0.9 * record.n_samples
+    assert data.counted.mean() > 0.99
+
+
+def test_a_pendulum_at_rest_is_not_stuck() -> None:
+    record, robot = recorded(PENDULUM, "C_143906.csv", "mapping.yaml", "robot_without_friction.yaml")
+    assert not any("repeats its value" in finding.text for finding in findings(record, robot))
+
+
+@pytest.mark.parametrize("stage", [1, 2])
+def test_drives_that_turn_slowly_are_not_clipped(stage: int) -> None:
+    for file in ("lqr.csv", "fsf.csv"):
+        record, robot = recorded(LINKS, file, f"mapping_stage{stage}.yaml", f"robot_stage{stage}.yaml")
+        n = 1250
+        for first in range(0, record.n_samples - n, n):
+            texts = [finding.text for finding in findings(record.part(first, first + n), robot)]
+            assert not any("stays at the end" in text for text in texts)
+
+
+@pytest.mark.parametrize(("stage", "counts"), [(1, 409_600), (2, 204_800)])
+def test_resolution_of_an_encoder_is_found_in_decimals(stage: int, counts: int) -> None:
+    record, _ = recorded(LINKS, "lqr.csv", f"mapping_stage{stage}.yaml", f"robot_stage{stage}.yaml")
+    step = lattice_step(record.position[:, 0])
+    assert step == pytest.approx(2 * np.pi / counts, rel=1e-3)
