@@ -32,6 +32,9 @@ MATTERS = 0.05
 ROUNDED = 1e-5
 """Differences over the largest one up to which they are rounding of the file, such as decimals of text (chosen)."""
 
+AT_REST = 0.9
+"""Share of samples equal to the one before above which a signal is at rest (chosen)."""
+
 _DIVISORS = range(1, 7)  # number of steps that the quantile may be
 _MULTIPLES = (8.0, 64.0, 512.0)  # differences up to these numbers of steps refine it in turn
 
@@ -86,7 +89,23 @@ def encoder_step(record: Record, motor: int) -> float:
     """
     if record.encoder_steps:
         return record.encoder_steps[motor]
-    return lattice_step(record.position[record.valid, motor]) or 0.0
+    return resolution_of(record.position[record.valid, motor])
+
+
+def resolution_of(values: FloatArray) -> float:
+    """Return the step of a signal, or the usual change of one that hardly ever changes, as an encoder at rest.
+
+    Args:
+        values: Signal, shape (n,).
+
+    Returns:
+        The step in the unit of the signal; 0 without quantisation.
+    """
+    step = lattice_step(values)
+    change = np.abs(np.diff(values))
+    if step is None and np.any(change > 0) and np.mean(change == 0) > AT_REST:
+        return float(np.median(change[change > 0]))
+    return step or 0.0
 
 
 def _refined(step: float, change: FloatArray) -> float:

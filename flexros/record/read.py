@@ -16,7 +16,7 @@ from flexros.errors import InputError
 from flexros.logs.stamps import START_NS
 from flexros.record.even_grid import even_grid
 from flexros.record.joint_columns import motor_columns
-from flexros.record.quantization import lattice_step
+from flexros.record.quantization import resolution_of
 from flexros.record.record import Record, ToolRecord
 from flexros.record.stamp_jitter import positions_on_grid
 from flexros.record.torque_hold import held_torque, sampled_torque
@@ -241,7 +241,7 @@ def _unused(log: Log) -> list[str]:
 
 def _steps(position: FloatArray) -> tuple[float, ...]:
     """Return the resolution of each encoder as measured; 0 without one."""
-    return tuple(lattice_step(column) or 0.0 for column in position.T)
+    return tuple(resolution_of(column) for column in position.T)
 
 
 def _finite(values: FloatArray) -> tuple[FloatArray, BoolArray]:

@@ -38,6 +38,9 @@ TOOL_FRAME = "tool"
 _FIELDS_OF_TOOL = {"linear_acceleration": "acceleration", "angular_velocity": "turning_rate"}
 """Fields of the series of an Imu message."""
 
+_LARGEST = 1e9
+"""Largest value of any quantity [SI unit] (chosen); beyond it numbers are damaged."""
+
 _PART = 2**20
 """Bytes of a file that are read at once [byte]."""
 
@@ -150,6 +153,7 @@ def _read(
         time = _times(mapping, clock, signal, read[path], sources[path].names, column, str(path))
         time = time + ((signal.origin - origin) * 1e-9 + entry.time_offset)
         values = entry.factor * signal.values + entry.offset
+        _check_size(values, signal.values, column)
         mapped.append(_Mapped(entry, column, time, values, origin, signal.notes))
     return mapped
 
@@ -212,6 +216,15 @@ def _check_finite(values: FloatArray, column: str) -> None:
         raise InputError(
             f"{column}, row {bad[0] + 1}: {values[bad[0]]} is not finite ({bad.size} such rows); remove these rows "
             "or fill the gap"
+        )
+
+
+def _check_size(values: FloatArray, given: FloatArray, column: str) -> None:
+    bad = np.flatnonzero(np.abs(values) > _LARGEST)
+    if bad.size:
+        raise InputError(
+            f"{column}, row {bad[0] + 1}: {given[bad[0]]:.4g} is {values[bad[0]]:.4g} in SI units, but at most "
+            f"{_LARGEST:.0e} is a measurement ({bad.size} such rows); remove damaged rows, or correct the scale"
         )
 
 

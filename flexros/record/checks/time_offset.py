@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
+import numpy as np
+
+from flexros.record.balance.torque_balance import AGREED
 from flexros.record.checks.base import AbstractCheck, Finding
 
 if TYPE_CHECKING:
@@ -39,7 +42,8 @@ class TimeOffset(AbstractCheck):
                 f"the torques are stamped too late: the motions precede them by {1e3 * early:.2g} ms; give time_offset "
                 "when importing, so that commands and measurements of the same instant have the same stamp"
             )
-            return (Finding(text, hopeless=early > REFUSED * T, like_parameters=True),)
+            hopeless = early > REFUSED * T and _agreement(checked, tau) > AGREED
+            return (Finding(text, hopeless=hopeless, like_parameters=True),)
         if tau > LONGEST:
             text = (
                 f"the torques act {1e3 * tau:.2g} ms later than they are stamped; if that is no delay of the robot, "
@@ -47,3 +51,11 @@ class TimeOffset(AbstractCheck):
             )
             return (Finding(text, hopeless=False),)
         return ()
+
+
+def _agreement(checked: CheckedRecord, delay: float) -> float:
+    """Return the mean agreement of the torques with the inverse-dynamics torques at a delay [s]."""
+    assert checked.balance is not None
+    moving = np.flatnonzero(checked.moves).tolist()
+    fits = [checked.balance.fit(motor, motor, delay) for motor in moving]
+    return float(np.mean([0.0 if fit is None else fit.agreement for fit in fits])) if fits else 0.0

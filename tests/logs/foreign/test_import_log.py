@@ -248,3 +248,9 @@ def test_acceleration_without_gravity_is_told(mapping_of, table, write_csv, tmp_
     axes = [{"column": "q", "quantity": "tool_acceleration", "axis": a, "unit": "mm/s2"} for a in "xyz"]
     (text,) = import_log(mapping_of(Q, *axes), [write_csv(tmp_path / "a.csv", table)]).warnings
     assert "must contain gravity" in text
+
+
+def test_damaged_number_is_refused_with_its_row(mapping_of, table, write_csv, tmp_path: Path) -> None:
+    table["q"][6] = 1e200
+    with pytest.raises(InputError, match="column 'q', row 7: 1e.200"):
+        import_log(mapping_of(Q), [write_csv(tmp_path / "a.csv", table)])

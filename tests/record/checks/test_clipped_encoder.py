@@ -53,3 +53,11 @@ def test_turning_point_of_a_coarse_encoder_is_not_clipped(found, healthy) -> Non
     assert not any("stays at the end" in finding.text for finding in found("emps", position=position))
     clipped = np.minimum(position, 0.045)
     assert any("stays at the end" in finding.text for finding in found("emps", position=clipped))
+
+
+def test_encoder_that_changes_once_is_at_rest(found, healthy) -> None:
+    record = healthy("elbow")
+    position = record.position.copy()
+    position[:, 1] = position[0, 1] + 1e-4 * (np.arange(record.n_samples) > record.n_samples - 50)
+    texts = [finding.text for finding in found("elbow", position=position)]
+    assert not any("jumps" in text or "repeats its value" in text for text in texts)

@@ -93,3 +93,12 @@ def test_wrong_damping_in_one_band_of_slow_motion_is_no_offset() -> None:
     assert not np.isfinite(
         TorqueBalance(frequency, band, given, needed, still, np.ones((40, 1), dtype=bool)).delay().deviation
     )
+
+
+@pytest.mark.slow
+def test_a_lead_of_torques_that_the_model_hardly_explains_is_told_only(found, healthy, monkeypatch) -> None:
+    from flexros.record.checks import time_offset
+
+    monkeypatch.setattr(time_offset, "_agreement", lambda checked, delay: 0.6)
+    findings = found("emps", late(healthy("emps"), 1))
+    assert any("stamped too late" in finding.text and not finding.hopeless for finding in findings)
