@@ -162,24 +162,57 @@ class SearchSettings(Settings):
     settled: int = Field(
         default=3, ge=0, description="a fit that converges in so many iterations needs no second initial value"
     )
+    fitted: int = Field(default=16, ge=1, description="candidates that are fitted alone, by predicted gain")
     finished: int = Field(default=6, ge=1, description="fits that are carried to their end")
-    extended: int = Field(default=3, ge=1, description="best explanations that a further effect is added to")
-    added: int = Field(
-        default=5, ge=1, description="candidates that are fitted in addition to each of them, by predicted gain"
+    screened_values: int = Field(
+        default=20_000,
+        ge=100,
+        description="prediction errors that gains of candidates are estimated from, spread over the log",
     )
-    most_effects: int = Field(default=4, ge=1, description="most effects in one explanation")
+    screened: int = Field(
+        default=12, ge=1, description="candidates by predicted gain among which those are sought whose gains add up"
+    )
+    grouped: int = Field(default=6, ge=1, description="most candidates that are added at a time")
+    kept: float = Field(
+        default=0.5,
+        gt=0,
+        le=1,
+        description="share of its own gain that a candidate must keep beside others to be added with them [1]",
+    )
+    added: int = Field(default=3, ge=1, description="candidates that are added alone as well, by predicted gain")
+    most_effects: int = Field(default=30, ge=1, description="most effects in one explanation")
+    rounds: int = Field(default=12, ge=1, description="most rounds of forward selection, and of exchanges")
+    removed_by_step: float = Field(
+        default=0.1,
+        gt=0,
+        lt=1,
+        description="share of the remaining gap that a step of forward selection must remove, and every effect while "
+        "the search goes on [1]",
+    )
+    regained: float = Field(
+        default=0.5,
+        gt=0,
+        description="predicted gain from which a candidate is fitted in place of an effect, over what is lost without "
+        "that effect [1]",
+    )
+    indispensable: float = Field(
+        default=0.9,
+        gt=0,
+        lt=1,
+        description="share of the remaining gap from which an effect is not tried to be left out, by linear theory [1]",
+    )
     removed: float = Field(
         default=0.4,
         gt=0,
         lt=1,
-        description="share of the remaining gap that a further effect must remove [1]; spurious ones remove up to 0.3 "
-        "(development seeds)",
+        description="share of the remaining gap that every effect must remove in the end, all others in place [1]; "
+        "spurious ones remove up to 0.3 (development seeds)",
     )
     removed_of_all: float = Field(
-        default=0.3,
+        default=0.1,
         gt=0,
         lt=1,
-        description="the same on a real machine, where the floor is a matter of tolerance: of all that is left [1]",
+        description="the same on a real machine, where what no effect explains is part of what remains [1]",
     )
     tried_orders: int = Field(
         default=5, ge=1, description="orders of a rotor that are fitted: the most prominent and the largest, each"

@@ -84,6 +84,18 @@ class Candidate:
         encoded = [[free.encode(value) for value in free.starts] for free in self.free]
         return list(zip(*encoded, strict=True) if self.together else product(*encoded))
 
+    def neutral(self, free: FreeParameter) -> float | None:
+        """Return the value of a parameter that switches the effect off, in the unit of the fit.
+
+        Positive parameters come as close to it as their range allows. None for parameters that shape an effect, such as
+        a frequency.
+        """
+        default = self.effect.model_fields[free.name].default
+        low, high = free.bounds
+        if not isinstance(default, float) or not (default == 0.0 or np.isinf(default)):
+            return None
+        return 0.0 if free.signed and default == 0.0 else low if default == 0.0 else high
+
     def placed(self, values: Mapping[str, float]) -> PlacedEffect:
         """Make the effect with values of the free parameters by name [their units]."""
         return PlacedEffect(self.effect(**{**dict(self.fixed), **values}), self.location)

@@ -1,75 +1,212 @@
-"""Score-test estimate of the likelihood gain of adding a candidate to a fitted model."""
+"""Score-test estimates: what candidates would gain in addition to a fit, and what its effects are worth.
+
+All by linear theory on a part of the weighted prediction errors, which costs no prediction beyond those of each
+candidate alone.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from flexros.gap.prediction.predictor import LANES
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from numpy.typing import NDArray
 
-    from flexros.arrays import FloatArray
-    from flexros.gap.fit.least_squares import Linearised
+    from flexros.arrays import BoolArray, FloatArray, IntArray
+    from flexros.gap.candidates.candidate import Candidate
+    from flexros.gap.fit.least_squares import CandidateFit, Linearised
     from flexros.gap.prediction.predictor import Predictor
     from flexros.gap.residuals.fit_data import FitData
 
-IMITATED = 1e-12
-"""Share of a direction that rounding leaves where the fitted parameters imitate it [1]."""
-HUGE = 1e200
-"""Sum of squared changes beyond which a prediction has diverged [1]."""
+IMITATED = 1e-6
+"""Share of a direction, in single precision, that rounding leaves where the fitted parameters imitate it [1]."""
+HUGE = 1e15
+"""Largest change of a weighted prediction error; beyond it a prediction has diverged [1]."""
 
 
-def predicted_gains(
-    predictor: Predictor, data: FitData, starts: FloatArray, null_residual: FloatArray, lines: Sequence[Linearised]
-) -> list[tuple[float, FloatArray]]:
-    """Estimate by how much the sum of squares falls when a candidate is added, by linear theory.
+@dataclass(frozen=True, eq=False)
+class Directions:
+    """Changes of the weighted prediction errors of the nominal model by a candidate, one per initial value.
 
-    Each initial value of the candidate gives a direction: the change of the errors of the nominal model. What counts is
-    the part of it that the parameters fitted so far cannot imitate. The best direction, scaled to its best length,
-    gives the gain; the direction that lowers the sum most without scaling gives the initial value.
+    Attributes:
+        candidate: The candidate.
+        starts: Its initial values in the units of the fit, shape (n_free, n_starts).
+        changes: The changes, zero where the prediction diverges, in single precision, shape (n_rows, n_starts).
+        usable: Whether the prediction does not diverge, shape (n_starts,).
+    """
+
+    candidate: Candidate
+    starts: FloatArray
+    changes: NDArray[np.float32]
+    usable: BoolArray
+
+
+def directions_of(
+    predictor: Predictor, data: FitData, starts: FloatArray, null_residual: FloatArray, rows: IntArray
+) -> Directions:
+    """Predict a log with every initial value of one candidate.
 
     Args:
         predictor: Predictor of the candidate alone.
         data: Log and weights.
         starts: Initial values of its parameters and of the tolerated deviations, shape (n_fitted, n_starts).
         null_residual: Weighted prediction errors of the nominal model, shape (n_values,).
-        lines: The fits that the candidate is added to, linearised.
-
-    Returns:
-        For each of them, the gain [1] and the initial value of the candidate, shape (n_effect,).
+        rows: Prediction errors that are kept, shape (n_rows,).
     """
-    gains, lowered = np.zeros(len(lines)), np.full(len(lines), -np.inf)
-    chosen = [starts[: predictor.n_effect, 0]] * len(lines)
+    changes = np.empty((len(rows), starts.shape[1]), dtype=np.float32)
+    usable = np.zeros(starts.shape[1], dtype=bool)
     for begin in range(0, starts.shape[1], LANES):
-        errors = data.residuals(predictor, starts[:, begin : begin + LANES])
-        finite = np.all(np.isfinite(errors), axis=0)
-        change = np.subtract(errors, null_residual[:, None], out=errors)
-        change[:, ~finite] = 0.0
-        for index, line in enumerate(lines):
-            scaled, unscaled = _falls(change, line)
-            lane = int(np.argmax(unscaled))
-            gains[index] = max(gains[index], float(scaled.max()))
-            if unscaled[lane] > lowered[index]:
-                lowered[index], chosen[index] = unscaled[lane], starts[: predictor.n_effect, begin + lane]
-    return list(zip(gains.tolist(), chosen))
+        group = slice(begin, min(begin + LANES, starts.shape[1]))
+        change = data.residuals(predictor, starts[:, group])[rows] - null_residual[rows, None]
+        with np.errstate(invalid="ignore"):
+            usable[group] = np.all(np.abs(change) < HUGE, axis=0)
+        changes[:, group] = np.where(usable[group], change, 0.0)
+    return Directions(predictor.hypothesis[0], starts[: predictor.n_effect], changes, usable)
 
 
-def _falls(change: FloatArray, line: Linearised) -> tuple[FloatArray, FloatArray]:
-    """Return by how much directions lower the sum of squares of a fit whose own parameters are fitted again.
+@dataclass(frozen=True, eq=False)
+class Surroundings:
+    """A fit, linearised on some of its prediction errors.
 
-    Tolerated deviations have a prior penalty, so that a direction which they imitate still gains what they cost.
+    Attributes:
+        residual: Weighted prediction errors r, shape (n_rows,).
+        slopes: Their derivatives J to the fitted parameters, shape (n_rows, n_fitted).
+        prior: Information of the prior on each parameter [1], shape (n_fitted,).
+        pulled: Part of the prior in the gradient, shape (n_fitted,).
+        weight: Prediction errors that each row stands for [1].
+    """
+
+    residual: FloatArray
+    slopes: FloatArray
+    prior: FloatArray
+    pulled: FloatArray
+    weight: float
+
+    def gains(self, changes: NDArray[Any]) -> tuple[FloatArray, FloatArray]:
+        """Estimate by how much directions lower the sum of squares when all parameters are fitted again.
+
+        Tolerated deviations have a prior penalty, so that a direction which they imitate still gains what they cost.
+
+        Args:
+            changes: Changes of the prediction errors, shape (n_rows, k).
+
+        Returns:
+            With the best length of each direction, and with the length that it has, shape (k,) each.
+        """
+        slope, curvature = self._slope(changes), self._own_curvature(changes)
+        raw = self.weight * np.einsum("ij,ij->j", changes, changes, dtype=float)
+        scaled = np.where(slope > 0, slope**2 / np.maximum(curvature, IMITATED * raw + 1e-300), 0.0)
+        return scaled, 2 * slope - curvature
+
+    def independent(self, changes: NDArray[Any], most: int, kept: float) -> list[int]:
+        """Select directions that each gain nearly as much together as alone.
+
+        With the slope b and the curvature G of the sum of squares along the directions, all fitted parameters free, the
+        gain of direction j after the directions S is (b_j - G_jS G_SS^-1 b_S)^2 / (G_jj - G_jS G_SS^-1 G_Sj).
+
+        Args:
+            changes: Changes of the prediction errors, those of the largest gains first, shape (n_rows, k).
+            most: Most directions.
+            kept: Least share of its own gain, and of its own curvature, that a direction keeps [1].
+
+        Returns:
+            Indices of the selected directions, in their order.
+        """
+        changes = changes.astype(float)
+        slope = self._slope(changes)
+        shared = self.weight * self.slopes.T @ changes
+        curvature = self.weight * changes.T @ changes - shared.T @ self._refitted(shared)
+        own = np.maximum(np.diag(curvature), 1e-300)
+        selected: list[int] = []
+        for index in np.flatnonzero(slope > 0):
+            if len(selected) == most:
+                break
+            among = curvature[selected, index]
+            weights = np.linalg.lstsq(curvature[np.ix_(selected, selected)], among, rcond=1e-12)[0]
+            left, along = own[index] - among @ weights, slope[index] - slope[selected] @ weights
+            if left > kept * own[index] and along > 0 and along**2 / left > kept * slope[index] ** 2 / own[index]:
+                selected.append(int(index))
+        return selected
+
+    def without(self, columns: BoolArray, change: FloatArray) -> Surroundings:
+        """Return the same fit with some parameters at values that switch their effect off.
+
+        Args:
+            columns: Whether a parameter is one of them, shape (n_fitted,).
+            change: Change of the prediction errors when they are switched off, shape (n_rows,).
+        """
+        kept = ~columns
+        return Surroundings(
+            self.residual + change, self.slopes[:, kept], self.prior[kept], self.pulled[kept], self.weight
+        )
+
+    @property
+    def least(self) -> float:
+        """Sum of squares when all parameters are fitted again, by linear theory [1]."""
+        gradient = self.weight * self.slopes.T @ self.residual + self.pulled
+        return self.weight * float(self.residual @ self.residual) - float(gradient @ self._refitted(gradient))
+
+    def _slope(self, changes: NDArray[Any]) -> FloatArray:
+        gradient = self.weight * self.slopes.T @ self.residual + self.pulled
+        shared = self.weight * self.slopes.T @ changes
+        slope: FloatArray = -(self.weight * self.residual @ changes - self._refitted(gradient) @ shared)
+        return slope
+
+    def _own_curvature(self, changes: NDArray[Any]) -> FloatArray:
+        shared = self.weight * self.slopes.T @ changes
+        own = self.weight * np.einsum("ij,ij->j", changes, changes, dtype=float)
+        return np.asarray(own - np.einsum("ij,ij->j", shared, self._refitted(shared)), dtype=float)
+
+    def _refitted(self, gradient: FloatArray) -> FloatArray:
+        information = self.weight * self.slopes.T @ self.slopes + np.diag(self.prior)
+        return np.asarray(np.linalg.lstsq(information, gradient, rcond=1e-12)[0], dtype=float)
+
+
+def surroundings_of(fit: CandidateFit, line: Linearised, rows: IntArray) -> Surroundings:
+    """Reduce a linearised fit to some of its prediction errors.
+
+    Args:
+        fit: The fit.
+        line: The same, linearised.
+        rows: The prediction errors, shape (n_rows,).
+    """
+    prior = np.zeros(len(fit.theta))
+    prior[fit.predictor.n_effect :] = 1.0
+    return Surroundings(
+        line.residual[rows], line.slopes[rows], prior, prior * fit.theta, len(line.residual) / max(len(rows), 1)
+    )
+
+
+def switched_off(fit: CandidateFit, data: FitData, residual: FloatArray, rows: IntArray) -> FloatArray:
+    """Compute how the prediction errors change when each effect of a fit is switched off alone.
+
+    Args:
+        fit: The fit.
+        data: Log and weights.
+        residual: Its weighted prediction errors, shape (n_values,).
+        rows: Prediction errors that are kept, shape (n_rows,).
 
     Returns:
-        With the best length of each direction, and with the length that it has, shape (n_directions,) each.
+        Changes, shape (n_rows, n_effects).
     """
-    shared = line.slopes.T @ change
-    refitted = np.linalg.lstsq(line.information, shared, rcond=1e-12)[0]
-    along = -(line.residual @ change - line.gradient @ refitted)
-    length = np.einsum("ij,ij->j", change, change) - np.einsum("ij,ij->j", shared, refitted)
-    usable = (along > 0) & (length < HUGE)
-    least = IMITATED * np.einsum("ij,ij->j", change, change) + 1e-300
-    scaled = np.where(usable, along**2 / np.maximum(length, least), 0.0)
-    return scaled, np.where(length < HUGE, 2 * along - length, -np.inf)
+    thetas = np.repeat(fit.theta[:, None], len(fit.hypothesis), axis=1)
+    column = 0
+    for index, candidate in enumerate(fit.hypothesis):
+        for free in candidate.free:
+            neutral = candidate.neutral(free)
+            if neutral is not None:
+                thetas[column, index] = neutral
+            column += 1
+    groups = [thetas[:, begin : begin + LANES] for begin in range(0, thetas.shape[1], LANES)]
+    changes = [data.residuals(fit.predictor, group)[rows] - residual[rows, None] for group in groups]
+    return np.concatenate(changes, axis=1)
+
+
+def parameters_of_effect(fit: CandidateFit, index: int) -> BoolArray:
+    """Return which fitted parameters belong to one effect of a fit, shape (n_fitted,)."""
+    owners = [row for row, candidate in enumerate(fit.hypothesis) for _ in candidate.free]
+    return np.array([*(owner == index for owner in owners), *([False] * len(fit.deviations))], dtype=bool)

@@ -15,27 +15,54 @@ from flexros.errors import unknown_name
 from flexros.gap.candidates.candidate import list_candidates
 from flexros.gap.candidates.scales import scales_of
 from flexros.gap.fit.estimates import placed_effects
-from flexros.gap.fit.least_squares import CandidateFit, Linearised, best_of, chi2_of, initial_values, linearise
+from flexros.gap.fit.least_squares import CandidateFit, best_of, chi2_of, initial_values, linearise
 from flexros.gap.fit.least_squares import fit as fit_candidate
 from flexros.gap.fit.pruning import without_least_parameter
-from flexros.gap.fit.screening import predicted_gains
+from flexros.gap.fit.screening import directions_of, parameters_of_effect, surroundings_of, switched_off
 from flexros.gap.fit.tolerance_takeover import with_takeover
 from flexros.gap.search.harmonic_candidates import harmonic_candidates, neighbouring_orders
 from flexros.gap.settings import DiagnosisSettings
+from flexros.random_streams import generator
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from flexros.arrays import FloatArray
+    from numpy.typing import NDArray
+
+    from flexros.arrays import FloatArray, IntArray
     from flexros.effects import AbstractEffect
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.candidates.scales import Scales
     from flexros.gap.fit.null_fit import NullFit
+    from flexros.gap.fit.screening import Directions, Surroundings
     from flexros.gap.prediction.predictor import Predictor
     from flexros.gap.residuals.fit_data import FitData
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
+
+ROWS_STREAM = 21
+"""Stream of random numbers that draws the prediction errors of the estimates."""
+
+
+@dataclass(frozen=True, eq=False)
+class Addition:
+    """A candidate that may be added to a fit.
+
+    Attributes:
+        candidate: The candidate.
+        gain: Fall of the sum of squares that linear theory predicts [1].
+        start: Its initial value, in the units of the fit, shape (n_free,).
+        deviations: Tolerated deviations to begin with: those of the fit, but for the ones that the candidate replaces,
+            shape (n_tolerated,).
+        change: Change of the prediction errors by the initial value, on the rows of the search, shape (n_rows,).
+    """
+
+    candidate: Candidate
+    gain: float
+    start: FloatArray
+    deviations: FloatArray
+    change: NDArray[np.float32]
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +75,7 @@ class Search:
         tolerance_slopes: Derivatives of these errors to the tolerated deviations, shape (n_values, n_tolerated); None
             where nothing is tolerated.
         scales: Largest torques, speeds and deflections of the log.
+        rows: Prediction errors that estimates of gains are computed from, evenly spread over the log, shape (n_rows,).
         distance: Sum of the squares by which the weighted prediction errors of two fits differ.
         settings: Settings of the diagnosis.
         threads: Fits at the same time.
@@ -58,6 +86,7 @@ class Search:
     null_residual: FloatArray
     tolerance_slopes: FloatArray | None
     scales: Scales
+    rows: IntArray
     distance: Callable[[CandidateFit, CandidateFit], float]
     settings: DiagnosisSettings
     threads: int
@@ -88,31 +117,52 @@ class Search:
     def _competes(self, effect: type[AbstractEffect]) -> bool:
         return not self.settings.search.effects or effect.name in self.settings.search.effects
 
-    def singles(self, candidates: Sequence[Candidate]) -> list[CandidateFit]:
-        """Fit every candidate alone: all for a few iterations, the best ones to the end.
+    def directions(self, candidates: Sequence[Candidate]) -> list[Directions]:
+        """Predict the log with every initial value of the candidates."""
+        return self.parallel("candidates", self._directions, candidates)
+
+    def _directions(self, candidate: Candidate) -> Directions:
+        predictor = self.null.predictor((candidate,))
+        starts = initial_values(predictor, self.settings.fit.most_starts)
+        starts[predictor.n_effect :] = self.null.fit.deviations[:, None]
+        return directions_of(predictor, self.data, starts, self.null_residual, self.rows)
+
+    def singles(self, directions: Sequence[Directions]) -> list[CandidateFit]:
+        """Fit the candidates that promise most, each alone: all for a few iterations, the best ones to the end.
 
         An effect that extends simpler ones starts from their fits, and only where one of those gains anything.
 
         Args:
-            candidates: The candidates.
+            directions: The candidates.
 
         Returns:
             Fits, the best first.
         """
-        simple = [candidate for candidate in candidates if not candidate.effect.extends]
-        fits = self._parallel("single effects", self._single, simple)
+        null = self.null.fit
+        surroundings = self.surroundings(null)
+        simple = [direction for direction in directions if not direction.candidate.effect.extends]
+        promising = sorted(
+            zip(simple, (surroundings.gains(direction.changes)[0].max() for direction in simple)),
+            key=lambda pair: -pair[1],
+        )[: self.settings.search.fitted]
+        fits = self.parallel("single effects", lambda pair: self._single(pair[0], surroundings), promising)
         worth = float(np.log(self.data.n_values))
         gaining = [fit for fit in fits if self.null.fit.chi2 - fit.chi2 > worth]
-        pairs = [(candidate, fit) for candidate in candidates for fit in gaining if _extends(candidate, fit)]
-        fits += self._parallel("richer effects", lambda pair: self._extended(*pair), pairs)
-        return self._visible(self._finished(fits))
+        pairs = [
+            (direction.candidate, fit)
+            for direction in directions
+            for fit in gaining
+            if _extends(direction.candidate, fit)
+        ]
+        fits += self.parallel("richer effects", lambda pair: self._extended(*pair), pairs)
+        return self.finished(fits)
 
-    def _single(self, candidate: Candidate) -> CandidateFit:
-        """Fit a candidate from its own initial values."""
-        predictor = self.null.predictor((candidate,))
-        starts = initial_values(predictor, self.settings.fit.most_starts)
-        starts[predictor.n_effect :] = self.null.fit.deviations[:, None]
-        return self._from_grid(predictor, starts)
+    def _single(self, direction: Directions, surroundings: Surroundings) -> CandidateFit:
+        """Fit a candidate from its two best initial values."""
+        best = _best_starts(direction, surroundings)
+        deviations = np.repeat(self.null.fit.deviations[:, None], len(best), axis=1)
+        starts = np.vstack([direction.starts[:, best], deviations])
+        return self._from_grid(self.null.predictor((direction.candidate,)), starts)
 
     def _extended(self, candidate: Candidate, simple: CandidateFit) -> CandidateFit:
         """Fit a candidate from the parameters of a simpler effect that it contains."""
@@ -182,7 +232,7 @@ class Search:
         ranked = sorted(fits, key=lambda fit: fit.chi2)
         best = [self._continued(fit, np.inf) for fit in ranked[:1]]
         rival = min((fit.chi2 for fit in best), default=np.inf)
-        best += self._parallel("best effects", lambda fit: self._continued(fit, rival), ranked[1:finished])
+        best += self.parallel("best effects", lambda fit: self._continued(fit, rival), ranked[1:finished])
         return sorted([*best, *ranked[finished:]], key=lambda fit: fit.chi2)
 
     def _continued(self, fit: CandidateFit, rival: float) -> CandidateFit:
@@ -211,46 +261,74 @@ class Search:
             fit = pruned
         return fit
 
-    def extended(self, explanations: Sequence[CandidateFit]) -> list[CandidateFit]:
-        """Fit the most promising candidates in addition to each of some explanations.
+    def surroundings(self, fit: CandidateFit) -> Surroundings:
+        """Linearise a fit on the rows of the search."""
+        return surroundings_of(fit, linearise(fit.predictor, self.data, fit.theta), self.rows)
+
+    def additions(
+        self, directions: Sequence[Directions], fit: CandidateFit, surroundings: Surroundings
+    ) -> list[Addition]:
+        """List the candidates that a fit lacks, by their predicted gain in addition to it.
 
         Args:
-            explanations: Fitted explanations, the best first.
-
-        Returns:
-            Fits of each together with one more candidate, the best first.
+            directions: The candidates.
+            fit: The fit.
+            surroundings: The same, linearised.
         """
-        lines = [linearise(fit.predictor, self.data, fit.theta) for fit in explanations]
-        candidates: list[tuple[Candidate, int | None]] = [
-            (candidate, index) for index, fit in enumerate(explanations) for candidate in self.harmonics(fit)
+        additions = [
+            _addition(direction, fit, surroundings)
+            for direction in directions
+            if direction.candidate.name not in fit.names and direction.usable.any()
         ]
-        candidates += [(candidate, None) for candidate in self.candidates()]
-        gains = self._parallel("further effects", lambda pair: self._predicted_gains(pair[0], lines), candidates)
-        pairs: list[tuple[CandidateFit, Candidate, FloatArray]] = []
-        for index, fit in enumerate(explanations):
-            options = [
-                (candidate, *with_takeover(candidate, fit, *gain[index]))
-                for (candidate, only), gain in zip(candidates, gains)
-                if only in (None, index) and candidate.name not in fit.names
-            ]
-            options.sort(key=lambda option: -option[1])
-            pairs += [(fit, candidate, theta) for candidate, _, theta in options[: self.settings.search.added]]
-        fits = self._parallel("effects together", lambda pair: self._together(*pair), pairs)
-        return self._visible(self._finished(fits))
+        return sorted(additions, key=lambda addition: -addition.gain)
 
-    def _predicted_gains(self, candidate: Candidate, lines: Sequence[Linearised]) -> list[tuple[float, FloatArray]]:
-        """Estimate what a candidate gains in addition to other effects, and its initial value."""
-        predictor = self.null.predictor((candidate,))
-        starts = initial_values(predictor, self.settings.fit.most_starts)
-        starts[predictor.n_effect :] = self.null.fit.deviations[:, None]
-        return predicted_gains(predictor, self.data, starts, self.null_residual, lines)
+    def removals(self, fit: CandidateFit, surroundings: Surroundings) -> list[Surroundings]:
+        """Linearise a fit without each of its effects."""
+        changes = switched_off(fit, self.data, fit.residual(self.data), self.rows)
+        return [
+            surroundings.without(parameters_of_effect(fit, index), change) for index, change in enumerate(changes.T)
+        ]
 
-    def _together(self, explanation: CandidateFit, candidate: Candidate, theta: FloatArray) -> CandidateFit:
-        """Fit an explanation together with one more candidate."""
-        predictor = self.null.predictor((*explanation.hypothesis, candidate))
+    def together(self, fit: CandidateFit, additions: Sequence[Addition], without: str = "") -> CandidateFit:
+        """Fit an explanation together with further candidates.
+
+        Args:
+            fit: The explanation.
+            additions: The candidates.
+            without: Name of one of its own candidates that they replace, effect@location; empty for none.
+        """
+        rest = tuple(candidate for candidate in fit.hypothesis if candidate.name != without)
+        kept = [candidate.name != without for candidate in fit.hypothesis for _ in candidate.free]
+        own = fit.theta[: fit.predictor.n_effect][np.array(kept, dtype=bool)]
+        deviations = np.where(
+            np.all([addition.deviations == fit.deviations for addition in additions], axis=0), fit.deviations, 0.0
+        )
+        theta = np.concatenate([own, *(addition.start for addition in additions), deviations])
+        predictor = self.null.predictor((*rest, *(addition.candidate for addition in additions)))
         return self._fit(predictor, theta, self.settings.fit.joint_iterations, quick=True)
 
-    def _parallel(self, step: str, work: Callable[[Item], Result], items: Sequence[Item]) -> list[Result]:
+    def without(self, fit: CandidateFit, name: str) -> CandidateFit:
+        """Fit an explanation without one of its candidates.
+
+        Args:
+            fit: The explanation.
+            name: Name of the candidate, effect@location.
+        """
+        kept = [candidate.name != name for candidate in fit.hypothesis for _ in candidate.free]
+        theta = fit.theta[np.array([*kept, *([True] * len(fit.deviations))], dtype=bool)]
+        predictor = self.null.predictor(tuple(candidate for candidate in fit.hypothesis if candidate.name != name))
+        return self._fit(predictor, theta, self.settings.fit.joint_iterations, quick=True)
+
+    def finished(self, fits: Sequence[CandidateFit]) -> list[CandidateFit]:
+        """Carry the best fits to their end, and leave out those that are no more than a simpler one."""
+        return self._visible(self._finished(fits))
+
+    def visible(self, fits: Sequence[CandidateFit]) -> list[CandidateFit]:
+        """Sort fits, without those that are no more than a simpler one."""
+        return sorted(self._visible(fits), key=lambda fit: fit.chi2)
+
+    def parallel(self, step: str, work: Callable[[Item], Result], items: Sequence[Item]) -> list[Result]:
+        """Work on items in parallel and return the results in their order; `step` is the name shown as progress."""
         results: list[Result] = []
         with ThreadPoolExecutor(self.threads) as pool:
             for done, result in enumerate(pool.map(work, items), 1):
@@ -282,12 +360,23 @@ def prepare_search(
         null=null,
         null_residual=fit.residual(data),
         tolerance_slopes=linearise(fit.predictor, data, fit.theta).slopes if len(fit.deviations) else None,
+        rows=_rows(data, settings.search.screened_values),
         scales=scales_of(null.model.robot, fit.states(data), data.record.torque),
         distance=_distances(data),
         settings=settings,
         threads=settings.threads or os.cpu_count() or 1,
         progress=progress,
     )
+
+
+def _rows(data: FitData, most: int) -> IntArray:
+    """Choose prediction errors that are spread evenly over the log, drawn so that no period is favoured."""
+    used = np.flatnonzero(np.isfinite(data.spread.T.ravel()))
+    after = np.arange(data.spread.size, data.spread.size + (0 if data.tool is None else data.tool.position.size))
+    every = np.concatenate([used, after])
+    if len(every) <= most:
+        return every
+    return np.sort(generator(0, ROWS_STREAM).choice(every, size=most, replace=False))
 
 
 def _distances(data: FitData) -> Callable[[CandidateFit, CandidateFit], float]:
@@ -301,6 +390,21 @@ def _distances(data: FitData) -> Callable[[CandidateFit, CandidateFit], float]:
         return known[pair]
 
     return distance
+
+
+def _best_starts(direction: Directions, surroundings: Surroundings, most: int = 2) -> IntArray:
+    """Return the indices of the initial values that lower the sum of squares most, without scaling."""
+    lowered = np.where(direction.usable, surroundings.gains(direction.changes)[1], -np.inf)
+    return np.argsort(-lowered)[:most]
+
+
+def _addition(direction: Directions, fit: CandidateFit, surroundings: Surroundings) -> Addition:
+    """Prepare the addition of a candidate to a fit, in place of tolerated deviations where that gains more."""
+    best = int(_best_starts(direction, surroundings, 1)[0])
+    gain = float(surroundings.gains(direction.changes)[0].max())
+    gain, theta = with_takeover(direction.candidate, fit, gain, direction.starts[:, best])
+    n, free = fit.predictor.n_effect, len(direction.candidate.free)
+    return Addition(direction.candidate, gain, theta[n : n + free], theta[n + free :], direction.changes[:, best])
 
 
 def _extends(candidate: Candidate, simple: CandidateFit) -> bool:

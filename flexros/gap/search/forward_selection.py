@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.candidates.candidate import names_of
 from flexros.gap.search.model_probability import ModelComparison, compare
 
 if TYPE_CHECKING:
@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 
     from flexros.arrays import FloatArray
     from flexros.gap.fit.least_squares import CandidateFit
-    from flexros.gap.search.candidate_fits import Search
+    from flexros.gap.fit.screening import Directions, Surroundings
+    from flexros.gap.search.candidate_fits import Addition, Search
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +51,10 @@ class Explanations:
 def explain(search: Search) -> Explanations:
     """Search a log for causes.
 
+    Every effect alone, then forward selection: several candidates at a time whose gains add up, all fitted again
+    together, and those that turn out to remove little left out again. What counts is the removal of an effect at the
+    end, with all others in place: at the beginning each of many true effects removes only a small part of the gap.
+
     Args:
         search: The log, the nominal model fitted to it and the settings.
 
@@ -57,34 +62,129 @@ def explain(search: Search) -> Explanations:
         All fits and the chosen explanation.
     """
     settings = search.settings.search
-    singles = unique(search.singles((*search.candidates(), *search.harmonics(search.null.fit))))
+    null = search.null.fit
+    directions = search.directions(search.candidates())
+    singles = unique(search.singles([*directions, *search.directions(search.harmonics(null))]))
     comparison = _compare(search, singles)
     if not comparison.detected:
-        return _explanations(comparison, search.null.fit, detected=False)
-    level = comparison.ranked(singles)
-    chosen, fits = level[0], list(singles)
-    while len(chosen.hypothesis) < settings.most_effects and _incomplete(search, comparison, chosen):
-        level = unique(search.extended(level[: settings.extended]))
-        if not level:
+        return _explanations(comparison, null, detected=False)
+    fits = list(singles)
+    chosen = comparison.ranked(singles)[0]
+    for _ in range(settings.rounds):
+        if len(chosen.hypothesis) >= settings.most_effects or not _incomplete(search, comparison, chosen):
             break
-        fits += level
+        grown = _grown(search, chosen, directions, fits)
         comparison = _compare(search, unique(fits))
-        level = comparison.ranked(level)
-        if not _worth(search, comparison, chosen, level[0]):
+        if grown is None or not _worth(search, comparison, chosen, grown, settings.removed_by_step):
             break
-        revised = _backward(search, level[0], fits)
-        fits += revised
-        comparison = _compare(search, unique(fits))
-        level = comparison.ranked(unique([*level, *revised]))
-        chosen = level[0]
+        chosen = _reduced(search, grown, fits, settings.removed_by_step)
+    if len(chosen.hypothesis) > 1:
+        fits += search.finished([chosen])
+        chosen = _reduced(search, fits[-1], fits, settings.removed)
+        chosen = _exchanged(search, chosen, directions, fits)
+    comparison = _compare(search, unique(fits))
+    (chosen,) = (fit for fit in comparison.fits if fit.names == chosen.names)
     return _pruned(search, _explanations(comparison, chosen, detected=True))
 
 
-def _backward(search: Search, best: CandidateFit, fits: list[CandidateFit]) -> list[CandidateFit]:
-    """Remove the effect that was found first, and extend the rest by others."""
-    rest = names_of(best.hypothesis[1:])
-    without = [fit for fit in fits if fit.names == rest]
-    return search.extended([min(without, key=lambda fit: fit.chi2)]) if without else []
+def _grown(
+    search: Search, fit: CandidateFit, directions: Sequence[Directions], fits: list[CandidateFit]
+) -> CandidateFit | None:
+    """Add candidates to a fit: several whose gains add up, or one of the best.
+
+    Args:
+        search: The search.
+        fit: The fit.
+        directions: All candidates but those of harmonics, which follow from the fit.
+        fits: All fits so far; new ones are appended.
+
+    Returns:
+        The best of the new fits; None where no candidate is left.
+    """
+    settings, surroundings = search.settings.search, search.surroundings(fit)
+    every = [*directions, *search.directions(search.harmonics(fit))]
+    additions = search.additions(every, fit, surroundings)[: settings.screened]
+    if not additions:
+        return None
+    changes = np.stack([addition.change for addition in additions], axis=-1)
+    group = [additions[index] for index in surroundings.independent(changes, settings.grouped, settings.kept)]
+    trials = [group] if len(group) > 1 else [[addition] for addition in additions[: settings.added]]
+    grown = search.visible(search.parallel("effects together", lambda trial: search.together(fit, trial), trials))
+    fits += grown
+    return grown[0] if grown else None
+
+
+def _reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed: float) -> CandidateFit:
+    """Leave out the effects without which hardly more is left, one after the other.
+
+    Effects that are indispensable by linear theory are not tried.
+
+    Args:
+        search: The search.
+        fit: The fit.
+        fits: All fits so far; new ones are appended.
+        removed: Share of the remaining gap that every effect must remove [1].
+    """
+    settings, n = search.settings.search, search.data.n_values
+    while len(fit.hypothesis) > 1:
+        rests = search.removals(fit, search.surroundings(fit))
+        left = [max(rest.least / n - 1.0, 1e-12) for rest in rests]
+        shares = [(rise - (fit.chi2 / n - 1.0)) / rise for rise in left]
+        doubtful = [one.name for one, share in zip(fit.hypothesis, shares) if share < settings.indispensable]
+        without = search.parallel("effects left out", partial(search.without, fit), doubtful)
+        fits += without
+        comparison = _compare(search, unique(fits))
+        needless = [rest for rest in without if not _worth(search, comparison, rest, fit, removed)]
+        if not needless:
+            break
+        fit = min(needless, key=lambda rest: rest.chi2)
+    return fit
+
+
+def _exchanged(
+    search: Search, fit: CandidateFit, directions: Sequence[Directions], fits: list[CandidateFit]
+) -> CandidateFit:
+    """Exchange effects for candidates that may do the same, for as long as that improves the explanation.
+
+    Args:
+        search: The search.
+        fit: The explanation.
+        directions: All candidates but those of harmonics.
+        fits: All fits so far; new ones are appended.
+    """
+    settings = search.settings.search
+    for _ in range(settings.rounds if len(fit.hypothesis) > 1 else 0):
+        surroundings = search.surroundings(fit)
+        pairs = [
+            (candidate.name, addition)
+            for candidate, rest in zip(fit.hypothesis, search.removals(fit, surroundings))
+            for addition in _replacements(search, fit, rest, directions)[: settings.added]
+        ]
+        exchange = partial(_exchange, search, fit)
+        fits += search.visible(search.parallel("effects exchanged", exchange, pairs))
+        comparison = _compare(search, unique(fits))
+        level = [one for one in comparison.fits if len(one.hypothesis) == len(fit.hypothesis)]
+        best = comparison.ranked(level)[0]
+        if best.names == fit.names or best.chi2 > fit.chi2:
+            break
+        (fit,) = search.finished([best])
+        fits.append(fit)
+    return fit
+
+
+def _exchange(search: Search, fit: CandidateFit, pair: tuple[str, Addition]) -> CandidateFit:
+    """Fit an explanation with one candidate in place of one of its own."""
+    name, addition = pair
+    return search.together(fit, [addition], without=name)
+
+
+def _replacements(
+    search: Search, fit: CandidateFit, rest: Surroundings, directions: Sequence[Directions]
+) -> list[Addition]:
+    """List the candidates that may regain most of what is lost without an effect."""
+    lost = rest.least - fit.chi2
+    additions = search.additions(directions, fit, rest)
+    return [addition for addition in additions if addition.gain > search.settings.search.regained * lost]
 
 
 def _pruned(search: Search, explanations: Explanations) -> Explanations:
@@ -107,20 +207,18 @@ def _incomplete(search: Search, comparison: ModelComparison, chosen: CandidateFi
     return comparison.significant(chosen) or comparison.beyond_tolerance(chosen) or search.data.record.imported
 
 
-def _worth(search: Search, comparison: ModelComparison, before: CandidateFit, after: CandidateFit) -> bool:
-    """Return whether one more effect removes a good part of the remaining gap, or of the prior penalty.
-
-    On a real machine, where the floor is a matter of tolerance, it must remove a good part of all.
-    """
-    settings = search.settings.search
+def _worth(
+    search: Search, comparison: ModelComparison, before: CandidateFit, after: CandidateFit, removed: float
+) -> bool:
+    """Return whether further effects remove a good part of the remaining gap, or of the prior penalty."""
     if comparison.score(after) - comparison.score(before) < comparison.threshold:
         return False
     if search.data.record.imported:
-        return comparison.level(after) < (1 - settings.removed_of_all) * comparison.level(before)
-    relieved = after.prior_penalty < (1 - settings.removed) * before.prior_penalty
-    if comparison.beyond_tolerance(before) and relieved:
+        removed = min(removed, search.settings.search.removed_of_all)
+    relieved = after.prior_penalty < (1 - removed) * before.prior_penalty
+    if comparison.beyond_tolerance(before) and relieved and not search.data.record.imported:
         return True
-    return comparison.removed(before, after) >= settings.removed
+    return comparison.removed(before, after) >= removed
 
 
 def _compare(search: Search, fits: Sequence[CandidateFit]) -> ModelComparison:

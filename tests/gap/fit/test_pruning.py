@@ -22,7 +22,7 @@ VISCOUS = "viscous_friction@motor_1:coefficient=3e-3"
 @cache
 def fitted(effect: str, candidate: str) -> tuple[Search, CandidateFit]:
     search = search_of(effect)
-    return search, search.singles([candidates_of()[candidate]])[0]
+    return search, search.singles(search.directions([candidates_of()[candidate]]))[0]
 
 
 def names(one: CandidateFit) -> list[str]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.gap.fit.least_squares import fit, initial_values, linearise
-from flexros.gap.fit.screening import predicted_gains
+from flexros.gap.fit.least_squares import fit
+from flexros.gap.fit.screening import Surroundings
 from tests.gap.diagnosis_logs import candidates_of, encoded, predictor_of, search_of
 
 TRUTH = ("coulomb_friction@motor_1:level=0.05", "stiffness_error@body_2.rz:relative=0.005")
@@ -17,19 +17,39 @@ def test_the_missing_effect_gains_as_predicted_and_one_that_is_there_nothing() -
     search = search_of(*TRUTH)
     friction, stiffness = (candidates_of(*TRUTH)[one.partition(":")[0]] for one in TRUTH)
     first = fit(predictor_of(friction), search.data, np.array(encoded(friction, level=0.05)))
-    line = linearise(first.predictor, search.data, first.theta)
+    surroundings = search.surroundings(first)
 
     def predicted(name: str) -> tuple[float, float]:
-        predictor = predictor_of(candidates_of(*TRUTH)[name])
-        ((gain, start),) = predicted_gains(
-            predictor, search.data, initial_values(predictor), search.null_residual, [line]
-        )
-        return gain, float(start[0])
+        (direction,) = search.directions([candidates_of(*TRUTH)[name]])
+        scaled, unscaled = surroundings.gains(direction.changes)
+        return float(scaled.max()), float(direction.starts[0, np.argmax(unscaled)])
 
     both = predictor_of(friction, stiffness)
     gained = first.chi2 - fit(both, search.data, np.append(first.theta, 0.0)).chi2
     gain, start = predicted(stiffness.name)
-    assert gained > 100
+    assert gain > 100
     assert gain == pytest.approx(gained, rel=0.3)
     assert start > 0
     assert predicted(friction.name)[0] < 0.1 * gained
+
+
+@pytest.mark.slow
+def test_what_is_lost_without_an_effect_is_estimated_without_fitting_again() -> None:
+    search = search_of(*TRUTH)
+    friction, stiffness = (candidates_of(*TRUTH)[one.partition(":")[0]] for one in TRUTH)
+    start = np.array([*encoded(friction, level=0.05), *encoded(stiffness, relative=0.005)])
+    both = fit(predictor_of(friction, stiffness), search.data, start)
+    without_friction, without_stiffness = search.removals(both, search.surroundings(both))
+    for rest, name in ((without_friction, friction.name), (without_stiffness, stiffness.name)):
+        lost = search.without(both, name).chi2 - both.chi2
+        assert rest.least - both.chi2 == pytest.approx(lost, rel=0.3)
+
+
+def test_of_directions_that_do_the_same_one_is_selected() -> None:
+    rng = np.random.default_rng(1)
+    first, second, residual = rng.normal(size=(3, 500))
+    residual -= 3 * first + 2 * second
+    changes = np.stack([first, first + 0.1 * second, second], axis=-1)
+    around = Surroundings(residual, np.zeros((500, 0)), np.zeros(0), np.zeros(0), 1.0)
+    assert around.independent(changes, most=6, kept=0.5) == [0, 2]
+    assert around.independent(changes, most=1, kept=0.5) == [0]

@@ -39,7 +39,7 @@ def test_every_effect_with_ranges_is_a_candidate_but_those_of_an_unmeasured_tool
 @pytest.mark.parametrize("threads", [1, 3])
 def test_the_true_effect_fits_best_with_any_number_of_threads(threads: int) -> None:
     search = replace(search_of(FRICTION), threads=threads)
-    found = search.singles([candidates_of()[name] for name in SOME])
+    found = search.singles(search.directions([candidates_of()[name] for name in SOME]))
     assert names(found)[0] == SOME[0]
     assert sorted(names(found)) == sorted(SOME)
     sums = [one.chi2 for one in found]
@@ -49,15 +49,13 @@ def test_the_true_effect_fits_best_with_any_number_of_threads(threads: int) -> N
 
 def test_the_second_of_two_effects_is_found_in_addition_to_the_first_which_is_not_added_twice() -> None:
     search = search_of(FRICTION, SOFT)
-    singles = search.singles([candidates_of()[name] for name in SOME])
-    together = search.extended(singles[:1])
-    first = singles[0].predictor.hypothesis[0].name
-    for one in together:
-        held = [candidate.name for candidate in one.predictor.hypothesis]
-        assert held[0] == first
-        assert first not in held[1:]
-    best = together[0]
-    assert {candidate.name for candidate in best.predictor.hypothesis} == set(SOME[:2])
+    singles = search.singles(search.directions([candidates_of()[name] for name in SOME]))
+    directions = search.directions([candidates_of()[name] for name in SOME])
+    additions = search.additions(directions, singles[0], search.surroundings(singles[0]))
+    assert SOME[0] not in {addition.candidate.name for addition in additions}
+    assert additions[0].candidate.name == SOME[1]
+    best = search.together(singles[0], additions[:1])
+    assert best.names == set(SOME[:2])
     assert best.chi2 / search.data.n_values == pytest.approx(1.0, abs=5 * np.sqrt(2 / search.data.n_values))
 
 
@@ -75,7 +73,7 @@ def test_an_effect_far_from_its_starts_is_found(effect: str, size: str, true: fl
     name = effect.partition(":")[0]
     among = [one for one in search.candidates() if one.location in name]
     among = [one for one in among if one.name == name or one.effect.name.endswith("friction")]
-    best, *_ = search.singles(among)
+    best, *_ = search.singles(search.directions(among))
     assert best.predictor.hypothesis[0].name == name
     assert best.predictor.values(best.theta)[0][size] == pytest.approx(true, rel=0.05)
 
@@ -88,7 +86,7 @@ def test_the_nominal_model_takes_up_what_is_tolerated() -> None:
 def test_progress_of_each_stage_ends_with_all_of_it() -> None:
     calls: dict[str, list[float]] = {}
     search = replace(search_of(), progress=lambda stage, share: calls.setdefault(stage, []).append(share))
-    search.singles([candidates_of()[name] for name in SOME])
+    search.singles(search.directions([candidates_of()[name] for name in SOME]))
     assert all(shares == sorted(shares) and shares[-1] == 1.0 for shares in calls.values())
     assert len(calls["single effects"]) == len(SOME)
 

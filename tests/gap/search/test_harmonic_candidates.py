@@ -82,7 +82,7 @@ def test_a_fit_at_a_neighbouring_order_finds_the_true_one() -> None:
     way = float(np.ptp(search.data.record.position))
     off = replace(ripple.free[1], starts=tuple(start + 2 * np.pi / way for start in ripple.free[1].starts[:1]))
     amplitude, phase = (replace(one, starts=one.starts[:1]) for one in (ripple.free[0], ripple.free[2]))
-    (found,) = search.singles([replace(ripple, free=(amplitude, off, phase))])
+    (found,) = search.singles(search.directions([replace(ripple, free=(amplitude, off, phase))]))
     assert found.predictor.values(found.theta)[0]["order"] == pytest.approx(6.0, abs=0.01)
 
 

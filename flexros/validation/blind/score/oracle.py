@@ -50,7 +50,7 @@ def oracle_fraction(folder: Path, case: OpenCase, truth: Truth) -> float | None:
     if not true:
         return None
     hidden = truth.deviations[0].effect
-    fits = [fit for fit in search.singles(true) if fit.hypothesis[0].effect.name == hidden]
+    fits = [fit for fit in search.singles(search.directions(true)) if fit.hypothesis[0].effect.name == hidden]
     if not fits:
         return None
     before = over_expected_floor(errors_ahead(null.fit, held), model, held)
