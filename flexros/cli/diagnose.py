@@ -94,6 +94,7 @@ def _print(result: DiagnosisResult, files: list[Path]) -> None:
         if diagnosis.verdict == "unknown_effect":
             console.print("(probabilities among the known effects only, none of which explains the gap)")
     for heading, lines in (
+        ("Budget of the gap:", terminal.budget_lines(diagnosis)),
         ("Where it shows:", terminal.where_lines(result)),
         ("", (terminal.gap_line(diagnosis.gap), *terminal.group_lines(diagnosis), *terminal.next_lines(diagnosis))),
         ("", tuple(f"warning: {text}" for text in diagnosis.warnings)),

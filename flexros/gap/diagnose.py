@@ -27,8 +27,10 @@ from flexros.record.resampled import may_be_resampled, resampled
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from flexros.gap.candidates.tolerance import Tolerance
     from flexros.gap.fit.null_fit import NullFit
     from flexros.gap.prediction.predicted_log import PredictedLog
+    from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.result import DiagnosisResult
     from flexros.gap.where.find import Where
     from flexros.logs.time_series import Log
@@ -74,7 +76,7 @@ def diagnose(
     held = resampled(held, fitted.sample_time)
     data = fit_data(fitted, model, settings)
     held_data = fit_data(held, model, settings, measurement_in(held, model.robot, data.measurement, settings))
-    null = fit_null(data, model, tolerance_of(model.robot, tolerance or {}), settings.fit)
+    null = _null_fit(data, model, tolerance_of(model.robot, tolerance or {}), settings)
     held_data = held_data.with_tool_frame_of(null.fit.predictor, null.fit.theta)
     prediction = prediction_of(null.fit, null.data)
 
@@ -95,6 +97,16 @@ def diagnose(
         result = replace(result, signals=(*result.signals, *signals))
     stages.end()
     return result
+
+
+def _null_fit(data: FitData, model: RobotWithEffects, tolerance: Tolerance, settings: DiagnosisSettings) -> NullFit:
+    """Fit the nominal model; on a real machine with the prior weighed by what no candidate removes."""
+    null = fit_null(data, model, tolerance, settings.fit)
+    if not (data.record.imported and tolerance.names):
+        return null
+    search = prepare_search(null, settings)
+    misfit = search.misfit(search.directions(search.candidates()))
+    return fit_null(replace(data, misfit=misfit), model, tolerance, settings.fit)
 
 
 def _where(null: NullFit, prediction: PredictedLog, settings: DiagnosisSettings) -> Where:

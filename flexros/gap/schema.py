@@ -8,7 +8,7 @@ from pydantic import Field
 
 from flexros.config.settings import Settings
 
-Verdict = Literal["no_gap", "explained", "ambiguous", "unknown_effect"]
+Verdict = Literal["no_gap", "explained", "partly_explained", "ambiguous", "unknown_effect"]
 
 
 class CauseParameter(Settings):
@@ -17,6 +17,10 @@ class CauseParameter(Settings):
     value: float = Field(description="fitted value, in `unit`")
     std: float = Field(description="its standard deviation, in the same unit")
     unit: str = Field(description="SI unit, 1 for none")
+    at_limit: bool = Field(
+        default=False,
+        description="whether the search ended at its limit: no finding, and its effect is not in the patch",
+    )
 
 
 class EffectLocation(Settings):
@@ -60,6 +64,44 @@ class GapNumbers(Settings):
     interval: tuple[float, float] | None = Field(default=None, description="95 % interval of the closed fraction [1]")
 
 
+class BudgetShare(Settings):
+    """The share of the gap that an effect, or a class of effects at a joint, makes up on held-out data."""
+
+    joint: str = Field(description="joint of the effect; its location where that belongs to no joint")
+    cause_class: str = Field(
+        alias="class",
+        description="'friction', 'gear', 'structure', 'load', 'actuator', 'sensor', 'timing' or 'model numbers'",
+    )
+    effect: str | None = Field(description="name of the effect; none for a whole class")
+    location: str = Field(description="location of the effect, or the joint of the class")
+    share_first: float | None = Field(
+        description="share of the gap that closes when it alone is added to the model [1]"
+    )
+    share_last: float | None = Field(
+        description="share of the gap that opens when it alone is removed from the repaired model [1]"
+    )
+    interval: tuple[float, float] | None = Field(description="95 % interval of `share_first` [1]")
+
+
+class Unexplained(Settings):
+    """A share of the gap that the repaired model leaves on held-out data."""
+
+    joint: str = Field(description="joint name")
+    regime: str = Field(description="part of the motion, e.g. 'reversal', 'all'")
+    share: float = Field(description="share of the gap [1]")
+
+
+class ModelNumber(Settings):
+    """A parameter of the nominal model that the log contradicts."""
+
+    location: str = Field(description="location of the effect that corrects it")
+    name: str = Field(description="name of the parameter in the robot")
+    nominal: float = Field(description="value in the robot file, in `unit`")
+    value: float = Field(description="fitted value, in `unit`")
+    std: float = Field(description="its standard deviation, in `unit`")
+    unit: str = Field(description="SI unit, 1 for none")
+
+
 class NextExperiment(Settings):
     """The experiment that separates the explanations that the log does not."""
 
@@ -73,7 +115,7 @@ class NextExperiment(Settings):
 class Diagnosis(Settings):
     """The answer of a diagnosis; written as `diagnosis.json`."""
 
-    schema_version: int = Field(default=1, alias="schema", description="version of this schema")
+    schema_version: int = Field(default=2, alias="schema", description="version of this schema")
     verdict: Verdict = Field(description="the verdict")
     causes: tuple[Cause, ...] = Field(description="by probability, the most probable first")
     ambiguity_groups: tuple[tuple[EffectLocation, ...], ...] = Field(
@@ -81,6 +123,13 @@ class Diagnosis(Settings):
     )
     where: tuple[Excess, ...] = Field(description="where the gap shows, before any hypothesis")
     gap: GapNumbers = Field(description="gap before and after the repair")
+    budget: tuple[BudgetShare, ...] = Field(default=(), description="the gap divided among effects, the largest first")
+    unexplained: tuple[Unexplained, ...] = Field(
+        default=(), description="what the repaired model leaves, by joint and by regime, the largest first"
+    )
+    model_numbers: tuple[ModelNumber, ...] = Field(
+        default=(), description="numbers of the nominal model that are wrong beyond their tolerance"
+    )
     next_experiment: NextExperiment | None = Field(description="experiment to run next; none where nothing is open")
     warnings: tuple[str, ...] = Field(description="limits of the answer, a sentence each")
     provenance: dict[str, Any] = Field(description="log, model, versions and settings")

@@ -41,6 +41,12 @@ class NoiseSettings(Settings):
         ge=0,
         description="relative error of the variance of quantization, which is not white where a motor is slow [1]",
     )
+    coarse_step: float = Field(
+        default=3.0,
+        gt=0,
+        description="step of an encoder over its declared noise, rms, from which rounding is an effect; finer steps "
+        "are a property of the sensor and part of its noise [1]",
+    )
     doubt: float = Field(
         default=0.5,
         ge=0,
@@ -179,6 +185,12 @@ class SearchSettings(Settings):
         le=1,
         description="share of its own gain that a candidate must keep beside others to be added with them [1]",
     )
+    kept_of_misfit: float = Field(
+        default=0.05,
+        gt=0,
+        le=1,
+        description="the same for the estimate of what no candidates remove together, on a real machine [1]",
+    )
     added: int = Field(default=3, ge=1, description="candidates that are added alone as well, by predicted gain")
     most_effects: int = Field(default=30, ge=1, description="most effects in one explanation")
     rounds: int = Field(default=12, ge=1, description="most rounds of forward selection, and of exchanges")
@@ -291,6 +303,13 @@ class RankingSettings(Settings):
         gt=0,
         lt=1,
         description="the same in a log that was not fitted, where effects of another form leave up to 0.025 [1]",
+    )
+    confirmed_share: float = Field(
+        default=0.2,
+        gt=0,
+        lt=1,
+        description="share of the gap in the held-out log from which effects that leave a rest are a part of the truth "
+        "[1]",
     )
     inadequate: float = Field(
         default=7.0,

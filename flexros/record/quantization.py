@@ -27,7 +27,7 @@ OFF_LATTICE = 0.08
 """Largest rms distance of the differences from multiples of a step, in steps; 0.29 without quantisation (chosen)."""
 
 MATTERS = 0.05
-"""Rms rounding error over the noise of the encoder above which quantisation is an effect (chosen)."""
+"""Rms rounding error over the noise of the encoder above which quantisation counts (chosen)."""
 
 ROUNDED = 1e-5
 """Differences over the largest one up to which they are rounding of the file, such as decimals of text (chosen)."""
@@ -46,10 +46,12 @@ class Quantization:
     Attributes:
         motor: Number of the motor (0-based).
         step: Step in the coordinate of the robot file [rad or m].
+        coarse: Whether it is an effect of its own; else it is a property of the sensor and a part of its noise.
     """
 
     motor: int
     step: float
+    coarse: bool = True
 
 
 def lattice_step(values: FloatArray) -> float | None:
@@ -129,12 +131,13 @@ def _distance(change: FloatArray, step: float, resolution: float) -> float:
     return float(np.sqrt(np.mean(off**2))) + beyond + resolution / step
 
 
-def encoder_quantization(record: Record, robot: Robot) -> tuple[Quantization, ...]:
+def encoder_quantization(record: Record, robot: Robot, coarse: float) -> tuple[Quantization, ...]:
     """Find the encoders whose quantisation is significant compared with their noise.
 
     Args:
         record: The record; interpolated positions are not quantised any more.
         robot: The robot, for the noise of its encoders.
+        coarse: Step over that noise, rms, from which a quantisation is coarse [1].
 
     Returns:
         Quantisations by motor; empty without one.
@@ -144,5 +147,5 @@ def encoder_quantization(record: Record, robot: Robot) -> tuple[Quantization, ..
         step = lattice_step(record.position[record.valid, motor])
         if step is None or step / np.sqrt(12) < MATTERS * float(robot.encoder_noise[motor]):
             continue
-        quantizations.append(Quantization(motor, step))
+        quantizations.append(Quantization(motor, step, coarse=step > coarse * float(robot.encoder_noise[motor])))
     return tuple(quantizations)

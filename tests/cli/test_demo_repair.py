@@ -22,7 +22,7 @@ Progress = Callable[[str, float], None]
 
 def diagnosis(*causes: Cause) -> Diagnosis:
     return Diagnosis(
-        schema=1,
+        schema=2,
         verdict="explained" if causes else "no_gap",
         causes=causes,
         ambiguity_groups=(),

@@ -45,7 +45,7 @@ def answered(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, object]]:
         asked.append({"record": record, **given})
         empty = PredictedLog(0 * record.position, 1 + 0 * record.position[0])
         told = Diagnosis(
-            schema=1, verdict="no_gap", causes=(), ambiguity_groups=(), where=(), gap=GAP, next_experiment=None,
+            schema=2, verdict="no_gap", causes=(), ambiguity_groups=(), where=(), gap=GAP, next_experiment=None,
             warnings=("the log is short",), provenance={},
         )  # fmt: skip
         nominal = load_robot("four_mass_linear")

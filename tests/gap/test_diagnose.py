@@ -143,6 +143,16 @@ def test_a_coarse_encoder_is_named_and_no_gap_is_left() -> None:
     assert result.diagnosis.verdict == "explained"
 
 
+@pytest.mark.parametrize("share", [0.3, 1.0])
+def test_an_encoder_step_within_the_noise_is_no_gap(share: float) -> None:
+    """Every real encoder has a resolution: a property of the sensor, not a cause."""
+    step = share * float(ROBOT.encoder_noise[0])
+    result = diagnosed(f"encoder_quantization@motor_1:step={step}", settings=FEW)
+    assert result.diagnosis.verdict == "no_gap"
+    assert causes(result) == []
+    assert f"{step:.3g} rad" in " ".join(result.limits)
+
+
 def test_coloured_noise_is_no_place_of_a_gap() -> None:
     """A filter in the encoder gives its noise a band; without any effect nothing exceeds it."""
     rng = np.random.default_rng(5)

@@ -50,17 +50,19 @@ def record(position: np.ndarray) -> Record:
     return Record("log", 5e-4, position[:, None], np.zeros((len(position), 1)), np.ones(len(position), dtype=bool))
 
 
-def test_step_above_the_noise_is_an_effect_of_its_motor() -> None:
+@pytest.mark.parametrize(("step", "coarse"), [(2e-4, False), (4e-4, True)])
+def test_step_well_above_the_noise_is_coarse(step: float, coarse: bool) -> None:
     robot = load_robot("four_mass_linear")  # noise 1e-4 rad
-    (found,) = encoder_quantization(record(2e-4 * np.round(motion(1) / 2e-4)), robot)
+    (found,) = encoder_quantization(record(step * np.round(motion(1) / step)), robot, 3.0)
     assert found.motor == 0
-    assert found.step == pytest.approx(2e-4, rel=1e-6)
+    assert found.step == pytest.approx(step, rel=1e-6)
+    assert found.coarse is coarse
 
 
 def test_step_far_below_the_noise_is_no_effect() -> None:
     robot = load_robot("four_mass_linear")
-    assert encoder_quantization(record(np.round(motion(1), 6)), robot) == ()
-    assert encoder_quantization(record(motion(1)), robot) == ()
+    assert encoder_quantization(record(np.round(motion(1), 6)), robot, 3.0) == ()
+    assert encoder_quantization(record(motion(1)), robot, 3.0) == ()
 
 
 def test_step_is_found_in_a_file_of_rounded_decimals() -> None:

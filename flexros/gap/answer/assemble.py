@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from flexros.gap.answer.budget import Budget, budget_of
 from flexros.gap.answer.decision import (
     best_rival,
     effect_location,
@@ -110,7 +111,7 @@ def result_of(
         signals=signal_gaps(model.robot, errors.before, errors.after, errors.rival),
         signature_data=signature_evidence(model, findings.data, explanations.null, before, after),
         tolerance={name: float(value) for name, value in zip(chosen.predictor.tolerance.names, chosen.deviations)},
-        limits=identifiability_limits(findings.data.record, model.robot),
+        limits=identifiability_limits(findings.data.record, model.robot, findings.data.measurement.quantizations),
         settings=settings,
         timings=stages.timings,
     )
@@ -156,14 +157,18 @@ def _diagnosis(
     """Put together what is written into diagnosis.json."""
     sample_time = findings.held.record.sample_time
     gap = gap_numbers(errors.before, errors.after, sample_time, errors.rival)
+    budget = budget_of(findings, errors.before, errors.after or errors.before) if verdict != "no_gap" else Budget()
     warnings = (*_record_warnings(findings), *_sensor_warnings(findings), *_answer_warnings(findings, gap))
     return Diagnosis(
-        schema=1,
+        schema=2,
         verdict=verdict,
         causes=_causes(findings, verdict, errors),
         ambiguity_groups=groups_of(findings.explanations, findings.settings),
         where=() if excess is None else excess.locations,
         gap=gap,
+        budget=budget.shares,
+        unexplained=budget.unexplained,
+        model_numbers=budget.model_numbers,
         next_experiment=_next(findings, verdict, stages) if settings.next_experiment else None,
         warnings=tuple(dict.fromkeys(warnings)),
         provenance={

@@ -109,9 +109,22 @@ def verdict_of(findings: Findings) -> Verdict:
             return "unknown_effect"
         return "explained" if findings.quantizations else "no_gap"
     confirmed = findings.held_comparison.adequate(findings.held_chosen, elsewhere=True)
-    if not (comparison.adequate(explanations.chosen) and confirmed):
-        return "unknown_effect"
-    return "ambiguous" if rivals_of(explanations, findings.settings) else "explained"
+    if comparison.adequate(explanations.chosen) and confirmed:
+        return "ambiguous" if rivals_of(explanations, findings.settings) else "explained"
+    return "partly_explained" if _partly(findings) else "unknown_effect"
+
+
+def _partly(findings: Findings) -> bool:
+    """Return whether effects are certain and confirmed on held-out data although they leave more than the floor.
+
+    On an exact model, a single effect that leaves more than its model-form error is the best imitation of an unknown
+    one. Several effects that are each indispensable with all others in place are part of the truth, and so is the best
+    one on a real machine, where never everything is modelled.
+    """
+    explanations, settings = findings.explanations, findings.settings
+    several = len(explanations.chosen.hypothesis) > 1 or findings.data.record.imported
+    left = findings.held_comparison.remainder(findings.held_chosen)
+    return several and left < 1 - settings.confirmed_share
 
 
 def rivals_of(explanations: Explanations, settings: RankingSettings = RANKING) -> tuple[CandidateFit, ...]:

@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.record.quantization import Quantization
     from flexros.record.record import Record
     from flexros.robot import Robot
 
@@ -16,12 +19,13 @@ HIGHEST = 0.4
 """Frequency over the sampling rate up to which a log is informative [1]."""
 
 
-def identifiability_limits(record: Record, robot: Robot) -> tuple[str, ...]:
+def identifiability_limits(record: Record, robot: Robot, quantizations: Sequence[Quantization] = ()) -> tuple[str, ...]:
     """State what the signals of a log cannot show, a sentence each.
 
     Args:
         record: The log.
         robot: The nominal robot.
+        quantizations: Encoders whose rounding counts in their noise.
     """
     limits = []
     if record.tool is None:
@@ -40,6 +44,14 @@ def identifiability_limits(record: Record, robot: Robot) -> tuple[str, ...]:
             limits.append(
                 f"{name} reached at most {100 * torque / limit:.0f} % of its torque limit: saturation above that, and "
                 "stiffness at higher loads, are not tested."
+            )
+    for one in quantizations:
+        motor = robot.motors[one.motor]
+        share = one.step / robot.encoder_noise[one.motor]
+        if not one.coarse:
+            limits.append(
+                f"The encoder of {motor.name} rounds to steps of {one.step:.3g} {motor.position_unit}, {share:.2g} of "
+                "its noise: a property of the sensor, which counts as noise and not as a cause."
             )
     limits.append(
         f"Nothing is known above {HIGHEST / record.sample_time:.0f} Hz, and a lag far below "

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import TYPE_CHECKING
 
@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     from flexros.effects.kinds.ranges import Range
     from flexros.gap.candidates.scales import Scales
     from flexros.robot import Robot
+
+
+AT_LIMIT = 1e-3
+"""Distance from a limit of the search, over the whole range in the unit of the fit, that counts as at the limit [1]."""
 
 
 @dataclass(frozen=True)
@@ -95,6 +99,38 @@ class Candidate:
         if not isinstance(default, float) or not (default == 0.0 or np.isinf(default)):
             return None
         return 0.0 if free.signed and default == 0.0 else low if default == 0.0 else high
+
+    def at_limit(self, values: Mapping[str, float]) -> frozenset[str]:
+        """Return the names of the parameters whose values are at a limit of the search, neutral ones excepted.
+
+        Args:
+            values: Values of the free parameters by name [their units].
+        """
+        return frozenset(free.name for free in self.free if self._at_limit(free, free.encode(values[free.name])))
+
+    def _at_limit(self, free: FreeParameter, encoded: float) -> bool:
+        low, high = free.bounds
+        margin = AT_LIMIT * (high - low)
+        neutral = self.neutral(free)
+        reached = [limit for limit in (low, high) if abs(encoded - limit) <= margin and limit != neutral]
+        of_phase = free.name in self.effect.ranges and self.effect.ranges[free.name].scale == "phase"
+        return bool(reached) and not of_phase
+
+    def with_usual(self, name: str) -> Candidate | None:
+        """Return the candidate with a parameter that shapes it fixed at the middle of its initial values.
+
+        Args:
+            name: Name of a free parameter.
+
+        Returns:
+            The candidate; None for a parameter of its size, without which nothing is left.
+        """
+        free = next(free for free in self.free if free.name == name)
+        if self.neutral(free) is not None:
+            return None
+        usual = sorted(free.starts)[len(free.starts) // 2]
+        others = tuple(other for other in self.free if other is not free)
+        return replace(self, free=others, fixed=(*self.fixed, (name, usual)), together=False)
 
     def placed(self, values: Mapping[str, float]) -> PlacedEffect:
         """Make the effect with values of the free parameters by name [their units]."""

@@ -40,7 +40,10 @@ def parameters_of(fit: CandidateFit, data: FitData | None = None) -> list[dict[s
     return [
         {
             name: CauseParameter(
-                value=value, std=float(next(deviations)), unit=unit_of_parameter(candidate, name, fit.predictor.robot)
+                value=value,
+                std=float(next(deviations)),
+                unit=unit_of_parameter(candidate, name, fit.predictor.robot),
+                at_limit=name in candidate.at_limit(parameters),
             )
             for name, value in parameters.items()
         }

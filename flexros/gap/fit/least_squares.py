@@ -50,7 +50,8 @@ class CandidateFit:
         predictor: Predictor of the hypothesis.
         theta: Parameters at the minimum in the units of the fit: those of the effects, then the tolerated deviations in
             standard deviations, shape (n_fitted,).
-        chi2: Sum of the squared weighted prediction errors and of the squared tolerated deviations [1].
+        chi2: Sum of the squared weighted prediction errors and of the squared tolerated deviations times the misfit of
+            the data [1].
         information: J'J + prior where it was linearised last, shape (n_fitted, n_fitted); empty where not computed.
         iterations: Iterations taken.
         converged: Whether the sum of squares fell no more.
@@ -80,7 +81,7 @@ class CandidateFit:
 
     @property
     def prior_penalty(self) -> float:
-        """Sum of the squared tolerated deviations [1], a part of `chi2`."""
+        """Sum of the squared tolerated deviations [1]; `chi2` contains it times the misfit of the data."""
         return float(np.sum(self.deviations**2))
 
     def residual(self, data: FitData) -> FloatArray:
@@ -108,7 +109,9 @@ def chi2_of(predictor: Predictor, data: FitData, thetas: FloatArray) -> FloatArr
         Sums of squares, infinite where the prediction diverges, shape (sets,).
     """
     groups = [thetas[:, begin : begin + LANES] for begin in range(0, thetas.shape[1], LANES)]
-    sums: FloatArray = np.concatenate([_sums(predictor, data.residuals(predictor, group), group) for group in groups])
+    sums: FloatArray = np.concatenate(
+        [_sums(predictor, data, data.residuals(predictor, group), group) for group in groups]
+    )
     return sums
 
 
@@ -238,8 +241,8 @@ def linearise(
             slope = signs[index] / STEP * (residual[:, lane + 1] - base)
             J[:, index] = np.where(np.abs(slope) < DIVERGED, slope, 0.0)
     prior = np.zeros(len(theta))
-    prior[predictor.n_effect :] = 1.0
-    chi2 = float(_sums(predictor, base[:, None], theta[:, None])[0])
+    prior[predictor.n_effect :] = data.misfit
+    chi2 = float(_sums(predictor, data, base[:, None], theta[:, None])[0])
     gradient = J.T @ base if np.isfinite(chi2) else np.zeros(len(theta))
     return Linearised(chi2, base, J, gradient + prior * theta, J.T @ J + np.diag(prior))
 
@@ -304,9 +307,9 @@ def _trial(
     return result
 
 
-def _sums(predictor: Predictor, residuals: FloatArray, thetas: FloatArray) -> FloatArray:
+def _sums(predictor: Predictor, data: FitData, residuals: FloatArray, thetas: FloatArray) -> FloatArray:
     sums = np.einsum("ij,ij->j", residuals, residuals)[: thetas.shape[1]]
-    sums = sums + np.sum(thetas[predictor.n_effect :] ** 2, axis=0)
+    sums = sums + data.misfit * np.sum(thetas[predictor.n_effect :] ** 2, axis=0)
     return np.where(np.isfinite(sums), sums, np.inf)
 
 

@@ -144,6 +144,18 @@ class Surroundings:
             self.residual + change, self.slopes[:, kept], self.prior[kept], self.pulled[kept], self.weight
         )
 
+    def left(self, changes: NDArray[Any]) -> float:
+        """Estimate the sum of squares when directions and all parameters are fitted together [1].
+
+        Args:
+            changes: Changes of the prediction errors, shape (n_rows, k).
+        """
+        k = changes.shape[1]
+        slopes = np.hstack([self.slopes, changes.astype(float)])
+        nothing = np.zeros(k)
+        prior, pulled = np.append(self.prior, nothing), np.append(self.pulled, nothing)
+        return Surroundings(self.residual, slopes, prior, pulled, self.weight).least
+
     @property
     def least(self) -> float:
         """Sum of squares when all parameters are fitted again, by linear theory [1]."""
@@ -166,16 +178,17 @@ class Surroundings:
         return np.asarray(np.linalg.lstsq(information, gradient, rcond=1e-12)[0], dtype=float)
 
 
-def surroundings_of(fit: CandidateFit, line: Linearised, rows: IntArray) -> Surroundings:
+def surroundings_of(fit: CandidateFit, line: Linearised, rows: IntArray, misfit: float = 1.0) -> Surroundings:
     """Reduce a linearised fit to some of its prediction errors.
 
     Args:
         fit: The fit.
         line: The same, linearised.
         rows: The prediction errors, shape (n_rows,).
+        misfit: Weight of the prior of tolerated deviations, see `FitData` [1].
     """
     prior = np.zeros(len(fit.theta))
-    prior[fit.predictor.n_effect :] = 1.0
+    prior[fit.predictor.n_effect :] = misfit
     return Surroundings(
         line.residual[rows], line.slopes[rows], prior, prior * fit.theta, len(line.residual) / max(len(rows), 1)
     )

@@ -62,7 +62,9 @@ def takeover(candidate: Candidate, fit: CandidateFit) -> Takeover | None:
     return Takeover(float(np.sum(fit.deviations[replaced] ** 2)), np.array([free.encode(factor - 1)]), theta)
 
 
-def with_takeover(candidate: Candidate, fit: CandidateFit, gain: float, start: FloatArray) -> tuple[float, FloatArray]:
+def with_takeover(
+    candidate: Candidate, fit: CandidateFit, gain: float, start: FloatArray, misfit: float = 1.0
+) -> tuple[float, FloatArray]:
     """Choose how a candidate is added to a fit: in place of tolerated deviations where that gains more.
 
     Args:
@@ -70,12 +72,13 @@ def with_takeover(candidate: Candidate, fit: CandidateFit, gain: float, start: F
         fit: A fit without it.
         gain: Fall of the sum of squares that linear theory predicts [1].
         start: Initial value of the candidate that goes with it, in the units of the fit, shape (n_free,).
+        misfit: Weight of the prior of tolerated deviations, see `FitData` [1].
 
     Returns:
         The gain [1], and the initial value of both together, shape (n_fitted,).
     """
     theta, replacement = fit.theta, takeover(candidate, fit)
-    if replacement is not None and replacement.gain > gain:
-        gain, start, theta = replacement.gain, replacement.start, replacement.theta
+    if replacement is not None and misfit * replacement.gain > gain:
+        gain, start, theta = misfit * replacement.gain, replacement.start, replacement.theta
     n = fit.predictor.n_effect
     return gain, np.concatenate([theta[:n], start, theta[n:]])

@@ -201,10 +201,10 @@ def signal_gaps(
 
 
 def unknown_rounding(model: RobotWithEffects, measurement: Measurement) -> tuple[Quantization, ...]:
-    """List the encoders whose quantization matters and is not in the model."""
+    """List the encoders whose quantization is coarse and not in the model."""
     known = {law.location for law in model.laws if law.effect.as_noise}
     names = model.robot.joint_names
-    return tuple(encoder for encoder in measurement.quantizations if names[encoder.motor] not in known)
+    return tuple(one for one in measurement.quantizations if one.coarse and names[one.motor] not in known)
 
 
 def over_expected_floor(errors: AheadErrors, model: RobotWithEffects, data: FitData) -> AheadErrors:

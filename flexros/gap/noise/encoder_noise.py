@@ -80,7 +80,7 @@ def measure_noise(record: Record, robot: Robot, settings: DiagnosisSettings) -> 
     cutoff = min(_LOOK, 0.1 / record.sample_time)
     smooth, speed, _ = smooth_motion(position, record.sample_time, cutoff)
     M = robot.n_motors
-    coarse = {one.motor for one in encoder_quantization(record, robot)}  # rounding hides the noise
+    rounded = {one.motor for one in encoder_quantization(record, robot, numbers.coarse_step)}  # it hides the noise
     driven = _driven(record, robot, position, settings.level)
     power, jitter = _above_band(position, speed, record)
     deviation, colours, source = np.sqrt(power), [np.zeros(0)] * M, ["above the band"] * M
@@ -88,7 +88,7 @@ def measure_noise(record: Record, robot: Robot, settings: DiagnosisSettings) -> 
         rest = _at_standstill(
             position[:, motor], smooth[:, motor], driven[:, motor], record, float(deviation[motor]), numbers
         )
-        if motor in coarse and robot.encoder_noise[motor] > 0:
+        if motor in rounded and robot.encoder_noise[motor] > 0:
             deviation[motor], source[motor] = robot.encoder_noise[motor], "robot file"
         elif rest is not None:
             stated = float(robot.encoder_noise[motor])

@@ -78,7 +78,7 @@ def measurement_of(record: Record, robot: Robot, settings: DiagnosisSettings) ->
     """
     noise, numbers = measure_noise(record, robot, settings), settings.noise
     stated, declared = robot.encoder_noise > 0, _declared(record, robot, noise)
-    quantizations = tuple(one for one in encoder_quantization(record, robot) if stated[one.motor])
+    quantizations = tuple(one for one in encoder_quantization(record, robot, numbers.coarse_step) if stated[one.motor])
     autoregression = np.zeros((robot.n_motors, max(1, noise.autoregression.shape[1])))
     autoregression[:, : noise.autoregression.shape[1]] = noise.autoregression
     if not np.all((declared > 0) & ((noise.standard_deviation > 0) | ~stated)):

@@ -20,6 +20,8 @@ _MOVED = 1.0
 _NOTHING_TO_RUN = {
     "no_gap": "No further experiment is needed: there is no gap to be explained.",
     "explained": "No further experiment is needed to separate the cause from its rivals.",
+    "partly_explained": "No experiment is proposed for the rest, which no known effect explains: the budget shows in "
+    "which joint and which motion it is.",
     "ambiguous": "No experiment of the catalogue separates the rivals: measure the tool or the torque as well.",
     "unknown_effect": "No experiment is proposed for a cause that is not among the known effects: the maps of the gap "
     "show which joint and which motion to examine.",

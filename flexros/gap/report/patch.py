@@ -32,6 +32,8 @@ class PatchSection(AbstractSection["DiagnosisResult"]):
         )
         if result.diagnosis.verdict == "unknown_effect":
             text += " It repairs only a part of the gap, whose cause is not among the known effects."
+        if result.diagnosis.verdict == "partly_explained":
+            text += " It repairs a part of the gap; the budget says how much is left, and where."
         if result.diagnosis.verdict == "ambiguous":
             text += (
                 " It holds the most probable explanation, which predicts motions like those of this log as well as its "

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from flexros.gap.report.verdict import verdict_sentence
 from flexros.gap.report.words import (
+    budget_words,
     capital,
     clear_words,
     closed_words,
@@ -58,6 +59,22 @@ def where_lines(result: DiagnosisResult) -> tuple[str, ...]:
         f"{where_words(location, result.record.sample_time)}, {p_value_words(location.p_value)}"
         for location in result.diagnosis.where[:_LOCATIONS]
     )
+
+
+def budget_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
+    """List the shares of the gap by effect, and what is left by joint; nothing for a single effect."""
+    effects = [share for share in diagnosis.budget if share.effect is not None]
+    if len(effects) < 2 and not (effects and diagnosis.verdict == "partly_explained"):
+        return ()
+    shares = [
+        f"{capital(budget_words(share))}: {share_words(max(share.share_last or 0.0, 0.0))} removed last, "
+        f"{share_words(max(share.share_first or 0.0, 0.0))} added first"
+        for share in effects
+    ]
+    left = [
+        f"left at {rest.joint}: {share_words(rest.share)}" for rest in diagnosis.unexplained if rest.regime == "all"
+    ]
+    return (*shares, *left)
 
 
 def gap_line(gap: GapNumbers) -> str:

@@ -34,6 +34,7 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
     words = {
         "no_gap": _no_gap,
         "explained": _explained,
+        "partly_explained": _partly,
         "ambiguous": _ambiguous,
         "unknown_effect": _unknown,
     }
@@ -68,6 +69,17 @@ def _explained(diagnosis: Diagnosis) -> str:
     how = "" if sure >= _SURE else f", {each}with a probability of {share_words(sure)}{more}"
     names = listed([cause_words(cause) for cause in causes])
     return f"The gap comes from {names}{how}. {_closed(diagnosis.gap)}".strip()
+
+
+def _partly(diagnosis: Diagnosis) -> str:
+    share = {(one.effect, one.location): one.share_last or 0.0 for one in diagnosis.budget if one.effect}
+    causes = sorted(reported_causes(diagnosis), key=lambda cause: -share.get((cause.effect, cause.location), 0.0))
+    names = first_few([cause_words(cause) for cause in causes], most=6)
+    text = f"A part of the gap comes from {names}. {_closed(diagnosis.gap)}"
+    rest = next((one for one in diagnosis.unexplained if one.regime == "all"), None)
+    if rest is not None:
+        text += f" Most of what is left is in {rest.joint} ({share_words(rest.share)} of the gap)."
+    return text.strip()
 
 
 def _ambiguous(diagnosis: Diagnosis) -> str:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from flexros.gap.result import RankedCandidate
-    from flexros.gap.schema import Cause, CauseParameter, EffectLocation, Excess, GapNumbers
+    from flexros.gap.schema import BudgetShare, Cause, CauseParameter, EffectLocation, Excess, GapNumbers
 
 _PROPER = {"coulomb": "Coulomb", "stribeck": "Stribeck"}
 _PREFIXES = ((1.0, ""), (1e-3, "m"), (1e-6, "µ"))
@@ -56,6 +56,13 @@ def location_words(location: str) -> str:
 def named(effect: EffectLocation | RankedCandidate) -> str:
     """Write an effect with its location, e.g. "Coulomb friction at motor_1"."""
     return f"{effect_words(effect.effect)} {location_words(effect.location)}"
+
+
+def budget_words(share: BudgetShare) -> str:
+    """Write whose share of the gap it is, e.g. "Coulomb friction at motor_1", "all friction at motor_1"."""
+    if share.effect is None:
+        return f"all {share.cause_class} {location_words(share.location)}"
+    return f"{effect_words(share.effect)} {location_words(share.location)}"
 
 
 def capital(text: str) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flexros.atomic_file import write_result
+from flexros.gap.report.budget import BudgetSection
 from flexros.gap.report.evidence import EvidenceSection
 from flexros.gap.report.how_far import HowFarSection
 from flexros.gap.report.open_questions import OpenQuestionsSection
@@ -31,6 +32,7 @@ def sections(patch: str = "") -> tuple[AbstractSection[DiagnosisResult], ...]:
     """
     return (
         SummarySection(),
+        BudgetSection(),
         WhereSection(),
         RankingSection(),
         EvidenceSection(),
@@ -49,7 +51,8 @@ def diagnosis_report(result: DiagnosisResult, *, patch: str = "", title: str | N
         patch: Text of patch.yaml; empty where no effect was found.
         title: Heading; None for robot and log.
     """
-    chapters = [Chapter(section.title, section.blocks(result)) for section in sections(patch)]
+    every = [Chapter(section.title, section.blocks(result)) for section in sections(patch)]
+    chapters = [chapter for chapter in every if chapter.blocks]
     return page_html(title or f"Diagnosis of {result.robot.name}", _subtitle(result), chapters, packed=True)
 
 

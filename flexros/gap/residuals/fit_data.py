@@ -91,6 +91,8 @@ class FitData:
         pose: Arm coordinates at which the gain was computed [rad or m], shape (N,); None for home.
         initial_state_errors: Effect of initial-state errors, which is projected out; None for a log that begins in
             motion, whose first samples are not used.
+        misfit: Mean squared weighted prediction error that no candidate removes [1]: where a model leaves much more
+            than noise, the prior of tolerated parameters weighs as much more.
     """
 
     record: Record
@@ -103,6 +105,7 @@ class FitData:
     tool: ToolData | None = None
     pose: FloatArray | None = None
     initial_state_errors: InitialStateErrors | None = None
+    misfit: float = 1.0
 
     @property
     def counted(self) -> BoolArray:

@@ -261,9 +261,54 @@ class Search:
             fit = pruned
         return fit
 
+    def within_limits(self, fit: CandidateFit) -> CandidateFit:
+        """Fit again without parameters that ended at a limit of their search, which are no findings.
+
+        A parameter that shapes an effect is set to its usual value. An effect whose size is at a limit is left out.
+
+        Args:
+            fit: The fit.
+
+        Returns:
+            A fit without such parameters, or the same fit.
+        """
+        for _ in range(fit.predictor.n_effect):
+            values = fit.predictor.values(fit.theta)
+            limited = [
+                (candidate, name)
+                for candidate, of_effect in zip(fit.hypothesis, values)
+                for name in sorted(candidate.at_limit(of_effect))
+            ]
+            if not limited:
+                break
+            candidate, name = limited[0]
+            shaped = candidate.with_usual(name)
+            if shaped is None:
+                fit = self.without(fit, candidate.name)
+            else:
+                changed = tuple(shaped if one is candidate else one for one in fit.hypothesis)
+                kept = [one is not candidate or free.name != name for one in fit.hypothesis for free in one.free]
+                theta = fit.theta[np.array([*kept, *([True] * len(fit.deviations))], dtype=bool)]
+                fit = self._fit(self.null.predictor(changed), theta, self.settings.fit.final_iterations)
+        return fit
+
     def surroundings(self, fit: CandidateFit) -> Surroundings:
         """Linearise a fit on the rows of the search."""
-        return surroundings_of(fit, linearise(fit.predictor, self.data, fit.theta), self.rows)
+        line = linearise(fit.predictor, self.data, fit.theta)
+        return surroundings_of(fit, line, self.rows, self.data.misfit)
+
+    def misfit(self, directions: Sequence[Directions]) -> float:
+        """Estimate the mean squared error that is left when all candidates are fitted together, by linear theory [1].
+
+        Args:
+            directions: The candidates; of each one the best initial value counts.
+        """
+        null, settings = self.null.fit, self.settings.search
+        surroundings = self.surroundings(null)
+        additions = self.additions(directions, null, surroundings)
+        changes = np.stack([addition.change for addition in additions], axis=-1)
+        together = surroundings.independent(changes, settings.most_effects, settings.kept_of_misfit)
+        return max(surroundings.left(changes[:, together]) / self.data.n_values, 1.0)
 
     def additions(
         self, directions: Sequence[Directions], fit: CandidateFit, surroundings: Surroundings
@@ -402,7 +447,8 @@ def _addition(direction: Directions, fit: CandidateFit, surroundings: Surroundin
     """Prepare the addition of a candidate to a fit, in place of tolerated deviations where that gains more."""
     best = int(_best_starts(direction, surroundings, 1)[0])
     gain = float(surroundings.gains(direction.changes)[0].max())
-    gain, theta = with_takeover(direction.candidate, fit, gain, direction.starts[:, best])
+    misfit = float(surroundings.prior.max(initial=1.0))
+    gain, theta = with_takeover(direction.candidate, fit, gain, direction.starts[:, best], misfit)
     n, free = fit.predictor.n_effect, len(direction.candidate.free)
     return Addition(direction.candidate, gain, theta[n : n + free], theta[n + free :], direction.changes[:, best])
 

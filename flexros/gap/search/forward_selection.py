@@ -195,8 +195,10 @@ def _pruned(search: Search, explanations: Explanations) -> Explanations:
         if probability > search.settings.ranking.likely or fit is explanations.chosen
     ]
     pruned = {fit: search.pruned(fit) for fit in likely}
-    comparison = _compare(search, [pruned.get(fit, fit) for fit in explanations.comparison.fits])
-    return _explanations(comparison, pruned[explanations.chosen], detected=True)
+    chosen = search.within_limits(pruned[explanations.chosen])
+    fits = [pruned.get(fit, fit) for fit in explanations.comparison.fits if fit is not explanations.chosen]
+    comparison = _compare(search, [*(fit for fit in fits if fit.names != chosen.names), chosen])
+    return _explanations(comparison, chosen, detected=bool(chosen.hypothesis))
 
 
 def _incomplete(search: Search, comparison: ModelComparison, chosen: CandidateFit) -> bool:

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from flexros.gap.answer.limits import identifiability_limits
+from flexros.record.quantization import Quantization
 from tests.gap.diagnosis_logs import ROBOT, record_of
 
 
@@ -38,3 +39,11 @@ def test_nothing_is_known_near_half_the_sampling_frequency() -> None:
 
 def test_without_gravity_masses_and_inertias_are_one() -> None:
     assert "Without gravity" in limits()
+
+
+def test_a_fine_encoder_step_is_stated_as_noise() -> None:
+    fine, coarse = Quantization(0, 3e-5, coarse=False), Quantization(0, 1e-3)
+    stated = " ".join(identifiability_limits(record_of(), ROBOT, (fine,)))
+    assert "motor_1" in stated
+    assert "3e-05 rad, 0.3 of its noise" in stated
+    assert "rounds" not in " ".join(identifiability_limits(record_of(), ROBOT, (coarse,)))

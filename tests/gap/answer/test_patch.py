@@ -35,7 +35,7 @@ def result(causes: tuple[Cause, ...], texts: tuple[str, ...], **numbers: float) 
     """Diagnosis of e12 with effects and variances by full name."""
     nothing = np.zeros((10, 2))
     diagnosis = Diagnosis(
-        schema=1,
+        schema=2,
         verdict="explained" if causes else "no_gap",
         causes=causes,
         ambiguity_groups=(),

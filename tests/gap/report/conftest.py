@@ -124,7 +124,7 @@ def diagnosis(verdict: str) -> Diagnosis:
         "command": "flexros run bias_steps --model four_mass_linear --out bags/bias_steps",
     }  # fmt: skip
     return Diagnosis(
-        schema=1,
+        schema=2,
         verdict=verdict,
         causes=tuple(causes),
         ambiguity_groups=((HYSTERESIS, BACKLASH),) if verdict == "ambiguous" else (),

@@ -22,7 +22,7 @@ def test_the_three_files_say_the_same(diagnosed: Diagnosed, tmp_path: Path) -> N
     result, folder = diagnosed("explained"), tmp_path / "out"
     assert write_diagnosis(result, "four_mass_linear", folder) == ("diagnosis.json", "patch.yaml", "report.html")
     read = json.loads((folder / "diagnosis.json").read_text(encoding="utf-8"))
-    assert read["schema"] == 1
+    assert read["schema"] == 2
     assert Diagnosis.model_validate(read) == result.diagnosis
     assert load_patched(folder / "patch.yaml").placed == result.patch
     assert (folder / "patch.yaml").read_text(encoding="utf-8").splitlines()[0] in (folder / "report.html").read_text(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.gap.search.forward_selection import Explanations, explain
+from flexros.gap.search.forward_selection import Explanations, _exchanged, explain
 from flexros.gap.search.model_probability import RANKING
 from tests.gap.diagnosis_logs import search_of
 
@@ -40,6 +40,30 @@ def test_two_effects_are_chosen_together() -> None:
     found = explain(search_of(FRICTION, SOFT, among=SOME))
     assert names(found) == {name.partition(":")[0] for name in (FRICTION, SOFT)}
     assert found.remainder == 0.0
+
+
+def test_a_crowd_of_effects_is_found_together() -> None:
+    """Each removes only a part of the gap at first; at the end nothing is left, and nothing is added."""
+    crowd = (
+        "coulomb_friction@motor_1:level=0.05",
+        "viscous_friction@motor_1:coefficient=0.002",
+        "stiffness_error@body_2.rz:relative=-0.05",
+        "stiffness_error@body_3.rz:relative=0.04",
+        "torque_bias@motor_1:level=0.02",
+    )
+    found = explain(search_of(*crowd, among=(*SOME, "viscous_friction", "damping_error", "torque_gain_error")))
+    assert names(found) == {name.partition(":")[0] for name in crowd}
+    assert found.remainder == 0.0
+
+
+def test_an_effect_that_was_taken_for_another_one_is_exchanged() -> None:
+    search = search_of(FRICTION, SOFT, among=(*SOME, "viscous_friction"))
+    directions = search.directions(search.candidates())
+    by_name = {direction.candidate.name: direction for direction in directions}
+    wrong = search.singles([by_name["viscous_friction@motor_1"]])[0]
+    second = search.additions([by_name[SOFT.partition(":")[0]]], wrong, search.surroundings(wrong))
+    fit = _exchanged(search, search.together(wrong, second), directions, [])
+    assert fit.names == {name.partition(":")[0] for name in (FRICTION, SOFT)}
 
 
 def test_a_further_effect_that_removes_little_is_refused() -> None:

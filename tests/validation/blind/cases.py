@@ -47,7 +47,7 @@ def diagnosis(
     gap = {"metric": "", "unit": "", "before": 2.0, "noise_floor": 1.0, "closed_fraction": 0.9 if causes else None}
     return Diagnosis.model_validate(
         {
-            "schema": 1,
+            "schema": 2,
             "verdict": verdict,
             "causes": listed,
             "ambiguity_groups": [[place(one) for one in group] for group in groups],

@@ -1,0 +1,175 @@
+"""The gap as a budget: shares of effects and classes, the unexplained rest, and wrong numbers of the model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+from flexros.effects.kinds.model_change import AbstractChangedValues
+from flexros.effects.kinds.relative_error import AbstractRelativeError
+from flexros.gap.fit.estimates import parameters_of
+from flexros.gap.held_out.prediction_gap import HORIZON, closed_fraction, errors_ahead, over_expected_floor
+from flexros.gap.schema import BudgetShare, ModelNumber, Unexplained
+from flexros.gap.where.motion import motion_of
+from flexros.gap.where.regimes import regimes
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flexros.arrays import BoolArray, FloatArray
+    from flexros.effects import AbstractEffect
+    from flexros.gap.answer.decision import Findings
+    from flexros.gap.candidates.candidate import Candidate
+    from flexros.gap.held_out.prediction_gap import AheadErrors
+    from flexros.gap.where.motion import MotorMotion
+    from flexros.robot import Robot
+
+MODEL_NUMBERS = "model numbers"
+_CLASSES: Mapping[str, str] = MappingProxyType({"motor friction": "friction"})
+"""Classes of a budget by stage of the loop, where they are named otherwise."""
+LEAST_SHARE = 0.005
+"""Share of the gap from which the rest at a joint or in a regime is listed [1] (chosen)."""
+
+
+@dataclass(frozen=True)
+class Budget:
+    """The gap of held-out data, divided.
+
+    Attributes:
+        shares: Shares of effects, and of classes with several effects at a joint, the largest first.
+        unexplained: What the repaired model leaves, the largest first.
+        model_numbers: Numbers of the nominal model that the effects correct.
+    """
+
+    shares: tuple[BudgetShare, ...] = ()
+    unexplained: tuple[Unexplained, ...] = ()
+    model_numbers: tuple[ModelNumber, ...] = ()
+
+
+def class_of(effect: type[AbstractEffect]) -> str:
+    """Return the class of an effect in a budget: its stage, or `MODEL_NUMBERS` for errors of parameters."""
+    return MODEL_NUMBERS if issubclass(effect, AbstractRelativeError) else _CLASSES.get(effect.stage, effect.stage)
+
+
+def joint_of(location: str, robot: Robot) -> str:
+    """Return the motor at a location: itself, or that of a spring or body; else the location."""
+    for motor in robot.motors:
+        if location in (motor.name, motor.joint.name):
+            return motor.name
+    return location
+
+
+def budget_of(findings: Findings, before: AheadErrors, after: AheadErrors) -> Budget:
+    """Divide the gap of the held-out log among the effects of the chosen explanation.
+
+    Added first, an effect alone is put on the nominal model; removed last, it alone is taken from the repaired one. The
+    two differ where effects overlap.
+
+    Args:
+        findings: The fits of one log, checked on another.
+        before: Errors of the nominal model.
+        after: Errors of the repaired one.
+    """
+    chosen, robot = findings.explanations.chosen, findings.model.robot
+    gap = before.mean - 1.0
+    unexplained = _unexplained(findings, before, after)
+    if gap <= 0 or not chosen.hypothesis:
+        return Budget(unexplained=unexplained)
+    shares = []
+    for name, members in _members(chosen.hypothesis, robot):
+        joint, cause_class, effect = name
+        rows = [row for row, candidate in enumerate(chosen.hypothesis) if candidate in members]
+        others = [row for row in range(len(chosen.hypothesis)) if row not in rows]
+        first, last = (_errors_without(findings, off) for off in (others, rows))
+        closed = closed_fraction(before, first, findings.held.record.sample_time)
+        shares.append(
+            BudgetShare.model_validate(
+                {
+                    "joint": joint,
+                    "class": cause_class,
+                    "effect": effect,
+                    "location": members[0].location if effect else joint,
+                    "share_first": None if closed is None else closed.value,
+                    "share_last": (last.mean - after.mean) / gap,
+                    "interval": None if closed is None else closed.interval,
+                }
+            )
+        )
+    shares.sort(key=lambda share: -(share.share_last or 0.0))
+    return Budget(tuple(shares), unexplained, _model_numbers(findings))
+
+
+def _members(
+    hypothesis: tuple[Candidate, ...], robot: Robot
+) -> list[tuple[tuple[str, str, str | None], tuple[Candidate, ...]]]:
+    """List the effects, and the classes of which a joint has several: joint, class, effect and candidates."""
+    classes: dict[tuple[str, str], list[Candidate]] = {}
+    for candidate in hypothesis:
+        key = (joint_of(candidate.location, robot), class_of(candidate.effect))
+        classes.setdefault(key, []).append(candidate)
+    rows: list[tuple[tuple[str, str, str | None], tuple[Candidate, ...]]] = []
+    for (joint, cause_class), members in classes.items():
+        rows += [((joint, cause_class, one.effect.name), (one,)) for one in members]
+        if len(members) > 1:
+            rows.append(((joint, cause_class, None), tuple(members)))
+    return rows
+
+
+def _errors_without(findings: Findings, rows: list[int]) -> AheadErrors:
+    """Predict the held-out log with some effects of the chosen explanation switched off."""
+    chosen = findings.explanations.chosen
+    theta, column = chosen.theta.copy(), 0
+    for row, candidate in enumerate(chosen.hypothesis):
+        for free in candidate.free:
+            neutral = candidate.neutral(free)
+            if row in rows and neutral is not None:
+                theta[column] = neutral
+            column += 1
+    errors = errors_ahead(replace(chosen, theta=theta), findings.held)
+    return over_expected_floor(errors, findings.model, findings.held)
+
+
+def _unexplained(findings: Findings, before: AheadErrors, after: AheadErrors) -> tuple[Unexplained, ...]:
+    """Divide what is left among joints, and within each joint among its regimes."""
+    robot, record = findings.model.robot, findings.held.record
+    gap = before.mean - 1.0
+    if gap <= 0:
+        return ()
+    motion = motion_of(record, robot)
+    ends = after.starts + max(1, round(HORIZON / record.sample_time))
+    rest: FloatArray = (after.squares - 1.0) / after.squares.size / gap
+    rows = [
+        Unexplained(joint=name, regime=regime, share=float(rest[inside[ends], motor].sum()))
+        for motor, name in enumerate(robot.joint_names)
+        for regime, inside in _regimes(motion, motor, record.sample_time).items()
+    ]
+    return tuple(sorted((row for row in rows if row.share >= LEAST_SHARE), key=lambda row: -row.share))
+
+
+def _regimes(motion: MotorMotion, motor: int, sample_time: float) -> Mapping[str, BoolArray]:
+    return {name: inside for name, inside in regimes(motion, motor, sample_time).items() if inside.any()}
+
+
+def _model_numbers(findings: Findings) -> tuple[ModelNumber, ...]:
+    """List the parameters of the robot that effects of the chosen explanation correct."""
+    chosen, robot = findings.explanations.chosen, findings.model.robot
+    numbers = []
+    for candidate, parameters in zip(chosen.hypothesis, parameters_of(chosen, findings.data)):
+        placed = candidate.placed({name: parameter.value for name, parameter in parameters.items()})
+        if not isinstance(placed.effect, AbstractChangedValues) or "relative" not in parameters:
+            continue
+        for name, value in placed.effect.values(robot, candidate.location).items():
+            nominal = robot.parameters[name].value
+            if value != nominal:
+                numbers.append(
+                    ModelNumber(
+                        location=candidate.location,
+                        name=name,
+                        nominal=nominal,
+                        value=value,
+                        std=abs(nominal) * parameters["relative"].std,
+                        unit=robot.parameters[name].unit,
+                    )
+                )
+    return tuple(numbers)
