@@ -104,7 +104,7 @@ def test_provenance_names_log_robot_and_settings(result: DiagnosisResult) -> Non
     assert (provenance["log"], provenance["robot"], provenance["level"]) == ("log", "four_mass_linear", 1e-3)
     assert provenance["stiffness"] == TOLERANCE["stiffness"]
     assert provenance["ranking"]["unexplained"] == 0.1
-    assert provenance["search"]["most_effects"] == 4
+    assert provenance["search"]["most_effects"] == 30
 
 
 def test_rivals_of_an_ambiguous_answer_are_causes_too() -> None:

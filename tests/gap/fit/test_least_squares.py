@@ -111,6 +111,8 @@ class TwoAlike:
 
     n_effect, bounds, tolerance = 2, (np.full(2, -1.0), np.full(2, 1.0)), Tolerance()
 
+    misfit = 1.0
+
     def residuals(self, _: object, thetas: FloatArray) -> FloatArray:
         noise, alike, other = np.random.default_rng(0).normal(size=(3, 1000, 1))
         far = np.maximum(np.abs(thetas[1]) - 0.01, 0.0)
@@ -129,6 +131,8 @@ class CurvedValley:
     """Errors that are small along a curve only: predictor and log."""
 
     n_effect, bounds, tolerance = 2, (np.full(2, -10.0), np.full(2, 10.0)), Tolerance()
+
+    misfit = 1.0
 
     def residuals(self, _: object, thetas: FloatArray) -> FloatArray:
         noise, across, along = np.random.default_rng(0).normal(size=(3, 1000, 1))
