@@ -42,10 +42,11 @@ class NoiseSettings(Settings):
         description="relative error of the variance of quantization, which is not white where a motor is slow [1]",
     )
     coarse_step: float = Field(
-        default=3.0,
+        default=6.0,
         gt=0,
         description="step of an encoder over its declared noise, rms, from which rounding is an effect; finer steps "
-        "are a property of the sensor and part of its noise [1]",
+        "are a property of the sensor and part of its noise; a declared noise that is rounding alone is 3.5 times "
+        "smaller than its step [1]",
     )
     doubt: float = Field(
         default=0.5,
@@ -221,7 +222,7 @@ class SearchSettings(Settings):
         "spurious ones remove up to 0.3 (development seeds)",
     )
     removed_of_all: float = Field(
-        default=0.1,
+        default=0.2,
         gt=0,
         lt=1,
         description="the same on a real machine, where what no effect explains is part of what remains [1]",

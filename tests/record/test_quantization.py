@@ -50,10 +50,10 @@ def record(position: np.ndarray) -> Record:
     return Record("log", 5e-4, position[:, None], np.zeros((len(position), 1)), np.ones(len(position), dtype=bool))
 
 
-@pytest.mark.parametrize(("step", "coarse"), [(2e-4, False), (4e-4, True)])
+@pytest.mark.parametrize(("step", "coarse"), [(3e-4, False), (1e-3, True)])
 def test_step_well_above_the_noise_is_coarse(step: float, coarse: bool) -> None:
     robot = load_robot("four_mass_linear")  # noise 1e-4 rad
-    (found,) = encoder_quantization(record(step * np.round(motion(1) / step)), robot, 3.0)
+    (found,) = encoder_quantization(record(step * np.round(motion(1) / step)), robot, 6.0)
     assert found.motor == 0
     assert found.step == pytest.approx(step, rel=1e-6)
     assert found.coarse is coarse
@@ -61,8 +61,8 @@ def test_step_well_above_the_noise_is_coarse(step: float, coarse: bool) -> None:
 
 def test_step_far_below_the_noise_is_no_effect() -> None:
     robot = load_robot("four_mass_linear")
-    assert encoder_quantization(record(np.round(motion(1), 6)), robot, 3.0) == ()
-    assert encoder_quantization(record(motion(1)), robot, 3.0) == ()
+    assert encoder_quantization(record(np.round(motion(1), 6)), robot, 6.0) == ()
+    assert encoder_quantization(record(motion(1)), robot, 6.0) == ()
 
 
 def test_step_is_found_in_a_file_of_rounded_decimals() -> None:
