@@ -23,7 +23,7 @@ demo: environment
 
 test: EXTRAS = test
 test: environment
-	@$(BIN)/python -m pytest -n 2 --dist loadfile $(PYTEST_OPTIONS)
+	@$(BIN)/python -m pytest -n 3 --dist loadfile $(PYTEST_OPTIONS)
 
 test-fast: EXTRAS = test
 test-fast: environment

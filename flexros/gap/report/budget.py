@@ -65,6 +65,7 @@ def _bars(diagnosis: Diagnosis) -> go.Figure:
             orientation="h",
             marker={"color": [colour for _, _, colour in shown]},
             text=[share_words(max(share, 0.0)) for _, share, _ in shown],
+            textangle=0,
             hovertemplate="%{y}: %{x:.1%}<extra></extra>",
         )
     )
