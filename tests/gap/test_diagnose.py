@@ -37,7 +37,7 @@ def causes(result: DiagnosisResult) -> list[str]:
 
 @pytest.fixture(scope="module")
 def null() -> DiagnosisResult:
-    return diagnosed(tool=True, settings=settings_of(*FEW.search.effects, "kinematic_error"))
+    return diagnosed(tool=True, settings=ALL)
 
 
 @pytest.fixture(scope="module")

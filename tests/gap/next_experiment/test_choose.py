@@ -16,14 +16,11 @@ from flexros.gap.next_experiment import choose as module
 from flexros.gap.next_experiment.catalogue import CATALOGUE, CatalogueEntry
 from flexros.gap.next_experiment.choose import Separated, command_of, next_experiment, separated
 from flexros.gap.next_experiment.separation import Explained, separation, trial
-from flexros.gap.settings import DiagnosisSettings, NextExperimentSettings
 from flexros.robot import load_robot
 from flexros.robot.robot import LIBRARY
 from flexros.scenario.experiment import Experiment
 
 ENTRIES = {entry.name: entry for entry in CATALOGUE}
-LENGTH = 10.0
-SHORT = DiagnosisSettings(next_experiment=NextExperimentSettings(length=LENGTH))
 
 
 def placed(*texts: str) -> list[PlacedEffect]:
@@ -35,7 +32,7 @@ def model(name: str = "four_mass_linear") -> RobotWithEffects:
 
 
 def gain(survivors: list[list[PlacedEffect]], entry: str) -> float:
-    found = separated([Explained(model(), tuple(one)) for one in survivors], ENTRIES[entry], 101, LENGTH)
+    found = separated([Explained(model(), tuple(one)) for one in survivors], ENTRIES[entry], 101, 10.0)
     assert found is not None
     return found.gain
 
@@ -107,7 +104,7 @@ def test_the_chosen_experiment_is_the_best_except_for_cheaper_ones(gains: dict[s
 def test_what_motors_cannot_see_needs_the_tool(gains: dict[str, float]) -> None:
     survivors = [placed("kinematic_error@body_1:length=0.001"), placed("kinematic_error@body_2:length=0.001")]
     entries = [ENTRIES["standard"], ENTRIES["tool_measurement"]]
-    chosen = next_experiment(load_robot("elbow"), survivors, entries=entries, settings=SHORT)
+    chosen = next_experiment(load_robot("elbow"), survivors, entries=entries)
     assert chosen is not None
     assert chosen.name == "tool_measurement"
     assert gains["standard"] == pytest.approx(0.0, abs=1e-6)
