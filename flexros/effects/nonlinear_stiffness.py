@@ -66,8 +66,17 @@ class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
                 source="catalogues: K3/K1 of 1.3 to 2; bounds chosen",
                 negative=0.95,
             ),
-            "knee": Range("deflection", 0.01, 1.0, 4, source="chosen: from small motion to the largest deflection"),
-            "rounding": Range("relative", 0.01, 2.0, 1, source="chosen: from a corner to a gradual bend"),
+            "knee": Range(
+                "deflection",
+                0.01,
+                1.0,
+                4,
+                source="chosen: from small motion to the largest deflection",
+                vanishes="never",
+            ),
+            "rounding": Range(
+                "relative", 0.01, 2.0, 1, source="chosen: from a corner to a gradual bend", vanishes="never"
+            ),
         }
     )
     signatures: ClassVar[tuple[str, ...]] = (

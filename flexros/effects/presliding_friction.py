@@ -50,9 +50,9 @@ class PreslidingFriction(AbstractBristleFriction):
         {
             "level": Range("torque", 1e-6, 1.0, starts=1),
             "extra": Range("torque", 1e-7, 1.0, starts=1),
-            "velocity": Range("speed", 1e-3, 1.0, starts=1),
+            "velocity": Range("speed", 1e-3, 1.0, starts=1, vanishes="never"),
             "exponent": Range("relative", 0.5, 4.0, starts=1, source="that of Stribeck friction"),
-            "stiffness": Range("torque/angle", 1e-3, 1e6, starts=9),
+            "stiffness": Range("torque/angle", 1e-3, 1e6, starts=9, vanishes="never"),
             "damping": Range("torque/speed", 1e-6, 10.0, starts=3),
         }
     )

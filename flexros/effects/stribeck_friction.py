@@ -51,7 +51,7 @@ class StribeckFriction(AbstractDryFriction):
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {
             "extra": Range("torque", 1e-6, 1.0, starts=5),
-            "velocity": Range("speed", 1e-4, 0.3, starts=5),
+            "velocity": Range("speed", 1e-4, 0.3, starts=5, vanishes="never"),
             "exponent": Range("relative", 0.5, 4.0, starts=1, source="0.5 to 2 and more (Armstrong-Helouvry 1991)"),
         }
     )

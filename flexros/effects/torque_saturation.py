@@ -37,7 +37,7 @@ class TorqueSaturation(AbstractCommandLaw):
         "no disturbance torque up to a level of the command, and beyond it the excess of the command over that level"
     )
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
-        {"limit": Range("torque", 0.1, 1.0, starts=(0.15, 0.3, 0.5, 0.7, 0.85, 0.95, 0.98, 0.995))}
+        {"limit": Range("torque", 0.1, 1.0, starts=(0.15, 0.3, 0.5, 0.7, 0.85, 0.95, 0.98, 0.995), vanishes="high")}
     )
 
     limit: float = Field(0.0, ge=0.0, description="largest torque either way [Nm or N]; 0: no limit")

@@ -143,6 +143,20 @@ def test_a_coarse_encoder_is_named_and_no_gap_is_left() -> None:
     assert result.diagnosis.verdict == "explained"
 
 
+def test_the_budget_divides_the_gap_among_the_effects(pair: DiagnosisResult) -> None:
+    diagnosis = pair.diagnosis
+    shares = {(one.effect, one.cause_class): one for one in diagnosis.budget}
+    assert set(shares) == {("coulomb_friction", "friction"), ("stiffness_error", "model numbers")}
+    for share in shares.values():
+        assert share.share_first is not None
+        assert share.share_last is not None
+        assert 0 < share.share_last < 1.5
+    assert sum(one.share for one in diagnosis.unexplained if one.regime == "all") < 0.01
+    (number,) = diagnosis.model_numbers
+    assert number.name == "body_2.rz.stiffness"
+    assert number.value / number.nominal == pytest.approx(0.95, abs=5 * number.std / number.nominal + 1e-3)
+
+
 @pytest.mark.parametrize("share", [0.3, 1.0])
 def test_an_encoder_step_within_the_noise_is_no_gap(share: float) -> None:
     """Every real encoder has a resolution: a property of the sensor, not a cause."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.effects.kinds.relative_error import AbstractRelativeError
+from flexros.gap.candidates.candidate import names_of
 from flexros.gap.fit.estimates import parameters_of
 from flexros.gap.held_out.prediction_gap import HORIZON, closed_fraction, errors_ahead, over_expected_floor
 from flexros.gap.schema import BudgetShare, ModelNumber, Unexplained
@@ -15,7 +16,7 @@ from flexros.gap.where.motion import motion_of
 from flexros.gap.where.regimes import regimes
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Collection, Mapping
 
     from flexros.arrays import BoolArray, FloatArray
     from flexros.effects import AbstractEffect
@@ -53,7 +54,7 @@ def class_of(effect: type[AbstractEffect]) -> str:
 
 
 def joint_of(location: str, robot: Robot) -> str:
-    """Return the motor at a location: itself, or that of a spring or body; else the location."""
+    """Return the motor at a location: itself, or that of its spring; else the location."""
     for motor in robot.motors:
         if location in (motor.name, motor.joint.name):
             return motor.name
@@ -79,9 +80,8 @@ def budget_of(findings: Findings, before: AheadErrors, after: AheadErrors) -> Bu
     shares = []
     for name, members in _members(chosen.hypothesis, robot):
         joint, cause_class, effect = name
-        rows = [row for row, candidate in enumerate(chosen.hypothesis) if candidate in members]
-        others = [row for row in range(len(chosen.hypothesis)) if row not in rows]
-        first, last = (_errors_without(findings, off) for off in (others, rows))
+        own = names_of(members)
+        first, last = (_errors_without(findings, off) for off in (chosen.names - own, own))
         closed = closed_fraction(before, first, findings.held.record.sample_time)
         shares.append(
             BudgetShare.model_validate(
@@ -116,17 +116,10 @@ def _members(
     return rows
 
 
-def _errors_without(findings: Findings, rows: list[int]) -> AheadErrors:
+def _errors_without(findings: Findings, names: Collection[str]) -> AheadErrors:
     """Predict the held-out log with some effects of the chosen explanation switched off."""
     chosen = findings.explanations.chosen
-    theta, column = chosen.theta.copy(), 0
-    for row, candidate in enumerate(chosen.hypothesis):
-        for free in candidate.free:
-            neutral = candidate.neutral(free)
-            if row in rows and neutral is not None:
-                theta[column] = neutral
-            column += 1
-    errors = errors_ahead(replace(chosen, theta=theta), findings.held)
+    errors = errors_ahead(replace(chosen, theta=chosen.switched_off(names)), findings.held)
     return over_expected_floor(errors, findings.model, findings.held)
 
 

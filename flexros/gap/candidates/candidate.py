@@ -94,11 +94,11 @@ class Candidate:
         Positive parameters come as close to it as their range allows. None for parameters that shape an effect, such as
         a frequency.
         """
-        default = self.effect.model_fields[free.name].default
-        low, high = free.bounds
-        if not isinstance(default, float) or not (default == 0.0 or np.isinf(default)):
+        allowed, low_and_high = self.effect.ranges[free.name], free.bounds
+        shapes = self.effect.model_fields[free.name].default != 0.0 or allowed.scale == "phase"
+        if shapes or allowed.vanishes == "never":
             return None
-        return 0.0 if free.signed and default == 0.0 else low if default == 0.0 else high
+        return 0.0 if free.signed else low_and_high[allowed.vanishes == "high"]
 
     def at_limit(self, values: Mapping[str, float]) -> frozenset[str]:
         """Return the names of the parameters whose values are at a limit of the search, neutral ones excepted.
@@ -113,8 +113,7 @@ class Candidate:
         margin = AT_LIMIT * (high - low)
         neutral = self.neutral(free)
         reached = [limit for limit in (low, high) if abs(encoded - limit) <= margin and limit != neutral]
-        of_phase = free.name in self.effect.ranges and self.effect.ranges[free.name].scale == "phase"
-        return bool(reached) and not of_phase
+        return bool(reached) and self.effect.ranges[free.name].scale != "phase"
 
     def with_usual(self, name: str) -> Candidate | None:
         """Return the candidate with a parameter that shapes it fixed at the middle of its initial values.

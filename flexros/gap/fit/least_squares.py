@@ -13,7 +13,7 @@ from flexros.gap.prediction.predictor import LANES
 from flexros.gap.settings import FitSettings
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Collection, Iterator, Sequence
 
     from flexros.arrays import BoolArray, FloatArray
     from flexros.gap.candidates.candidate import Hypothesis
@@ -73,6 +73,20 @@ class CandidateFit:
     def names(self) -> frozenset[str]:
         """Names of these candidates, effect@location."""
         return names_of(self.hypothesis)
+
+    def columns(self, names: Collection[str]) -> BoolArray:
+        """Return which fitted parameters belong to candidates of these names, shape (n_fitted,)."""
+        owned = [candidate.name in names for candidate in self.hypothesis for _ in candidate.free]
+        return np.array([*owned, *([False] * len(self.deviations))], dtype=bool)
+
+    def switched_off(self, names: Collection[str]) -> FloatArray:
+        """Return the parameters with the candidates of these names at neutral values, shape (n_fitted,)."""
+        neutral = [candidate.neutral(free) for candidate in self.hypothesis for free in candidate.free]
+        theta = self.theta.copy()
+        for column in np.flatnonzero(self.columns(names)):
+            value = neutral[column]
+            theta[column] = theta[column] if value is None else value
+        return theta
 
     @property
     def deviations(self) -> FloatArray:

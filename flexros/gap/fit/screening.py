@@ -206,20 +206,7 @@ def switched_off(fit: CandidateFit, data: FitData, residual: FloatArray, rows: I
     Returns:
         Changes, shape (n_rows, n_effects).
     """
-    thetas = np.repeat(fit.theta[:, None], len(fit.hypothesis), axis=1)
-    column = 0
-    for index, candidate in enumerate(fit.hypothesis):
-        for free in candidate.free:
-            neutral = candidate.neutral(free)
-            if neutral is not None:
-                thetas[column, index] = neutral
-            column += 1
+    thetas = np.stack([fit.switched_off((candidate.name,)) for candidate in fit.hypothesis], axis=-1)
     groups = [thetas[:, begin : begin + LANES] for begin in range(0, thetas.shape[1], LANES)]
     changes = [data.residuals(fit.predictor, group)[rows] - residual[rows, None] for group in groups]
     return np.concatenate(changes, axis=1)
-
-
-def parameters_of_effect(fit: CandidateFit, index: int) -> BoolArray:
-    """Return which fitted parameters belong to one effect of a fit, shape (n_fitted,)."""
-    owners = [row for row, candidate in enumerate(fit.hypothesis) for _ in candidate.free]
-    return np.array([*(owner == index for owner in owners), *([False] * len(fit.deviations))], dtype=bool)

@@ -18,7 +18,7 @@ from flexros.gap.fit.estimates import placed_effects
 from flexros.gap.fit.least_squares import CandidateFit, best_of, chi2_of, initial_values, linearise
 from flexros.gap.fit.least_squares import fit as fit_candidate
 from flexros.gap.fit.pruning import without_least_parameter
-from flexros.gap.fit.screening import directions_of, parameters_of_effect, surroundings_of, switched_off
+from flexros.gap.fit.screening import directions_of, surroundings_of, switched_off
 from flexros.gap.fit.tolerance_takeover import with_takeover
 from flexros.gap.search.harmonic_candidates import harmonic_candidates, neighbouring_orders
 from flexros.gap.settings import DiagnosisSettings
@@ -331,7 +331,8 @@ class Search:
         """Linearise a fit without each of its effects."""
         changes = switched_off(fit, self.data, fit.residual(self.data), self.rows)
         return [
-            surroundings.without(parameters_of_effect(fit, index), change) for index, change in enumerate(changes.T)
+            surroundings.without(fit.columns((candidate.name,)), change)
+            for candidate, change in zip(fit.hypothesis, changes.T, strict=True)
         ]
 
     def together(self, fit: CandidateFit, additions: Sequence[Addition], without: str = "") -> CandidateFit:
@@ -343,8 +344,7 @@ class Search:
             without: Name of one of its own candidates that they replace, effect@location; empty for none.
         """
         rest = tuple(candidate for candidate in fit.hypothesis if candidate.name != without)
-        kept = [candidate.name != without for candidate in fit.hypothesis for _ in candidate.free]
-        own = fit.theta[: fit.predictor.n_effect][np.array(kept, dtype=bool)]
+        own = fit.theta[: fit.predictor.n_effect][~fit.columns((without,))[: fit.predictor.n_effect]]
         deviations = np.where(
             np.all([addition.deviations == fit.deviations for addition in additions], axis=0), fit.deviations, 0.0
         )
@@ -359,10 +359,12 @@ class Search:
             fit: The explanation.
             name: Name of the candidate, effect@location.
         """
-        kept = [candidate.name != name for candidate in fit.hypothesis for _ in candidate.free]
-        theta = fit.theta[np.array([*kept, *([True] * len(fit.deviations))], dtype=bool)]
         predictor = self.null.predictor(tuple(candidate for candidate in fit.hypothesis if candidate.name != name))
-        return self._fit(predictor, theta, self.settings.fit.joint_iterations, quick=True)
+        return self._fit(predictor, fit.theta[~fit.columns((name,))], self.settings.fit.joint_iterations, quick=True)
+
+    def completed(self, fit: CandidateFit) -> CandidateFit:
+        """Carry a fit to its end."""
+        return self._continued(fit, np.inf)
 
     def finished(self, fits: Sequence[CandidateFit]) -> list[CandidateFit]:
         """Carry the best fits to their end, and leave out those that are no more than a simpler one."""

@@ -79,7 +79,7 @@ def explain(search: Search) -> Explanations:
             break
         chosen = _reduced(search, grown, fits, settings.removed_by_step)
     if len(chosen.hypothesis) > 1:
-        fits += search.finished([chosen])
+        fits.append(search.completed(chosen))
         chosen = _reduced(search, fits[-1], fits, settings.removed)
         chosen = _exchanged(search, chosen, directions, fits)
     comparison = _compare(search, unique(fits))
@@ -167,7 +167,7 @@ def _exchanged(
         best = comparison.ranked(level)[0]
         if best.names == fit.names or best.chi2 > fit.chi2:
             break
-        (fit,) = search.finished([best])
+        fit = search.completed(best)
         fits.append(fit)
     return fit
 
@@ -197,8 +197,10 @@ def _pruned(search: Search, explanations: Explanations) -> Explanations:
     pruned = {fit: search.pruned(fit) for fit in likely}
     chosen = search.within_limits(pruned[explanations.chosen])
     fits = [pruned.get(fit, fit) for fit in explanations.comparison.fits if fit is not explanations.chosen]
+    if not chosen.hypothesis:
+        return _explanations(_compare(search, fits), search.null.fit, detected=False)
     comparison = _compare(search, [*(fit for fit in fits if fit.names != chosen.names), chosen])
-    return _explanations(comparison, chosen, detected=bool(chosen.hypothesis))
+    return _explanations(comparison, chosen, detected=True)
 
 
 def _incomplete(search: Search, comparison: ModelComparison, chosen: CandidateFit) -> bool:

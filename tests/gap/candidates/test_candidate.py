@@ -113,3 +113,34 @@ def test_starts_are_all_combinations_or_belong_together() -> None:
     candidate = Candidate(effects()["coulomb_friction"], "motor_1", free)
     assert candidate.starts() == [(0.1, 0.1), (0.1, 0.2), (0.2, 0.1), (0.2, 0.2)]
     assert replace(candidate, together=True).starts() == [(0.1, 0.1), (0.2, 0.2)]
+
+
+def test_a_value_at_a_limit_of_the_search_is_no_finding_but_a_neutral_one_is() -> None:
+    stribeck = next(
+        one for one in list_candidates(load_robot("elbow"), Scales({})) if one.effect.name == "stribeck_friction"
+    )
+    usual = {free.name: float(free.decode(np.array(sum(free.bounds) / 2))) for free in stribeck.free}
+    high = {free.name: float(free.decode(np.array(free.bounds[1]))) for free in stribeck.free}
+    low = float(stribeck.free[0].decode(np.array(stribeck.free[0].bounds[0])))
+    assert stribeck.at_limit(usual) == frozenset()
+    assert stribeck.at_limit(high) == {free.name for free in stribeck.free}
+    assert stribeck.at_limit({**usual, "extra": low}) == frozenset()
+
+
+def test_a_parameter_of_the_shape_is_fixed_and_one_of_the_size_is_not() -> None:
+    stribeck = next(
+        one for one in list_candidates(load_robot("elbow"), Scales({})) if one.effect.name == "stribeck_friction"
+    )
+    fixed = stribeck.with_usual("velocity")
+    assert fixed is not None
+    assert "velocity" not in {free.name for free in fixed.free}
+    assert dict(fixed.fixed)["velocity"] > 0
+    assert stribeck.with_usual("extra") is None
+
+
+def test_a_saturation_vanishes_at_its_highest_limit() -> None:
+    saturation = next(
+        one for one in list_candidates(load_robot("elbow"), Scales({})) if one.effect.name == "torque_saturation"
+    )
+    (limit,) = saturation.free
+    assert saturation.neutral(limit) == limit.bounds[1]
