@@ -1,0 +1,180 @@
+"""Fetch public logs of robots: python docs/results/fetch_real_robots.py FOLDER [--from PATH]...
+
+The logs of two public repositories without a licence for copies are brought into FOLDER, at the commits below and with
+their checksums; they are not part of this repository. `--from` names a clone, a bare clone or a plain folder of one of
+them that is there already. What cannot be reached is skipped with its reason, and the exit code is then 1.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import subprocess
+import sys
+import urllib.error
+import urllib.request
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+TIMEOUT = 30.0
+"""Longest wait for an answer of the server [s]."""
+
+
+@dataclass(frozen=True)
+class Repository:
+    """A public repository at a commit.
+
+    Attributes:
+        owner: Its owner.
+        name: Its name, which is also that of the folder of its files.
+        commit: The commit.
+        files: SHA-256 of each file by its path.
+    """
+
+    owner: str
+    name: str
+    commit: str
+    files: Mapping[str, str]
+
+    def url(self, path: str) -> str:
+        """Return the address of a file."""
+        return f"https://raw.githubusercontent.com/{self.owner}/{self.name}/{self.commit}/{path}"
+
+
+REPOSITORIES = (
+    Repository(
+        "shamilmamedov",
+        "dynamic_calibration",
+        "11af40e7deb758ec080a175fed8fcdd6c99aca29",
+        {
+            "UR10E_parameters.txt": ("2c6be2d67d9b0512bd96936673caaedfba3fbc279fd7edde0b111df4b37bd677"),
+            "URe/urdf/ur10e.urdf": ("0d2abc6ebc70725c691a35aa6c2d03fd6e8158017a1b7da7a10a3ef52de7b821"),
+            "dataset_ur10e/identification_data/ur-20_02_12-40sec_12harm.csv": (
+                "1355f739afecc5a9330f906e0c403be0080407f5ce2c26652556fac5748c6236"
+            ),
+            "dataset_ur10e/identification_data/ur-20_02_10-30sec_12harm.csv": (
+                "341fff80f177be564c8720ea898165addfd46d7cbe6f3ffd8923eeaae0eef000"
+            ),
+            "dataset_ur10e/identification_data/ur-20_02_12-50sec_12harm.csv": (
+                "bb48cca42716a88f8b255d2d1b3eb3fa4a6eac4a9a52b694d4c1066ce8b4ca51"
+            ),
+            "dataset_ur10e/identification_data/ur-20_02_06-20sec_10harm.csv": (
+                "8959c47c991221e88a467a584c756a2f0f17c8268a291437709513cc112739c8"
+            ),
+            "dataset_ur10e/jointwise_motion/ur-20_01_22-joint_1.csv": (
+                "29cbb22afa01aae4a7e2fedaf63d6df90ef98decb1ec74a9b4863d2bc4d5eda0"
+            ),
+        },
+    ),
+    Repository(
+        "gleylaz",
+        "Optimal_SysID",
+        "6eacf84a3d639e0f976bd1451b0ef6771ab7a46d",
+        {
+            "RotaryFlexibleLinkIdentification.m": ("ffbffc7d06ee3d1151a33afdf97d2189c75416d258eb9096c93ae1ce59b96914"),
+            "Data/data_alpha.mat": ("43c1d7d835cdb09df640d0d8645628e64093ada71bf65fda897aa2eb47e3b347"),
+            "Data/data_theta.mat": ("e45d369d68dbd1271ff44adb39a31f78757829c65dc0a03401deaa8e897c986a"),
+            "Data/data_vm.mat": ("b0657ef64eefa83955009884994049786cc8294b6b5fb6b3628d45928ecd21b9"),
+        },
+    ),
+)
+"""The files that docs/results/real_robots.py reads."""
+
+
+def fetch(
+    folder: Path, sources: Sequence[Path] = (), repositories: Sequence[Repository] = REPOSITORIES
+) -> tuple[str, ...]:
+    """Bring the files into a folder, whole or not at all; those that are there already are kept.
+
+    Args:
+        folder: The folder; the files of a repository are in a subfolder of its name.
+        sources: Clones, bare clones or plain folders to take files from; default: they are downloaded.
+        repositories: What is fetched.
+
+    Returns:
+        Why a file or the rest of a repository was skipped, a sentence each.
+    """
+    skipped = []
+    for repository in repositories:
+        for path, checksum in repository.files.items():
+            target = folder / repository.name / path
+            if target.is_file() and _checksum(target.read_bytes()) == checksum:
+                continue
+            try:
+                content = _content(repository, path, sources)
+            except OSError as error:
+                reason = getattr(error, "reason", None) or error
+                skipped.append(f"github.com/{repository.owner}/{repository.name}: {path}: {reason}")
+                if isinstance(error, urllib.error.URLError) and not isinstance(error, urllib.error.HTTPError):
+                    break  # the server cannot be reached: the other files could not be had either
+                continue
+            if _checksum(content) != checksum:
+                skipped.append(f"{repository.name}: {path}: has another checksum than at {repository.commit[:7]}")
+                continue
+            target.parent.mkdir(parents=True, exist_ok=True)
+            part = target.with_name(f".{target.name}.part")
+            part.write_bytes(content)
+            part.replace(target)
+    return tuple(skipped)
+
+
+def _checksum(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
+
+
+def _content(repository: Repository, path: str, sources: Sequence[Path]) -> bytes:
+    """Read a file from the first source that has it, or download it where no source was given."""
+    ways: tuple[Callable[[], bytes | None], ...] = tuple(
+        way for source in sources for way in (_from_folder(source, path), _from_git(source, repository, path))
+    )
+    for way in ways:
+        content = way()
+        if content is not None:
+            return content
+    if sources:
+        raise FileNotFoundError(f"is in none of {', '.join(map(str, sources))}")
+    with urllib.request.urlopen(repository.url(path), timeout=TIMEOUT) as answer:  # noqa: S310 - https, written above
+        content = answer.read()
+    return bytes(content)
+
+
+def _from_folder(source: Path, path: str) -> Callable[[], bytes | None]:
+    return lambda: (source / path).read_bytes() if (source / path).is_file() else None
+
+
+def _from_git(source: Path, repository: Repository, path: str) -> Callable[[], bytes | None]:
+    def read() -> bytes | None:
+        if not source.is_dir():
+            return None
+        command = ["git", "-C", str(source), "cat-file", "blob", f"{repository.commit}:{path}"]
+        done = subprocess.run(command, capture_output=True, check=False)  # noqa: S603 - the commit and path above
+        return done.stdout if done.returncode == 0 else None
+
+    return read
+
+
+def main() -> int:
+    """Fetch the files, and report what was skipped."""
+    assert __doc__ is not None
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("folder", type=Path, help="folder for the files")
+    parser.add_argument(
+        "--from", dest="sources", action="append", type=Path, default=[], help="clone, bare clone or folder"
+    )
+    given = parser.parse_args()
+    skipped = fetch(given.folder, given.sources)
+    for reason in skipped:
+        print(f"skipped: {reason}", file=sys.stderr)
+    here = sum(
+        (given.folder / repository.name / path).is_file() for repository in REPOSITORIES for path in repository.files
+    )
+    print(f"{here} of {sum(len(repository.files) for repository in REPOSITORIES)} files are in {given.folder}")
+    return 1 if skipped else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

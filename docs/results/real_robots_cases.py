@@ -1,0 +1,253 @@
+"""The measured robots of real_robots.md: data, nominal model, mapping, what is known of their gap."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+OWN = Path(__file__).parent / "real_robots"
+"""Mappings and robot files of data sets that have none."""
+KINDS = {
+    "Coulomb friction": (("coulomb_friction", "level"), ("presliding_friction", "level")),
+    "viscous friction": (("viscous_friction", "coefficient"),),
+    "asymmetric viscous friction": (("viscous_friction", "asymmetry"),),
+    "inertia": (("rotor_inertia", "inertia"),),
+}
+"""Effects and parameters that state a known deviation."""
+NUMBERS = {"viscous friction": "viscous_friction", "inertia": "inertia"}
+"""Last part of the name of a number of the robot that states it, where it is counted from zero."""
+
+
+@dataclass(frozen=True)
+class Known:
+    """A deviation that is published or follows from least squares.
+
+    Attributes:
+        kind: One of `KINDS`.
+        joint: Its motor.
+        low: Smallest value stated, in `unit`.
+        high: Largest value stated.
+        unit: Its unit.
+        nominal: The value in the robot file, from which an effect counts.
+    """
+
+    kind: str
+    joint: str
+    low: float
+    high: float
+    unit: str
+    nominal: float = 0.0
+
+
+@dataclass(frozen=True)
+class Case:
+    """A measured robot.
+
+    Attributes:
+        name: Name of the case and of its JSON file.
+        title: Heading of its section.
+        about: What it is, where it comes from, where its nominal model comes from.
+        folder: Folder of its files in the folder of measured data, or in that of fetched data.
+        robot: Built-in robot, robot file of the folder, or robot or URDF file among ours or in the folder.
+        mapping: Built-in mapping or mapping file, as above.
+        fitted: Files of the log that is fitted.
+        further: Files of logs that are not fitted, by name.
+        known: What is published of the gap.
+        source: Where that comes from.
+        by_hand: Effects of a hand-made patch; without, there is none.
+        numbers_by_hand: Numbers of the robot file that it changes, by name [SI].
+        cutoff: Low-pass of least squares [Hz], where that of the command does not do; zero: as the command chooses.
+        by_mujoco: Why the toolbox of MuJoCo does not apply; empty where it does.
+        fetched: Whether `fetch_real_robots.py` brings the files.
+    """
+
+    name: str
+    title: str
+    about: str
+    folder: str
+    robot: str
+    mapping: str
+    fitted: tuple[str, ...]
+    known: tuple[Known, ...]
+    source: str
+    further: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    by_hand: tuple[str, ...] = ()
+    numbers_by_hand: Mapping[str, float] = field(default_factory=dict)
+    cutoff: float = 0.0
+    by_mujoco: str = ""
+    fetched: bool = False
+
+    def path(self, name: str, data: Path) -> str:
+        """Return the path of a robot or mapping, of ours or in the folder of the data; a built-in name as it is."""
+        if not Path(name).suffix:
+            return name
+        return str(OWN / name if (OWN / name).is_file() else data / name)
+
+
+def _csv(*names: str) -> dict[str, tuple[str, ...]]:
+    return {name: (f"{name}.csv",) for name in names}
+
+
+def _coulomb(joint: int, low: float, high: float | None = None) -> Known:
+    return Known("Coulomb friction", f"motor_{joint}", low, low if high is None else high, "Nm")
+
+
+def _viscous(joint: int, value: float) -> Known:
+    return Known("viscous friction", f"motor_{joint}", value, value, "Nm s/rad")
+
+
+_SECOND_STATE = (
+    "it simulates windows of the log from their full state, and that of the link behind the spring was not measured"
+)
+_UR = (
+    "Innopolis University, [github.com/shamilmamedov/dynamic_calibration](https://github.com/shamilmamedov/"
+    "dynamic_calibration), no licence stated: fetched by `fetch_real_robots.py`."
+)
+_UR_FRICTION = ((21.256, 12.548), (20.221, 13.266), (10.378, 4.994), (3.575, 1.998), (2.491, 2.690), (3.026, 2.298))
+"""Published viscous and Coulomb friction of the six joints [Nm s/rad, Nm]."""
+_UR_LOGS = "dataset_ur10e/identification_data"
+
+CASES = (
+    Case(
+        name="dfki_double_pendulum",
+        title="Double pendulum with two quasi-direct drives",
+        about="DFKI, design C.1, 500 Hz, 10 s per log, BSD-3-Clause. The nominal model is the published rigid one "
+        "without its friction; its stated tolerance is 5 %. The two logs of design A.0 are of another robot. In "
+        "C_143906 joint 1 alone is driven; C_143704 lacks one command.",
+        folder="dfki_double_pendulum",
+        robot="robot_without_friction.yaml",
+        mapping="mapping.yaml",
+        fitted=("C_143601.csv",),
+        further=_csv("C_143339", "C_143524", "C_143906", "C_144115", "C_143704"),
+        known=(_coulomb(1, 0.16, 0.175), _coulomb(2, 0.11, 0.12)),
+        source="published by the authors of the data",
+        by_hand=("coulomb_friction@motor_1:level=0.313", "coulomb_friction@motor_2:level=0.12"),
+        cutoff=10.0,
+    ),
+    Case(
+        name="quanser_stage_1",
+        title="Harmonic drive with a flexible link, stage 1",
+        about="Quanser 2DSFL, [github.com/basta/quanser-2-dof-serial-flexible-link]"
+        "(https://github.com/basta/quanser-2-dof-serial-flexible-link), 500 Hz, 20 s, MIT; two logs with two "
+        "controllers. Nominal: numbers of the maker, tolerance 10 %. The two stages are coupled, their models are not.",
+        folder="quanser_2dsfl",
+        robot="robot_stage1.yaml",
+        mapping="mapping_stage1.yaml",
+        fitted=("lqr.csv",),
+        further=_csv("fsf"),
+        known=(
+            _coulomb(1, 1.1, 1.2),
+            Known("inertia", "motor_1", 0.54, 0.54, "kg m2", 0.06353616),
+        ),
+        source="least squares of the torque of lqr with the strain gauge, positions low-passed at 10 Hz; its stiffness "
+        "is then -52 Nm/rad instead of 40, so inertia and spring are hardly separated in this log (with the stiffness "
+        "of the maker: 0.17 kg m2, Coulomb 1.87 Nm, and 29 % of the torque left instead of 23 %)",
+        by_hand=("coulomb_friction@motor_1:level=1.2",),
+        numbers_by_hand={"motor_1.inertia": 0.54, "motor_1.viscous_friction": 3.3},
+        by_mujoco=_SECOND_STATE,
+    ),
+    Case(
+        name="quanser_stage_2",
+        title="Harmonic drive with a flexible link, stage 2",
+        about="As stage 1, which carries it: the base of stage 2 moves, and the torque of that is in neither model.",
+        folder="quanser_2dsfl",
+        robot="robot_stage2.yaml",
+        mapping="mapping_stage2.yaml",
+        fitted=("lqr.csv",),
+        further=_csv("fsf"),
+        known=(
+            _coulomb(1, 0.042),
+            Known("viscous friction", "motor_1", 0.164, 0.164, "Nm s/rad", 1.5),
+            Known("inertia", "motor_1", 0.0128, 0.0128, "kg m2", 0.00301955),
+        ),
+        source="least squares as for stage 1, which leaves 48 % of the torque of lqr; in fsf it finds 0.14 Nm, 0.42 "
+        "Nm s/rad and 0.0086 kg m2 and leaves 57 %, so these numbers are no more than orders of magnitude",
+        by_mujoco=_SECOND_STATE,
+    ),
+    Case(
+        name="emps",
+        title="Linear drive EMPS",
+        about="Janot, Gautier and Brunot (2019), 1 kHz, 25 s; in the second log pulses of force are added to the "
+        "command. Nominal: mass and viscous friction as published, no tolerance. [More on it](emps.md).",
+        folder="emps",
+        robot="emps",
+        mapping="emps",
+        fitted=("DATA_EMPS.mat",),
+        further={"DATA_EMPS_PULSES": ("DATA_EMPS_PULSES.mat",)},
+        known=(
+            Known("Coulomb friction", "motor_1", 20.14, 20.63, "N"),
+            Known("asymmetric viscous friction", "motor_1", -0.362, -0.362, "1"),
+        ),
+        source="published by the authors: forward 166.7 N s/m and 20.14 N, backward 240.4 N s/m and 20.63 N",
+        by_hand=(
+            "coulomb_friction@motor_1:level=20.386,asymmetry=-0.0237",
+            "viscous_friction@motor_1:asymmetry=-0.362",
+        ),
+    ),
+    Case(
+        name="ur10e_base_joint",
+        title="Base joint of a UR10e",
+        about=f"{_UR} 100 Hz nearly, 63 s; the other joints stand still, the arm is upright. Nominal: published "
+        "inertia, tolerance 5 %, no friction. A single log: its last third is not fitted.",
+        folder="dynamic_calibration",
+        robot="ur10e_base_joint_robot.yaml",
+        mapping="ur10e_base_joint.yaml",
+        fitted=("dataset_ur10e/jointwise_motion/ur-20_01_22-joint_1.csv",),
+        known=(_viscous(1, _UR_FRICTION[0][0]), _coulomb(1, _UR_FRICTION[0][1])),
+        source="published in UR10E_parameters.txt",
+        by_hand=("viscous_friction@motor_1:coefficient=23.1", "coulomb_friction@motor_1:level=12.8"),
+        fetched=True,
+    ),
+    Case(
+        name="ur10e",
+        title="Six axes of a UR10e",
+        about=f"{_UR} 100 Hz nearly, 49 s. Nominal: its URDF by `flexros import-urdf`, tolerance 3 %, without rotor "
+        "inertia and friction. That import turns the axis of wrist 2 round, so joint 5 has the opposite sign in the "
+        "mapping: with it the torques of the robot file are those of the URDF, and after friction 0.43 instead of "
+        "0.55 Nm rms of the torque of joint 5 are left.",
+        folder="dynamic_calibration",
+        robot="URe/urdf/ur10e.urdf",
+        mapping="ur10e.yaml",
+        fitted=(f"{_UR_LOGS}/ur-20_02_12-40sec_12harm.csv",),
+        further={
+            name: (f"{_UR_LOGS}/ur-20_02_{name}.csv",)
+            for name in ("10-30sec_12harm", "12-50sec_12harm", "06-20sec_10harm")
+        },
+        known=tuple(
+            one
+            for joint, (viscous, level) in enumerate(_UR_FRICTION, start=1)
+            for one in (_viscous(joint, viscous), _coulomb(joint, level))
+        ),
+        source="published in UR10E_parameters.txt",
+        by_hand=tuple(
+            text
+            for joint, (viscous, level) in enumerate(_UR_FRICTION, start=1)
+            for text in (
+                f"viscous_friction@motor_{joint}:coefficient={viscous}",
+                f"coulomb_friction@motor_{joint}:level={level}",
+            )
+        ),
+        fetched=True,
+    ),
+    Case(
+        name="flexible_link",
+        title="Rotary flexible link",
+        about="Leylaz, Ma and Sun, [github.com/gleylaz/Optimal_SysID](https://github.com/gleylaz/Optimal_SysID), no "
+        "licence stated: fetched by `fetch_real_robots.py`. 500 Hz, 5 s. Nominal: numbers of the maker, tolerance "
+        "10 %. A single log: its last third is not fitted.",
+        folder="Optimal_SysID",
+        robot="flexible_link_robot.yaml",
+        mapping="flexible_link.yaml",
+        fitted=("Data/data_theta.mat", "Data/data_alpha.mat", "Data/data_vm.mat"),
+        known=(_coulomb(1, 0.013, 0.052),),
+        source="least squares of the torque with the strain gauge 13 mNm; with this model 26 mNm alone, 52 mNm with "
+        "its other numbers fitted too",
+        by_mujoco=_SECOND_STATE,
+        fetched=True,
+    ),
+)
+"""All cases, in the order of the page."""

@@ -1,0 +1,216 @@
+"""The page of measured robots and the programs that write it; the logs are not in this repository."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+PROGRAMS = Path(__file__).parents[2] / "docs" / "results"
+REALDATA = os.environ.get("FLEXROS_REALDATA", "")
+DATA = Path(REALDATA) / "dfki_double_pendulum"
+
+
+@pytest.fixture(scope="module", autouse=True)
+def found_programs() -> Iterator[None]:
+    sys.path.insert(0, str(PROGRAMS))
+    yield
+    sys.path.remove(str(PROGRAMS))
+
+
+def program(name: str) -> ModuleType:
+    return importlib.import_module(name)
+
+
+def case_of(name: str) -> Any:
+    return next(case for case in program("real_robots_cases").CASES if case.name == name)
+
+
+def value(number: float, std: float, unit: str = "Nm", at_limit: bool = False) -> dict[str, Any]:
+    return {"value": number, "std": std, "unit": unit, "at_limit": at_limit}
+
+
+def coulomb(motor: int, level: dict[str, Any]) -> dict[str, Any]:
+    return {
+        "effect": "coulomb_friction",
+        "location": f"motor_{motor}",
+        "probability": 0.99,
+        "parameters": {"level": level},
+        "closed_fraction": 0.6,
+    }
+
+
+def gap(closed: float | None) -> dict[str, Any]:
+    return {"before": 100.0, "after": 5.0, "closed_fraction": closed, "interval": [0.7, 0.95] if closed else None}
+
+
+@pytest.fixture
+def pendulum() -> dict[str, Any]:
+    """A small JSON file of a case, with two logs."""
+    return {
+        "case": "dfki_double_pendulum",
+        "diagnosis": {
+            "verdict": "partly_explained",
+            "causes": [coulomb(1, value(0.17, 0.01)), coulomb(2, value(0.4, 0.02))],
+            "model_numbers": [],
+            "gap": gap(0.9),
+            "budget": [],
+            "unexplained": [{"joint": "motor_1", "regime": "reversal", "share": 0.07}],
+            "warnings": ["weak effects remain undetected"],
+            "seconds": 41.0,
+            "cpu_seconds": 60.0,
+            "cores": 2,
+            "largest_memory_gb": 0.4,
+        },
+        "least_squares": {"refused": "", "torque_error_percent": 9.0, "friction": {}, "effects": []},
+        "mujoco": {"skipped": "it is not installed"},
+        "logs": {
+            "C_143339": {"diagnosis": gap(0.5), "hand": gap(0.9)},
+            "C_143524": {"diagnosis": gap(-0.25), "hand": gap(None)},
+        },
+    }
+
+
+def test_page_states_what_is_known_and_what_was_found(pendulum: dict[str, Any]) -> None:
+    text = program("real_robots_page").page({"dfki_double_pendulum": pendulum})
+    assert "| `partly_explained` | 2 of 2 | 1 of 2 | -25 to 50 % | 90 % | - | - | 41 | 0.40 |" in text
+    assert "| Coulomb friction | motor_1 | 0.16 to 0.175 Nm | 0.17 ± 0.01 Nm | yes |" in text
+    assert "| Coulomb friction | motor_2 | 0.11 to 0.12 Nm | 0.4 ± 0.02 Nm | no |" in text
+    assert "| C_143339 | 100 | 50.0 % (70 to 95) | 90.0 % (70 to 95) |" in text
+    assert "motor_1 reversal 7 %" in text
+    assert "> weak effects remain undetected" in text
+    assert "MuJoCo: not applied, since it is not installed." in text
+
+
+def test_page_lists_cases_that_were_not_run(pendulum: dict[str, Any]) -> None:
+    text = program("real_robots_page").page({"dfki_double_pendulum": pendulum})
+    (line,) = (line for line in text.splitlines() if line.startswith("Not run:"))
+    assert "Six axes of a UR10e" in line
+    assert "Double pendulum" not in line
+
+
+def test_diagnosis_that_did_not_end_has_no_shares(pendulum: dict[str, Any]) -> None:
+    pendulum |= {"diagnosis": {"verdict": "not finished", "seconds": 3600.0}}
+    pendulum["logs"] = {"C_143339": {"hand": gap(0.9)}}
+    text = program("real_robots_page").page({"dfki_double_pendulum": pendulum})
+    assert "| `not finished` | 0 of 2 | 0 of 2 | - | 90 % | - | - | 3600 | - |" in text
+
+
+def test_value_at_its_limit_is_not_found(pendulum: dict[str, Any]) -> None:
+    pendulum["diagnosis"]["causes"] = [coulomb(1, value(0.17, 0.01, at_limit=True))]
+    rows = program("real_robots_page").agreement(case_of("dfki_double_pendulum"), pendulum["diagnosis"])
+    assert [found for _, found, _, _ in rows] == [None, None]
+
+
+def test_effect_counts_from_the_robot_file_and_a_number_of_the_model_from_zero() -> None:
+    inertia = {"name": "motor_1.inertia", "nominal": 0.0635, "value": 0.5, "std": 0.02, "unit": "kg m2"}
+    rows = program("real_robots_page").agreement(case_of("quanser_stage_1"), {"causes": [], "model_numbers": [inertia]})
+    assert [(found, near) for _, found, _, near in rows] == [(None, False), (0.5, True)]
+    viscous = {"effect": "viscous_friction", "location": "motor_1", "parameters": {"coefficient": value(-1.3, 0.1)}}
+    rows = program("real_robots_page").agreement(case_of("quanser_stage_2"), {"causes": [viscous]})
+    assert rows[1][1] == pytest.approx(0.2)
+
+
+def test_page_in_the_repository_is_that_of_its_json_files() -> None:
+    cases = program("real_robots_cases").CASES
+    files = {case.name: PROGRAMS / "real_robots" / f"{case.name}.json" for case in cases}
+    found = {name: json.loads(file.read_text(encoding="utf-8")) for name, file in files.items() if file.is_file()}
+    written = (PROGRAMS / "real_robots.md").read_text(encoding="utf-8")
+    assert written == program("real_robots_page").page(found)
+
+
+def test_files_of_ours_load() -> None:
+    from flexros.logs.foreign.mapping import load_mapping
+    from flexros.robot import load_robot
+
+    own = program("real_robots_cases").OWN
+    for robot in own.glob("*_robot.yaml"):
+        assert load_robot(robot).n_motors == 1
+        assert load_mapping(str(own / robot.name.replace("_robot", ""))).columns
+    wrist = [column for column in load_mapping(str(own / "ur10e.yaml")).columns if column.joint == "motor_5"]
+    assert {column.quantity: column.sign for column in wrist} == dict.fromkeys(
+        ("position", "velocity", "measured_torque"), -1
+    )
+
+
+def git(folder: Path, *words: str) -> str:
+    who = ["-c", "user.name=n", "-c", "user.email=e"]
+    done = subprocess.run(["git", *who, *words], cwd=folder, check=True, capture_output=True, text=True)
+    return done.stdout.strip()
+
+
+def test_files_are_fetched_from_a_bare_clone_and_a_folder(tmp_path: Path) -> None:
+    fetching = program("fetch_real_robots")
+    origin, bare = tmp_path / "origin", tmp_path / "bare"
+    (origin / "data").mkdir(parents=True)
+    (origin / "data" / "log.csv").write_bytes(b"1,2\n")
+    git(origin, "init", "-q")
+    git(origin, "add", ".")
+    git(origin, "commit", "-qm", "data")
+    git(tmp_path, "clone", "-q", "--bare", str(origin), str(bare))
+    wanted = {"data/log.csv": hashlib.sha256(b"1,2\n").hexdigest()}
+    repository = fetching.Repository("someone", "robot", git(origin, "rev-parse", "HEAD"), wanted)
+    for index, source in enumerate((bare, origin)):
+        target = tmp_path / f"fetched_{index}"
+        assert fetching.fetch(target, [source], [repository]) == ()
+        assert (target / "robot" / "data" / "log.csv").read_bytes() == b"1,2\n"
+    other = replace(repository, files={"data/log.csv": "0" * 64})
+    (reason,) = fetching.fetch(tmp_path / "other", [bare], [other])
+    assert "checksum" in reason
+    assert not (tmp_path / "other").exists()
+
+
+def test_files_that_cannot_be_had_are_skipped_with_the_reason(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    fetching = program("fetch_real_robots")
+    (reason,) = fetching.fetch(tmp_path / "fetched", [tmp_path], fetching.REPOSITORIES[1:])[:1]
+    assert "Optimal_SysID" in reason
+
+    def no_network(*_: object, **__: object) -> None:
+        raise fetching.urllib.error.URLError("no network")
+
+    monkeypatch.setattr(fetching.urllib.request, "urlopen", no_network)
+    reasons = fetching.fetch(tmp_path / "fetched")
+    assert len(reasons) == len(fetching.REPOSITORIES)
+    assert all("no network" in reason for reason in reasons)
+
+
+def test_case_without_data_is_skipped_with_the_reason(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from flexros.errors import InputError
+
+    monkeypatch.setenv("FLEXROS_REALDATA", str(tmp_path))
+    with pytest.raises(InputError, match="FLEXROS_REALDATA has no emps"):
+        program("real_robots").data_of(case_of("emps"), None)
+    with pytest.raises(InputError, match="fetch_real_robots"):
+        program("real_robots").data_of(case_of("ur10e"), None)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(
+    not REALDATA or not DATA.is_dir(),
+    reason="FLEXROS_REALDATA is unset or names no folder with dfki_double_pendulum/, the measured pendulum",
+)
+def test_case_is_run_step_by_step(tmp_path: Path) -> None:
+    """The limit ends the diagnosis early; the other steps need none of it."""
+    case = case_of("dfki_double_pendulum")
+    case = replace(case, further={"C_143339": ("C_143339.csv",)}, by_mujoco="of its time")
+    result = tmp_path / "results" / "case.json"
+    program("real_robots_run").Run(case, DATA, tmp_path / "work", result, limit=0.5).all_steps()
+    found = json.loads(result.read_text(encoding="utf-8"))
+    assert found["diagnosis"]["verdict"] == "not finished"
+    assert found["least_squares"]["friction"]["motor_1.coulomb_friction"]["value"] == pytest.approx(0.2, rel=0.2)
+    closed = {way: found["logs"]["C_143339"][way]["closed_fraction"] for way in ("hand", "least_squares")}
+    assert closed["hand"] > 0.9
+    found["least_squares"]["torque_error_percent"] = -1.0
+    result.write_text(json.dumps(found), encoding="utf-8")
+    program("real_robots_run").Run(case, DATA, tmp_path / "work", result, limit=0.5).all_steps()
+    assert json.loads(result.read_text(encoding="utf-8")) == found
