@@ -7,22 +7,23 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from flexros.cli.interruption import interruptible
 from flexros.cli.options import (
     KnownModelOption,
     NamespaceOption,
     ToleranceOption,
     TorqueOption,
+    names_in,
     parse_tolerance,
     torque_source,
 )
-from flexros.cli.output import console, print_json, progress_bar, say
+from flexros.cli.output import console, print_json, say
+from flexros.cli.progress import progress_shown
+from flexros.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from rich.progress import Progress, TaskID
-
     from flexros.gap.result import DiagnosisResult
+    from flexros.gap.settings import DiagnosisSettings
 
 GAP_FOUND = 1
 """Exit code when a gap was found."""
@@ -36,9 +37,22 @@ def diagnose(
     tolerance: ToleranceOption = "",
     torque: TorqueOption = "command",
     namespace: NamespaceOption = "",
+    joints: str = typer.Option(
+        "",
+        "--joints",
+        help="Motors at which effects compete: there, in their springs and bodies, e.g. motor_2,motor_3.",
+    ),
+    effects: str = typer.Option("", "--effects", help="Effects that compete, e.g. coulomb_friction,backlash."),
+    time_limit: float = typer.Option(
+        None, "--time-limit", help="Time after which the search ends and what it found is written as partial [s]."
+    ),
     as_json: bool = typer.Option(False, "--json", help="Print diagnosis.json."),
 ) -> int:
-    """Diagnose the gap between robot and model: where it shows, which effects cause it, and how far they close it."""
+    """Diagnose the gap between robot and model: where it shows, which effects cause it, and how far they close it.
+
+    Ctrl-C ends the search as --time-limit does: what is known is written as a partial result. A second Ctrl-C ends the
+    command, and nothing is written.
+    """
     from flexros.effects.patching.patched_robot import load_model
     from flexros.gap.checked_log import checked_log
     from flexros.gap.diagnose import diagnose as diagnosed
@@ -47,22 +61,25 @@ def diagnose(
 
     check_folder(out)
     tolerances, source = parse_tolerance(tolerance), torque_source(torque)
+    settings = _settings(names_in(joints), names_in(effects), time_limit)
     known = load_model(model)
     logs = [read_log(path, namespace=namespace or None) for path in (bag, holdout) if path is not None]
     paths = [path for path in (bag, holdout) if path is not None]
     records = [checked_log(log, known.robot, name=path.name, torque=source) for log, path in zip(logs, paths)]
     record, *others = records
-    with progress_bar() as bar:
-        task = bar.add_task("reading", total=1.0)
-        result = diagnosed(
-            record,
-            known,
-            holdout=others[0] if others else None,
-            log=logs[-1],
-            tolerance=tolerances,
-            progress=_progress_on(bar, task),
-        )
-        bar.update(task, description="writing")
+    with progress_shown() as show:
+        with interruptible("writing what is known; Ctrl-C again ends without a result") as interrupted:
+            result = diagnosed(
+                record,
+                known,
+                holdout=others[0] if others else None,
+                log=logs[-1],
+                tolerance=tolerances,
+                settings=settings,
+                progress=show,
+                interrupted=interrupted,
+            )
+        show("writing", 1.0)
         files = write_diagnosis(result, model, out)
     if as_json:
         print_json(result.diagnosis.model_dump(mode="json", by_alias=True))
@@ -71,23 +88,24 @@ def diagnose(
     return 0 if result.diagnosis.verdict == "no_gap" else GAP_FOUND
 
 
-def _progress_on(bar: Progress, task: TaskID) -> Callable[[str, float], None]:
-    """Show stage and share; a stage starts its remaining time anew where the number of its steps was unknown."""
+def _settings(joints: tuple[str, ...], effects: tuple[str, ...], time_limit: float | None) -> DiagnosisSettings:
+    """Make the settings of the diagnosis from the options."""
+    from flexros.gap.settings import DiagnosisSettings, SearchSettings
 
-    def show(stage: str, share: float) -> None:
-        if share < bar.tasks[0].completed:
-            bar.reset(task)
-        bar.update(task, description=stage, completed=share)
-
-    return show
+    if time_limit is not None and not 0 < time_limit < float("inf"):
+        raise InputError(f"the time limit is {time_limit:g} s, but must be above 0 s and finite", "time_limit")
+    return DiagnosisSettings(time_limit=time_limit, search=SearchSettings(effects=effects, joints=joints))
 
 
 def _print(result: DiagnosisResult, files: list[Path]) -> None:
     """Print the answer as text."""
     from flexros.gap.report import terminal
+    from flexros.gap.report.verdict import partial_sentence
 
     diagnosis = result.diagnosis
     console.print(terminal.verdict_line(diagnosis))
+    if diagnosis.partial is not None:
+        console.print(partial_sentence(diagnosis))
     if result.ranking and diagnosis.verdict != "no_gap":
         console.print()
         console.print(terminal.ranking_table(result))

@@ -16,7 +16,8 @@ from flexros.cli.options import (
     parse_tolerance,
     torque_source,
 )
-from flexros.cli.output import console, print_json, progress_bar, say
+from flexros.cli.output import console, print_json, say
+from flexros.cli.progress import progress_shown
 from flexros.errors import InputError
 
 if TYPE_CHECKING:
@@ -42,11 +43,11 @@ def gap(
     tolerances, source = parse_tolerance(tolerance), torque_source(torque)
     nominal = load_model(model)
     repaired = None if patch is None else _repaired(patch, model)
-    with progress_bar() as bar:
-        bar.add_task("predicting", total=None)
+    with progress_shown() as show:
+        show("reading", 0.0)
         log = read_log(bag, namespace=namespace or None)
         record = checked_log(log, nominal.robot, name=bag.name, torque=source)
-        measured = measure_gap(record, nominal, repaired=repaired, tolerance=tolerances)
+        measured = measure_gap(record, nominal, repaired=repaired, tolerance=tolerances, progress=show)
     if as_json:
         print_json(measured.numbers.model_dump(mode="json", exclude_none=patch is None))
     else:

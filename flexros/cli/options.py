@@ -57,6 +57,11 @@ def warn_of_network(network: bool) -> None:
         typer.echo(text, err=True)
 
 
+def names_in(text: str) -> tuple[str, ...]:
+    """Split names that are separated by commas."""
+    return tuple(name for name in (part.strip() for part in text.split(",")) if name)
+
+
 def parse_tolerance(text: str) -> dict[str, float]:
     """Parse relative tolerances of the command line.
 

@@ -10,7 +10,9 @@ from flexros.effects import RobotWithEffects
 from flexros.errors import InputError
 from flexros.gap.answer.assemble import result_of
 from flexros.gap.answer.decision import findings_of
+from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.tolerance import tolerance_of
+from flexros.gap.deadline import Deadline
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.held_out.closed_loop_gap import closed_loop_gap
 from flexros.gap.held_out.predictions import prediction_of, tool_errors
@@ -48,6 +50,7 @@ def diagnose(
     tolerance: Mapping[str, float] | None = None,
     settings: DiagnosisSettings | None = None,
     progress: Callable[[str, float], None] | None = None,
+    interrupted: Callable[[], bool] | None = None,
 ) -> DiagnosisResult:
     """Diagnose the gap between a recorded robot and its model.
 
@@ -63,32 +66,44 @@ def diagnose(
         tolerance: Relative tolerance of stiffness, inertia and damping [1]; default: those of the robot file.
         settings: Settings of the diagnosis.
         progress: Called with the name of the stage and the share of all that is done.
+        interrupted: Asked between fits, from several threads; True ends the search as `settings.time_limit` does. The
+            answer is then what is known until then, and `partial` in it says so.
 
     Raises:
         InputError: A log from which nothing can be concluded, or a holdout that was recorded in another way.
     """
     settings = settings or DiagnosisSettings()
     model = robot if isinstance(robot, RobotWithEffects) else RobotWithEffects(robot, ())
-    stages = Stages(progress)
+    competitors(model.robot, settings.search)  # refuses unknown names before the work
+    stages, deadline = Stages(progress), Deadline(settings.time_limit, interrupted)
     stages.begin("nominal model", 0.03)
     fitted, held = (record, holdout) if holdout is not None else split(record, settings.fitted_share)
     _check_alike(fitted, held)
     held = resampled(held, fitted.sample_time)
     data = fit_data(fitted, model, settings)
     held_data = fit_data(held, model, settings, measurement_in(held, model.robot, data.measurement, settings))
-    null = _null_fit(data, model, tolerance_of(model.robot, tolerance or {}), settings)
+    null = _null_fit(data, model, tolerance_of(model.robot, tolerance or {}), settings, deadline)
     held_data = held_data.with_tool_frame_of(null.fit.predictor, null.fit.theta)
     prediction = prediction_of(null.fit, null.data)
 
     stages.begin("where", 0.1)
-    excess = _where(null, prediction, settings) if settings.where else None
+    deadline.begin("where")
+    excess = None if settings.where is None or deadline.stops() else _where(null, prediction, settings)
 
     stages.begin("causes", 0.85)
-    explanations = explain(prepare_search(null, settings, stages.inner))
+    explanations = explain(prepare_search(null, settings, stages.inner, deadline))
 
     stages.begin("answer", 0.95)
-    findings = findings_of(model, null.data, held_data, explanations, tolerance=tolerance, settings=settings.ranking)
-    result = result_of(findings, prediction, excess, settings, stages)
+    findings = findings_of(
+        model,
+        null.data,
+        held_data,
+        explanations,
+        tolerance=tolerance,
+        settings=settings.ranking,
+        complete=deadline.partial is None,
+    )
+    result = result_of(findings, prediction, excess, settings, stages, deadline)
 
     if log is not None:
         stages.begin("closed loop", 1.0)
@@ -99,12 +114,14 @@ def diagnose(
     return result
 
 
-def _null_fit(data: FitData, model: RobotWithEffects, tolerance: Tolerance, settings: DiagnosisSettings) -> NullFit:
+def _null_fit(
+    data: FitData, model: RobotWithEffects, tolerance: Tolerance, settings: DiagnosisSettings, deadline: Deadline
+) -> NullFit:
     """Fit the nominal model; on a real machine with the prior weighed by what no candidate removes."""
     null = fit_null(data, model, tolerance, settings.fit)
     if not (data.record.imported and tolerance.names):
         return null
-    search = prepare_search(null, settings)
+    search = prepare_search(null, settings, deadline=deadline)
     misfit = search.misfit(search.directions(search.candidates()))
     return fit_null(replace(data, misfit=misfit), model, tolerance, settings.fit)
 

@@ -9,12 +9,13 @@ from flexros.blas_threads import one_blas_thread
 from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.held_out.prediction_gap import errors_ahead, gap_numbers, over_expected_floor, unknown_rounding
+from flexros.gap.progress import Stages
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.search.model_probability import allowing_for_doubt, compare
 from flexros.gap.settings import DiagnosisSettings
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from flexros.effects import RobotWithEffects
     from flexros.gap.held_out.prediction_gap import AheadErrors
@@ -45,6 +46,7 @@ def measure_gap(
     repaired: RobotWithEffects | None = None,
     tolerance: Mapping[str, float] | None = None,
     settings: DiagnosisSettings | None = None,
+    progress: Callable[[str, float], None] | None = None,
 ) -> MeasuredGap:
     """Measure the gap between a model and a log.
 
@@ -56,15 +58,19 @@ def measure_gap(
         repaired: The same model with a patch on it; None for the nominal one alone.
         tolerance: Relative tolerance of stiffness, inertia and damping [1]; default: those of the robot file.
         settings: Settings of the diagnosis.
+        progress: Called with the name of the stage and the share of all that is done.
 
     Returns:
         The gap numbers: `before` and `noise_floor`, with a repaired model the others too.
     """
     settings = settings or DiagnosisSettings()
+    stages = Stages(progress)
+    stages.begin("nominal model", 1.0 if repaired is None else 0.5)
     data = fit_data(record, model, settings)
     before, significant = _errors(model, data, tolerance or {}, settings)
     after = None
     if repaired is not None:
+        stages.begin("repaired model", 1.0)
         after, significant = _errors(repaired, data, tolerance or {}, settings)
     return MeasuredGap(gap_numbers(before, after, record.sample_time), significant)
 

@@ -8,6 +8,8 @@ from pydantic import Field
 
 from flexros.config.settings import Settings
 
+NEXT_EXPERIMENT = "next experiment"
+"""Last step of a diagnosis, in which the next experiment is chosen."""
 Verdict = Literal["no_gap", "explained", "partly_explained", "ambiguous", "unknown_effect"]
 
 
@@ -112,6 +114,14 @@ class NextExperiment(Settings):
     command: str = Field(default="", description="command that runs it, where there is one")
 
 
+class Partial(Settings):
+    """What a diagnosis lacks that was ended before its search was complete."""
+
+    reason: Literal["time_limit", "interrupted"] = Field(description="what ended the search")
+    after: float = Field(description="time from the begin of the diagnosis to the end of the search [s]")
+    step: str = Field(description="step that was cut short first, e.g. 'single effects'; later ones are missing")
+
+
 class Diagnosis(Settings):
     """The answer of a diagnosis; written as `diagnosis.json`."""
 
@@ -131,5 +141,8 @@ class Diagnosis(Settings):
         default=(), description="numbers of the nominal model that are wrong beyond their tolerance"
     )
     next_experiment: NextExperiment | None = Field(description="experiment to run next; none where nothing is open")
+    partial: Partial | None = Field(
+        default=None, description="where the search was ended before it was complete, what is missing; else none"
+    )
     warnings: tuple[str, ...] = Field(description="limits of the answer, a sentence each")
     provenance: dict[str, Any] = Field(description="log, model, versions and settings")

@@ -160,6 +160,11 @@ class SearchSettings(Settings):
     """Which hypotheses are fitted."""
 
     effects: tuple[str, ...] = Field(default=(), description="names of the effects that compete; empty: all")
+    joints: tuple[str, ...] = Field(
+        default=(),
+        description="motors, by name or by that of their joint, at which effects compete: there, in the springs up to "
+        "the next motor and in their bodies; empty or all motors: everywhere, tool, base and `all` included",
+    )
     steep: float = Field(
         default=0.5,
         gt=0,
@@ -382,6 +387,12 @@ class DiagnosisSettings(Settings):
     )
     fitted_share: float = Field(
         default=2 / 3, gt=0, lt=1, description="share of the log that is fitted to where there is no second one [1]"
+    )
+    time_limit: float | None = Field(
+        default=None,
+        gt=0,
+        description="time from the begin of the diagnosis after which the search ends and the best explanation so far "
+        "is the answer [s]; nothing: none",
     )
     threads: int = Field(default=0, ge=0, description="fits at the same time; 0: as many as there are cores")
     seed: int = Field(default=1, ge=0, description="seed of the simulated logs without gap")

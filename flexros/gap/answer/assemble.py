@@ -30,7 +30,7 @@ from flexros.gap.held_out.prediction_gap import (
 from flexros.gap.held_out.predictions import prediction_of, signature_evidence
 from flexros.gap.next_experiment.choose import next_experiment
 from flexros.gap.result import DiagnosisResult, Explanation, RankedCandidate
-from flexros.gap.schema import Cause, CauseParameter, Diagnosis
+from flexros.gap.schema import NEXT_EXPERIMENT, Cause, CauseParameter, Diagnosis
 from flexros.provenance import versions
 
 if TYPE_CHECKING:
@@ -38,6 +38,7 @@ if TYPE_CHECKING:
 
     from flexros.effects import PlacedEffect
     from flexros.gap.answer.decision import Findings
+    from flexros.gap.deadline import Deadline
     from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.held_out.prediction_gap import AheadErrors
     from flexros.gap.prediction.predicted_log import PredictedLog
@@ -77,6 +78,7 @@ def result_of(
     excess: Where | None,
     settings: DiagnosisSettings,
     stages: Stages,
+    deadline: Deadline,
 ) -> DiagnosisResult:
     """Put the answer together.
 
@@ -86,6 +88,7 @@ def result_of(
         excess: Where the gap shows; None where that was not computed.
         settings: Settings of the diagnosis.
         stages: Progress of the diagnosis; its timings go into the result.
+        deadline: What the search was cut short by; without time no next experiment is chosen.
     """
     explanations, model = findings.explanations, findings.model
     chosen, rival, verdict = explanations.chosen, best_rival(explanations), verdict_of(findings)
@@ -95,7 +98,7 @@ def result_of(
     after = _explanation(chosen, findings) if patch else None
     probabilities = dict(zip(explanations.rivals, explanations.probabilities))
     return DiagnosisResult(
-        diagnosis=_diagnosis(findings, verdict, errors, excess, settings, stages),
+        diagnosis=_diagnosis(findings, verdict, errors, excess, settings, stages, deadline),
         robot=model.robot,
         record=findings.data.record,
         holdout=findings.held.record,
@@ -153,12 +156,14 @@ def _diagnosis(
     excess: Where | None,
     settings: DiagnosisSettings,
     stages: Stages,
+    deadline: Deadline,
 ) -> Diagnosis:
     """Put together what is written into diagnosis.json."""
     sample_time = findings.held.record.sample_time
     gap = gap_numbers(errors.before, errors.after, sample_time, errors.rival)
     budget = budget_of(findings, errors.before, errors.after or errors.before) if verdict != "no_gap" else Budget()
     warnings = (*_record_warnings(findings), *_sensor_warnings(findings), *_answer_warnings(findings, gap))
+    following = _next(findings, verdict, stages, deadline) if settings.next_experiment else None
     return Diagnosis(
         schema=2,
         verdict=verdict,
@@ -169,7 +174,8 @@ def _diagnosis(
         budget=budget.shares,
         unexplained=budget.unexplained,
         model_numbers=budget.model_numbers,
-        next_experiment=_next(findings, verdict, stages) if settings.next_experiment else None,
+        next_experiment=following,
+        partial=deadline.partial,
         warnings=tuple(dict.fromkeys(warnings)),
         provenance={
             "log": findings.data.record.name,
@@ -263,9 +269,10 @@ def _candidates(findings: Findings, verdict: Verdict) -> list[tuple[RankedCandid
     return list(best.values())
 
 
-def _next(findings: Findings, verdict: Verdict, stages: Stages) -> NextExperiment | None:
-    """Choose the experiment that separates the remaining explanations."""
-    if verdict != "ambiguous":
+def _next(findings: Findings, verdict: Verdict, stages: Stages, deadline: Deadline) -> NextExperiment | None:
+    """Choose the experiment that separates the remaining explanations, unless the time is over."""
+    deadline.begin(NEXT_EXPERIMENT)
+    if verdict != "ambiguous" or deadline.stops():
         return None
     explanations = findings.explanations
     survivors: list[tuple[PlacedEffect, ...]] = [
@@ -277,7 +284,8 @@ def _next(findings: Findings, verdict: Verdict, stages: Stages) -> NextExperimen
         tool_measured=findings.data.tool is not None,
         tolerance=findings.tolerance,
         settings=findings.data.settings,
-        progress=lambda share: stages.inner("next experiment", share),
+        progress=lambda share: stages.inner(NEXT_EXPERIMENT, share),
+        stop=deadline.stops,
     )
 
 

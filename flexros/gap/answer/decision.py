@@ -40,6 +40,7 @@ class Findings:
         quantizations: Encoders whose rounding matters and is not in the nominal model.
         tolerance: Relative tolerance of stiffness, inertia and damping [1]; those of the robot file where left out.
         settings: Thresholds and costs.
+        complete: Whether the search was complete, so that no known effect explains what is left.
     """
 
     model: RobotWithEffects
@@ -51,6 +52,7 @@ class Findings:
     quantizations: tuple[Quantization, ...] = ()
     tolerance: Mapping[str, float] = field(default_factory=dict)
     settings: RankingSettings = RANKING
+    complete: bool = True
 
     @property
     def quantized(self) -> dict[str, Quantization]:
@@ -67,6 +69,7 @@ def findings_of(
     *,
     tolerance: Mapping[str, float] | None = None,
     settings: RankingSettings = RANKING,
+    complete: bool = True,
 ) -> Findings:
     """Evaluate the nominal model and the chosen explanation on the held-out log; arguments as in `Findings`."""
     return Findings(
@@ -79,6 +82,7 @@ def findings_of(
         quantizations=unknown_rounding(model, data.measurement),
         tolerance=dict(tolerance or {}),
         settings=settings,
+        complete=complete,
     )
 
 
@@ -119,10 +123,10 @@ def _partly(findings: Findings) -> bool:
 
     On an exact model, a single effect that leaves more than its model-form error is the best imitation of an unknown
     one. Several effects that are each indispensable with all others in place are part of the truth, and so is the best
-    one on a real machine, where never everything is modelled.
+    one on a real machine, where never everything is modelled, or where further ones could not be tried.
     """
     explanations, settings = findings.explanations, findings.settings
-    several = len(explanations.chosen.hypothesis) > 1 or findings.data.record.imported
+    several = len(explanations.chosen.hypothesis) > 1 or findings.data.record.imported or not findings.complete
     left = findings.held_comparison.remainder(findings.held_chosen)
     return several and left < 1 - settings.confirmed_share
 

@@ -13,7 +13,7 @@ from flexros.gap.prediction.predictor import LANES
 from flexros.gap.settings import FitSettings
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Sequence
+    from collections.abc import Callable, Collection, Iterator, Sequence
 
     from flexros.arrays import BoolArray, FloatArray
     from flexros.gap.candidates.candidate import Hypothesis
@@ -156,6 +156,7 @@ def fit(
     enough: float | None = None,
     rival: float = np.inf,
     settings: FitSettings = FIT,
+    stop: Callable[[], bool] | None = None,
 ) -> CandidateFit:
     """Minimise the sum of squares from an initial value (Levenberg 1944, Marquardt 1963).
 
@@ -174,6 +175,7 @@ def fit(
         enough: Fall of the sum of squares below which the fit ends [1]; default: that of the settings.
         rival: Sum of squares of a better fit: this one ends where it has no hope to come near it.
         settings: Limits of steps and of the end.
+        stop: Asked after each iteration; True ends the fit where it is.
     """
     limit = settings.enough if enough is None else enough
     theta = np.clip(np.array(start, dtype=float), *predictor.bounds)
@@ -202,6 +204,8 @@ def fit(
         theta = best_theta
         if before - chi2 < limit:
             converged = True
+            break
+        if done < iterations and stop is not None and stop():
             break
     return CandidateFit(predictor, theta, float(chi2), information, done, converged)
 

@@ -14,6 +14,8 @@ import numpy as np
 from flexros.gap.prediction.predictor import LANES
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from flexros.arrays import BoolArray, FloatArray, IntArray
@@ -46,7 +48,12 @@ class Directions:
 
 
 def directions_of(
-    predictor: Predictor, data: FitData, starts: FloatArray, null_residual: FloatArray, rows: IntArray
+    predictor: Predictor,
+    data: FitData,
+    starts: FloatArray,
+    null_residual: FloatArray,
+    rows: IntArray,
+    stop: Callable[[], bool] = lambda: False,
 ) -> Directions:
     """Predict a log with every initial value of one candidate.
 
@@ -56,10 +63,14 @@ def directions_of(
         starts: Initial values of its parameters and of the tolerated deviations, shape (n_fitted, n_starts).
         null_residual: Weighted prediction errors of the nominal model, shape (n_values,).
         rows: Prediction errors that are kept, shape (n_rows,).
+        stop: Asked between predictions; True leaves out the initial values that were not predicted until then.
     """
     changes = np.empty((len(rows), starts.shape[1]), dtype=np.float32)
     usable = np.zeros(starts.shape[1], dtype=bool)
     for begin in range(0, starts.shape[1], LANES):
+        if begin and stop():
+            starts, changes, usable = starts[:, :begin], changes[:, :begin], usable[:begin]
+            break
         group = slice(begin, min(begin + LANES, starts.shape[1]))
         change = data.residuals(predictor, starts[:, group])[rows] - null_residual[rows, None]
         with np.errstate(invalid="ignore"):

@@ -51,6 +51,7 @@ def next_experiment(
     settings: DiagnosisSettings | None = None,
     entries: Sequence[CatalogueEntry] = CATALOGUE,
     progress: Callable[[float], None] | None = None,
+    stop: Callable[[], bool] = lambda: False,
 ) -> NextExperiment | None:
     """Choose the experiment that separates the two closest explanations best, or a cheaper one that does so clearly.
 
@@ -64,6 +65,7 @@ def next_experiment(
         settings: Settings of the diagnosis.
         entries: Experiments to choose from.
         progress: Called with the completed share.
+        stop: Asked between simulations; True ends the choice, among the experiments that were evaluated until then.
 
     Returns:
         The experiment; None where there are fewer than two explanations, or no experiment can be run.
@@ -77,7 +79,9 @@ def next_experiment(
     candidates = [entry for entry in entries if entry.name not in done and not (entry.tool and tool_measured)]
     possible: list[Separated] = []
     for number, entry in enumerate(candidates, 1):
-        result = separated(explained, entry, choice.seed, choice.length)
+        if stop():
+            break
+        result = separated(explained, entry, choice.seed, choice.length, stop)
         possible += [] if result is None else [result]
         plenty = result is not None and result.gain >= choice.plenty
         if progress is not None:
@@ -99,7 +103,13 @@ def next_experiment(
     )
 
 
-def separated(survivors: Sequence[Explained], entry: CatalogueEntry, seed: int, length: float) -> Separated | None:
+def separated(
+    survivors: Sequence[Explained],
+    entry: CatalogueEntry,
+    seed: int,
+    length: float,
+    stop: Callable[[], bool] = lambda: False,
+) -> Separated | None:
     """Simulate an experiment with every explanation and compare all pairs.
 
     Args:
@@ -107,20 +117,27 @@ def separated(survivors: Sequence[Explained], entry: CatalogueEntry, seed: int, 
         entry: The experiment.
         seed: Its seed.
         length: Its approximate length [s].
+        stop: Asked between simulations; True ends the comparison without a result.
 
     Returns:
-        The separation of the two closest; None where a run would be aborted.
+        The separation of the two closest; None where a run would be aborted, or the comparison was ended.
     """
     keys = entry.keys(survivors[0].model.robot, length)
     known = {key.removeprefix("model.values."): value for key, value in keys.items() if key.startswith("model.values.")}
     keys = {key: value for key, value in keys.items() if not key.startswith("model.values.")}
     explained = [one.with_values(known) for one in survivors]
+    trials = []
     try:
-        trials = [trial(truth, keys, seed, tool=entry.tool) for truth in explained]
+        for truth in explained:
+            if stop():
+                return None
+            trials.append(trial(truth, keys, seed, tool=entry.tool))
     except RunError:
         return None
     gains = {}
     for i, j in combinations(range(len(explained)), 2):
+        if stop():
+            return None
         forward = separation(explained[i], explained[j], trials[i])
         backward = separation(explained[j], explained[i], trials[j])
         gains[i, j] = 0.5 * (forward + backward)

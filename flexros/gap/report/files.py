@@ -86,6 +86,8 @@ def write_diagnosis(result: DiagnosisResult, model: str | Path, folder: Path) ->
     except OSError as error:
         raise _cannot_write(folder, error) from error
     finally:
+        if old.exists() and not folder.exists():  # interrupted between the two
+            old.replace(folder)
         for rest in (part, old):
             shutil.rmtree(rest, ignore_errors=True)
     return tuple(texts)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.gap.report.verdict import reported_causes, verdict_sentence
+from flexros.gap.report.verdict import partial_sentence, reported_causes, verdict_sentence
 from flexros.gap.report.words import capital, closed_words, named, p_value_words, share_words, shows, where_words
 from flexros.report.base import AbstractSection, Block, Paragraph, Tiles
 from flexros.report.number_text import number
@@ -30,7 +30,9 @@ class SummarySection(AbstractSection["DiagnosisResult"]):
         if more > 0:
             warnings.append(Paragraph(f"{more} more warning{'s' * (more > 1)} at the end.", "warning"))
         lead = verdict_sentence(result.diagnosis).replace(" %", "\u00a0%")
-        return (Paragraph(lead, "lead"), Tiles(tuple(_tiles(result))), *warnings)
+        partial = partial_sentence(result.diagnosis)
+        lacking = (Paragraph(partial, "warning"),) if partial else ()
+        return (Paragraph(lead, "lead"), *lacking, Tiles(tuple(_tiles(result))), *warnings)
 
 
 def _tiles(result: DiagnosisResult) -> list[tuple[str, str, str, str]]:

@@ -16,6 +16,7 @@ from flexros.gap.report.words import (
     shows,
     where_words,
 )
+from flexros.gap.schema import NEXT_EXPERIMENT
 from flexros.report.number_text import number
 
 if TYPE_CHECKING:
@@ -39,6 +40,18 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
         "unknown_effect": _unknown,
     }
     return words[diagnosis.verdict](diagnosis)
+
+
+def partial_sentence(diagnosis: Diagnosis) -> str:
+    """Say what a diagnosis lacks that was ended before its search was complete; empty where it was complete."""
+    partial = diagnosis.partial
+    if partial is None:
+        return ""
+    what = "its time limit ended the diagnosis" if partial.reason == "time_limit" else "the diagnosis was interrupted"
+    text = f"Partial result: {what} after {number(partial.after, 3)} s, in step '{partial.step}'"
+    if partial.step == NEXT_EXPERIMENT:
+        return f"{text}; the search for causes was complete."
+    return f"{text}. Effects may be missing or stand for others, and the probabilities compare only what was tried."
 
 
 def reported_causes(diagnosis: Diagnosis) -> tuple[Cause, ...]:
@@ -96,7 +109,8 @@ def _ambiguous(diagnosis: Diagnosis) -> str:
 
 
 def _unknown(diagnosis: Diagnosis) -> str:
-    text = "There is a gap that no known effect explains"
+    tried = "no known effect" if diagnosis.partial is None else "none of the effects tried so far"
+    text = f"There is a gap that {tried} explains"
     if diagnosis.causes and diagnosis.gap.closed_fraction is not None:
         left = max(1 - diagnosis.gap.closed_fraction, 0.0)
         text += f": the best one, {cause_words(diagnosis.causes[0])}, leaves {share_words(left)} of it on held-out data"

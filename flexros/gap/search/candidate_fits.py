@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import os
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from flexros.effects import effects
 from flexros.effects.kinds.tool_error import AbstractToolError
-from flexros.errors import unknown_name
 from flexros.gap.candidates.candidate import list_candidates
+from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.scales import scales_of
+from flexros.gap.deadline import Deadline
 from flexros.gap.fit.estimates import placed_effects
 from flexros.gap.fit.least_squares import CandidateFit, best_of, chi2_of, initial_values, linearise
 from flexros.gap.fit.least_squares import fit as fit_candidate
@@ -30,8 +31,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flexros.arrays import FloatArray, IntArray
-    from flexros.effects import AbstractEffect
     from flexros.gap.candidates.candidate import Candidate
+    from flexros.gap.candidates.competitors import Competitors
     from flexros.gap.candidates.scales import Scales
     from flexros.gap.fit.null_fit import NullFit
     from flexros.gap.fit.screening import Directions, Surroundings
@@ -78,8 +79,10 @@ class Search:
         rows: Prediction errors that estimates of gains are computed from, evenly spread over the log, shape (n_rows,).
         distance: Sum of the squares by which the weighted prediction errors of two fits differ.
         settings: Settings of the diagnosis.
+        competitors: Effects and locations that compete.
         threads: Fits at the same time.
         progress: Called with the name of a step and the share of it that is done.
+        deadline: Asked between fits, and by them between iterations, whether to go on.
     """
 
     null: NullFit
@@ -89,8 +92,10 @@ class Search:
     rows: IntArray
     distance: Callable[[CandidateFit, CandidateFit], float]
     settings: DiagnosisSettings
+    competitors: Competitors
     threads: int
     progress: Callable[[str, float], None] | None = None
+    deadline: Deadline = field(default_factory=Deadline)
 
     @property
     def data(self) -> FitData:
@@ -103,19 +108,18 @@ class Search:
         return tuple(
             candidate
             for candidate in list_candidates(self.null.model.robot, self.scales)
-            if self._competes(candidate.effect) and (tool or not issubclass(candidate.effect, AbstractToolError))
+            if self.competitors.contain(candidate) and (tool or not issubclass(candidate.effect, AbstractToolError))
         )
 
     def harmonics(self, fit: CandidateFit) -> tuple[Candidate, ...]:
         """List the candidates with the orders of the rotors at which the residuals of a fit repeat."""
-        if not any(self._competes(effect) for effect in effects().values() if effect.harmonics):
+        if not any(self.competitors.include(effect) for effect in effects().values() if effect.harmonics):
+            return ()
+        if self.deadline.stops():
             return ()
         robot, settings = self.null.model.robot, self.settings.search
         found = harmonic_candidates(robot, self.data, fit.residual(self.data), fit.states(self.data), settings)
-        return tuple(candidate for candidate in found if self._competes(candidate.effect))
-
-    def _competes(self, effect: type[AbstractEffect]) -> bool:
-        return not self.settings.search.effects or effect.name in self.settings.search.effects
+        return tuple(candidate for candidate in found if self.competitors.contain(candidate))
 
     def directions(self, candidates: Sequence[Candidate]) -> list[Directions]:
         """Predict the log with every initial value of the candidates."""
@@ -125,7 +129,7 @@ class Search:
         predictor = self.null.predictor((candidate,))
         starts = initial_values(predictor, self.settings.fit.most_starts)
         starts[predictor.n_effect :] = self.null.fit.deviations[:, None]
-        return directions_of(predictor, self.data, starts, self.null_residual, self.rows)
+        return directions_of(predictor, self.data, starts, self.null_residual, self.rows, self.deadline.stops)
 
     def singles(self, directions: Sequence[Directions]) -> list[CandidateFit]:
         """Fit the candidates that promise most, each alone: all for a few iterations, the best ones to the end.
@@ -138,6 +142,8 @@ class Search:
         Returns:
             Fits, the best first.
         """
+        if not directions:
+            return []
         null = self.null.fit
         surroundings = self.surroundings(null)
         simple = [direction for direction in directions if not direction.candidate.effect.extends]
@@ -145,7 +151,7 @@ class Search:
             zip(simple, (surroundings.gains(direction.changes)[0].max() for direction in simple)),
             key=lambda pair: -pair[1],
         )[: self.settings.search.fitted]
-        fits = self.parallel("single effects", lambda pair: self._single(pair[0], surroundings), promising)
+        fits = self.parallel("single effects", lambda pair: self._single(pair[0], surroundings), promising, needed=1)
         worth = float(np.log(self.data.n_values))
         gaining = [fit for fit in fits if self.null.fit.chi2 - fit.chi2 > worth]
         pairs = [
@@ -181,7 +187,8 @@ class Search:
         sums = chi2_of(predictor, self.data, starts)
         order = np.argsort(sums)[:2]
         best = self._while_steep(predictor, starts[:, order[0]], sums[order[0]])
-        if len(order) < 2 or (best.converged and best.iterations <= self.settings.search.settled):
+        settled = best.converged and best.iterations <= self.settings.search.settled
+        if len(order) < 2 or settled or self.deadline.stops():
             return best
         return best_of([best, self._while_steep(predictor, starts[:, order[1]], sums[order[1]])])
 
@@ -189,7 +196,7 @@ class Search:
         """Fit for a few iterations, and on while the sum of squares falls steeply, as its minimum is still unknown."""
         fit = self._quick(predictor, start)
         for _ in range(self.settings.fit.final_iterations // self.settings.fit.first_iterations):
-            if fit.converged or not fit.chi2 < self.settings.search.steep * chi2:
+            if fit.converged or not fit.chi2 < self.settings.search.steep * chi2 or self.deadline.stops():
                 break
             chi2, fit = fit.chi2, self._quick(predictor, fit.theta)
         return fit
@@ -199,7 +206,14 @@ class Search:
         return self._fit(predictor, start, self.settings.fit.first_iterations, quick=True)
 
     def _fit(
-        self, predictor: Predictor, start: FloatArray, iterations: int, *, quick: bool = False, rival: float = np.inf
+        self,
+        predictor: Predictor,
+        start: FloatArray,
+        iterations: int,
+        *,
+        quick: bool = False,
+        rival: float = np.inf,
+        finishing: bool = False,
     ) -> CandidateFit:
         """Fit, quickly with the tolerance slopes of the nominal model or exactly with its own."""
         settings = self.settings.fit
@@ -213,6 +227,7 @@ class Search:
             enough=enough,
             rival=rival,
             settings=settings,
+            stop=self.deadline.of_fit(finishing=finishing),
         )
 
     def _visible(self, fits: Sequence[CandidateFit]) -> list[CandidateFit]:
@@ -232,16 +247,23 @@ class Search:
         ranked = sorted(fits, key=lambda fit: fit.chi2)
         best = [self._continued(fit, np.inf) for fit in ranked[:1]]
         rival = min((fit.chi2 for fit in best), default=np.inf)
-        best += self.parallel("best effects", lambda fit: self._continued(fit, rival), ranked[1:finished])
+        best += self.parallel(
+            "best effects", lambda fit: self._continued_rival(fit, rival), ranked[1:finished], needed=finished
+        )
         return sorted([*best, *ranked[finished:]], key=lambda fit: fit.chi2)
 
-    def _continued(self, fit: CandidateFit, rival: float) -> CandidateFit:
+    def _continued(self, fit: CandidateFit, rival: float, *, finishing: bool = False) -> CandidateFit:
         """Carry a fit to its end, from the best order of a rotor near its own."""
         starts = neighbouring_orders(fit, self.data.record)
         if starts.shape[1]:
             nearest = np.argsort(chi2_of(fit.predictor, self.data, starts))[:2]
             fit = best_of([fit, *(self._quick(fit.predictor, starts[:, index]) for index in nearest)])
-        return self._fit(fit.predictor, fit.theta, self.settings.fit.final_iterations, rival=rival)
+        iterations = self.settings.fit.final_iterations
+        return self._fit(fit.predictor, fit.theta, iterations, rival=rival, finishing=finishing)
+
+    def _continued_rival(self, fit: CandidateFit, rival: float) -> CandidateFit:
+        """Carry a fit to its end, unless the time is over."""
+        return fit if self.deadline.stops() else self._continued(fit, rival)
 
     def pruned(self, fit: CandidateFit) -> CandidateFit:
         """Leave out the parameters of a fit that the information criterion rejects (Schwarz 1978).
@@ -253,9 +275,9 @@ class Search:
             A fit of the same effects with fewer parameters, or the same fit.
         """
         n = self.data.n_values
-        while (fewer := without_least_parameter(fit)) is not None:
+        while (fewer := without_least_parameter(fit)) is not None and not self.deadline.stops_finishing():
             hypothesis, theta = fewer
-            pruned = self._fit(self.null.predictor(hypothesis), theta, self.settings.fit.final_iterations)
+            pruned = self._final(self.null.predictor(hypothesis), theta)
             if not n * np.log(pruned.chi2 / fit.chi2) < np.log(n):
                 break
             fit = pruned
@@ -289,7 +311,7 @@ class Search:
                 changed = tuple(shaped if one is candidate else one for one in fit.hypothesis)
                 kept = [one is not candidate or free.name != name for one in fit.hypothesis for free in one.free]
                 theta = fit.theta[np.array([*kept, *([True] * len(fit.deviations))], dtype=bool)]
-                fit = self._fit(self.null.predictor(changed), theta, self.settings.fit.final_iterations)
+                fit = self._final(self.null.predictor(changed), theta)
         return fit
 
     def surroundings(self, fit: CandidateFit) -> Surroundings:
@@ -306,7 +328,7 @@ class Search:
         null, settings = self.null.fit, self.settings.search
         surroundings = self.surroundings(null)
         additions = self.additions(directions, null, surroundings)
-        changes = np.stack([addition.change for addition in additions], axis=-1)
+        changes = np.stack([np.zeros(len(self.rows)), *(addition.change for addition in additions)], axis=-1)[:, 1:]
         together = surroundings.independent(changes, settings.most_effects, settings.kept_of_misfit)
         return max(surroundings.left(changes[:, together]) / self.data.n_values, 1.0)
 
@@ -360,11 +382,16 @@ class Search:
             name: Name of the candidate, effect@location.
         """
         predictor = self.null.predictor(tuple(candidate for candidate in fit.hypothesis if candidate.name != name))
-        return self._fit(predictor, fit.theta[~fit.columns((name,))], self.settings.fit.joint_iterations, quick=True)
+        theta, iterations = fit.theta[~fit.columns((name,))], self.settings.fit.joint_iterations
+        return self._fit(predictor, theta, iterations, quick=True, finishing=True)
+
+    def _final(self, predictor: Predictor, theta: FloatArray) -> CandidateFit:
+        """Fit to the end."""
+        return self._fit(predictor, theta, self.settings.fit.final_iterations, finishing=True)
 
     def completed(self, fit: CandidateFit) -> CandidateFit:
         """Carry a fit to its end."""
-        return self._continued(fit, np.inf)
+        return self._continued(fit, np.inf, finishing=True)
 
     def finished(self, fits: Sequence[CandidateFit]) -> list[CandidateFit]:
         """Carry the best fits to their end, and leave out those that are no more than a simpler one."""
@@ -374,19 +401,41 @@ class Search:
         """Sort fits, without those that are no more than a simpler one."""
         return sorted(self._visible(fits), key=lambda fit: fit.chi2)
 
-    def parallel(self, step: str, work: Callable[[Item], Result], items: Sequence[Item]) -> list[Result]:
-        """Work on items in parallel and return the results in their order; `step` is the name shown as progress."""
+    def parallel(
+        self, step: str, work: Callable[[Item], Result], items: Sequence[Item], *, needed: int = 0
+    ) -> list[Result]:
+        """Work on items in parallel and return the results in their order.
+
+        Args:
+            step: Name that is shown as progress.
+            work: What is done with an item.
+            items: The items, the most important ones first.
+            needed: Items that are worked on although the time is over; the others are left out then.
+        """
+        self.deadline.begin(step)
         results: list[Result] = []
+
+        def begun(numbered: tuple[int, Item]) -> list[Result]:
+            number, item = numbered
+            return [] if number >= needed and self.deadline.stops() else [work(item)]
+
         with ThreadPoolExecutor(self.threads) as pool:
-            for done, result in enumerate(pool.map(work, items), 1):
-                results.append(result)
-                if self.progress is not None:
-                    self.progress(step, done / len(items))
+            try:
+                for done, result in enumerate(pool.map(begun, enumerate(items)), 1):
+                    results += result
+                    if self.progress is not None:
+                        self.progress(step, done / len(items))
+            except BaseException:
+                self.deadline.abandon()
+                raise
         return results
 
 
 def prepare_search(
-    null: NullFit, settings: DiagnosisSettings | None = None, progress: Callable[[str, float], None] | None = None
+    null: NullFit,
+    settings: DiagnosisSettings | None = None,
+    progress: Callable[[str, float], None] | None = None,
+    deadline: Deadline | None = None,
 ) -> Search:
     """Prepare the fits of candidates to one log.
 
@@ -394,14 +443,12 @@ def prepare_search(
         null: The fitted nominal model.
         settings: Settings of the diagnosis.
         progress: Called with the name of a step and the share of it that is done.
+        deadline: When the search ends; default: once it is complete.
 
     Raises:
-        InputError: The settings name an effect that does not exist.
+        InputError: The settings name an effect or a motor that does not exist.
     """
     settings = settings or DiagnosisSettings()
-    for name in settings.search.effects:
-        if name not in effects():
-            raise unknown_name("effect", name, effects(), "search.effects")
     data, fit = null.data, null.fit
     return Search(
         null=null,
@@ -411,8 +458,10 @@ def prepare_search(
         scales=scales_of(null.model.robot, fit.states(data), data.record.torque),
         distance=_distances(data),
         settings=settings,
+        competitors=competitors(null.model.robot, settings.search),
         threads=settings.threads or os.cpu_count() or 1,
         progress=progress,
+        deadline=deadline or Deadline(),
     )
 
 

@@ -73,6 +73,8 @@ def explain(search: Search) -> Explanations:
     for _ in range(settings.rounds):
         if len(chosen.hypothesis) >= settings.most_effects or not _incomplete(search, comparison, chosen):
             break
+        if search.deadline.stops():
+            break
         grown = _grown(search, chosen, directions, fits)
         comparison = _compare(search, unique(fits))
         if grown is None or not _worth(search, comparison, chosen, grown, settings.removed_by_step):
@@ -82,6 +84,9 @@ def explain(search: Search) -> Explanations:
         fits.append(search.completed(chosen))
         chosen = _reduced(search, fits[-1], fits, settings.removed)
         chosen = _exchanged(search, chosen, directions, fits)
+    elif search.deadline.over:
+        chosen = search.completed(chosen)
+        fits.append(chosen)
     comparison = _compare(search, unique(fits))
     (chosen,) = (fit for fit in comparison.fits if fit.names == chosen.names)
     return _pruned(search, _explanations(comparison, chosen, detected=True))
@@ -131,7 +136,9 @@ def _reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], remove
         left = [max(rest.least / n - 1.0, 1e-12) for rest in rests]
         shares = [(rise - (fit.chi2 / n - 1.0)) / rise for rise in left]
         doubtful = [one.name for one, share in zip(fit.hypothesis, shares) if share < settings.indispensable]
-        without = search.parallel("effects left out", partial(search.without, fit), doubtful)
+        if search.deadline.stops_finishing():
+            break
+        without = search.parallel("effects left out", partial(search.without, fit), doubtful, needed=len(doubtful))
         fits += without
         comparison = _compare(search, unique(fits))
         needless = [rest for rest in without if not _worth(search, comparison, rest, fit, removed)]
@@ -154,6 +161,8 @@ def _exchanged(
     """
     settings = search.settings.search
     for _ in range(settings.rounds if len(fit.hypothesis) > 1 else 0):
+        if search.deadline.stops():
+            break
         surroundings = search.surroundings(fit)
         pairs = [
             (candidate.name, addition)

@@ -10,6 +10,7 @@ import pytest
 from flexros.gap.answer import assemble as answer
 from flexros.gap.answer.assemble import result_of
 from flexros.gap.answer.decision import findings_of
+from flexros.gap.deadline import Deadline
 from flexros.gap.fit.least_squares import CandidateFit
 from flexros.gap.held_out.prediction_gap import errors_ahead
 from flexros.gap.held_out.predictions import prediction_of
@@ -55,7 +56,7 @@ def answered(
     comparison = ModelComparison(null, fits, data.n_values)
     explanations = Explanations(comparison, chosen, (*fits, null), np.array([*probabilities, 0.0]), detected)
     found = findings_of(MODEL, data, held, explanations, tolerance=TOLERANCE, settings=settings.ranking)
-    return result_of(found, prediction_of(null, data), None, settings, Stages(None))
+    return result_of(found, prediction_of(null, data), None, settings, Stages(None), Deadline())
 
 
 @pytest.fixture(scope="module")

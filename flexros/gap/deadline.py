@@ -1,0 +1,96 @@
+"""The end of a search: when its time is over, or when someone interrupts it."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+from flexros.gap.schema import Partial
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+FINISHING, LEAST_FINISHING = 0.15, 2.0
+"""Time to finish the best explanation in, over the time used until then [1], and at least this long [s]."""
+
+
+class Deadline:
+    """Tells the steps of a search when to stop, and remembers the first one that was cut short.
+
+    Once the time is over, nothing new is begun and what runs ends at its next iteration. The best explanation so far is
+    then finished, for which there is a little time as well.
+
+    Args:
+        limit: Time from now on [s]; None for no limit.
+        interrupted: Asked between fits; True from the moment on at which the search must end.
+        clock: Returns the time [s].
+    """
+
+    def __init__(
+        self,
+        limit: float | None = None,
+        interrupted: Callable[[], bool] | None = None,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self.step = ""
+        self._limit, self._interrupted, self._clock = limit, interrupted, clock
+        self._begin, self._abandoned = clock(), False
+        self._used: float | None = None
+        self._cut: str | None = None
+        self._by_time = False
+
+    @property
+    def over(self) -> bool:
+        """Whether the time is over, or the search was interrupted."""
+        if self._used is None:
+            used = self._clock() - self._begin
+            self._by_time = self._limit is not None and used >= self._limit
+            if self._by_time or (self._interrupted is not None and self._interrupted()):
+                self._used = used
+        return self._used is not None
+
+    @property
+    def spent(self) -> bool:
+        """Whether the time to finish the best explanation is over as well."""
+        if not self.over or self._used is None:
+            return False
+        ended = self._limit if self._by_time and self._limit is not None else self._used
+        allowed = ended + max(FINISHING * ended, LEAST_FINISHING)
+        return self._abandoned or self._clock() - self._begin > allowed
+
+    def begin(self, step: str) -> None:
+        """Name the step that begins."""
+        self.step = step
+
+    def stops(self) -> bool:
+        """Return whether a step must be left out, which is noted, as the time is over."""
+        return self._noted(self.over)
+
+    def stops_finishing(self) -> bool:
+        """Return whether a step that finishes the best explanation must be left out, which is noted."""
+        return self._noted(self.spent)
+
+    def of_fit(self, *, finishing: bool = False) -> Callable[[], bool]:
+        """Return what a fit that begins now asks after each iteration: whether it must end.
+
+        Args:
+            finishing: Whether it finishes an explanation; every fit does that begins when the time is over.
+        """
+        return self.stops_finishing if finishing or self.over else self.stops
+
+    def abandon(self) -> None:
+        """End all fits at their next iteration, as nobody waits for them any more."""
+        self._abandoned = True
+        self._used = self._clock() - self._begin if self._used is None else self._used
+
+    @property
+    def partial(self) -> Partial | None:
+        """What was cut short; None where nothing was."""
+        if self._cut is None or self._used is None:
+            return None
+        return Partial(reason="time_limit" if self._by_time else "interrupted", after=self._used, step=self._cut)
+
+    def _noted(self, left_out: bool) -> bool:
+        if left_out and self._cut is None:
+            self._cut = self.step
+        return left_out
