@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
 from pathlib import Path
 
 import pytest
@@ -14,6 +16,7 @@ from flexros.gap.prediction.predicted_log import PredictedLog
 from flexros.gap.result import DiagnosisResult, Explanation
 from flexros.gap.schema import Diagnosis
 from flexros.gap.search import candidate_fits as search
+from flexros.gap.search.candidate_fits import Search
 from flexros.logs.write_log import write_log
 from flexros.record.record import Record
 from flexros.robot import load_robot
@@ -124,3 +127,76 @@ def test_a_log_that_is_not_there_is_bad_input(flexros, tmp_path: Path) -> None:
     ended = flexros("diagnose", str(tmp_path / "gone"), "--model", "four_mass_linear", "--out", str(tmp_path / "out"))
     assert ended.code == 2
     assert "there is no log at" in ended.err
+
+
+def test_limits_of_the_search_reach_the_diagnosis(flexros, bag: str, tmp_path: Path, answered) -> None:
+    ended = flexros(
+        "diagnose", bag, "--model", "four_mass_linear", "--out", str(tmp_path / "out"), "--joints", "motor_1",
+        "--effects", "backlash, delay", "--time-limit", "60",
+    )  # fmt: skip
+    assert ended.code == 0, ended.err
+    settings = answered[0]["settings"]
+    assert settings.time_limit == 60.0
+    assert (settings.search.joints, settings.search.effects) == (("motor_1",), ("backlash", "delay"))
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "allowed"),
+    [("--joints", "motor_9", "motor_1"), ("--effects", "backlach", "backlash"), ("--time-limit", "0", "above 0 s")],
+)
+def test_limits_that_make_no_sense_are_bad_input(
+    flexros, bag: str, tmp_path: Path, option: str, value: str, allowed: str
+) -> None:
+    out = tmp_path / "out"
+    ended = flexros("diagnose", bag, "--model", "four_mass_linear", "--out", str(out), option, value)
+    assert ended.code == 2
+    assert ended.err.startswith(f"flexros: {option}: ")
+    assert value in ended.err
+    assert allowed in ended.err
+    assert not out.exists()
+
+
+def interrupts(monkeypatch: pytest.MonkeyPatch, step: str, times: int) -> None:
+    """Press Ctrl-C when a step of the search has begun."""
+    parallel, left = Search.parallel, [times]
+
+    def pressed(search: Search, name: str, *given: object, **named: object) -> list[object]:
+        while name == step and left[0]:
+            left[0] -= 1
+            os.kill(os.getpid(), signal.SIGINT)
+        return parallel(search, name, *given, **named)
+
+    monkeypatch.setattr(Search, "parallel", pressed)
+
+
+def test_an_interrupted_search_is_written_as_partial(
+    flexros, bag: str, tmp_path: Path, few_candidates, monkeypatch
+) -> None:
+    interrupts(monkeypatch, "best effects", 1)
+    out = tmp_path / "out"
+    ended = flexros("diagnose", bag, "--model", "four_mass_linear", "--out", str(out))
+    assert ended.code == 1, ended.err
+    assert "interrupted by Ctrl-C" in ended.err
+    assert "Partial result" in ended.out
+    read = Diagnosis.model_validate(json.loads((out / "diagnosis.json").read_text(encoding="utf-8")))
+    assert read.partial is not None
+    assert read.partial.reason == "interrupted"
+    assert (read.causes[0].effect, read.causes[0].location) == ("coulomb_friction", "motor_1")
+    assert "Partial result" in (out / "report.html").read_text(encoding="utf-8")
+
+
+def test_a_second_interrupt_ends_the_command_and_leaves_nothing(
+    flexros, bag: str, tmp_path: Path, few_candidates, monkeypatch
+) -> None:
+    interrupts(monkeypatch, "best effects", 2)
+    ended = flexros("diagnose", bag, "--model", "four_mass_linear", "--out", str(tmp_path / "out"))
+    assert ended.code == 130
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_redirected_run_tells_its_stages_on_stderr(flexros, bag: str, tmp_path: Path, few_candidates) -> None:
+    ended = flexros("diagnose", bag, "--model", "four_mass_linear", "--out", str(tmp_path / "out"), "--json")
+    assert json.loads(ended.out)["partial"] is None
+    lines = ended.err.splitlines()
+    for stage in ("nominal model", "where", "causes", "answer", "writing"):
+        assert any(f"s: {stage}," in line for line in lines)

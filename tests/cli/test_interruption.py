@@ -6,9 +6,12 @@ import contextlib
 import os
 import signal
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
+
+from flexros.cli.interruption import interruptible
 
 Flexros = Callable[..., "object"]
 
@@ -49,3 +52,36 @@ def test_interrupted_direct_run_leaves_no_log(
     ended = flexros("run", "circle_pd", "--transport", "direct", "--out", str(tmp_path / "bag"))
     assert ended.code == 130
     assert not (tmp_path / "bag").exists()
+
+
+def test_the_first_interrupt_asks_for_the_end_and_the_second_is_one(capfd: pytest.CaptureFixture[str]) -> None:
+    before = signal.getsignal(signal.SIGINT)
+    with interruptible("done soon") as asked:
+        assert not asked()
+        os.kill(os.getpid(), signal.SIGINT)
+        assert asked()
+        with pytest.raises(KeyboardInterrupt):
+            os.kill(os.getpid(), signal.SIGINT)
+    assert signal.getsignal(signal.SIGINT) is before
+    out, err = capfd.readouterr()
+    assert (out, err.count("done soon")) == ("", 1)
+
+
+def test_work_that_is_not_interrupted_gives_the_handler_back() -> None:
+    before = signal.getsignal(signal.SIGINT)
+    with interruptible("done soon") as asked:
+        assert signal.getsignal(signal.SIGINT) is not before
+    assert not asked()
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_in_a_thread_nothing_is_handled() -> None:
+    before = signal.getsignal(signal.SIGINT)
+
+    def work() -> None:
+        with interruptible("done soon") as asked:
+            assert not asked()
+
+    with ThreadPoolExecutor(1) as pool:
+        pool.submit(work).result()
+    assert signal.getsignal(signal.SIGINT) is before

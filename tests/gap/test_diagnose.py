@@ -9,9 +9,10 @@ import pytest
 from scipy.signal import lfilter
 
 from flexros.effects import place_effects
+from flexros.errors import InputError
 from flexros.gap.diagnose import diagnose, split
 from flexros.gap.result import DiagnosisResult
-from flexros.gap.settings import DiagnosisSettings, WhereSettings
+from flexros.gap.settings import DiagnosisSettings, SearchSettings, WhereSettings
 from flexros.record.read import read_record
 from flexros.record.record import Record
 from flexros.scenario.closed_loop import closed_loop
@@ -205,3 +206,47 @@ def test_the_last_part_of_a_log_is_set_aside() -> None:
     assert first.n_samples + second.n_samples == record.n_samples
     assert first.n_samples / record.n_samples == pytest.approx(0.75, abs=1e-4)
     np.testing.assert_array_equal(np.vstack([first.position, second.position]), record.position)
+
+
+def test_a_complete_diagnosis_is_not_partial(single: DiagnosisResult) -> None:
+    assert single.diagnosis.partial is None
+
+
+def test_an_interrupted_diagnosis_gives_what_is_known() -> None:
+    record, holdout = (record_of(FRICTION, SOFT, length=LONG, seed=seed) for seed in (1, 2))
+    steps: list[str] = []
+    result = diagnose(
+        record,
+        ROBOT,
+        holdout=holdout,
+        settings=FEW,
+        progress=lambda step, _: steps.append(step),
+        interrupted=lambda: "best effects" in steps,
+    )
+    diagnosis = result.diagnosis
+    assert diagnosis.partial is not None
+    assert diagnosis.partial.reason == "interrupted"
+    assert causes(result)[0] in {name.partition(":")[0] for name in (FRICTION, SOFT)}
+    assert diagnosis.verdict == "partly_explained"
+    assert result.patch
+    assert diagnosis.gap.closed_fraction is not None
+    assert 0.2 < diagnosis.gap.closed_fraction < 1.0
+
+
+def test_a_diagnosis_without_time_still_tells_the_gap() -> None:
+    record, holdout = (record_of(FRICTION, length=LONG, seed=seed) for seed in (1, 2))
+    result = diagnose(record, ROBOT, holdout=holdout, settings=FEW.model_copy(update={"time_limit": 1e-3}))
+    diagnosis = result.diagnosis
+    assert diagnosis.partial is not None
+    assert diagnosis.partial.reason == "time_limit"
+    assert diagnosis.partial.after > 0
+    assert (diagnosis.verdict, diagnosis.causes, diagnosis.where) == ("unknown_effect", (), ())
+    assert diagnosis.gap.before > 10
+
+
+def test_names_are_checked_before_the_work() -> None:
+    steps: list[str] = []
+    settings = FEW.model_copy(update={"search": SearchSettings(joints=("motor_7",))})
+    with pytest.raises(InputError, match="motor_7"):
+        diagnose(record_of(length=LONG), ROBOT, settings=settings, progress=lambda step, _: steps.append(step))
+    assert steps == []

@@ -79,3 +79,10 @@ def test_what_the_tolerance_allows_is_no_gap() -> None:
     tolerated = measure_gap(record, MODEL, tolerance={"stiffness": 0.05})
     assert not tolerated.significant
     assert tolerated.numbers.before == pytest.approx(1.0, abs=0.3)
+
+
+def test_progress_tells_which_model_predicts() -> None:
+    calls: list[tuple[str, float]] = []
+    repaired = place_effects(ROBOT, [parse_effect(FRICTION, "test")])
+    measure_gap(record_of(), MODEL, repaired=repaired, progress=lambda *call: calls.append(call))
+    assert calls == [("nominal model", 0.0), ("repaired model", 0.5)]

@@ -212,3 +212,12 @@ def test_sums_of_many_sets_are_those_of_each() -> None:
 def test_the_best_fit_has_the_smallest_sum() -> None:
     fits = [CandidateFit(predictor_of(), np.zeros(0), chi2) for chi2 in (3.0, 1.0, 2.0)]
     assert best_of(fits) is fits[1]
+
+
+def test_a_fit_that_is_stopped_ends_where_it_is() -> None:
+    candidate = candidates_of()["coulomb_friction@motor_1"]
+    predictor, truth = predictor_of(candidate), np.array(encoded(candidate, level=0.05))
+    data, start = made(predictor, truth, 0), truth + np.log(20.0)
+    found = fit(predictor, data, start, 20, stop=lambda: True)
+    assert (found.converged, found.iterations) == (False, 1)
+    assert found.chi2 < chi2_of(predictor, data, start[:, None])[0]

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import pytest
+
 from flexros.gap.report.terminal import gap_line
-from flexros.gap.report.verdict import reported_causes, verdict_sentence
+from flexros.gap.report.verdict import partial_sentence, reported_causes, verdict_sentence
 from flexros.gap.result import DiagnosisResult
-from flexros.gap.schema import EffectLocation
+from flexros.gap.schema import NEXT_EXPERIMENT, EffectLocation, Partial
 
 Diagnosed = Callable[[str], DiagnosisResult]
 
@@ -81,3 +83,25 @@ def test_no_share_is_stated_of_a_gap_within_its_sampling_error(diagnosed: Diagno
     assert text.endswith(
         "too small to show in predictions of held-out data: 1.04 before, 1.01 after, 1 without any gap."
     )
+
+
+@pytest.mark.parametrize(("reason", "word"), [("time_limit", "time limit"), ("interrupted", "interrupted")])
+def test_a_partial_result_says_what_ended_it_when_and_where(diagnosed: Diagnosed, reason: str, word: str) -> None:
+    partial = {"reason": reason, "after": 61.3, "step": "single effects"}
+    text = partial_sentence(diagnosed("explained").diagnosis.model_copy(update={"partial": Partial(**partial)}))
+    for part in (word, "61.3 s", "single effects", "may be missing"):
+        assert part in text
+    assert partial_sentence(diagnosed("explained").diagnosis) == ""
+
+
+def test_a_result_that_only_lacks_the_next_experiment_has_all_causes(diagnosed: Diagnosed) -> None:
+    partial = Partial(reason="time_limit", after=61.3, step=NEXT_EXPERIMENT)
+    text = partial_sentence(diagnosed("ambiguous").diagnosis.model_copy(update={"partial": partial}))
+    assert "search for causes was complete" in text
+
+
+def test_a_partial_result_does_not_claim_that_no_effect_explains_the_gap(diagnosed: Diagnosed) -> None:
+    partial = Partial(reason="time_limit", after=61.3, step="single effects")
+    text = verdict_sentence(diagnosed("unknown_effect").diagnosis.model_copy(update={"partial": partial}))
+    assert "no known effect" not in text
+    assert "tried so far" in text

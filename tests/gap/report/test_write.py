@@ -16,6 +16,7 @@ from plotly.offline import get_plotlyjs
 
 from flexros.gap.report import diagnosis_report, write_diagnosis_report
 from flexros.gap.result import DiagnosisResult
+from flexros.gap.schema import Partial
 
 pytestmark = pytest.mark.slow
 
@@ -139,3 +140,11 @@ def test_report_is_written_as_a_file(diagnosed: Diagnosed, tmp_path: Path) -> No
     file = tmp_path / "report.html"
     write_diagnosis_report(diagnosed("explained"), file, title="My robot")
     assert "<title>My robot</title>" in file.read_text(encoding="utf-8")
+
+
+def test_a_partial_result_says_so_at_the_top(diagnosed: Diagnosed) -> None:
+    result = diagnosed("explained")
+    partial = Partial(reason="interrupted", after=61.3, step="single effects")
+    html = page(replace(result, diagnosis=result.diagnosis.model_copy(update={"partial": partial})))
+    assert "interrupted after 61.3 s" in html.partition("<h2>")[0]
+    assert "Partial result" not in page(result)

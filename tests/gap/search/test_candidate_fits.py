@@ -11,9 +11,12 @@ from flexros.effects import effects
 from flexros.effects.kinds.tool_error import AbstractToolError
 from flexros.errors import InputError
 from flexros.gap.candidates.tolerance import Tolerance
+from flexros.gap.deadline import Deadline
 from flexros.gap.fit.least_squares import CandidateFit
 from flexros.gap.fit.null_fit import fit_null
+from flexros.gap.search.candidate_fits import prepare_search
 from flexros.gap.search.forward_selection import unique
+from flexros.gap.settings import SearchSettings
 from tests.gap.diagnosis_logs import MODEL, candidates_of, data_of, predictor_of, search_of
 
 pytestmark = pytest.mark.slow
@@ -108,3 +111,39 @@ def test_only_the_effects_of_the_settings_compete() -> None:
     assert listed == {"torque_bias", "torque_ripple"}
     with pytest.raises(InputError, match="torque_bias"):
         search_of(among=("torque_bia",))
+
+
+def test_only_effects_at_the_motors_of_the_settings_compete() -> None:
+    """The robot has one motor: to name it is no restriction; names are checked as those of effects are."""
+    search = search_of(among=("torque_bias", "delay"))
+    settings = search.settings.model_copy(update={"search": SearchSettings(effects=("delay",), joints=("motor_1",))})
+    assert {one.location for one in prepare_search(search.null, settings).candidates()} == {"all"}
+    with pytest.raises(InputError, match="motor_1"):
+        prepare_search(search.null, settings.model_copy(update={"search": SearchSettings(joints=("motor_2",))}))
+
+
+def test_when_the_time_is_over_only_what_is_needed_is_done() -> None:
+    search = replace(search_of(), deadline=Deadline(interrupted=lambda: True))
+    assert search.parallel("numbers", lambda number: 2 * number, [1, 2, 3], needed=1) == [2]
+    assert search.directions(search.candidates()) == []
+    assert search.harmonics(search.null.fit) == ()
+    assert search.singles([]) == []
+
+
+def test_one_candidate_is_fitted_even_when_the_time_is_over() -> None:
+    asked = [False]
+    search = replace(search_of(FRICTION), deadline=Deadline(interrupted=lambda: asked[0]))
+    directions = search.directions([candidates_of()[name] for name in SOME])
+    asked[0] = True
+    assert names(search.singles(directions)) == [SOME[0]]
+
+
+def test_work_that_breaks_off_ends_the_fits_that_still_run() -> None:
+    search = replace(search_of(), deadline=Deadline())
+
+    def breaks(_: int) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        search.parallel("numbers", breaks, [1])
+    assert search.deadline.of_fit(finishing=True)()

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from flexros.gap.search.forward_selection import Explanations, _exchanged, explain
+from flexros.gap.deadline import Deadline
+from flexros.gap.search.forward_selection import Explanations, _exchanged, _reduced, explain
 from flexros.gap.search.model_probability import RANKING
 from tests.gap.diagnosis_logs import search_of
 
@@ -77,3 +80,34 @@ def test_rivals_are_no_richer_than_what_was_chosen() -> None:
     found = explain(search_of(FRICTION, among=SOME))
     assert max(len(one.predictor.hypothesis) for one in found.rivals) == 1
     assert sum(not one.predictor.hypothesis for one in found.rivals) == 1
+
+
+def test_without_time_nothing_is_found() -> None:
+    found = explain(replace(search_of(FRICTION, among=SOME), deadline=Deadline(interrupted=lambda: True)))
+    assert not found.detected
+    assert names(found) == set()
+
+
+@pytest.mark.parametrize("last", ["single effects", "effects together"])
+def test_the_best_explanation_so_far_is_the_answer(last: str) -> None:
+    """Two effects are there; interrupted after the first item of a step, the best of what was fitted is finished."""
+    steps: list[str] = []
+    deadline = Deadline(interrupted=lambda: last in steps)
+    search = search_of(FRICTION, SOFT, among=SOME)
+    found = explain(replace(search, deadline=deadline, progress=lambda step, _: steps.append(step)))
+    assert found.detected
+    assert "effects exchanged" not in steps
+    assert deadline.partial is not None
+    assert deadline.partial.reason == "interrupted"
+    assert names(found) <= {name.partition(":")[0] for name in (FRICTION, SOFT)}
+    assert found.chosen.chi2 < 0.5 * found.null.chi2
+
+
+def test_what_is_needless_is_left_out_although_the_time_is_over() -> None:
+    search = search_of(FRICTION, among=SOME)
+    directions = {one.candidate.name: one for one in search.directions(search.candidates())}
+    friction = search.singles([directions["coulomb_friction@motor_1"]])[0]
+    bias = search.additions([directions["torque_bias@motor_1"]], friction, search.surroundings(friction))
+    grown = search.together(friction, bias)
+    late = replace(search, deadline=Deadline(interrupted=lambda: True))
+    assert _reduced(late, grown, [friction, grown], 0.4).names == friction.names

@@ -1,0 +1,46 @@
+"""Progress where there is no terminal: lines on stderr."""
+
+from __future__ import annotations
+
+import pytest
+
+from flexros.cli.progress import EVERY, Lines, progress_shown
+
+
+class Clock:
+    """A clock that is set by hand."""
+
+    def __init__(self) -> None:
+        self.time = 5.0
+
+    def __call__(self) -> float:
+        return self.time
+
+
+def test_a_stage_gets_a_line_when_it_begins_and_then_one_in_a_while(capfd: pytest.CaptureFixture[str]) -> None:
+    clock = Clock()
+    show = Lines(clock)
+    for step in range(40):
+        clock.time = 5.0 + step
+        show("first" if step < 15 else "second", step / 40)
+    out, err = capfd.readouterr()
+    times = [int(line.split()[1]) for line in err.splitlines()]
+    assert times == [0, 10, 15, 25, 35]
+    assert err.splitlines()[3] == "flexros: 25 s: second, 62 % done"
+    assert out == ""
+
+
+def test_steps_that_take_turns_are_no_new_stages(capfd: pytest.CaptureFixture[str]) -> None:
+    clock = Clock()
+    show = Lines(clock)
+    for step in range(20):
+        clock.time = 5.0 + 0.4 * EVERY * step
+        show(("grown", "reduced")[step % 2], 0.5)
+    assert len(capfd.readouterr().err.splitlines()) <= 2 + 0.4 * 20
+
+
+def test_without_a_terminal_there_are_lines_on_stderr(capfd: pytest.CaptureFixture[str]) -> None:
+    with progress_shown() as show:
+        show("reading", 0.25)
+    out, err = capfd.readouterr()
+    assert (out, err) == ("", "flexros: 0 s: reading, 25 % done\n")
