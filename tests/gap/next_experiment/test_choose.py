@@ -79,8 +79,8 @@ def gains(monkeypatch: pytest.MonkeyPatch) -> dict[str, float]:
     """Gains of the experiments that were evaluated."""
     seen: dict[str, float] = {}
 
-    def noted(survivors: Sequence[Explained], entry: CatalogueEntry, seed: int, length: float) -> Separated | None:
-        found = separated(survivors, entry, seed, length)
+    def noted(survivors: Sequence[Explained], entry: CatalogueEntry, *given: Any) -> Separated | None:
+        found = separated(survivors, entry, *given)
         assert found is not None
         seen[entry.name] = found.gain
         return found
@@ -130,6 +130,27 @@ def test_an_experiment_that_separates_by_far_ends_the_search(monkeypatch: pytest
     assert chosen is not None
     assert chosen.name == "creep_in_poses"
     assert asked == ["standard", "creep_in_poses"]
+
+
+def test_a_choice_that_is_stopped_is_among_what_was_evaluated(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[str] = []
+
+    def found(*arguments: Any) -> Separated:
+        asked.append(arguments[1].name)
+        return Separated(arguments[1], 20.0, (0, 1))
+
+    monkeypatch.setattr(module, "separated", found)
+    robot, survivors = load_robot("four_mass_linear"), [placed("delay@all:time=0.001"), placed("delay@all:time=0.002")]
+    chosen = next_experiment(robot, survivors, stop=lambda: len(asked) == 2)
+    assert chosen is not None
+    assert [entry.name for entry in CATALOGUE[:2]] == asked
+    assert chosen.name in asked
+    assert next_experiment(robot, survivors, stop=lambda: True) is None
+
+
+def test_a_comparison_that_is_stopped_has_no_result() -> None:
+    explained = [Explained(model(), tuple(placed(f"delay@all:time={time}"))) for time in (0.001, 0.002)]
+    assert separated(explained, CATALOGUE[0], 101, 10.0, lambda: True) is None
 
 
 def test_an_experiment_that_was_run_already_is_not_proposed() -> None:
