@@ -39,15 +39,17 @@ class Lines:
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock, self._begin, self._last = clock, clock(), -EVERY
         self._stages: set[str] = set()
+        self._done = 0.0
 
     def __call__(self, stage: str, share: float) -> None:
-        """Print a line, for a new stage at once."""
+        """Print a line, for a new stage at once; the share never falls where a step is done again."""
+        self._done = max(self._done, share)
         now = self._clock() - self._begin
         if stage in self._stages and now - self._last < EVERY:
             return
         self._stages.add(stage)
         self._last = now
-        print(f"flexros: {now:.0f} s: {stage}, {100 * share:.0f} % done", file=sys.stderr, flush=True)
+        print(f"flexros: {now:.0f} s: {stage}, {100 * self._done:.0f} % done", file=sys.stderr, flush=True)
 
 
 def _on(bar: Progress) -> Callable[[str, float], None]:

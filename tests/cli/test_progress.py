@@ -44,3 +44,10 @@ def test_without_a_terminal_there_are_lines_on_stderr(capfd: pytest.CaptureFixtu
         show("reading", 0.25)
     out, err = capfd.readouterr()
     assert (out, err) == ("", "flexros: 0 s: reading, 25 % done\n")
+
+
+def test_the_share_never_falls(capfd: pytest.CaptureFixture[str]) -> None:
+    show = Lines(Clock())
+    show("candidates", 0.62)
+    show("single effects", 0.59)
+    assert "single effects, 62 % done" in capfd.readouterr().err
