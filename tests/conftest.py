@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import importlib
 import os
+import shutil
+import sys
+import tempfile
 from typing import TYPE_CHECKING
 
 import pytest
@@ -16,8 +19,26 @@ if TYPE_CHECKING:
 
 # Workers and the processes that tests start run side by side: threads of BLAS would wait for each other.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+# Hundreds of processes import the same modules: each would compile all of them again.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 # Message setters check types while tests run; read when a message package is first imported.
 os.environ.setdefault("ROS_PYTHON_CHECK_FIELDS", "1")
+
+
+CACHE = "FLEXROS_CACHE"
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Let the workers and all processes that tests start share machine code, apart from that of the user."""
+    if not hasattr(config, "workerinput"):
+        os.environ[CACHE] = tempfile.mkdtemp(prefix="flexros_tests_")
+
+
+def pytest_unconfigure(config: pytest.Config) -> None:
+    """Remove the machine code."""
+    if not hasattr(config, "workerinput"):
+        shutil.rmtree(os.environ[CACHE], ignore_errors=True)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -1,4 +1,4 @@
-"""LLVM text to machine code for the processor it runs on, kept in memory."""
+"""LLVM text to machine code for the processor it runs on, kept in memory and on disk."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ import ctypes.util
 from functools import lru_cache
 from importlib.util import find_spec
 from threading import Lock
+from typing import Any
 
+from flexros.compile.object_cache import fingerprint, kept_or_made
 from flexros.compile.operations import LIBRARY_SYMBOLS
 from flexros.errors import InputError
 
@@ -38,20 +40,20 @@ class MachineCode:
                 "machine code needs the package llvmlite, which is not installed: "
                 "install it with 'pip install llvmlite', or evaluate with the CasADi virtual machine"
             )
+        import llvmlite
         import llvmlite.binding as llvm
 
         with _COMPILING:
             _prepare()
-            module = llvm.parse_assembly(text)
-            module.verify()
             target = llvm.Target.from_default_triple()
             cpu, features = _host()
             machine = target.create_target_machine(cpu=cpu, features=features, opt=level, jit=True)
-            self._engine = llvm.create_mcjit_compiler(module, machine)
+            compiler = (llvmlite.__version__, str(llvm.llvm_version_info), target.triple, cpu, features, str(level))
+            name = fingerprint(*compiler, text)
+            object_code = kept_or_made(name, lambda: _compiled(text, machine))
+            self._engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
+            self._engine.add_object_file(llvm.ObjectFileRef.from_data(object_code))
             self._engine.finalize_object()
-            # the engine keeps the code; the parsed module is several times as large
-            self._engine.remove_module(module)
-            module.close()
 
     def address(self, symbol: str) -> int:
         """Return the address of a function.
@@ -66,6 +68,16 @@ class MachineCode:
         if address == 0:
             raise KeyError(symbol)
         return address
+
+
+def _compiled(text: str, machine: Any) -> bytes:
+    """Return the object code of a module."""
+    import llvmlite.binding as llvm
+
+    module = llvm.parse_assembly(text)
+    module.verify()
+    with module:
+        return bytes(machine.emit_object(module))
 
 
 @lru_cache(maxsize=1)

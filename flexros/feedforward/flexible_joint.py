@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from flexros.feedforward.base import AbstractFeedforward
 from flexros.feedforward.equivalent_stiffness import gear_compliance
-from flexros.feedforward.rigid_arm import RigidArm
+from flexros.feedforward.rigid_arm import RigidArm, rigid_arm
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -23,7 +23,7 @@ class FlexibleJointFeedforward(AbstractFeedforward):
     def motions(self, problem: FeedforwardProblem, chunk: int) -> Iterator[Motion]:
         """Compute the whole motion and yield it in chunks; see `AbstractFeedforward.motions`."""
         robot = problem.robot
-        arm = RigidArm(robot, problem.laws)
+        arm = RigidArm(robot, problem.laws) if problem.laws else rigid_arm(robot)
         gears = problem.gear_motion(4)
         start = robot.equilibrium(problem.rigid_start)
         compliance = gear_compliance(robot, start, problem.output, problem.specification.stiffness)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from flexros.feedforward.base import AbstractFeedforward
-from flexros.feedforward.rigid_arm import RigidArm
+from flexros.feedforward.rigid_arm import rigid_arm
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -21,6 +21,6 @@ class NoFeedforward(AbstractFeedforward):
 
     def motions(self, problem: FeedforwardProblem, chunk: int) -> Iterator[Motion]:
         """Compute the whole motion and yield it in chunks; see `AbstractFeedforward.motions`."""
-        arm = RigidArm(problem.robot)
+        arm = rigid_arm(problem.robot)
         gears = problem.gear_motion(2)
         yield from arm.inverse_dynamics(gears).without_torque().chunks(chunk)

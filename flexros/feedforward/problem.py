@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING
 
 import casadi as ca
@@ -72,7 +72,7 @@ class FeedforwardProblem:
         if self.output == self.trajectory.output and not self.trajectory.joints:
             motion = self.trajectory.evaluate(self.time, 2)
         else:
-            motion = OutputDerivatives.of(self._rigid_kinematics(self.output)).along(self.gear_motion(2))
+            motion = rigid_kinematics(self.tool, self.output).along(self.gear_motion(2))
         for order, word in ((1, "speed"), (2, "acceleration")):
             initial, largest = np.abs(motion[order, 0]).max(), np.abs(motion[order]).max()
             if initial > REST_TOLERANCE * max(largest, 1.0):
@@ -95,7 +95,21 @@ class FeedforwardProblem:
         Raises:
             InputError: Out of reach or singular; the message names the point of the path.
         """
-        time = self.time if time is None else time
+        if time is not None:
+            return self._gear_motion(derivatives, time)
+        highest = max(self._sampled, default=-1)
+        if highest < derivatives:
+            motion = self._gear_motion(derivatives, self.time)
+            motion.flags.writeable = False
+            self._sampled[derivatives], highest = motion, derivatives
+        return self._sampled[highest][: derivatives + 1]
+
+    @cached_property
+    def _sampled(self) -> dict[int, FloatArray]:
+        """Motion of the gears at the sampling instants, by its highest derivative."""
+        return {}
+
+    def _gear_motion(self, derivatives: int, time: FloatArray) -> FloatArray:
         if self.trajectory.joints:
             motion = self.trajectory.evaluate(time, derivatives)
             if motion.shape[2] != self.robot.n_motors:
@@ -106,7 +120,7 @@ class FeedforwardProblem:
             return motion
         self.require_square(self.trajectory.output)
         near = (self.robot.home if self.near is None else self.near)[list(self.robot.gear_rows)]
-        kinematics = self._rigid_kinematics(self.trajectory.output)
+        kinematics = rigid_kinematics(self.tool, self.trajectory.output)
         return np.asarray(joint_derivatives(self.trajectory, kinematics, near, time, derivatives))
 
     def arm_position(self, gears: FloatArray) -> FloatArray:
@@ -137,7 +151,14 @@ class FeedforwardProblem:
                 f"{self.robot.n_motors}, one each; choose another output of the robot"
             )
 
-    def _rigid_kinematics(self, output: str) -> ca.Function:
-        """Return an output as a function of the gear coordinates theta (M,), with elastic directions at zero."""
-        theta = ca.SX.sym("theta", self.robot.n_motors)
-        return ca.Function("gamma", [theta], [self.tool.output(output, self.robot.arm_from_gears(theta))])
+
+@lru_cache(maxsize=8)
+def rigid_kinematics(tool: ToolGeometry, output: str) -> OutputDerivatives:
+    """Return an output as a function of the gear coordinates theta (M,), with elastic directions at zero.
+
+    Args:
+        tool: Kinematics of the tool.
+        output: Name of an output of its robot.
+    """
+    theta = ca.SX.sym("theta", tool.robot.n_motors)
+    return OutputDerivatives.of(ca.Function("gamma", [theta], [tool.output(output, tool.robot.arm_from_gears(theta))]))

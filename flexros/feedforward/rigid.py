@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from flexros.feedforward.base import AbstractFeedforward
-from flexros.feedforward.rigid_arm import RigidArm
+from flexros.feedforward.rigid_arm import RigidArm, rigid_arm
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -21,6 +21,6 @@ class RigidFeedforward(AbstractFeedforward):
 
     def motions(self, problem: FeedforwardProblem, chunk: int) -> Iterator[Motion]:
         """Compute the whole motion and yield it in chunks; see `AbstractFeedforward.motions`."""
-        arm = RigidArm(problem.robot, problem.laws)
+        arm = RigidArm(problem.robot, problem.laws) if problem.laws else rigid_arm(problem.robot)
         gears = problem.gear_motion(2)
         yield from arm.inverse_dynamics(gears).chunks(chunk)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import casadi as ca
@@ -33,6 +34,7 @@ class RigidArm:
         self._robot = robot
         self._forces = arm_forces(robot, laws)
         self._theta = [ca.SX.sym(f"theta_{k}", robot.n_motors) for k in range(MAX_DERIVATIVES + 1)]
+        self._functions: dict[tuple[int, bytes | None], ca.Function] = {}
 
     def _derivative(self, expression: ca.SX) -> ca.SX:
         """Return the time derivative, by directional derivatives along the derivatives of theta."""
@@ -58,6 +60,13 @@ class RigidArm:
             motion: theta and its derivatives, shape (5, n, M), or (3, n, M) without compliance.
             compliance: C of each gear [rad/Nm or m/N], zero for stiff gears, shape (M,).
         """
+        key = len(motion), None if compliance is None else compliance.tobytes()
+        if key not in self._functions:
+            self._functions[key] = self._inverse_dynamics(len(motion), compliance)
+        evaluate = self._functions[key]
+        return Motion(*(np.array(part).T.copy() for part in evaluate(*[part.T for part in motion])))
+
+    def _inverse_dynamics(self, orders: int, compliance: FloatArray | None) -> ca.Function:
         robot, model, theta = self._robot, self._robot.model, self._theta
         rest = [self._coordinates(part, part) for part in theta[:3]]
         tau = arm_residual(model, rest[0], rest[1], rest[2], ca.SX.zeros(robot.n_motors), self._forces)
@@ -79,7 +88,10 @@ class RigidArm:
             momentum[number] = inertia[i] * motor[1][number]
         encoders = [model.encoder(self._coordinates(gear, part)) for gear, part in zip(theta, motor[:2])]
         results = [robot.arm_from_gears(theta[0]), *encoders, torque, load, momentum]
-        evaluate = ca.Function(
-            "inverse_dynamics", theta[: len(motion)], [ca.densify(part) for part in results], {"cse": True}
-        )
-        return Motion(*(np.array(part).T.copy() for part in evaluate(*[part.T for part in motion])))
+        return ca.Function("inverse_dynamics", theta[:orders], [ca.densify(part) for part in results], {"cse": True})
+
+
+@lru_cache(maxsize=8)
+def rigid_arm(robot: Robot) -> RigidArm:
+    """Return the rigid arm of a robot without laws, built once per robot."""
+    return RigidArm(robot)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class ToolGeometry:
     """Kinematics of the tool.
 

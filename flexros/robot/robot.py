@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import json
-from functools import cached_property
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -206,7 +207,7 @@ class Robot:
         if not values:
             return self
         data = with_values(self.spec.model_dump(), self.spec, values, source)
-        return Robot(validate(RobotSpecification, data, source), source)
+        return robot_of(validate(RobotSpecification, data, source), source)
 
     @cached_property
     def model_hash(self) -> str:
@@ -311,4 +312,31 @@ def robot_from_data(data: Mapping[str, Any], source: str) -> Robot:
     Raises:
         InputError: Invalid keys or non-physical values.
     """
-    return Robot(validate(RobotSpecification, data, source), source)
+    return robot_of(validate(RobotSpecification, data, source), source)
+
+
+def robot_of(specification: RobotSpecification, source: str) -> Robot:
+    """Return the robot of a validated file; equal files share one object, with its symbolic model and equilibria.
+
+    Args:
+        specification: The file.
+        source: Its origin; prefix of error messages.
+
+    Raises:
+        InputError: Non-physical values.
+    """
+    return _robot_of(_RobotFile(specification.model_dump_json(), source, specification))
+
+
+@dataclass(frozen=True)
+class _RobotFile:
+    """A validated file, compared by its text."""
+
+    text: str
+    source: str
+    specification: RobotSpecification = field(compare=False)
+
+
+@lru_cache(maxsize=8)
+def _robot_of(file: _RobotFile) -> Robot:
+    return Robot(file.specification, file.source)

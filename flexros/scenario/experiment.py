@@ -13,7 +13,9 @@ from flexros.control.controller import Controller
 from flexros.errors import InputError, source_named
 from flexros.feedforward.compensation.encoder_reading import position_of_reading
 from flexros.feedforward.compensation.uncompensated import uncompensated
+from flexros.feedforward.problem import rigid_kinematics
 from flexros.feedforward.reference import compute_reference
+from flexros.feedforward.tool_geometry import ToolGeometry
 from flexros.identify.diagnosis_experiment.course import diagnosis_course
 from flexros.identify.experiment.limits import check_limits
 from flexros.identify.experiment.reference import identification_reference, moves_of
@@ -23,7 +25,7 @@ from flexros.scenario.models import ScenarioModels
 from flexros.simulate.plant import Plant
 from flexros.simulate.plant_model import PlantModel
 from flexros.simulate.signals import plant_signals
-from flexros.trajectory import Trajectory, build_trajectory, check_reachable
+from flexros.trajectory import Trajectory, build_trajectory, check_reachable, is_reachable
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -292,6 +294,8 @@ def _check_reachable(trajectory: Trajectory, robot: Robot, near: FloatArray) -> 
     if trajectory.joints or not robot.spec.outputs[trajectory.output].pose:
         return
     gears = list(robot.gear_rows)
+    if is_reachable(trajectory, rigid_kinematics(ToolGeometry.of(robot), trajectory.output), near[gears]):
+        return
     slope, arm = robot.model.output_with_slope(trajectory.output), robot.arm_from_gears
     check_reachable(
         trajectory,

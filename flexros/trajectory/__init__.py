@@ -8,7 +8,7 @@ from flexros.trajectory.line import JointMove, Line
 from flexros.trajectory.orientation import Extended, RollPitchYaw
 from flexros.trajectory.path import AbstractPath
 from flexros.trajectory.polynomial import ninth_degree, quintic
-from flexros.trajectory.reachability import Reachability, check_reachable
+from flexros.trajectory.reachability import Reachability, check_reachable, is_reachable
 from flexros.trajectory.rest_path import Rest
 from flexros.trajectory.sequence import Sequence
 from flexros.trajectory.specification import TrajectorySpecification, build_trajectory
@@ -40,6 +40,7 @@ __all__ = [
     "check_reachable",
     "circle",
     "concatenated",
+    "is_reachable",
     "joint_derivatives",
     "joint_limits",
     "ninth_degree",

@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from flexros.errors import InputError
+from flexros.trajectory.joint_derivatives import CONTINUATION_STEP, joint_derivatives
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
+    from flexros.trajectory.joint_derivatives import OutputDerivatives
     from flexros.trajectory.trajectory import PathPoint, Trajectory
 
 SMALLEST_SINGULAR_VALUE = 0.005
@@ -105,6 +107,45 @@ def check_reachable(
     )
 
 
+def is_reachable(
+    trajectory: Trajectory,
+    kinematics: OutputDerivatives,
+    near: FloatArray,
+    *,
+    singular_value: float = SMALLEST_SINGULAR_VALUE,
+    samples: int = 400,
+) -> bool:
+    """Check a trajectory at all points at once, by the criteria of `check_reachable`.
+
+    Args:
+        trajectory: Tool trajectory.
+        kinematics: Output function of as many joints as tool coordinates.
+        near: Joint position near that of the start [rad or m], shape (n_joints,).
+        singular_value: Smallest allowed singular value of the Jacobian, relative to its largest up to there.
+        samples: Number of points on every move; repeated moves are checked once.
+
+    Returns:
+        Whether the robot can follow; False also where that shows only point by point, or no later in this way.
+    """
+    time = trajectory.sample_times(samples)
+    if trajectory.duration > 0.5 * CONTINUATION_STEP * time.size:
+        return False
+    try:
+        joints, speeds = joint_derivatives(trajectory, kinematics, near, time, 1)
+    except InputError:
+        return False
+    sizes = np.linalg.svd(kinematics.value_slope(joints)[1], compute_uv=False)
+    regular = sizes[:, -1] >= singular_value * np.maximum.accumulate(sizes[:, 0])
+    fastest = np.maximum(np.abs(speeds[:-1]), np.abs(speeds[1:]))
+    steps = np.abs(np.diff(joints, axis=0))
+    return bool(np.all(regular) and np.all(steps <= _explained(fastest, np.diff(time)[:, None])))
+
+
+def _explained(speed: FloatArray, duration: FloatArray | float) -> FloatArray:
+    """Return the largest joint step that speeds explain [rad or m]."""
+    return np.asarray(5.0 * speed * duration + 1e-2)
+
+
 def _solve(
     trajectory: Trajectory, inverse_kinematics: InverseKinematics, t: float, target: FloatArray, near: FloatArray
 ) -> FloatArray:
@@ -139,7 +180,7 @@ def _check_same_configuration(
 ) -> None:
     """Refuse a joint step much larger than the joint speeds imply."""
     step = np.abs(q - before)
-    explained = 5.0 * speed * float(times[1] - times[0]) + 1e-2
+    explained = _explained(speed, float(times[1] - times[0]))
     if np.any(step > explained):
         joint = int(np.argmax(step / explained))
         raise InputError(

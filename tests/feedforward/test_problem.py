@@ -22,6 +22,14 @@ def test_joint_trajectory_gives_the_output_of_the_rigid_arm(e12: Robot) -> None:
     np.testing.assert_allclose(problem.rigid_start, e12.home, atol=1e-14)
 
 
+def test_motion_of_the_gears_is_computed_once(e12: Robot, smooth: Trajectory) -> None:
+    problem = problem_of(e12, smooth, 1e-3, 0.2)
+    motion, position = problem.gear_motion(2), problem.gear_motion(0)
+    assert np.shares_memory(motion, position)
+    np.testing.assert_array_equal(position, problem_of(e12, smooth, 1e-3, 0.2).gear_motion(0))
+    assert problem.gear_motion(4).shape == (5, *motion.shape[1:])
+
+
 def test_trajectory_must_start_at_rest(e12: Robot, smooth: Trajectory) -> None:
     class Moving:
         joints, n_out, output, duration = False, 2, "tool", smooth.duration

@@ -7,10 +7,11 @@ from flexros.arrays import FloatArray
 from flexros.errors import InputError
 from flexros.trajectory.arc import circle
 from flexros.trajectory.bang_bang_snap import bang_bang_snap
+from flexros.trajectory.joint_derivatives import OutputDerivatives
 from flexros.trajectory.limits import Limits
 from flexros.trajectory.line import Line
 from flexros.trajectory.polynomial import ninth_degree
-from flexros.trajectory.reachability import Reachability, check_reachable
+from flexros.trajectory.reachability import Reachability, check_reachable, is_reachable
 from flexros.trajectory.trajectory import Move, Trajectory
 from tests.trajectory.conftest import TwoLinkArm
 
@@ -101,3 +102,25 @@ def test_one_joint_is_singular_where_it_moves_its_output_no_more() -> None:
     trajectory = Trajectory((Move(line, ninth_degree(line.extent, 1.0)),), "tool")
     with pytest.raises(InputError, match=r"passes a singularity of the robot at .* point \((0\.99\d*|1)\)"):
         check_reachable(trajectory, lambda z, _near: np.arcsin(z), lambda q: np.cos(q)[:, None], np.zeros(1))
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.4, 0.8, 1.2, np.pi / 2])
+@pytest.mark.parametrize("singular_value", [0.005, 0.1, 0.3])
+def test_all_points_at_once_give_the_same_verdict(
+    arm: TwoLinkArm, start: FloatArray, angle: float, singular_value: float
+) -> None:
+    trajectory = circle_test(start, angle)
+    try:
+        reached = check(arm, trajectory, singular_value=singular_value)
+    except InputError:
+        reached = None
+    found = is_reachable(trajectory, OutputDerivatives.of(arm.gamma()), ELBOW, singular_value=singular_value)
+    assert found == (reached is not None)
+
+
+def test_few_points_on_a_long_path_are_left_to_the_check_point_by_point(arm: TwoLinkArm) -> None:
+    line = Line(np.array([2.0, 0.0]), np.array([1.9, 0.0]))
+    kinematics = OutputDerivatives.of(arm.gamma())
+    short, long = (Trajectory((Move(line, ninth_degree(line.extent, time)),), "tool") for time in (1.0, 10.0))
+    assert is_reachable(short, kinematics, ELBOW)
+    assert not is_reachable(long, kinematics, ELBOW)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -32,6 +33,7 @@ _HALVINGS = 8
 """How often the bandwidth is halved before giving up (chosen)."""
 
 
+@lru_cache(maxsize=8)
 def default_controller(robot: Robot, sample_time: float) -> Pid:
     """Choose PID gains at the home pose: rigid inertia of each axis, bandwidth at the lowest mode.
 

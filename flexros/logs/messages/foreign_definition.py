@@ -8,7 +8,7 @@ from flexros.errors import InputError
 from flexros.input_limits import LARGEST_DEFINITION, LARGEST_MESSAGE
 from flexros.logs.messages.cdr_cursor import MessageError
 from flexros.logs.messages.definition_parts import PARSERS, parse_definition
-from flexros.logs.messages.schemas import jazzy_types, signature
+from flexros.logs.messages.schemas import message_schema, signature
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -23,7 +23,7 @@ def is_common(schema: Schema) -> bool:
     text: str = schema.data.decode(errors="replace")
     if schema.encoding != "ros2msg" or len(schema.data) > LARGEST_DEFINITION:
         return False
-    common, _ = jazzy_types().generate_msgdef(schema.name, ros_version=2)
+    common = message_schema(schema.name).text
     try:
         return signature(schema.name, text) == signature(schema.name, common)
     except InputError:

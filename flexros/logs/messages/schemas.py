@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from functools import lru_cache
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from flexros.errors import InputError
@@ -12,9 +13,11 @@ from flexros.input_limits import DEEPEST_TYPE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
-    from pathlib import Path
 
     from rosbags.typesys.store import Typestore
+
+DEFINITIONS = Path(__file__).parent / "definitions.json"
+"""Definitions of the types of our topics, written by docs/generate/message_definitions.py."""
 
 _SEPARATOR = "=" * 80
 _INTEGERS = ("int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64")
@@ -156,7 +159,32 @@ def message_schema(type_name: str, share_folders: Sequence[Path] = ()) -> Schema
             raise InputError(f"the definition of {type_name} below {share} is damaged: {error}; repair it") from error
         if schema:
             return schema
+    kept = _definitions().get(type_name)
+    return Schema(type_name, **kept) if kept else jazzy_schema(type_name)
+
+
+def is_common_type(type_name: str) -> bool:
+    """Return whether a type belongs to the common interfaces of ROS 2 Jazzy."""
+    return type_name in _definitions() or type_name in jazzy_types().types
+
+
+def jazzy_schema(type_name: str) -> Schema:
+    """Return the definition of a type of the common interfaces of ROS 2 Jazzy.
+
+    Args:
+        type_name: Type, e.g. "sensor_msgs/msg/JointState".
+
+    Raises:
+        InputError: It is none of them.
+    """
     store = jazzy_types()
     if type_name not in store.types:
         raise InputError(f"unknown message type '{type_name}': allowed are the common interfaces of ROS 2 Jazzy")
     return Schema(type_name, store.generate_msgdef(type_name, ros_version=2)[0], store.hash_rihs01(type_name))
+
+
+@lru_cache(maxsize=1)
+def _definitions() -> dict[str, dict[str, str]]:
+    """Return the definitions of the types that our topics have: the types of all interfaces load slowly."""
+    definitions: dict[str, dict[str, str]] = json.loads(DEFINITIONS.read_text(encoding="utf-8"))
+    return definitions

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from flexros.logs.messages.foreign_definition import is_common
-from flexros.logs.messages.schemas import jazzy_types
+from flexros.logs.messages.schemas import is_common_type
 
 if TYPE_CHECKING:
     from mcap.records import Channel, Schema
@@ -93,7 +93,7 @@ def _refusal(name: str, channel: Channel, schema: Schema | None, type_name: str)
         return f"its type '{schema.name}' is not a ROS 2 type"
     if channel.message_encoding != "cdr":
         return f"it is encoded as '{channel.message_encoding}', nodes of ROS 2 accept cdr"
-    if schema.encoding == "ros2msg" and schema.data.strip() and type_name in jazzy_types().types:
+    if schema.encoding == "ros2msg" and schema.data.strip() and is_common_type(type_name):
         schema = replace(schema, name=type_name)
         if not is_common(schema):
             return f"its definition of {type_name} is not that of ROS 2 Jazzy"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.feedforward.rigid_arm import RigidArm
+from flexros.feedforward.rigid_arm import rigid_arm
 from flexros.record.smoothing import smooth_motion
 
 if TYPE_CHECKING:
@@ -95,5 +95,5 @@ def rigid_inverse_dynamics(robot: Robot, position: FloatArray, sample_time: floa
     n = len(position)
     factor = max(1, int(1 / (sample_time * _PER_PERIOD * 2.5 * highest)))
     samples = np.unique(np.append(np.arange(0, n, factor), n - 1))
-    torque = RigidArm(robot).inverse_dynamics(motion[:, samples]).torque
+    torque = rigid_arm(robot).inverse_dynamics(motion[:, samples]).torque
     return np.column_stack([np.interp(np.arange(n), samples, column) for column in torque.T])

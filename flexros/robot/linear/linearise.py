@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import casadi as ca
 import numpy as np
 
 from flexros.robot.quantity import unit_of
@@ -88,20 +87,8 @@ def linear_model(robot: Robot, q_a: ArrayLike | None = None, output: str | None 
         InputError: Invalid pose, unknown output, or no equilibrium.
     """
     state = robot.equilibrium(robot.home if q_a is None else q_a)
-    model, n, N = robot.model, robot.n_coordinates, robot.n_arm
-    q, v, u = ca.SX.sym("q", n), ca.SX.sym("v", n), ca.SX.sym("u", robot.n_motors)
-    p = model.parameter_values
-    force = model.force(q, v, u, np.zeros(6), p)
-    gamma = model.output(output)(q[:N], p)
-    blocks = [
-        model.mass_matrix(q, p),
-        -ca.jacobian(force, v),
-        -ca.jacobian(force, q),
-        ca.jacobian(force, u),
-        ca.jacobian(model.encoder(q), q),
-        ca.jacobian(gamma, q),
-    ]
-    evaluate = ca.Function("linearised", [q, v, u], [ca.densify(block) for block in blocks])
+    n = robot.n_coordinates
+    evaluate = robot.model.linearised(output)
     values = evaluate(state[:n], state[n:], robot.holding_torque(state))
     mass, damping, stiffness, torque, encoder, slope = (np.asarray(value, dtype=float) for value in values)
     return LinearModel(

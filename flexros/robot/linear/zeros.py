@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 RANK_TOLERANCE = 1e-9
 """Singular values below this share of the largest count as zero in the reduction."""
 
+WELL_CONDITIONED = 1e4
+"""Condition number up to which a generalised eigenvalue problem is solved as an ordinary one [1], chosen."""
+
 
 @dataclass(frozen=True)
 class ZeroDynamics:
@@ -152,10 +155,17 @@ def invariant_zeros(A: FloatArray, B: FloatArray, C: FloatArray, D: FloatArray) 
         return _sorted(speed * np.linalg.eigvals(A))
     _, _, Vh = np.linalg.svd(np.hstack([C, D]))
     W = Vh.T[:, -n:]
+    values = _generalised_eigenvalues(np.hstack([A, B]) @ W, W[:n])
+    return _sorted(speed * values[np.isfinite(values)])
+
+
+def _generalised_eigenvalues(A: FloatArray, B: FloatArray) -> ComplexArray:
+    """Return the s with det(A - s B) = 0, infinite ones among them, shape (n,)."""
+    if np.linalg.cond(B) < WELL_CONDITIONED:
+        return np.asarray(np.linalg.eigvals(np.linalg.solve(B, A)), dtype=complex)
     from scipy.linalg import eigvals  # loads slowly
 
-    values = eigvals(np.hstack([A, B]) @ W, W[:n])
-    return _sorted(speed * values[np.isfinite(values)])
+    return np.asarray(eigvals(A, B))
 
 
 def _scaled(

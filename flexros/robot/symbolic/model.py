@@ -58,7 +58,9 @@ class SymbolicModel:
         self._v = ca.SX.sym("v", self.n_coordinates)
         self._u = ca.SX.sym("u", self.n_motors)
         self._w = ca.SX.sym("w", 6)
+        self._outputs: dict[str, ca.Function] = {}
         self._outputs_with_slope: dict[str, ca.Function] = {}
+        self._linearised: dict[str, ca.Function] = {}
 
     @property
     def _qa(self) -> ca.SX:
@@ -240,11 +242,11 @@ class SymbolicModel:
         name = name or self.specification.controlled
         if name not in self.specification.outputs:
             raise unknown_name(f"output of robot {self.specification.name}", name, self.specification.outputs)
-        qa = ca.SX.sym("q_a", self.n_arm)
-        value = kinematics.output_value(
-            self.specification, self.chain, self._geometry, self.specification.outputs[name], qa
-        )
-        return self._function(f"output_{name}", [qa, self._p], [value], ["q_a", "p"])
+        if name not in self._outputs:
+            qa, entry = ca.SX.sym("q_a", self.n_arm), self.specification.outputs[name]
+            value = kinematics.output_value(self.specification, self.chain, self._geometry, entry, qa)
+            self._outputs[name] = self._function(f"output_{name}", [qa, self._p], [value], ["q_a", "p"])
+        return self._outputs[name]
 
     def output_with_slope(self, name: str | None = None) -> ca.Function:
         """Controlled output and its Jacobian with respect to the actuated arm coordinates, from (q_a).
@@ -262,6 +264,33 @@ class SymbolicModel:
             slope = ca.jacobian(value, qa)[:, list(self.chain.gear_rows)]
             self._outputs_with_slope[name] = ca.Function(f"slope_{name}", [qa], [value, ca.densify(slope)])
         return self._outputs_with_slope[name]
+
+    def linearised(self, name: str | None = None) -> ca.Function:
+        """Blocks of the equations of motion linearised at rest, from (q, v, u), at the nominal parameters.
+
+        Args:
+            name: Name of an output of the robot file; default: the controlled one.
+
+        Returns:
+            CasADi function with the results mass, damping, stiffness, input, and the slopes of encoders and output.
+        """
+        name = name or self.specification.controlled
+        if name not in self._linearised:
+            n = self.n_coordinates
+            q, v, u = ca.SX.sym("q", n), ca.SX.sym("v", n), ca.SX.sym("u", self.n_motors)
+            p = self.parameter_values
+            force = self.force(q, v, u, np.zeros(6), p)
+            blocks = [
+                self.mass_matrix(q, p),
+                -ca.jacobian(force, v),
+                -ca.jacobian(force, q),
+                ca.jacobian(force, u),
+                ca.jacobian(self.encoder(q), q),
+                ca.jacobian(self.output(name)(q[: self.n_arm], p), q),
+            ]
+            dense = [ca.densify(block) for block in blocks]
+            self._linearised[name] = ca.Function("linearised", [q, v, u], dense)
+        return self._linearised[name]
 
     @cached_property
     def energy(self) -> ca.Function:

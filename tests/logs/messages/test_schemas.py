@@ -4,7 +4,7 @@ import pytest
 
 from flexros.config.topics import load_topics
 from flexros.errors import InputError
-from flexros.logs.messages.schemas import jazzy_types, message_schema, signature
+from flexros.logs.messages.schemas import DEFINITIONS, jazzy_schema, jazzy_types, message_schema, signature
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 HEADER_SECTION = f"{'=' * 80}\nMSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n"
@@ -97,6 +97,12 @@ def test_real_installation_agrees_with_the_fallback():
         assert installed.type_hash == fallback.type_hash
         assert signature(type_name, installed.text) == signature(type_name, fallback.text)
         assert "#" in installed.text, "the text of the installation has its comments"
+
+
+@pytest.mark.parametrize("type_name", sorted({topic.type for topic in load_topics().values()}))
+def test_kept_definitions_are_those_of_jazzy(type_name):
+    assert type_name in DEFINITIONS.read_text()
+    assert message_schema(type_name) == jazzy_schema(type_name)
 
 
 def test_types_are_those_of_jazzy():
