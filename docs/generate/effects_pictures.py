@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 TWO_MASS, ELBOW, E12 = load_robot("two_mass"), load_robot("elbow"), load_robot("e12")
 SLIDE = load_robot("emps").with_values({"motor_1.viscous_friction": 0.0})
+SERVO = load_robot("emps_servo").commanded_by("position")
 MASS = SLIDE.parameters["body_1.mass"].value
 SPEED, WAY, TIME = "speed [m/s]", "way [m]", "time [s]"
 DISTURBANCE, FORCE = "disturbance force [N]", "force [N]"
@@ -82,6 +83,19 @@ def step_response(text: str) -> Panels:
     acting = MASS * np.diff(moved.speed[:, 0]) / SLIDE.sample_time
     time = moved.time[:-1]
     return [panel("on a slide", TIME, FORCE, [nominal(time, moved.command[:-1, 0]), changed(time, acting)])]
+
+
+def servo_step(text: str) -> Panels:
+    """Draw the way of a slide under its servo after a step of the commanded position, and along a commanded ramp."""
+    panels = []
+    for title, wanted in (
+        ("step of the command", lambda _: [1e-4]),
+        ("ramp of the command", lambda time: [2e-3 * time]),
+    ):
+        still, moved = (run(SERVO, texts, wanted, 0.08) for texts in ([], [text]))
+        curves = [nominal(still.time, 1e6 * still.position[:, 0]), changed(moved.time, 1e6 * moved.position[:, 0])]
+        panels.append(panel(title, TIME, "way [um]", curves))
+    return panels
 
 
 def over_rotor_angle(text: str) -> Panels:
@@ -243,6 +257,8 @@ DRAWINGS: dict[str, tuple[Callable[[str], Panels], str]] = {
         presliding,
         "presliding_friction@motor_1:level=20,extra=10,velocity=0.05,stiffness=1e6,damping=300",
     ),
+    "servo_damping_error": (servo_step, "servo_damping_error@motor_1:relative=-0.4"),
+    "servo_stiffness_error": (servo_step, "servo_stiffness_error@motor_1:relative=-0.4"),
     "stiffness_error": (lambda text: [responses(text)], "stiffness_error@body_1.rz:relative=-0.3"),
     "stribeck_friction": (
         over_speed,

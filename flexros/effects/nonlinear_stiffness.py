@@ -127,7 +127,7 @@ class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
         spring = next(joint.direction.spring for joint in robot.joints if joint.name == location)
         assert isinstance(spring, Spring)
         here[last] = {"piecewise_linear": self._law(spring, location)}
-        return Robot(validate(RobotSpecification, data, self.name), self.name)
+        return Robot(validate(RobotSpecification, data, self.name), self.name, robot.commands)
 
     def added(self, gear: GearState, values: Mapping[str, Value]) -> GearTorques:
         """Return the additional torque beyond the knee."""

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     import casadi as ca
 
     from flexros.effects.kinds.base import Stage
+    from flexros.robot import Robot
     from flexros.robot.symbolic.kinematics import Value
 
 
@@ -35,6 +36,11 @@ class TorqueGainError(AbstractCommandLaw):
     )
 
     relative: float = Field(0.0, gt=-1.0, lt=10.0, description="deviation of the torque from the commanded one [1]")
+
+    def sought(self, robot: Robot, location: str) -> bool:
+        """Return whether torques are commanded: with servos it is an error of their stiffness."""
+        del location
+        return robot.commands == "torque"
 
     def passed(self, torque: ca.SX, own: ca.SX, values: Mapping[str, Value]) -> ca.SX:
         """Return the scaled torque."""

@@ -30,4 +30,5 @@ def checked_log(log: Log, robot: Robot, *, name: str, torque: TorqueSource = "co
     Raises:
         InputError: There is no usable position or torque, or a check rejects the log.
     """
-    return check_record(with_recorded_parts(read_record(log, robot, name=name, torque=torque), log), robot)
+    record = read_record(log, robot, name=name, torque=torque, positions=True)
+    return check_record(with_recorded_parts(record, log), robot)

@@ -73,7 +73,8 @@ def diagnose(
         InputError: A log from which nothing can be concluded, or a holdout that was recorded in another way.
     """
     settings = settings or DiagnosisSettings()
-    model = robot if isinstance(robot, RobotWithEffects) else RobotWithEffects(robot, ())
+    given = robot if isinstance(robot, RobotWithEffects) else RobotWithEffects(robot, ())
+    model = given.commanded_by(record.commands)
     competitors(model.robot, settings.search)  # refuses unknown names before the work
     stages, deadline = Stages(progress), Deadline(settings.time_limit, interrupted)
     stages.begin("nominal model", 0.03)
@@ -105,7 +106,7 @@ def diagnose(
     )
     result = result_of(findings, prediction, excess, settings, stages, deadline)
 
-    if log is not None:
+    if log is not None and record.command is None:
         stages.begin("closed loop", 1.0)
         repaired = model.with_effects(result.patch) if result.patch else None
         signals = closed_loop_gap(log, model, repaired, begin=held_data.record.begin)
@@ -155,13 +156,12 @@ def split(record: Record, share: float) -> tuple[Record, Record]:
 def _check_alike(fitted: Record, held: Record) -> None:
     """Refuse a holdout that was recorded in another way, for which the fitted predictors do not hold."""
     ways = [
-        f"{record.name} has {1 / record.sample_time:.6g} samples per second and "
-        f"{'measured' if record.measured_torque else 'commanded'} torques"
+        f"{record.name} has {1 / record.sample_time:.6g} samples per second and {record.driven_by}"
         for record in (held, fitted)
     ]
     if not may_be_resampled(held, fitted.sample_time):
         raise InputError(
             f"{ways[0]}, but {ways[1]}; exchange the two, so that the one with more samples is held out, or give none"
         )
-    if held.measured_torque != fitted.measured_torque:
+    if held.driven_by != fitted.driven_by:
         raise InputError(f"{ways[0]}, but {ways[1]}; give a holdout that was recorded like the log, or none")

@@ -66,12 +66,13 @@ def measure_gap(
     settings = settings or DiagnosisSettings()
     stages = Stages(progress)
     stages.begin("nominal model", 1.0 if repaired is None else 0.5)
+    model = model.commanded_by(record.commands)
     data = fit_data(record, model, settings)
     before, significant = _errors(model, data, tolerance or {}, settings)
     after = None
     if repaired is not None:
         stages.begin("repaired model", 1.0)
-        after, significant = _errors(repaired, data, tolerance or {}, settings)
+        after, significant = _errors(repaired.commanded_by(record.commands), data, tolerance or {}, settings)
     return MeasuredGap(gap_numbers(before, after, record.sample_time), significant)
 
 

@@ -18,6 +18,7 @@ from flexros.record.even_grid import even_grid
 from flexros.record.joint_columns import motor_columns
 from flexros.record.quantization import resolution_of
 from flexros.record.record import Record, ToolRecord
+from flexros.record.servo_torque import servo_torque
 from flexros.record.stamp_jitter import positions_on_grid
 from flexros.record.torque_hold import held_torque, sampled_torque
 
@@ -38,7 +39,9 @@ LEAST_REFERENCE = 0.9
 """Smallest share of the record that a reference must cover to be used (chosen)."""
 
 
-def read_record(log: Log, robot: Robot, *, name: str, torque: TorqueSource = "command") -> Record:
+def read_record(
+    log: Log, robot: Robot, *, name: str, torque: TorqueSource = "command", positions: bool = False
+) -> Record:
     """Read positions, torques and what else was measured onto an even grid.
 
     Missing samples are held and marked. Positions with stamps that truly jitter are interpolated. Commands are held
@@ -49,6 +52,8 @@ def read_record(log: Log, robot: Robot, *, name: str, torque: TorqueSource = "co
         robot: The nominal robot.
         name: Name of the log, for messages.
         torque: Torque that is taken where both were recorded; the other one is taken where it alone was.
+        positions: Whether a log without torques is read where it has position commands, which the servos of the robot
+            file follow.
 
     Returns:
         The record; its warnings say what was repaired or is doubtful.
@@ -60,24 +65,26 @@ def read_record(log: Log, robot: Robot, *, name: str, torque: TorqueSource = "co
     if states.position is None:
         raise InputError(f"{name}: joint_states has no positions; record them")
     warnings = list(log.warnings)
-    source = torque_source(log, torque, name, warnings)
+    servos = positions and has_position_commands(log)
+    source = "command" if servos else torque_source(log, torque, name, warnings)
     reader = _Reader(log, robot, name, warnings)
     grid = even_grid(states.stamp, robot.sample_time, f"{name}: joint_states")
     warnings += grid.warnings
     position, valid, instants = positions_on_grid(states.position[:, reader.columns], grid, name, warnings)
-    held, measured = reader.torque(source, grid, instants)
+    held, measured = (reader.commanded(grid, instants), False) if servos else reader.torque(source, grid, instants)
     valid &= held.known
     acting, finite = _finite(held.torque)
     valid &= finite
     rows = slice(held.first, max(held.first, min(held.end, grid.n_slots)))
     _count_lost(valid[rows], name, warnings)
     warnings += _unused(log)
+    command = acting[rows] if servos else None
     begin = round(((grid.origin - START_NS) * 1e-9 + grid.start) / grid.sample_time)
     return Record(
         name=name,
         sample_time=grid.sample_time,
         position=position[rows],
-        torque=acting[rows],
+        torque=acting[rows] if command is None else servo_torque(robot, command, position[rows], grid.sample_time),
         valid=valid[rows],
         late=held.late[rows] if held.late.any() else None,
         velocity=reader.measured(states.velocity, grid, rows, instants),
@@ -85,6 +92,8 @@ def read_record(log: Log, robot: Robot, *, name: str, torque: TorqueSource = "co
         reference=reader.reference(grid, rows),
         tool=_tool(log, grid, rows),
         measured_torque=measured,
+        command=command,
+        command_rate=reader.commanded_rate(grid, rows, instants) if servos else None,
         simulated=bool(log.provenance.get("scenario")),
         imported=bool(log.provenance.get("import")),
         encoder_steps=_steps(states.position[:, reader.columns]) if instants else (),
@@ -123,6 +132,26 @@ def torque_source(log: Log, wanted: TorqueSource, name: str, warnings: list[str]
         warnings.append("joint_states has no measured torques (effort); the commanded torques are used")
         return "command"
     return wanted
+
+
+def has_torques(log: Log) -> bool:
+    """Whether torques were recorded, commanded or measured."""
+    commands, states = log.joint_commands, log.joint_states
+    commanded = commands is not None and commands.effort is not None and bool(np.any(np.isfinite(commands.effort)))
+    return commanded or (states.effort is not None and bool(np.any(np.isfinite(states.effort))))
+
+
+def position_commands(log: Log) -> tuple[str, JointSeries | None]:
+    """Return the topic and the series of the commanded positions: joint_commands, else joint_reference."""
+    for topic, series in (("joint_commands", log.joint_commands), ("joint_reference", log.joint_reference)):
+        if series is not None and series.position is not None and np.any(np.isfinite(series.position)):
+            return topic, series
+    return "joint_commands", None
+
+
+def has_position_commands(log: Log) -> bool:
+    """Whether a log has position commands and no torques, so that servos are part of its model."""
+    return not has_torques(log) and position_commands(log)[1] is not None
 
 
 @dataclass
@@ -186,6 +215,38 @@ class _Reader:
             )
         self.warnings.extend(f"joint_commands: {text}" for text in held.warnings)
         return held, False
+
+    def commanded(self, grid: EvenGrid, instants: bool) -> HeldTorque:
+        """Return the commanded position of every slot."""
+        try:
+            self.robot.check_servos()
+        except InputError as error:
+            raise InputError(f"{self.name} has position commands and no torques, but {error}") from None
+        topic, series = position_commands(self.log)
+        assert series is not None
+        assert series.position is not None
+        columns = self._columns_of(series, topic, self.warnings)
+        values = series.position[:, columns]
+        held = held_torque(series.stamp, values, grid, instants, self.log.joint_states.stamp)
+        if held.end - held.first < 2:
+            raise InputError(
+                f"{self.name}: no measurement is between the first and the last command; check the time offset between "
+                f"joint_states and {topic}"
+            )
+        self.warnings.append(
+            f"the log has no torques: the positions of {topic} are the commands, and the servos of the robot file are "
+            "part of the model"
+        )
+        self.warnings.extend(f"{topic}: {text}" for text in held.warnings)
+        return held
+
+    def commanded_rate(self, grid: EvenGrid, rows: slice, instants: bool) -> FloatArray | None:
+        """Return the commanded speed of every slot; None where it was not recorded."""
+        topic, series = position_commands(self.log)
+        if series is None or series.velocity is None or not np.all(np.isfinite(series.velocity)):
+            return None
+        values = series.velocity[:, self._columns_of(series, topic, [])]
+        return held_torque(series.stamp, values, grid, instants, self.log.joint_states.stamp).torque[rows]
 
     def _is_copy(self, values: FloatArray, held: HeldTorque, grid: EvenGrid) -> bool:
         """Detect whether measured torques are the commands of the same sample or of the one before."""

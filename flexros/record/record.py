@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
     from flexros.record.periodic_parts import PeriodicPart
+    from flexros.robot.robot import Commands
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +43,9 @@ class Record:
         measured_torque: Whether the torques were measured at the motor, behind the delay of the command.
         simulated: Whether the provenance names a scenario of this program.
         imported: Whether the log was imported from files of a real machine, whose model is never exact.
+        command: Commanded positions of servos, each held to the next sample [rad or m], shape (n, M), for a log without
+            torques, whose `torque` then follows from the nominal servo; None where torques were recorded.
+        command_rate: Commanded speeds of servos [rad/s or m/s], shape (n, M); None where not recorded.
         parts: Periodic parts of the motion, as far as they are known.
         encoder_steps: Resolution of each encoder before its positions were interpolated [rad or m], 0 without one,
             length M; empty where they are as measured.
@@ -63,6 +67,8 @@ class Record:
     measured_torque: bool = False
     simulated: bool = False
     imported: bool = False
+    command: FloatArray | None = None
+    command_rate: FloatArray | None = None
     parts: tuple[PeriodicPart, ...] = ()
     encoder_steps: tuple[float, ...] = ()
     first: int = 0
@@ -73,6 +79,23 @@ class Record:
     def n_samples(self) -> int:
         """Number of samples n."""
         return len(self.position)
+
+    @property
+    def commands(self) -> Commands:
+        """What commanded the robot, as far as the log says: torques, or positions of servos."""
+        return "torque" if self.command is None else "position"
+
+    @property
+    def driven_by(self) -> str:
+        """What drives the model, in words: measured or commanded torques, or commanded positions."""
+        if self.command is not None:
+            return "commanded positions"
+        return f"{'measured' if self.measured_torque else 'commanded'} torques"
+
+    @property
+    def driving(self) -> FloatArray:
+        """Input of the model: torques [Nm or N], or commanded positions of servos [rad or m], shape (n, M)."""
+        return self.torque if self.command is None else self.command
 
     @property
     def duration(self) -> float:
@@ -100,6 +123,8 @@ class Record:
             self,
             position=self.position[cut],
             torque=self.torque[cut],
+            command=None if self.command is None else self.command[cut],
+            command_rate=None if self.command_rate is None else self.command_rate[cut],
             valid=self.valid[cut],
             late=None if self.late is None else self.late[cut],
             velocity=None if self.velocity is None else self.velocity[cut],

@@ -34,8 +34,8 @@ def may_be_resampled(record: Record, sample_time: float) -> bool:
 def resampled(record: Record, sample_time: float) -> Record:
     """Resample a record.
 
-    Positions are interpolated by cubics, torques averaged over each new sample, and other signals interpolated
-    linearly. A new sample is valid where the old ones beside it are.
+    Positions are interpolated by cubics, torques and commanded positions averaged over each new sample, and other
+    signals interpolated linearly. A new sample is valid where the old ones beside it are.
 
     Args:
         record: The record.
@@ -59,10 +59,14 @@ def resampled(record: Record, sample_time: float) -> Record:
             return None
         return np.column_stack([np.interp(at, before, column) for column in values.T])
 
-    integral = np.vstack([np.zeros((1, record.torque.shape[1])), old * np.cumsum(record.torque, axis=0)])
     edges, ends = np.append(at, at[-1] + sample_time), np.append(before, before[-1] + old)
-    sums = np.column_stack([np.interp(edges, ends, column) for column in integral.T])
     spans = np.diff(np.minimum(edges, ends[-1]))
+
+    def mean(values: FloatArray) -> FloatArray:
+        integral = np.vstack([np.zeros((1, values.shape[1])), old * np.cumsum(values, axis=0)])
+        sums = np.column_stack([np.interp(edges, ends, column) for column in integral.T])
+        return np.asarray(np.diff(sums, axis=0) / spans[:, None])
+
     position = local_cubic(before[record.valid], record.position[record.valid], at)
     text = (
         f"{record.name} has {1 / old:.6g} samples per second; it was resampled to {1 / sample_time:.6g}, the rate of "
@@ -72,7 +76,9 @@ def resampled(record: Record, sample_time: float) -> Record:
         record,
         sample_time=sample_time,
         position=position,
-        torque=np.diff(sums, axis=0) / spans[:, None],
+        torque=mean(record.torque),
+        command=None if record.command is None else mean(record.command),
+        command_rate=linear(record.command_rate),
         valid=record.valid[left] & record.valid[right],
         late=None if record.late is None else record.late[left] | record.late[right],
         velocity=linear(record.velocity),

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 
     from flexros.robot.specification import Body, Motor, RobotSpecification
 
+SERVO = "servo_"
+"""Beginning of the names of a motor's servo gains, after the name of the motor, e.g. "motor_1.servo_stiffness"."""
+
 INERTIA_COMPONENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
 
 
@@ -106,6 +109,13 @@ def _of_motor(
     yield f"{name}.inertia", (*place, "inertia"), inertia, 0
     friction = motor.viscous_friction.model_copy(update={"unit": unit_of("damping", rotary)})
     yield f"{name}.viscous_friction", (*place, "viscous_friction"), friction, 0
+    if motor.servo is not None:
+        here = (*place, "servo")
+        for key in ("stiffness", "damping"):
+            gain = getattr(motor.servo, key).model_copy(update={"unit": unit_of(key, rotary)})
+            yield f"{name}.{SERVO}{key}", (*here, key), gain, 0
+        exact = motor.servo.feedforward.model_copy(update={"tolerance": motor.servo.feedforward.tolerance or 0.0})
+        yield f"{name}.{SERVO}feedforward", (*here, "feedforward"), exact, 0
 
 
 def with_values(

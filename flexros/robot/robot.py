@@ -7,7 +7,7 @@ import json
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -33,6 +33,9 @@ if TYPE_CHECKING:
 
 LIBRARY = Path(__file__).parent / "library"
 
+Commands = Literal["torque", "position"]
+"""What commands a robot: torques of its motors, or positions that their servos follow."""
+
 
 class Robot:
     """One robot: N arm coordinates, M motors.
@@ -40,12 +43,14 @@ class Robot:
     Attributes:
         spec: The validated robot file.
         source: File or name from which it was loaded.
+        commands: Whether its input are motor torques, or positions that the servos of its file follow.
         elbow_links: Lengths of the two links [m] of a robot with the closed form of an elbow, else None.
     """
 
-    def __init__(self, specification: RobotSpecification, source: str) -> None:
+    def __init__(self, specification: RobotSpecification, source: str, commands: Commands = "torque") -> None:
         self.spec = specification
         self.source = source
+        self.commands: Commands = commands
         self.chain: Chain = build_chain(specification)
         check_physical(specification, self.chain, source)
         declared = specification.inverse_kinematics == "two_link_elbow"
@@ -207,7 +212,36 @@ class Robot:
         if not values:
             return self
         data = with_values(self.spec.model_dump(), self.spec, values, source)
-        return robot_of(validate(RobotSpecification, data, source), source)
+        return robot_of(validate(RobotSpecification, data, source), source, self.commands)
+
+    def commanded_by(self, commands: Commands) -> Robot:
+        """Return the robot with another input; the same one where it has that input already.
+
+        Args:
+            commands: "torque", or "position" for its servos.
+
+        Raises:
+            InputError: A motor has no servo in the robot file.
+        """
+        if commands == self.commands:
+            return self
+        if commands == "position":
+            self.check_servos()
+        return robot_of(self.spec, self.source, commands)
+
+    def check_servos(self) -> None:
+        """Refuse a robot whose file does not state the servo of every motor.
+
+        Raises:
+            InputError: Names the motors without one.
+        """
+        without = [motor.name for motor in self.motors if motor.specification.servo is None]
+        if without:
+            raise InputError(
+                f"the position loop of {', '.join(without)} is not stated: add the gains to each motor of robot "
+                f"{self.name}, e.g. servo: {{stiffness: 50, damping: 1}} in Nm/rad and Nm s/rad with their tolerance, "
+                "or record torques"
+            )
 
     @cached_property
     def model_hash(self) -> str:
@@ -315,17 +349,18 @@ def robot_from_data(data: Mapping[str, Any], source: str) -> Robot:
     return robot_of(validate(RobotSpecification, data, source), source)
 
 
-def robot_of(specification: RobotSpecification, source: str) -> Robot:
+def robot_of(specification: RobotSpecification, source: str, commands: Commands = "torque") -> Robot:
     """Return the robot of a validated file; equal files share one object, with its symbolic model and equilibria.
 
     Args:
         specification: The file.
         source: Its origin; prefix of error messages.
+        commands: Whether its input are motor torques, or positions that the servos of the file follow.
 
     Raises:
         InputError: Non-physical values.
     """
-    return _robot_of(_RobotFile(specification.model_dump_json(), source, specification))
+    return _robot_of(_RobotFile(specification.model_dump_json(), source, commands, specification))
 
 
 @dataclass(frozen=True)
@@ -334,9 +369,10 @@ class _RobotFile:
 
     text: str
     source: str
+    commands: Commands
     specification: RobotSpecification = field(compare=False)
 
 
 @lru_cache(maxsize=8)
 def _robot_of(file: _RobotFile) -> Robot:
-    return Robot(file.specification, file.source)
+    return Robot(file.specification, file.source, file.commands)

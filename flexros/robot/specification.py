@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from flexros.config.settings import Settings
 from flexros.robot.quantity import (
@@ -49,6 +49,27 @@ def _positive(quantity: Quantity) -> Quantity:
 NotNegative = Annotated[Quantity, Plain, AfterValidator(_not_negative)]
 Positive = Annotated[Quantity, Plain, AfterValidator(_positive)]
 PositiveRatio = Annotated[Ratio, AfterValidator(_positive)]
+NotNegativeRatio = Annotated[Ratio, AfterValidator(_not_negative)]
+
+
+class Servo(Settings):
+    """Position loop in the drive of a motor: torque = stiffness (command - q) + damping (feedforward command' - q').
+
+    The torque is limited at the `torque_limit` of the motor. Gains have the unit of the torque on the side of the gear
+    that the file uses, so a torque constant is part of them.
+    """
+
+    stiffness: Positive = Field(description="torque per position error [Nm/rad, or N/m]")
+    damping: NotNegative = Field(default_factory=lambda: _zero(""), description="torque per speed [Nm s/rad, or N s/m]")
+    feedforward: NotNegativeRatio = Field(
+        default_factory=lambda: Quantity(value=0.0, unit="1"),
+        description="share of the rate of the command that the damping follows; 0: it brakes the motor alone",
+    )
+
+    def check_units(self, rotary: bool, key: str) -> None:
+        """Refuse units that do not fit a rotary or prismatic motor; see `check_unit`."""
+        for field in ("stiffness", "damping"):
+            check_unit(getattr(self, field), unit_of(field, rotary), f"{key}.{field}")
 
 
 class Motor(Settings):
@@ -61,6 +82,15 @@ class Motor(Settings):
     viscous_friction: NotNegative = Field(default_factory=lambda: _zero(""), description="[Nm s/rad, or N s/m]")
     torque_limit: Positive | None = Field(None, description="largest absolute torque [Nm, or N]; default: unlimited")
     encoder_noise: NotNegative | None = Field(None, description="rms [rad, or m]; default: sensors.encoder_noise")
+    servo: Servo | None = Field(None, description="position loop of the drive, for logs with position commands only")
+
+    @model_serializer(mode="wrap")
+    def _without_absent_servo(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Leave out a servo that is not there, so that the fingerprints of robots without one remain."""
+        data: dict[str, Any] = handler(self)
+        if self.servo is None:
+            data.pop("servo", None)
+        return data
 
     def check_units(self, rotary: bool, key: str) -> None:
         """Refuse units that do not fit a rotary or prismatic motor; see `check_unit`."""
@@ -74,6 +104,8 @@ class Motor(Settings):
             quantity = getattr(self, field)
             if quantity is not None:
                 check_unit(quantity, unit_of(kind, rotary), f"{key}.{field}")
+        if self.servo is not None:
+            self.servo.check_units(rotary, f"{key}.servo")
 
 
 class Direction(Settings):

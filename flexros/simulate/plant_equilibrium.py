@@ -45,7 +45,7 @@ def own_at_rest(plant: PlantSymbols, command: ca.SX) -> ca.SX:
 
     Args:
         plant: Symbols of the plant.
-        command: Steady commands [Nm or N], SX (M, 1).
+        command: Steady commands [Nm or N; of servos rad or m], SX (M, 1).
 
     Returns:
         Own states, SX, a function of q, p and the commands.
@@ -58,12 +58,12 @@ def own_at_start(plant: PlantSymbols, command: ca.SX) -> ca.SX:
 
     Args:
         plant: Symbols of the plant.
-        command: Steady commands [Nm or N], SX (M, 1).
+        command: Steady commands [Nm or N; of servos rad or m], SX (M, 1).
 
     Returns:
         Own states, SX, a function of q, v, p and the commands.
     """
-    x, torque = ca.SX.zeros(plant.x.numel()), ca.SX(command)
+    x, torque = ca.SX.zeros(plant.x.numel()), plant.driven(command)
     for law, effect in plant.laws.commands:
         motor, values = law.motor, plant.values(law)
         own = effect.rest(torque[motor], values)

@@ -12,6 +12,7 @@ from flexros.compile.loop.functions import LoopFunctions
 from flexros.effects.delay import Delay
 from flexros.errors import unknown_name
 from flexros.robot.equilibrium_search import Equilibrium, EquilibriumSearch
+from flexros.robot.parameters import SERVO
 from flexros.simulate.plant_equilibrium import PlantEquilibriumSearch, own_at_start, torque_beyond_command
 from flexros.simulate.plant_symbols import PlantSymbols
 from flexros.simulate.plant_updates import motor_accelerations, own_rates, smooth_torque, step_updates
@@ -50,7 +51,8 @@ class PlantModel:
         acting = [law for law in laws if not law.effect.neutral or set(law.parameters) & set(parameters)]
         self._delays = [law for law in acting if isinstance(law.effect, Delay)]
         self.laws = tuple(law for law in acting if not isinstance(law.effect, Delay))
-        self.model = robot.symbolic(of_robot) if of_robot else robot.model
+        of_model = [name for name in of_robot if f".{SERVO}" not in name]
+        self.model = robot.symbolic(of_model) if of_model else robot.model
         self._plant = PlantSymbols(robot, self.model, self.laws, self.parameter_names)
         self.robot_columns = self._plant.robot_columns
 
@@ -172,11 +174,17 @@ class PlantModel:
             parameters: Values of the free parameters (SI), shape (n_parameters,).
 
         Returns:
-            Command [Nm or N], shape (M,); for torques beyond a saturation the torque itself.
+            Command [Nm or N; of servos rad or m], shape (M,); for torques beyond a saturation the torque itself.
         """
-        if not self._plant.laws.torques and not self._plant.laws.commands:
+        servos = self.robot.commands == "position"
+        if not servos and not self._plant.laws.torques and not self._plant.laws.commands:
             return torque
         extended = np.concatenate([state, np.zeros(self.n_states - len(state))])
+        if servos:  # from commands at the motors, where no torque limit is reached
+            near = state[list(self.robot.motor_rows)]
+            beyond, slope = (value.full() for value in self._torque_beyond_command(extended, near, parameters))
+            lacking = beyond.ravel() + near - torque
+            return np.asarray(near - np.linalg.lstsq(np.eye(len(near)) + slope, lacking, rcond=None)[0])
         beyond, slope = (value.full() for value in self._torque_beyond_command(extended, torque, parameters))
         # the laws are linear in the torque, so one Newton step is exact
         step = np.linalg.lstsq(np.eye(len(torque)) + slope, beyond.ravel(), rcond=None)[0]
@@ -199,7 +207,7 @@ class PlantModel:
     @cached_property
     def derivative(self) -> ca.Function:
         """State derivative from (x, u, w, p)."""
-        if not self.laws:
+        if not self.laws and self.robot.commands == "torque":
             return self.model.derivative
         plant = self._plant
         passed = plant.torques(plant.u)

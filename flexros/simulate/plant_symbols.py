@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -12,6 +13,7 @@ from flexros.compile.loop.functions import WRENCH_SIZE
 from flexros.effects.kinds.arm_law import ArmState
 from flexros.effects.kinds.gear_law import GearState
 from flexros.effects.kinds.motor_law import MotorState
+from flexros.robot.parameters import SERVO
 from flexros.robot.spring import Spring
 from flexros.simulate.laws_by_kind import LawsByKind
 
@@ -37,7 +39,7 @@ class PlantSymbols:
     Attributes:
         laws: Laws by kind.
         x: State of the plant.
-        u: Motor torques, shape (M,).
+        u: Commands: motor torques, or positions of servos, shape (M,).
         w: Wrench at the tool.
         p: Free parameters.
         sticking_motors: Indices of the motors with dry friction.
@@ -101,9 +103,22 @@ class PlantSymbols:
         value: Value = self._free[name] if name in self._free else self.robot.parameters[name].value
         return value
 
+    def driven(self, commands: ca.SX) -> ca.SX:
+        """Return the torques that commands ask for: they themselves, or those of servos within their limits."""
+        if self.robot.commands == "torque":
+            return ca.SX(commands)
+        torques = []
+        for motor in self.robot.motors:
+            gain = {name: self.robot_value(f"{motor.name}.{SERVO}{name}") for name in ("stiffness", "damping")}
+            position, speed = self.q[motor.row], self.v[motor.row]
+            torque = gain["stiffness"] * (commands[motor.index] - position) - gain["damping"] * speed
+            limit = motor.torque_limit
+            torques.append(ca.fmin(ca.fmax(torque, -limit), limit) if math.isfinite(limit) else torque)
+        return ca.vertcat(*torques)
+
     def torques(self, commands: ca.SX) -> ca.SX:
         """Return the motor torques for commands, after saturation, gain and lag."""
-        torque = ca.SX(commands)
+        torque = self.driven(commands)
         for law, effect in self.laws.commands:
             motor = law.motor
             torque[motor] = effect.passed(torque[motor], self.own(law), self.values(law))

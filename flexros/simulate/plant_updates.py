@@ -87,7 +87,7 @@ def _stepwise(plant: PlantSymbols, law: PlacedLaw) -> slice:
 
 def _update_command_laws(plant: PlantSymbols, x: ca.SX, step: ca.SX) -> None:
     """Write the own states of saturation, gain and lag under the commands into x."""
-    torque = ca.SX(plant.u)
+    torque = plant.driven(plant.u)
     for law, effect in plant.laws.commands:
         motor, values = law.motor, plant.values(law)
         own = effect.before_step(torque[motor], plant.own(law), values, step)

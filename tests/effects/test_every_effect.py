@@ -19,7 +19,7 @@ from flexros.simulate.plant_model import PlantModel
 
 pytestmark = pytest.mark.slow
 
-NAMES = sorted(effects())
+NAMES = sorted(name for name in effects() if not name.startswith("servo_"))  # tests/effects/servos
 ROBOT = load_robot("elbow")  # small, with two motors that act on each other, and gravity
 SIZES = {
     "torque": 1000.0,

@@ -70,6 +70,11 @@ class AbstractEffect(Settings, ABC):
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """Return the locations where the effect can act: motors, springs or bodies, or "tool", "base", "all"."""
 
+    def sought(self, robot: Robot, location: str) -> bool:
+        """Return whether a diagnosis seeks the effect at one of its `locations`; default: always."""
+        del robot, location
+        return True
+
     def visible(self, noise: float) -> bool:
         """Return whether the effect is distinguishable from the simpler ones that it extends.
 

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from flexros.robot import Robot
+    from flexros.robot.robot import Commands
 
 
 @dataclass(frozen=True)
@@ -67,6 +68,11 @@ class RobotWithEffects:
 
     robot: Robot
     laws: tuple[PlacedLaw, ...]
+
+    def commanded_by(self, commands: Commands) -> RobotWithEffects:
+        """Return the same with another input of the robot, see `Robot.commanded_by`."""
+        robot = self.robot.commanded_by(commands)
+        return self if robot is self.robot else RobotWithEffects(robot, self.laws)
 
     def with_effects(self, placed: Iterable[PlacedEffect]) -> RobotWithEffects:
         """Add effects; laws of one kind at one location get distinct names.

@@ -141,6 +141,7 @@ class _Joint:
         squared = self.scale**2
         spring = self.motor.joint.direction.spring
         stiffness = spring.at_zero / squared if isinstance(spring, Spring) else None
+        servo = self.motor.specification.servo
         return JointNumbers(
             motor=self.motor.name,
             rotary=self.motor.rotary,
@@ -149,9 +150,11 @@ class _Joint:
             friction=self.friction / self.scale,
             armature=self.motor.inertia / squared,
             torque_limit=None if np.isinf(self.limit) else self.limit / self.scale,
-            torque_gain=self.gain,
+            torque_gain=self.gain if servo is None else 1.0,
             delay=self.delay,
             stiffness=stiffness,
+            servo_stiffness=None if servo is None else self.gain * servo.stiffness.value / squared,
+            servo_damping=None if servo is None else self.gain * servo.damping.value / squared,
         )
 
     def _viscous(self, effect: ViscousFriction) -> tuple[bool, str]:
@@ -191,6 +194,11 @@ def _of_robot(robot: Robot, scale: float) -> list[NotHeld]:
             written = spring.at_zero / scale**2
             reason = f"its stiffness at zero deflection is written, on the joint side {written:.6g}"
             found.append(NotHeld(joint.name, "nonlinear spring", size, reason))
+    for motor in robot.motors:
+        servo = motor.specification.servo
+        if servo is not None and servo.feedforward.value:
+            reason = "servos of other programs follow a speed of their own; command it there"
+            found.append(NotHeld(motor.name, "servo feedforward", f"{servo.feedforward.value:.6g}", reason))
     if robot.spec.inertial_coupling:
         found.append(
             NotHeld("all", "inertial_coupling", "rotors turn with the links", "an armature acts on its joint alone")

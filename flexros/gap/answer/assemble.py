@@ -272,7 +272,8 @@ def _candidates(findings: Findings, verdict: Verdict) -> list[tuple[RankedCandid
 def _next(findings: Findings, verdict: Verdict, stages: Stages, deadline: Deadline) -> NextExperiment | None:
     """Choose the experiment that separates the remaining explanations, unless the time is over."""
     deadline.begin(NEXT_EXPERIMENT)
-    if verdict != "ambiguous" or deadline.stops():
+    torques = findings.model.robot.commands == "torque"  # which the experiments command
+    if verdict != "ambiguous" or not torques or deadline.stops():
         return None
     explanations = findings.explanations
     survivors: list[tuple[PlacedEffect, ...]] = [

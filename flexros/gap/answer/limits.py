@@ -33,7 +33,13 @@ def identifiability_limits(record: Record, robot: Robot, quantizations: Sequence
             "The tool was not measured: errors of lengths and angles of the arm (kinematic_error) do not show, and the "
             "motion behind the last motor is known through the motors only."
         )
-    if not record.measured_torque:
+    if record.command is not None:
+        limits.append(
+            "The log has position commands and no torque: gains of the servos, torque constants and inertias are known "
+            "relative to what does not scale with them (gravity, known masses), and the damping of a servo that "
+            "follows no speed is part of the viscous friction."
+        )
+    elif not record.measured_torque:
         limits.append(
             "The torque is the commanded one: a wrong torque constant differs from a wrong inertia only through what "
             "does not scale with torque (springs, dampers, friction, gravity)."

@@ -191,7 +191,7 @@ def list_candidates(robot: Robot, scales: Scales) -> tuple[Candidate, ...]:
     for effect in effects().values():
         if not effect.ranges or effect.harmonics:
             continue
-        for location in distinct_locations(effect, robot):
+        for location in (one for one in distinct_locations(effect, robot) if effect().sought(robot, one)):
             free = tuple(
                 free_parameter(name, allowed, scales.of(allowed.scale, location))
                 for name, allowed in effect().fitted(robot, location).items()

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from flexros.errors import unknown_name
+from flexros.robot.parameters import SERVO
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -48,6 +49,8 @@ def tolerance_of(robot: Robot, given: Mapping[str, float]) -> Tolerance:
             raise unknown_name("kind of tolerance", kind, KINDS)
     tolerances: dict[str, float] = {}
     for name, parameter in robot.parameters.items():
+        if f".{SERVO}" in name and robot.commands == "torque":
+            continue  # the servos have no part in it
         deviation = parameter.tolerance
         for kind, endings in KINDS.items():
             if kind in given and name.endswith(endings):

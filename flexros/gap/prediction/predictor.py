@@ -13,6 +13,7 @@ from flexros.effects.kinds.law import AbstractLaw
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.errors import InputError
 from flexros.gap.prediction.fractional_delay import delayed
+from flexros.gap.prediction.servo_lead import servo_leads
 from flexros.simulate.open_loop import feed_through
 from flexros.simulate.plant_model import PlantModel
 
@@ -146,19 +147,19 @@ class Predictor:
         """
         sets = [np.asarray(thetas)[:, min(lane, np.shape(thetas)[1] - 1)] for lane in range(LANES)]
         columns = np.stack([self._column(theta) for theta in sets], axis=-1)
-        torque, time = record.torque[0], record.begin
+        first, time = record.driving[0], record.begin
         states = start[:, None] if start.ndim == 1 else start
         plants = []
         for lane, column in enumerate(columns.T):
             state = states[:, min(lane, states.shape[1] - 1)]
             state = self._rest(state, column) if from_rest else state
-            plants.append(self.model.start(state, torque, column, time=time))
+            plants.append(self.model.start(state, first, column, time=time))
         plant = np.stack(plants, axis=-1)
         return self.loop.run(
             plant,
             columns,
             self.model.corrections(gain.gain),
-            self._torque(record.torque, sets),
+            self._driving(record, sets, list(columns.T)),
             record.position,
             record.valid.astype(float),
             pose_samples=pose_samples,
@@ -180,8 +181,9 @@ class Predictor:
         Returns:
             Motor positions at the horizon, without noise [rad or m], shape (n_starts, M).
         """
-        column = np.repeat(self._column(theta)[:, None], LANES, axis=1)
-        torque = self._torque(record.torque, [theta])
+        own = self._column(theta)
+        column = np.repeat(own[:, None], LANES, axis=1)
+        torque = self._driving(record, [theta], [own])
         torque = torque if torque.ndim == 2 else torque[:, :, 0]
         nothing = np.zeros((horizon + 1, self.robot.n_motors))
         gain = np.zeros((self.loop.sizes.state, self.robot.n_motors))
@@ -224,17 +226,35 @@ class Predictor:
         except InputError:
             return near
 
-    def _torque(self, torque: FloatArray, sets: Sequence[FloatArray]) -> FloatArray:
-        """Delay the recorded torques where that is part of the hypothesis.
+    def _driving(self, record: Record, sets: Sequence[FloatArray], columns: Sequence[FloatArray]) -> FloatArray:
+        """Return the input of the model, with a last axis of sets where these differ.
+
+        Args:
+            record: The log.
+            sets: Encoded parameters, shape (n_fitted,) each.
+            columns: Parameters of the plant for each.
+        """
+        if record.command is None:
+            return self._torque([record.torque] * len(sets), sets)
+        leads = [servo_leads(self.robot, dict(zip(self.model.parameter_names, column))) for column in columns]
+        if not np.any(leads):
+            return self._torque([record.command] * len(sets), sets)
+        rate = record.command_rate
+        rate = np.gradient(record.command, record.sample_time, axis=0) if rate is None else rate
+        lanes = self._torque([record.command + lead * rate for lead in leads], sets)
+        return lanes if lanes.ndim == 3 else lanes[:, :, None]
+
+    def _torque(self, inputs: Sequence[FloatArray], sets: Sequence[FloatArray]) -> FloatArray:
+        """Delay the recorded inputs where that is part of the hypothesis.
 
         Saturation is applied first: the order does not matter to the robot, but the filter of a fractional delay holds
         only for torques that are not saturated after it.
         """
         if not any(_delays(candidate) for candidate in self.hypothesis):
-            return torque
+            return inputs[0] if all(one is inputs[0] for one in inputs) else np.stack(inputs, axis=-1)
         lanes = []
-        for theta in sets:
-            shifted = torque.copy()
+        for theta, own in zip(sets, inputs):
+            shifted = own.copy()
             pairs = list(zip(self.hypothesis, self.values(theta)))
             for candidate, numbers in pairs:
                 if self._cut_off_before(candidate):
@@ -254,6 +274,8 @@ class Predictor:
     def _cut_off_before(self, candidate: Candidate) -> bool:
         """Whether a candidate saturates torques that another one delays."""
         delays = [one for one in self.hypothesis if _delays(one)]
+        if self.robot.commands == "position":  # the torque is made behind the delay
+            return False
         cuts = issubclass(candidate.effect, AbstractCommandLaw) and candidate.effect.cuts_off
         return cuts and any(one.location in ("all", candidate.location) for one in delays)
 

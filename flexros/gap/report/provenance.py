@@ -46,7 +46,7 @@ def _logs(result: DiagnosisResult) -> TextTable:
     rows = [_log("fitted to", result.record)]
     if result.holdout is not None:
         rows.append(_log("held out", result.holdout))
-    header = ("Use", "log", "length [s]", "rate [Hz]", "missing samples", "torque", "tool")
+    header = ("Use", "log", "length [s]", "rate [Hz]", "missing samples", "input", "tool")
     return TextTable(header, tuple(rows), "The logs.", left=2)
 
 
@@ -57,7 +57,7 @@ def _log(use: str, record: Record) -> tuple[str, ...]:
         number(record.duration, 4),
         number(1 / record.sample_time, 4),
         str(int((~record.valid).sum())),
-        "measured" if record.measured_torque else "commanded",
+        record.driven_by,
         "tracked" if record.tool is not None else "not tracked",
     )
 

@@ -11,6 +11,7 @@ from scipy.linalg import expm
 from flexros.errors import InputError
 from flexros.record.missing_samples import MOST_BRIDGED, runs
 from flexros.robot.linear.linearise import linear_model
+from flexros.robot.parameters import SERVO
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
@@ -128,7 +129,10 @@ def _variance(
     """
     A, B, _, _ = linear_model(robot, pose).matrices()
     short = length <= MOST_BRIDGED
-    states = _held(A, B[:, : robot.n_motors], record.sample_time) * _interpolation_error(record.torque, length, short)
+    error = _interpolation_error(record.driving, length, short)
+    if record.command is not None:
+        error = error * [robot.parameters[f"{name}.{SERVO}stiffness"].value for name in robot.joint_names]
+    states = _held(A, B[:, : robot.n_motors], record.sample_time) * error
     impulse = []
     for _ in range(min(gain.settling, record.n_samples)):
         impulse.append(gain.readout @ states)
@@ -162,8 +166,12 @@ def _interpolation_error(torque: FloatArray, length: int, short: bool) -> FloatA
 def _interpolated(record: Record, lost: BoolArray) -> Record:
     """Interpolate the torques over lost commands."""
     samples, own = np.arange(record.n_samples), ~lost
-    torque = np.stack([np.interp(samples, samples[own], column[own]) for column in record.torque.T], axis=1)
-    return replace(record, torque=torque)
+
+    def over(values: FloatArray) -> FloatArray:
+        return np.stack([np.interp(samples, samples[own], column[own]) for column in values.T], axis=1)
+
+    command = None if record.command is None else over(record.command)
+    return replace(record, torque=over(record.torque), command=command)
 
 
 def _better_interpolated(

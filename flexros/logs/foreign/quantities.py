@@ -36,6 +36,8 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
         "velocity": Quantity("joint_states", "velocity", "velocity"),
         "measured_torque": Quantity("joint_states", "effort", "torque"),
         "torque_command": Quantity("joint_commands", "effort", "torque"),
+        "position_command": Quantity("joint_commands", "position", "position"),
+        "velocity_command": Quantity("joint_commands", "velocity", "velocity"),
         "reference_position": Quantity("joint_reference", "position", "position"),
         "reference_velocity": Quantity("joint_reference", "velocity", "velocity"),
         "feedforward_torque": Quantity("joint_reference", "effort", "torque"),

@@ -48,6 +48,8 @@ class AbstractCheck(ABC):
 
     name: ClassVar[str]
     stage: ClassVar[int]
+    of_torque: ClassVar[bool] = False
+    """Whether it checks a recorded torque. Like stage 2 it is left out where servos were commanded by positions."""
 
     @abstractmethod
     def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:

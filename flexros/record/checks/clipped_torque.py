@@ -35,6 +35,7 @@ class ClippedTorque(AbstractCheck):
 
     name: ClassVar[str] = "clipped_torque"
     stage: ClassVar[int] = 1
+    of_torque: ClassVar[bool] = True
 
     def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
         """Find zero torques, flat tops, and torques beyond the limit."""

@@ -24,6 +24,7 @@ class CoarseTorque(AbstractCheck):
 
     name: ClassVar[str] = "coarse_torque"
     stage: ClassVar[int] = 1
+    of_torque: ClassVar[bool] = True
 
     def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
         """Find quantisation steps of the torques."""

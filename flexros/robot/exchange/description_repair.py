@@ -27,6 +27,7 @@ MOVABLE = ("revolute", "continuous", "prismatic")
 
 NO_ARMATURE = "joints of {kind} have no rotor inertia; set it in the simulator, e.g. as armature"
 NO_SPRING = "the deflection of a gear or link is no joint in {kind}"
+NO_SERVO = "{kind} has no position loop: set its gains in the controller, e.g. of ros2_control"
 NO_COMMAND = "{kind} says nothing of commands: set it in the controller"
 
 
@@ -113,6 +114,8 @@ class _Repair:
         self._lost(joint.motor, "rotor inertia", joint.armature, inertia, NO_ARMATURE)
         self._lost(joint.motor, "stiffness of the gear", joint.stiffness or 0.0, stiffness, NO_SPRING)
         self._lost(joint.motor, "delay", joint.delay, "s", NO_COMMAND)
+        self._lost(joint.motor, "servo stiffness", joint.servo_stiffness or 0.0, stiffness, NO_SERVO)
+        self._lost(joint.motor, "servo damping", joint.servo_damping or 0.0, damping, NO_SERVO)
         self._lost(joint.motor, "torque gain", joint.torque_gain - 1, "relative", NO_COMMAND)
 
     def body(self, body: BodyNumbers) -> None:

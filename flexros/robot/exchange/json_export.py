@@ -33,6 +33,8 @@ def json_export(robot: Robot, numbers: RepairedNumbers, joints: Mapping[str, str
         joint.motor: joints.get(joint.motor) or robot.spec.tags.get(f"{joint.motor}.joint") or joint.motor
         for joint in numbers.joints
     }
+    servos = any(joint.servo_stiffness is not None for joint in numbers.joints)
+    servo_gains = (("stiffness", "servo_stiffness"), ("damping", "servo_damping")) if servos else ()
     content: dict[str, Any] = {
         "schema": 1,
         "robot": robot.name,
@@ -56,6 +58,7 @@ def json_export(robot: Robot, numbers: RepairedNumbers, joints: Mapping[str, str
                 ("viscous_friction", "damping"),
                 ("armature", "armature"),
                 ("effort_limit", "torque_limit"),
+                *servo_gains,
             )
         },
         "not_held": [asdict(each) for each in numbers.not_held],
@@ -70,6 +73,10 @@ def json_export(robot: Robot, numbers: RepairedNumbers, joints: Mapping[str, str
 
 
 def _rows(joint: JointNumbers) -> tuple[tuple[str, str, str], ...]:
+    servo = (
+        ("servo stiffness", "servo_stiffness", unit_of("stiffness", joint.rotary)),
+        ("servo damping", "servo_damping", unit_of("damping", joint.rotary)),
+    )
     return (
         ("viscous friction", "damping", unit_of("damping", joint.rotary)),
         ("dry friction", "friction", unit_of("torque", joint.rotary)),
@@ -79,13 +86,15 @@ def _rows(joint: JointNumbers) -> tuple[tuple[str, str, str], ...]:
         ("torque gain", "torque_gain", "1"),
         ("delay", "delay", "s"),
         ("gear ratio", "gear_ratio", "1"),
+        *(servo if joint.servo_stiffness is not None else ()),
     )
 
 
 def _joint(joint: JointNumbers, name: str) -> dict[str, Any]:
+    absent = ("servo_stiffness", "servo_damping") if joint.servo_stiffness is None else ()
     return {
         "joint": name,
-        **asdict(joint),
+        **{key: value for key, value in asdict(joint).items() if key not in absent},
         "rotor_inertia": joint.armature / joint.gear_ratio**2,
         "units": {key: unit for _, key, unit in _rows(joint)},
     }

@@ -22,6 +22,7 @@ class JointActuator:
         damping: Viscous friction that they add [Nm s/rad or N s/m].
         gain: Torque per control, of the first [Nm or N per unit of the control].
         kp: Proportional gain of a position servo [Nm/rad or N/m], 0 for none.
+        follows: Whether it is a servo whose control is the position of the joint, times its gear.
         kv: Gain of the speed [Nm s/rad or N s/m], 0 for none.
         delay: Delay of the control [s].
         time_constant: Time constant of a first-order lag [s], 0 for none.
@@ -35,6 +36,7 @@ class JointActuator:
     gain: float
     kp: float
     kv: float
+    follows: bool
     delay: float
     time_constant: float
 
@@ -70,6 +72,7 @@ def joint_actuator(model: Any, joint: int) -> JointActuator | None:
         gain=float(gains[0]) * gear,
         kp=-float(biases[1]) * gear**2 if servo else 0.0,
         kv=-float(biases[2]) * gear**2 if servo else 0.0,
+        follows=servo and biases[1] < 0 and biases[0] == 0 and bool(np.isclose(gains[0], -biases[1], rtol=1e-9)),
         delay=float(np.max(getattr(model, "actuator_delay", np.zeros(model.nu))[found])),
         time_constant=float(model.actuator_dynprm[first, 0]) if int(model.actuator_dyntype[first]) in lags else 0.0,
     )

@@ -33,7 +33,8 @@ def mjcf_export(robot: Robot, numbers: RepairedNumbers) -> Export:
     Bodies are `body_1`, `body_2`, ..., with frames parallel to the world at zero. Motors are the joints `motor_1`, ...;
     behind a flexible gear the joint `body_1.ry` follows, whose position is the deflection of the gear, arm minus motor.
     Elastic directions are joints with the names of the arm coordinates. The controls are the motor torques of the robot
-    file: with values stated on the motor side the attribute `gear` is the gear ratio.
+    file, or the commanded positions of its servos: with values stated on the motor side the attribute `gear` is the
+    gear ratio.
 
     Args:
         robot: The robot with the changes of its effects.
@@ -148,16 +149,33 @@ class _Writer:
         ratio = float(np.sqrt(self.squared))
         gear = ratio * joint.torque_gain
         attributes = {"name": joint.motor, "joint": joint.motor, "gear": number(gear)}
-        self._note(joint.motor, "torque per control", "actuator gear", gear, "1")
+        servo = joint.servo_stiffness is not None
+        if servo:
+            attributes |= self._servo(joint)
+        else:
+            self._note(joint.motor, "torque per control", "actuator gear", gear, "1")
         if joint.torque_limit is not None:
             limit = joint.torque_limit / ratio
-            attributes["ctrlrange"] = numbers_text((-limit, limit))
+            place = "forcerange" if servo else "ctrlrange"
+            attributes[place] = numbers_text((-limit, limit))
             torque = unit_of("torque", joint.rotary)
-            self._note(joint.motor, "torque limit", "actuator ctrlrange", limit, torque)
+            self._note(joint.motor, "torque limit", f"actuator {place}", limit, torque)
         attributes |= delay_attributes(joint.delay, step)
         if joint.delay > 0:
             self._note(joint.motor, "delay", "actuator delay", joint.delay, "s")
-        ElementTree.SubElement(element, "motor", attributes)
+        ElementTree.SubElement(element, "position" if servo else "motor", attributes)
+
+    def _servo(self, joint: JointNumbers) -> dict[str, str]:
+        """Return the gains of a servo, whose control is the position of the motor in the robot file."""
+        attributes = {}
+        for key, kind, value in (
+            ("kp", "stiffness", joint.servo_stiffness or 0.0),
+            ("kv", "damping", joint.servo_damping or 0.0),
+        ):
+            attributes[key] = number(value / self.squared)
+            unit = unit_of(kind, joint.rotary)
+            self._note(joint.motor, f"servo {kind}", f"actuator {key}", value / self.squared, unit)
+        return attributes
 
     def _shapes(self) -> None:
         bodies = {element.get("name"): element for element in self.root.iter("body")}

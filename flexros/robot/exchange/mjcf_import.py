@@ -127,7 +127,7 @@ def _effects(model: Any, name: str, joint: ArmJoint, actuator: JointActuator | N
     friction = float(model.dof_frictionloss[_dof(model, joint)])
     if friction > 0:
         found.append(ImportedEffect("coulomb_friction", name, "level", friction, unit_of("torque", joint.rotary)))
-    if actuator and actuator.time_constant > 0:
+    if actuator and actuator.time_constant > 0 and not actuator.follows:
         found.append(ImportedEffect("actuator_lag", name, "time_constant", actuator.time_constant, "s"))
     if actuator and actuator.delay > 0:
         found.append(ImportedEffect("delay", name, "time", actuator.delay, "s"))
@@ -162,9 +162,14 @@ def _not_held(model: Any, name: str, joint: ArmJoint, actuator: JointActuator | 
             quantity = f"{array.split('_')[1].removesuffix('poly')}, order {order}"
             add(quantity, float(value), unit.replace("^n", f"^{order}"), "laws of a robot file are linear here")
     if actuator:
-        servo = "the loop of a servo belongs to the controller, not to the robot"
-        add("kp", actuator.kp, unit_of("stiffness", rotary), servo)
-        add("kv", actuator.kv, unit_of("damping", rotary), servo)
+        if actuator.follows:
+            add("lag of the control", actuator.time_constant, "s", "a servo of a robot file has a delay, but no lag")
+            if actuator.gear != 1:
+                add("gear of the servo", actuator.gear, "1", "divide logged controls by it: commands are positions")
+        else:
+            servo = "the control of this loop is not the position of the joint"
+            add("kp", actuator.kp, unit_of("stiffness", rotary), servo)
+            add("kv", actuator.kv, unit_of("damping", rotary), servo)
         if actuator.kp == actuator.kv == 0 and actuator.gain != 1:
             add("gear times gain", actuator.gain, f"{torque} per control", "multiply logged controls by it")
         if len(actuator.names) > 1:

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from flexros.robot import Robot
+    from flexros.robot.exchange.mjcf_actuators import JointActuator
     from flexros.robot.exchange.numbers import BodyNumbers, JointNumbers, RepairedNumbers
 
 
@@ -113,7 +114,9 @@ class _Repair:
             self.not_held += [NotHeld(joint.motor, key, "", reason) for key, value in lost.items() if value]
             return
         element = self._actuator_element(found[0], name)
-        if joint.torque_gain != 1:
+        if joint.servo_stiffness is not None:
+            self._servo(element, found[0], joint, before)
+        elif joint.torque_gain != 1:
             self._gain(element, found[0], joint)
         if limited and joint.torque_limit is not None:
             force = joint.torque_limit / abs(before.gear)
@@ -211,6 +214,38 @@ class _Repair:
             if key in inertial.attributes:
                 values = np.array(inertial.attributes[key].split(), dtype=float)
                 inertial.set(key, numbers_text(factor * values))
+
+    def _servo(self, element: XmlElement, index: int, joint: JointNumbers, before: JointActuator) -> None:
+        """Write the gains of a position servo."""
+        assert joint.servo_stiffness is not None
+        assert joint.servo_damping is not None
+        wanted = {"stiffness": joint.servo_stiffness, "damping": joint.servo_damping}
+        own = {"stiffness": before.kp, "damping": before.kv}
+        units = {kind: unit_of(kind, joint.rotary) for kind in wanted}
+        keys = {"stiffness": "kp", "damping": "kv"}
+        squared = before.gear**2
+        if not before.follows or element.tag not in ("position", "general"):
+            reason = f"the actuator <{element.tag}> of the file does not follow positions"
+            self.not_held += [
+                NotHeld(joint.motor, f"servo {kind}", f"{value:.6g} {units[kind]}", reason)
+                for kind, value in wanted.items()
+            ]
+            return
+        changed = [kind for kind in wanted if not same(wanted[kind], own[kind])]
+        if "dampratio" in element.attributes and changed:
+            reason = "the attribute dampratio makes it from kp; replace it by kv"
+            text = f"{wanted['damping']:.6g} {units['damping']}"
+            self.not_held.append(NotHeld(joint.motor, "servo damping", text, reason))
+            changed = [kind for kind in changed if kind == "stiffness"]
+        if element.tag == "general" and changed:
+            stiff, damped = wanted["stiffness"] / squared, wanted["damping"] / squared
+            element.set("gainprm", numbers_text([stiff, *self.model.actuator_gainprm[index, 1:3]]))
+            element.set("biasprm", numbers_text([0.0, -stiff, -damped]))
+        for kind in changed:
+            if element.tag == "position":
+                element.set(keys[kind], number(wanted[kind] / squared))
+            place = f"{element.tag} {keys[kind] if element.tag == 'position' else 'biasprm'}"
+            self._note(joint.motor, f"servo {kind}", place, own[kind], wanted[kind], units[kind])
 
     def _gain(self, element: XmlElement, index: int, joint: JointNumbers) -> None:
         """Scale the torque of an actuator; that of a servo by its gains, because its gear also scales the position."""

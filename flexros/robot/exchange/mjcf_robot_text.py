@@ -95,6 +95,10 @@ def _gear(model: Any, axis: ArmAxis) -> CommentedMap:
         motor["gear_ratio"] = abs(actuator.gear)
     if actuator and actuator.torque_limit is not None:
         motor["torque_limit"] = actuator.torque_limit
+    if actuator and actuator.follows:
+        servo = CommentedMap({"stiffness": actuator.kp, "damping": actuator.kv})
+        servo.fa.set_flow_style()
+        motor["servo"] = servo
     motor.fa.set_flow_style()
     if axis.deflection is not None:
         gear = _spring(model, axis.deflection)

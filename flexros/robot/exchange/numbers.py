@@ -23,6 +23,8 @@ class JointNumbers:
         torque_gain: Torque of the motor over the commanded one [1].
         delay: Delay of the commands [s].
         stiffness: Stiffness of its gear [Nm/rad or N/m], None for a rigid gear.
+        servo_stiffness: Torque per position error of its position loop [Nm/rad or N/m], None without a servo.
+        servo_damping: Torque per speed of that loop [Nm s/rad or N s/m], None without a servo.
     """
 
     motor: str
@@ -35,6 +37,8 @@ class JointNumbers:
     torque_gain: float
     delay: float
     stiffness: float | None
+    servo_stiffness: float | None = None
+    servo_damping: float | None = None
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.robot.parameters import SERVO
 from flexros.robot.quantity import unit_of
 
 if TYPE_CHECKING:
@@ -75,6 +76,9 @@ class LinearModel:
 def linear_model(robot: Robot, q_a: ArrayLike | None = None, output: str | None = None) -> LinearModel:
     """Linearise a robot at rest (Moberg 2007, Paper B, section 3.2).
 
+    The servos of a robot that is commanded by positions are closed, below their torque limits; the inputs are torques
+    at the motors all the same.
+
     Args:
         robot: The robot.
         q_a: Arm coordinates [rad or m], shape (N,); default: the home pose.
@@ -91,6 +95,13 @@ def linear_model(robot: Robot, q_a: ArrayLike | None = None, output: str | None 
     evaluate = robot.model.linearised(output)
     values = evaluate(state[:n], state[n:], robot.holding_torque(state))
     mass, damping, stiffness, torque, encoder, slope = (np.asarray(value, dtype=float) for value in values)
+    if robot.commands == "position":
+        gains = {
+            name: np.diag([robot.parameters[f"{motor}.{SERVO}{name}"].value for motor in robot.joint_names])
+            for name in ("stiffness", "damping")
+        }
+        stiffness = stiffness + torque @ gains["stiffness"] @ encoder
+        damping = damping + torque @ gains["damping"] @ encoder
     return LinearModel(
         mass=mass,
         damping=damping,

@@ -64,6 +64,6 @@ def test_every_effect_is_compensated_or_reported(name: str) -> None:
         "torque_saturation": "limit=1",
     }.get(name, f"{getattr(kind, 'size', 'relative')}=0.01")
     effect = parse_effect(f"{name}@somewhere:{numbers}", "test").effect
-    robot = next(robot for robot in map(load_robot, ("e12", "elbow")) if effect.locations(robot))
+    robot = next(robot for robot in map(load_robot, ("e12", "elbow", "emps_servo")) if effect.locations(robot))
     sentences = reported(robot, f"{name}@{effect.locations(robot)[0]}:{numbers}")
     assert bool(sentences) == (name in LEFT)

@@ -72,6 +72,9 @@ def test_numbers_of_joints_and_actuators(tmp_path: Path) -> None:
     first, second = robot.motors[0], robot.motors[1]
     assert (first.inertia, first.specification.viscous_friction.value) == (0.05, 1.5)
     assert (first.torque_limit, first.gear_ratio, second.torque_limit) == (50.0, 10.0, 80.0)
+    assert second.specification.servo is not None
+    assert (second.specification.servo.stiffness.value, second.specification.servo.damping.value) == (500.0, 20.0)
+    assert first.specification.servo is None
     assert robot.spec.sample_time.value == 0.001
     assert robot.spec.tags["motor_5.joint"] == "s5"
     assert robot.arm_names[-1] == "body_6.rx"
@@ -84,8 +87,6 @@ def test_numbers_of_joints_and_actuators(tmp_path: Path) -> None:
     assert {effect.effect for effect in imported.effects} == {"coulomb_friction"}
     assert {(each.location, each.name) for each in imported.not_held} == {
         ("motor_1", "gear times gain"),
-        ("motor_2", "kp"),
-        ("motor_2", "kv"),
         ("motor_4", "kv"),
     }
     assert [(joint.sign, round(joint.reference, 6)) for joint in imported.joints][1] == (-1, 0.174533)

@@ -1,0 +1,42 @@
+"""Error of the stiffness of a servo."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from flexros.effects.kinds.relative_error import AbstractRelativeError
+from flexros.robot.parameters import SERVO
+
+if TYPE_CHECKING:
+    from flexros.effects.kinds.base import Stage
+    from flexros.robot import Robot
+
+
+class ServoStiffnessError(AbstractRelativeError):
+    """The proportional gain of a position loop scaled, torque constant included.
+
+    It is sought in logs with position commands only. There it also stands for an error of the torque constant, which
+    scales all torques of the servo alike.
+    """
+
+    name: ClassVar[str] = "servo_stiffness_error"
+    stage: ClassVar[Stage] = "actuator"
+    signatures: ClassVar[tuple[str, ...]] = ("effective_torque", "torque_over_position")
+    fingerprint: ClassVar[str] = (
+        "the motor follows its commanded position more or less stiffly: the errors are proportional to the distance "
+        "between command and position, also at standstill under load"
+    )
+
+    def locations(self, robot: Robot) -> tuple[str, ...]:
+        """Return the motors with a servo."""
+        return tuple(name for name in robot.joint_names if f"{name}.{SERVO}stiffness" in robot.parameters)
+
+    def sought(self, robot: Robot, location: str) -> bool:
+        """Return whether the robot is commanded by positions."""
+        del location
+        return robot.commands == "position"
+
+    def scaled(self, robot: Robot, location: str) -> tuple[str, ...]:
+        """Return the stiffness of the servo."""
+        del robot
+        return (f"{location}.{SERVO}stiffness",)

@@ -1,0 +1,75 @@
+"""Check for commanded positions that the motors do not follow."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from flexros.record.checks.base import AbstractCheck, Finding
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+    from flexros.record.checks.checked_record import CheckedRecord
+
+CLEAR = 0.7
+"""Correlation of command and position above which a sign or a factor between them is significant (chosen)."""
+
+LIKE = 1.6
+"""Factor between the way of a motor and that of its command, either way, above which units differ (chosen)."""
+
+
+class ServoFollowing(AbstractCheck):
+    """A motor under a servo moves with its command: opposite, scaled or exchanged motion is an error of the log."""
+
+    name: ClassVar[str] = "servo_following"
+    stage: ClassVar[int] = 1
+
+    def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
+        """Compare the motions of motors and commands."""
+        command, names = checked.record.command, checked.robot.joint_names
+        if command is None:
+            return ()
+        valid = checked.record.valid
+        ways = (part[valid] - part[valid].mean(axis=0) for part in (checked.position, command))
+        correlation, factor = _compared(*ways)
+        moving = [motor for motor in np.flatnonzero(checked.moves).tolist() if np.ptp(command[:, motor]) > 0]
+        swapped = _swapped(correlation, moving)
+        if swapped:
+            pairs = ", ".join(f"{names[motor]} follows the command of {names[other]}" for motor, other in swapped)
+            text = f"the commands belong to other motors ({pairs}); correct the joints when importing"
+            return (Finding(text, hopeless=True),)
+        problems = []
+        for motor in moving:
+            own, size = correlation[motor, motor], abs(factor[motor])
+            if own < -CLEAR:
+                text = f"{names[motor]} moves against its commanded position; correct a sign (sign: -1) when importing"
+                problems.append(Finding(text, hopeless=True))
+            elif own > CLEAR and abs(np.log(size)) > np.log(LIKE):
+                text = (
+                    f"{names[motor]} moves {size:.3g} times as far as its command, about 1 is expected of a servo: "
+                    "position or command has another unit or is on the other side of the gear; correct it on import"
+                )
+                problems.append(Finding(text, hopeless=True))
+        return tuple(problems)
+
+
+def _compared(position: FloatArray, command: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the correlation of every motion with every command, shape (M, M), and motion over command, shape (M,)."""
+    sizes = np.maximum(np.linalg.norm(position, axis=0), 1e-300), np.maximum(np.linalg.norm(command, axis=0), 1e-300)
+    products = position.T @ command
+    return products / np.outer(*sizes), np.maximum(np.abs(np.diag(products)), 1e-300) / sizes[1] ** 2
+
+
+def _swapped(correlation: FloatArray, moving: list[int]) -> list[tuple[int, int]]:
+    """List motors that clearly follow the command of another one, with that one."""
+    if len(moving) < 2:
+        return []
+    from scipy.optimize import linear_sum_assignment  # here, because it loads slowly
+
+    among = correlation[np.ix_(moving, moving)]
+    rows, columns = linear_sum_assignment(-among)
+    found = [(moving[row], moving[column]) for row, column in zip(rows, columns) if row != column]
+    if not found or not all(correlation[motor, other] > CLEAR > correlation[motor, motor] for motor, other in found):
+        return []
+    return found

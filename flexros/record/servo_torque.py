@@ -1,0 +1,44 @@
+"""Torque that the servos of a robot file make from commanded and measured positions."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.record.smoothing import smooth_motion
+from flexros.robot.parameters import SERVO
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+    from flexros.robot import Robot
+
+FASTEST = 50.0
+"""Corner frequency of the low-pass for the measured motion [Hz] (chosen)."""
+
+
+def servo_torque(robot: Robot, command: FloatArray, position: FloatArray, sample_time: float) -> FloatArray:
+    """Return the torques of the nominal servos, from smoothed measured positions.
+
+    They serve scales, regimes and pictures; a prediction closes the servos around the predicted motion instead.
+
+    Args:
+        robot: The nominal robot, with servos.
+        command: Commanded positions, held from sample to sample [rad or m], shape (n, M).
+        position: Measured positions [rad or m], shape (n, M).
+        sample_time: Time between two samples [s].
+
+    Returns:
+        Torques, each within the torque limit [Nm or N], shape (n, M).
+    """
+    stiffness, damping, feedforward = (
+        np.array([robot.parameters[f"{motor}.{SERVO}{name}"].value for motor in robot.joint_names])
+        for name in ("stiffness", "damping", "feedforward")
+    )
+    few = len(position) < 32  # too short for the low-pass
+    motion = np.stack([position, np.gradient(position, sample_time, axis=0)]) if few else None
+    if motion is None:
+        motion = smooth_motion(position, sample_time, min(FASTEST, 0.1 / sample_time))
+    rate = np.gradient(command, sample_time, axis=0)
+    torque = stiffness * (command - motion[0]) + damping * (feedforward * rate - motion[1])
+    return np.asarray(np.clip(torque, -robot.torque_limits, robot.torque_limits))

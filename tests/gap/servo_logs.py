@@ -1,0 +1,77 @@
+"""Logs of a joint under a servo, without torques, and its robot."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from flexros.effects import parse_effect, place_effects
+from flexros.logs.stamps import stamps_ns
+from flexros.logs.time_series import JointSeries, Log
+from flexros.robot import Robot, robot_from_data
+from flexros.simulate.plant import Plant
+
+T = 4e-3
+NOISE = 1e-4
+ONE = ("motor_1",)
+
+
+def servo_robot(feedforward: float = 0.0, *, servo: bool = True, limit: float = 30.0) -> Robot:
+    """A joint with a link under gravity; stiffness 60 Nm/rad, damping 2 Nm s/rad."""
+    motor = {"inertia": 0.05, "viscous_friction": 0.3, "torque_limit": limit}
+    if servo:
+        motor["servo"] = {"stiffness": 60.0, "damping": 2.0, "feedforward": feedforward}  # type: ignore[assignment]
+    link = {
+        "mass": 1.5,
+        "center_of_mass": [0, 0, 0.2],
+        "inertia": {"yy": 0.02},
+        "directions": {"ry": {"spring": "rigid", "motor": motor}},
+    }
+    data = {
+        "name": "servo_joint",
+        "gravity": [0, 0, -9.81],
+        "sample_time": T,
+        "sensors": {"encoder_noise": NOISE},
+        "bodies": [link],
+        "outputs": {"joints": {"coordinates": ["body_1.ry"]}},
+        "controlled": "joints",
+    }
+    return robot_from_data(data, "servo_joint.yaml")
+
+
+def command(duration: float, seed: int = 0) -> np.ndarray:
+    """Commanded positions that begin at rest, shape (n, 1)."""
+    time = np.arange(round(duration / T)) * T
+    phases = np.random.default_rng(seed).uniform(0, 2 * np.pi, 4)
+    tones = sum(
+        size * np.sin(2 * np.pi * f * time + phase)
+        for size, f, phase in zip((0.5, 0.3, 0.1, 0.02), (0.21, 0.53, 1.3, 4.1), phases)
+    )
+    return np.asarray(0.2 + np.clip((time - 0.5) / 1.0, 0, 1) * tones)[:, None]
+
+
+@cache
+def servo_log(
+    *effects: str, feedforward: float = 0.0, duration: float = 12.0, seed: int = 0, noise: float = NOISE
+) -> Log:
+    """A log of commanded and measured positions of a joint with effects."""
+    robot = servo_robot(feedforward).commanded_by("position")
+    placed = place_effects(robot, [parse_effect(text, "test") for text in effects])
+    wanted = command(duration, seed)
+    # the rate of the command, of which a plant takes no input, is part of its position here
+    gains = {name: placed.robot.parameters[f"motor_1.servo_{name}"].value for name in ("stiffness", "damping")}
+    lead = feedforward * gains["damping"] / gains["stiffness"]
+    held = wanted + lead * np.gradient(wanted, T, axis=0)
+    start = placed.robot.equilibrium(motor_position=wanted[0])
+    for _ in range(3):  # the servo gives way to gravity
+        sag = placed.robot.holding_torque(start) / gains["stiffness"]
+        start = placed.robot.equilibrium(motor_position=wanted[0] - sag)
+    plant = Plant(placed.robot, T, start, laws=placed.laws, torque=held[0], substeps=8)
+    positions = np.empty_like(wanted)
+    for k, row in enumerate(held):
+        positions[k] = plant.measure()
+        plant.advance(row)
+    positions += noise * np.random.default_rng([seed, 1]).normal(size=positions.shape)
+    stamp = stamps_ns(len(wanted), T)
+    return Log(JointSeries(stamp, ONE, position=positions), JointSeries(stamp, ONE, position=wanted))

@@ -1,0 +1,44 @@
+"""A motor under a servo moves with its command."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from flexros.record.checks.base import Finding
+from flexros.record.checks.run import findings
+from flexros.record.read import read_record
+from flexros.record.record import Record
+from tests.gap.servo_logs import servo_log, servo_robot
+
+
+def record_with(factor: float = 1.0) -> Record:
+    record = read_record(servo_log(), servo_robot(), name="log", positions=True)
+    assert record.command is not None
+    return replace(record, command=factor * record.command)
+
+
+def found(record: Record) -> list[Finding]:
+    return [one for one in findings(record, servo_robot()) if one.hopeless]
+
+
+def test_a_servo_that_gives_way_is_no_problem() -> None:
+    assert found(record_with()) == []
+
+
+def test_inverted_commands_are_refused() -> None:
+    (one,) = found(record_with(-1.0))
+    assert "motor_1" in one.text
+    assert "sign" in one.text
+
+
+def test_commands_in_degrees_are_refused() -> None:
+    (one,) = found(record_with(float(np.degrees(1.0))))
+    assert "unit" in one.text
+
+
+def test_checks_of_torques_are_left_out() -> None:
+    record = record_with()
+    assert found(replace(record, torque=100.0 * record.torque)) == []
+    assert found(replace(record, torque=100.0 * record.torque, command=None))
