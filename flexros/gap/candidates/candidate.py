@@ -191,7 +191,7 @@ def list_candidates(robot: Robot, scales: Scales) -> tuple[Candidate, ...]:
     for effect in effects().values():
         if not effect.ranges or effect.harmonics:
             continue
-        for location in (one for one in distinct_locations(effect, robot) if effect().sought(robot, one)):
+        for location in distinct_locations(effect, robot):
             free = tuple(
                 free_parameter(name, allowed, scales.of(allowed.scale, location))
                 for name, allowed in effect().fitted(robot, location).items()
@@ -201,8 +201,8 @@ def list_candidates(robot: Robot, scales: Scales) -> tuple[Candidate, ...]:
 
 
 def distinct_locations(effect: type[AbstractEffect], robot: Robot) -> tuple[str, ...]:
-    """List the distinct locations of an effect: on a robot with one motor, "all" is that motor."""
+    """List the distinct locations where an effect is sought: on a robot with one motor, "all" is that motor."""
     locations = effect().locations(robot)
     if "all" in locations and robot.n_motors == 1:
         locations = tuple(location for location in locations if location not in robot.joint_names)
-    return locations
+    return tuple(location for location in locations if effect().sought(robot, location))
