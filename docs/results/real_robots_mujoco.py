@@ -30,6 +30,10 @@ SMOOTHING = 11
 """Samples that speeds are computed from where they were not measured."""
 
 
+ABSENT = ("MuJoCo is not installed", "the packages of mujoco[sysid] are not installed")
+"""Reasons to skip it that an installation removes."""
+
+
 def identified(record: Record, robot: str) -> dict[str, Any]:
     """Identify damping, dry friction and armature of all joints, from windows that begin in the measured state.
 
@@ -44,18 +48,19 @@ def identified(record: Record, robot: str) -> dict[str, Any]:
     try:
         mujoco, sysid = importlib.import_module("mujoco"), importlib.import_module("mujoco.sysid")
     except ImportError:
-        return {"skipped": "MuJoCo is not installed"}
+        return {"skipped": ABSENT[0]}
     if not hasattr(sysid, "optimize"):
-        return {"skipped": "the packages of mujoco[sysid] are not installed"}
+        return {"skipped": ABSENT[1]}
     began = time.monotonic()
     spec = mujoco.MjSpec.from_string(export_model(load_patched(robot), "mjcf").text)
     spec.option.timestep = record.sample_time / np.ceil(record.sample_time / LONGEST_STEP)
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST  # stable with any damping
     joints = [f"motor_{index}" for index in range(1, record.position.shape[1] + 1)]
     for joint in joints:
         spec.add_sensor(
             type=mujoco.mjtSensor.mjSENS_JOINTPOS, objtype=mujoco.mjtObj.mjOBJ_JOINT, objname=joint, name=joint
         )
-    scales = _scales(record, spec.compile(), mujoco)
+    scales = _scales(record)
     parameters = sysid.ParameterDict()
     for column, joint in enumerate(joints):
         for name, scale in scales.items():
@@ -91,15 +96,12 @@ def speeds(record: Record) -> FloatArray:
     return smooth
 
 
-def _scales(record: Record, model: Any, mujoco: Any) -> dict[str, FloatArray]:
+def _scales(record: Record) -> dict[str, FloatArray]:
     """Scales of the parameters by their name in MuJoCo, each of shape (M,)."""
-    data = mujoco.MjData(model)
-    data.qpos[:] = record.position.mean(axis=0)
-    mujoco.mj_forward(model, data)
-    inertia = np.zeros((model.nv, model.nv))
-    mujoco.mj_fullM(model, data, inertia)
-    torque, speed = (np.sqrt(np.mean(each**2, axis=0)) for each in (record.torque, speeds(record)))
-    return {"damping": torque / speed, "frictionloss": torque, "armature": np.diagonal(inertia).copy()}
+    speed = speeds(record)
+    acceleration = savgol_filter(speed, SMOOTHING, 2, deriv=1, delta=record.sample_time, axis=0)
+    torque, fast, faster = (np.sqrt(np.mean(each**2, axis=0)) for each in (record.torque, speed, acceleration))
+    return {"damping": torque / fast, "frictionloss": torque, "armature": torque / faster}
 
 
 def _setter(joint: str, name: str, scale: float) -> Any:

@@ -17,6 +17,8 @@ WAYS = {"diagnosis": "diagnosis", "hand": "by hand", "least_squares": "least squ
 """Ways to a repaired model, with the headings of their columns."""
 NEAR = 0.25
 """Relative error up to which a size agrees with what is published (the goal)."""
+WORSE = -10.0
+"""Share of the gap below which a repair counts as diverging: the number has no meaning there."""
 MOST = 12
 """Most rows of a table of effects."""
 HEAD = """# Measured robots
@@ -24,8 +26,9 @@ HEAD = """# Measured robots
 Diagnosis of measured logs of real robots: what is known of their gap, what is named, and how much of the gap a repair
 closes on logs that were not fitted. Written by
 
-<!-- not run: reads measured data, which are not part of this repository, for hours -->
+<!-- not run: reads measured data, which are not part of this repository -->
 ```
+pip install "mujoco[sysid]"
 python docs/results/fetch_real_robots.py fetched
 FLEXROS_REALDATA=<folder with emps/, ...> python docs/results/real_robots.py work --fetched fetched
 ```
@@ -132,13 +135,14 @@ def _range(content: Found, way: str) -> str:
     closed = [share for share in _closed(content, way) if share is not None]
     if not closed:
         return "-"
-    low, high = (f"{100 * share:.0f}" for share in (min(closed), max(closed)))
-    return f"{low} %" if low == high else f"{low} to {high} %"
+    low, high = ("diverges" if share < WORSE else f"{100 * share:.0f}" for share in (min(closed), max(closed)))
+    return low if high == "diverges" else f"{low} %" if low == high else f"{low} to {high} %"
 
 
 def _section(case: Case, content: Found) -> Iterator[str]:
     diagnosis = content["diagnosis"]
     yield f"\n## {case.title}\n\n{case.about}\n\nFitted: {_names(case.fitted)}. Known: {case.source}.\n\n"
+    yield f"`python docs/results/real_robots.py work --fetched fetched --again --cases {case.name}` repeats it.\n\n"
     yield f"Verdict `{diagnosis['verdict']}` in {_used(diagnosis)}."
     if diagnosis.get("gap", {}).get("closed_fraction") is not None:
         yield f" In the held-out third the patch closes {_share(diagnosis['gap'])} of the gap of {_level(diagnosis)}."
@@ -177,6 +181,8 @@ def _share(gap: Found) -> str:
     closed, interval = gap.get("closed_fraction"), gap.get("interval")
     if closed is None:
         return "-"
+    if closed < WORSE:
+        return "diverges"
     text = f"{100 * closed:.1f} %"
     return f"{text} ({100 * interval[0]:.0f} to {100 * interval[1]:.0f})" if interval else text
 

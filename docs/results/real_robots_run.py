@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import resource
 import subprocess
 import sys
 import time
@@ -12,7 +13,7 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from real_robots_mujoco import identified
+from real_robots_mujoco import ABSENT, identified
 
 from flexros.effects import parse_effect, place_effects
 from flexros.effects.patching.patched_robot import load_model, load_patched
@@ -96,6 +97,8 @@ class Run:
             self._import(name, files)
         self._step("diagnosis", self.diagnosis)
         self._step("least_squares", self.least_squares)
+        if self.found.get("mujoco", {}).get("skipped") in ABSENT:  # it may have been installed since
+            del self.found["mujoco"]
         self._step("mujoco", self.mujoco)
         for name, record in self._not_fitted().items():
             for way, model in self._repairs().items():
@@ -144,16 +147,18 @@ class Run:
         began = time.monotonic()
         with printed.open("w", encoding="utf-8") as output:
             process = subprocess.Popen([*FLEXROS, *arguments], stdout=output, stderr=output)  # noqa: S603 - our own program
-        ended, status, usage = 0, 0, None
-        while not ended:
-            ended, status, usage = os.wait4(process.pid, os.WNOHANG)
-            if not ended and limit is not None and time.monotonic() - began > limit:
+        ended, status, usage = 0, 0, resource.getrusage(resource.RUSAGE_SELF)
+        try:
+            while not ended and (limit is None or time.monotonic() - began < limit):
+                time.sleep(0.05)
+                ended, status, usage = os.wait4(process.pid, os.WNOHANG)
+        finally:
+            if not ended:
                 process.kill()
-                os.wait4(process.pid, 0)
-                return Used(time.monotonic() - began)
-            time.sleep(0.05)
+                process.wait()
+        if not ended:
+            return Used(time.monotonic() - began)
         process.returncode = code = os.waitstatus_to_exitcode(status)
-        assert usage is not None
         if code not in expected:
             said = printed.read_text(encoding="utf-8").strip().splitlines() or ["nothing"]
             raise InputError(f"flexros {arguments[0]} ended with {code}: {said[-1].removeprefix('flexros: ')}")
