@@ -22,7 +22,7 @@ from real_robots_run import Run
 from flexros.errors import InputError
 
 LIMIT = 3600.0
-"""Longest time of a diagnosis, by default [s]."""
+"""Time after which a diagnosis is partial, by default [s]."""
 
 
 def data_of(case: Case, fetched: Path | None) -> Path:
@@ -51,7 +51,7 @@ def main() -> int:
     parser.add_argument("--fetched", type=Path, help="folder of fetch_real_robots.py")
     parser.add_argument("--cases", nargs="*", default=[case.name for case in CASES], choices=[c.name for c in CASES])
     parser.add_argument("--again", action="store_true", help="forget what is known of these cases")
-    parser.add_argument("--limit", type=float, default=LIMIT, help="longest time of a diagnosis [s]")
+    parser.add_argument("--limit", type=float, default=LIMIT, help="time after which a diagnosis is partial [s]")
     parser.add_argument("--results", type=Path, default=Path(__file__).parent, help="folder of the page")
     given = parser.parse_args()
     jsons, skipped = given.results / "real_robots", 0

@@ -117,7 +117,7 @@ def _overview(done: Sequence[tuple[Case, Found]]) -> Iterator[str]:
         shares = " | ".join(_range(content, way) for way in WAYS)
         memory = diagnosis.get("largest_memory_gb")
         yield (
-            f"| [{case.title}](#{_anchor(case.title)}) | `{diagnosis['verdict']}` | "
+            f"| [{case.title}](#{_anchor(case.title)}) | {_verdict(diagnosis)} | "
             f"{sum(value is not None for _, value, _, _ in rows)} of {n} | {sum(near for *_, near in rows)} of {n} | "
             f"{shares} | {diagnosis['seconds']:.0f} | {'-' if memory is None else f'{memory:.2f}'} |\n"
         )
@@ -143,7 +143,7 @@ def _section(case: Case, content: Found) -> Iterator[str]:
     diagnosis = content["diagnosis"]
     yield f"\n## {case.title}\n\n{case.about}\n\nFitted: {_names(case.fitted)}. Known: {case.source}.\n\n"
     yield f"`python docs/results/real_robots.py work --fetched fetched --again --cases {case.name}` repeats it.\n\n"
-    yield f"Verdict `{diagnosis['verdict']}` in {_used(diagnosis)}."
+    yield f"Verdict {_verdict(diagnosis)} in {_used(diagnosis)}."
     if diagnosis.get("gap", {}).get("closed_fraction") is not None:
         yield f" In the held-out third the patch closes {_share(diagnosis['gap'])} of the gap of {_level(diagnosis)}."
     yield "\n\n| known | joint | stated | found | within 25 % |\n|---|---|---|---|---|\n"
@@ -156,6 +156,10 @@ def _section(case: Case, content: Found) -> Iterator[str]:
     yield from _logs(case, content)
     yield from _others(case, content)
     yield from _rest(diagnosis)
+
+
+def _verdict(diagnosis: Found) -> str:
+    return f"`{diagnosis['verdict']}`{' (partial: its time was over)' if diagnosis.get('partial') else ''}"
 
 
 def _names(files: Iterable[str]) -> str:

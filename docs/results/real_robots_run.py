@@ -25,7 +25,7 @@ from flexros.gap.settings import DiagnosisSettings
 from flexros.json_text import json_text
 from flexros.logs.reader import read_log
 from flexros.logs.write_log import write_log
-from flexros.provenance import versions
+from flexros.provenance import code_version, versions
 from flexros.robot import load_robot
 
 if TYPE_CHECKING:
@@ -72,7 +72,8 @@ class Run:
         data: Folder of its data.
         work: Folder for logs, robot files and diagnosis.
         result: The JSON file.
-        limit: Longest time of a diagnosis [s].
+        limit: Time after which a diagnosis is partial [s].
+        patience: Factor of that time after which it is ended from outside [1].
     """
 
     case: Case
@@ -80,6 +81,7 @@ class Run:
     work: Path
     result: Path
     limit: float
+    patience: float = 2.0
 
     @cached_property
     def found(self) -> dict[str, Any]:
@@ -92,7 +94,7 @@ class Run:
     def all_steps(self) -> None:
         """Do what is not done yet, and keep each step as soon as it is done."""
         self.work.mkdir(parents=True, exist_ok=True)
-        self._step("versions", lambda: dict(versions()))
+        self._step("versions", lambda: {"code": code_version(), **versions()})
         for name, files in {"fitted": self.case.fitted, **self.case.further}.items():
             self._import(name, files)
         self._step("diagnosis", self.diagnosis)
@@ -169,13 +171,14 @@ class Run:
         """Diagnose the fitted log in a process of its own, with its time and memory."""
         folder = self.work / "diagnosis"
         arguments = ("diagnose", str(self.work / "fitted"), "--model", self.robot, "--out", str(folder))
-        used = self._command(*arguments, expected=(0, GAP_FOUND), limit=self.limit)
+        limit = ("--time-limit", f"{self.limit:g}")
+        used = self._command(*arguments, *limit, expected=(0, GAP_FOUND), limit=self.patience * self.limit)
         if not used.ended:
             return {"verdict": UNFINISHED, "seconds": used.seconds}
         answer: dict[str, Any] = json.loads((folder / "diagnosis.json").read_text(encoding="utf-8"))
-        kept = ("verdict", "causes", "model_numbers", "gap", "budget", "unexplained", "warnings")
+        kept = ("verdict", "partial", "causes", "model_numbers", "gap", "budget", "unexplained", "warnings")
         return {
-            **{key: answer[key] for key in kept},
+            **{key: answer[key] for key in kept if key in answer},
             "seconds": used.seconds,
             "cpu_seconds": used.cpu_seconds,
             "cores": os.cpu_count(),

@@ -204,7 +204,7 @@ def test_case_is_run_step_by_step(tmp_path: Path) -> None:
     case = case_of("dfki_double_pendulum")
     case = replace(case, further={"C_143339": ("C_143339.csv",)}, by_mujoco="of its time")
     result = tmp_path / "results" / "case.json"
-    program("real_robots_run").Run(case, DATA, tmp_path / "work", result, limit=0.5).all_steps()
+    program("real_robots_run").Run(case, DATA, tmp_path / "work", result, limit=0.5, patience=1.0).all_steps()
     found = json.loads(result.read_text(encoding="utf-8"))
     assert found["diagnosis"]["verdict"] == "not finished"
     assert found["least_squares"]["friction"]["motor_1.coulomb_friction"]["value"] == pytest.approx(0.2, rel=0.2)
@@ -212,5 +212,5 @@ def test_case_is_run_step_by_step(tmp_path: Path) -> None:
     assert closed["hand"] > 0.9
     found["least_squares"]["torque_error_percent"] = -1.0
     result.write_text(json.dumps(found), encoding="utf-8")
-    program("real_robots_run").Run(case, DATA, tmp_path / "work", result, limit=0.5).all_steps()
+    program("real_robots_run").Run(case, DATA, tmp_path / "work", result, limit=0.5, patience=1.0).all_steps()
     assert json.loads(result.read_text(encoding="utf-8")) == found
