@@ -1,9 +1,9 @@
 """Write real_robots.md: FLEXROS_REALDATA=... python docs/results/real_robots.py WORK --fetched FOLDER.
 
 Each case leaves docs/results/real_robots/NAME.json step by step, so that a run which was interrupted continues; what is
-there is not computed again (`--again` does). `--cases NAME...` runs some cases. The page is written from these files.
-Cases whose data are not there are skipped with the reason; the exit code is then 1. Logs, robot files and reports of
-the diagnoses stay in WORK.
+there is not computed again (`--again` does). `--cases NAME...` runs some cases, `--cases` alone none. The page is
+written from these files. Cases whose data are not there are skipped with the reason; the exit code is then 1. Logs,
+robot files and reports of the diagnoses stay in WORK.
 """
 
 from __future__ import annotations

@@ -46,7 +46,9 @@ def weighted_least_squares(H: FloatArray, y: FloatArray, n: int) -> Solution:
     rows, motors, k = H.shape
     deviation = np.ones(motors)
     freedom = max(n - k / motors, 1.0)
-    tiny = np.finfo(float).eps * np.maximum(np.sqrt(np.sum(y**2, axis=0) / n), np.finfo(float).tiny)
+    size = np.sqrt(np.sum(y**2, axis=0) / n)
+    size = np.where(size > 0, size, size.max())  # a motor whose torque is zero throughout can be fitted exactly
+    tiny = np.finfo(float).eps * np.maximum(size, np.finfo(float).tiny)
     for _ in range(_MOST_ROUNDS):
         weighted = (H / deviation[:, None]).reshape(rows * motors, k)
         scale = np.linalg.norm(weighted, axis=0)

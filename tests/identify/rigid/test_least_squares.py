@@ -85,3 +85,12 @@ def test_condition_number_does_not_depend_on_units() -> None:
     one = np.ones(2)
     np.testing.assert_allclose(condition_number(H, one), condition_number(H * [1, 1e6, 1e-3], one), rtol=1e-9)
     assert condition_number(np.eye(4).reshape(2, 2, 4), one) == 1
+
+
+def test_torque_that_is_zero_throughout_leaves_finite_numbers() -> None:
+    H = np.random.default_rng(5).normal(size=(400, 2, 3))
+    H[:, 0, 2] = H[:, 1, :2] = 0.0  # the last parameter acts on the second motor alone
+    torque = np.column_stack([H[:, 0] @ np.array([1.0, 2.0, 0.0]), np.zeros(400)])
+    solution = weighted_least_squares(H, torque, 400)
+    np.testing.assert_allclose(solution.values, [1.0, 2.0, 0.0], atol=1e-9)
+    assert np.isfinite(condition_number(H, solution.deviation))
