@@ -105,8 +105,9 @@ def observer_gain(
         level: Level of the torque noise [1]; a smaller one makes weaker effects visible.
         noise: Standard deviation of the encoder noise [rad or m], shape (M,).
         q_a: Arm coordinates of the pose [rad or m], shape (N,); default: home.
-        tolerated: White torque noise at the motors within tolerance [Nm or N], shape (M,). It replaces that of the
-            level where it is larger, and is part of the spread. None for an exact model.
+        tolerated: White torque noise at the motors within tolerance [Nm or N], shape (M,); with what the springs pass
+            on of it. It replaces that of the level where it is larger, and is part of the spread. None for an exact
+            model.
 
     Returns:
         Gain and error dynamics.
@@ -117,9 +118,7 @@ def observer_gain(
     # in units of the mean encoder noise, which keeps the Riccati equation well scaled
     unit = float(np.mean(noise))
     R = np.diag((np.asarray(noise, dtype=float) / unit) ** 2)
-    allowed = np.zeros(len(model.mass))
-    if tolerated is not None:
-        allowed[list(robot.motor_rows)] = tolerated / unit
+    allowed = np.zeros(len(model.mass)) if tolerated is None else passed_on(robot, model.mass, tolerated) / unit
     level_of = level * _noise_of_kind(robot, noise) / unit
     share = np.where(np.arange(len(model.mass)) < robot.n_arm, ARM_SHARE, 1.0)
     torque = np.maximum(torque_noise(np.diag(model.mass), level_of, sample_time, sample_time) * share, allowed)
@@ -140,6 +139,28 @@ def observer_gain(
         noise=np.asarray(noise, dtype=float),
         settling=_settling(transition),
     )
+
+
+def passed_on(robot: Robot, mass: FloatArray, torque: FloatArray) -> FloatArray:
+    """Return the white torque at all coordinates that goes with one at the motors [Nm or N], shape (n,).
+
+    With locked springs q = G q_m, motor torques u accelerate the motors by (G' M G)^-1 u, and the springs carry
+    M G (G' M G)^-1 u to the arm. A model whose motor torques are known within a tolerance knows the torques in its
+    springs no better. Without the latter nothing would correct an undamped arm.
+
+    Args:
+        robot: The robot.
+        mass: Mass matrix M, shape (n, n).
+        torque: Standard deviation of the independent torques at the motors u [Nm or N], shape (M,).
+    """
+    motors = list(robot.motor_rows)
+    locked = np.zeros((len(mass), robot.n_motors))
+    locked[: robot.n_arm] = robot.arm_from_gears(np.eye(robot.n_motors)).T
+    locked[motors, np.arange(robot.n_motors)] = 1.0
+    share = mass @ locked @ np.linalg.inv(locked.T @ mass @ locked)
+    result = np.sqrt(share**2 @ torque**2)
+    result[motors] = torque
+    return result
 
 
 def _noise_of_kind(robot: Robot, noise: FloatArray) -> FloatArray:

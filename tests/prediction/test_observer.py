@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from flexros.prediction.observer import ARM_SHARE, ObserverGain, _noise_of_kind, observer_gain
+from flexros.prediction.observer import ARM_SHARE, ObserverGain, _noise_of_kind, observer_gain, passed_on
 from flexros.robot import Robot, load_robot
 from flexros.robot.linear.linearise import linear_model
 from flexros.robot.motors import list_motors
@@ -90,6 +90,42 @@ def test_tolerated_torques_are_part_of_the_spread() -> None:
     assert lenient.spread[0] > 1.05 * exact.spread[0]
     assert lenient.ahead(100)[0] > 2 * exact.ahead(100)[0]
     assert not exact.taken.any()
+
+
+def test_a_spring_passes_on_the_share_of_the_torque_that_moves_the_arm() -> None:
+    robot = load_robot("two_mass")
+    mass = linear_model(robot).mass
+    np.testing.assert_allclose(np.diag(mass), [6.0, 4.0])
+    np.testing.assert_allclose(passed_on(robot, mass, np.array([0.5])), [0.5 * 6 / 10, 0.5])
+
+
+def test_springs_carry_the_torques_of_locked_springs() -> None:
+    """Accelerations of the locked robot are held up by the torques at the arm alone, for one motor after the other."""
+    robot = load_robot("e12")
+    mass, motors = linear_model(robot).mass, list(robot.motor_rows)
+    carried = np.zeros((robot.n_coordinates, robot.n_motors))
+    for motor in range(robot.n_motors):
+        alone = np.eye(robot.n_motors)[motor]
+        carried[:, motor] = passed_on(robot, mass, alone)
+        np.testing.assert_allclose(carried[motors, motor], alone)
+    locked = np.vstack([robot.arm_from_gears(np.eye(robot.n_motors)).T, np.eye(robot.n_motors)])
+    accelerations = locked @ np.linalg.solve(locked.T @ mass @ locked, np.eye(robot.n_motors))
+    np.testing.assert_allclose(carried[: robot.n_arm], np.abs(mass @ accelerations)[: robot.n_arm], atol=1e-12)
+
+
+def test_a_rigid_axis_tolerates_the_torque_at_its_motor_alone() -> None:
+    robot = load_robot("emps")
+    np.testing.assert_array_equal(passed_on(robot, linear_model(robot).mass, np.array([0.3])), [0.3])
+
+
+def test_tolerated_torques_correct_an_undamped_arm() -> None:
+    """Without them at the arm an error of its vibration would last for ever: the level alone takes minutes."""
+    two_mass = load_robot("two_mass")
+    robot = two_mass.with_values({"body_1.rz.damping": 0.0})
+    tolerant = observer_gain(robot, 2e-3, 2e-4, np.array([1e-5]), tolerated=np.array([5.0]))
+    exact = observer_gain(robot, 2e-3, 2e-4, np.array([1e-5]))
+    assert tolerant.settling * 2e-3 < 1.0
+    assert exact.settling > 5 * tolerant.settling
 
 
 def test_the_more_torque_noise_the_more_a_measurement_counts() -> None:
