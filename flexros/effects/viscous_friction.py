@@ -10,11 +10,13 @@ from pydantic import Field
 
 from flexros.effects.kinds.motor_law import AbstractMotorTorque, MotorState
 from flexros.effects.kinds.ranges import Range
+from flexros.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flexros.effects.kinds.base import Stage
+    from flexros.robot import Robot
     from flexros.robot.symbolic.kinematics import Value
 
 
@@ -23,7 +25,8 @@ class ViscousFriction(AbstractMotorTorque):
 
     With coefficient f in addition to the nominal f_0 and asymmetry a, the total friction torque on the motor is
     -(f_0 + f) (1 + a/2) v forward and -(f_0 + f) (1 - a/2) v backward: the mean of the directions is f_0 + f, and their
-    difference a (f_0 + f). Nominal friction that differs in the two directions is an asymmetry without coefficient.
+    difference a (f_0 + f). Nominal friction that differs in the two directions is an asymmetry without coefficient. A
+    coefficient below zero, at most -f_0, says that the nominal friction is too large.
     """
 
     name: ClassVar[str] = "viscous_friction"
@@ -38,13 +41,29 @@ class ViscousFriction(AbstractMotorTorque):
         }
     )
 
-    coefficient: float = Field(0.0, ge=0.0, description="beyond the nominal one, mean of both [Nm s/rad or N s/m]")
+    coefficient: float = Field(
+        0.0,
+        description="beyond the nominal one, mean of both; below zero where that is too large [Nm s/rad or N s/m]",
+    )
     asymmetry: float = Field(0.0, ge=-2.0, le=2.0, description="of the whole friction: (forward - backward) / mean [1]")
 
     @property
     def neutral(self) -> bool:
         """Whether the friction is nominal."""
         return self.coefficient == 0 and self.asymmetry == 0
+
+    def reductions(self, robot: Robot, location: str) -> Mapping[str, float]:
+        """Return the nominal friction, which is all that can be missing."""
+        return {"coefficient": robot.parameters[f"{location}.viscous_friction"].value}
+
+    def check_on(self, robot: Robot, location: str) -> None:
+        """Refuse a coefficient that makes the friction of a motor negative."""
+        nominal = self.reductions(robot, location)["coefficient"]
+        if self.coefficient < -nominal:
+            raise InputError(
+                f"{self.name}@{location}: coefficient is {self.coefficient:g}, but {robot.name} has a viscous friction "
+                f"of {nominal:g} there; give at least {-nominal:g}"
+            )
 
     def added(self, motor: MotorState, values: Mapping[str, Value]) -> ca.SX:
         """Return the additional viscous friction."""

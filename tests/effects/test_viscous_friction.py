@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from flexros.effects import parse_effect, place_effects
+from flexros.errors import InputError
 from flexros.robot import load_robot
 from flexros.simulate.plant import Plant
 
@@ -42,3 +43,13 @@ def test_asymmetry_without_coefficient_makes_the_nominal_friction_differ_in_the_
 ) -> None:
     assert friction_beyond_nominal(speed, "asymmetry=0.4") == pytest.approx(0.2 * sign, rel=1e-7)
     assert friction_beyond_nominal(speed, "asymmetry=-0.4") == pytest.approx(-0.2 * sign, rel=1e-7)
+
+
+def test_nominal_friction_that_is_too_large_is_a_coefficient_below_zero() -> None:
+    nominal = load_robot("emps").parameters["motor_1.viscous_friction"].value
+    assert friction_beyond_nominal(0.5, f"coefficient={-0.4 * nominal}") == pytest.approx(-0.4, rel=1e-8)
+
+
+def test_friction_that_drives_a_motor_is_refused() -> None:
+    with pytest.raises(InputError, match="coefficient is -300.*203.503"):
+        place_effects(load_robot("emps"), [parse_effect("viscous_friction@motor_1:coefficient=-300", "test")])

@@ -89,6 +89,21 @@ class AbstractEffect(Settings, ABC):
         del robot, location
         return self.ranges
 
+    def reductions(self, robot: Robot, location: str) -> Mapping[str, float]:
+        """Return the largest sizes of negative values, by name of the parameter [its unit]; default: none.
+
+        A parameter that adds to a number of the nominal robot is negative where that number is too large.
+        """
+        del robot, location
+        return {}
+
+    def check_on(self, robot: Robot, location: str) -> None:
+        """Refuse values that a robot does not allow at one of the effect's `locations`; default: none.
+
+        Raises:
+            InputError: Names the parameter, its value and the allowed values.
+        """
+
 
 @dataclass(frozen=True)
 class PlacedEffect:

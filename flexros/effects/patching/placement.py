@@ -93,7 +93,7 @@ def place_effects(robot: Robot, placed: Iterable[PlacedEffect], *, as_laws: bool
         as_laws: Whether effects that can be either are placed as laws, with free parameters, not as model changes.
 
     Raises:
-        InputError: The robot has no such location.
+        InputError: The robot has no such location, or an effect has a value that the robot does not allow there.
     """
     laws: list[PlacedLaw] = []
     counts: Counter[str] = Counter()
@@ -101,6 +101,7 @@ def place_effects(robot: Robot, placed: Iterable[PlacedEffect], *, as_laws: bool
     for given in placed:
         given.check_location(robot)
         effect, location = (resolved := given.on(nominal)).effect, resolved.location
+        effect.check_on(nominal, location)
         as_law = as_laws and isinstance(effect, AbstractLaw) and bool(effect.parameter_values)
         if isinstance(effect, AbstractModelChange) and effect.changes_model(location) and not as_law:
             robot = effect.changed(robot, location)

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 AT_LIMIT = 1e-3
 """Distance from a limit of the search, over the whole range in the unit of the fit, that counts as at the limit [1]."""
+REDUCED = (0.3, 0.6, 0.9)
+"""Shares of a nominal number that are taken away in the initial values of a search [1] (chosen)."""
 
 
 @dataclass(frozen=True)
@@ -178,7 +180,18 @@ def free_parameter(name: str, allowed: Range, scale: float) -> FreeParameter:
     return FreeParameter(name, low, high, allowed.signed, starts, negative)
 
 
-def list_candidates(robot: Robot, scales: Scales) -> tuple[Candidate, ...]:
+def below_nominal(free: FreeParameter, most: float) -> FreeParameter:
+    """Extend the search of a parameter that adds to a nominal number to negative values.
+
+    Args:
+        free: The parameter, not signed.
+        most: The nominal number, which the parameter takes away at most [unit of the parameter].
+    """
+    starts = (*free.starts, *(-share * most for share in REDUCED))
+    return replace(free, high=max(free.high, most), signed=True, starts=starts, negative=most)
+
+
+def list_candidates(robot: Robot, scales: Scales, *, measured: bool = False) -> tuple[Candidate, ...]:
     """List every effect at every location, but for effects without ranges and those with a harmonic.
 
     The orders of harmonics are found in the prediction errors, see `flexros.gap.search.harmonic_candidates`.
@@ -186,17 +199,20 @@ def list_candidates(robot: Robot, scales: Scales) -> tuple[Candidate, ...]:
     Args:
         robot: The nominal robot.
         scales: Largest torques, speeds and deflections of the log.
+        measured: Whether the log is one of a real machine, whose nominal numbers may also be far too large.
     """
     candidates: list[Candidate] = []
     for effect in effects().values():
         if not effect.ranges or effect.harmonics:
             continue
         for location in distinct_locations(effect, robot):
-            free = tuple(
+            free = [
                 free_parameter(name, allowed, scales.of(allowed.scale, location))
                 for name, allowed in effect().fitted(robot, location).items()
-            )
-            candidates.append(Candidate(effect, location, free))
+            ]
+            reduced = effect().reductions(robot, location) if measured else {}
+            free = [below_nominal(one, reduced[one.name]) if reduced.get(one.name) else one for one in free]
+            candidates.append(Candidate(effect, location, tuple(free)))
     return tuple(candidates)
 
 

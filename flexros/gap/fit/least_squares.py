@@ -186,7 +186,7 @@ def fit(
         chi2, information = line.chi2, line.information
         if not np.isfinite(chi2) or not len(theta):
             break
-        predicted = _predicted_fall(line, _free(predictor, theta, line))
+        predicted = _predicted_fall(line, may_move(predictor, theta, line))
         if predicted < limit:
             converged = True
             break
@@ -265,8 +265,14 @@ def linearise(
     return Linearised(chi2, base, J, gradient + prior * theta, J.T @ J + np.diag(prior))
 
 
-def _free(predictor: Predictor, theta: FloatArray, line: Linearised) -> BoolArray:
-    """Return which parameters may move: all but those at a bound that would leave it."""
+def may_move(predictor: Predictor, theta: FloatArray, line: Linearised) -> BoolArray:
+    """Return which parameters may move: all but those at a bound that would leave it, shape (n_fitted,).
+
+    Args:
+        predictor: Predictor of the hypothesis.
+        theta: Parameters in the units of the fit, shape (n_fitted,).
+        line: The same, linearised.
+    """
     low, high = predictor.bounds
     free: BoolArray = ~((theta <= low) & (line.gradient > 0) | (theta >= high) & (line.gradient < 0))
     return free
@@ -304,7 +310,7 @@ def _bent(
     ahead = data.residuals(predictor, theta[:, None] + AHEAD * steps) - line.residual[:, None]
     second = line.slopes.T @ (ahead / AHEAD - line.slopes @ steps) * (2 / AHEAD)
     second[~np.isfinite(second)] = 0.0
-    free = _free(predictor, theta, line)
+    free = may_move(predictor, theta, line)
     for lane, damping in enumerate(dampings):
         information = (line.information + np.diag(damping))[np.ix_(free, free)]
         steps[free, lane] -= 0.5 * np.linalg.lstsq(information, second[free, lane], rcond=None)[0]
@@ -316,7 +322,7 @@ def _trial(
     predictor: Predictor, theta: FloatArray, line: Linearised, damping: FloatArray, longest: float
 ) -> FloatArray:
     """Take one damped step, limited to the longest one of the effects' parameters, shape (n_fitted,)."""
-    free = _free(predictor, theta, line)
+    free = may_move(predictor, theta, line)
     information = line.information + np.diag(damping)
     step = np.zeros(len(theta))
     step[free] = -np.linalg.lstsq(information[np.ix_(free, free)], line.gradient[free], rcond=None)[0]

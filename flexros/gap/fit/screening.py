@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexros.gap.fit.least_squares import may_move
 from flexros.gap.prediction.predictor import LANES
 
 if TYPE_CHECKING:
@@ -192,6 +193,9 @@ class Surroundings:
 def surroundings_of(fit: CandidateFit, line: Linearised, rows: IntArray, misfit: float = 1.0) -> Surroundings:
     """Reduce a linearised fit to some of its prediction errors.
 
+    Parameters at a bound that would leave it are held there. Moved by linear theory, a number of the model that is far
+    off pretends that its tolerance, moved still farther, gains all that a candidate gains.
+
     Args:
         fit: The fit.
         line: The same, linearised.
@@ -200,8 +204,13 @@ def surroundings_of(fit: CandidateFit, line: Linearised, rows: IntArray, misfit:
     """
     prior = np.zeros(len(fit.theta))
     prior[fit.predictor.n_effect :] = misfit
+    moves = may_move(fit.predictor, fit.theta, line)
     return Surroundings(
-        line.residual[rows], line.slopes[rows], prior, prior * fit.theta, len(line.residual) / max(len(rows), 1)
+        line.residual[rows],
+        line.slopes[rows] * moves,
+        prior,
+        prior * fit.theta * moves,
+        len(line.residual) / max(len(rows), 1),
     )
 
 

@@ -107,7 +107,7 @@ class Search:
         tool = self.data.tool is not None
         return tuple(
             candidate
-            for candidate in list_candidates(self.null.model.robot, self.scales)
+            for candidate in list_candidates(self.null.model.robot, self.scales, measured=self.data.record.imported)
             if self.competitors.contain(candidate) and (tool or not issubclass(candidate.effect, AbstractToolError))
         )
 

@@ -144,3 +144,31 @@ def test_a_saturation_vanishes_at_its_highest_limit() -> None:
     )
     (limit,) = saturation.free
     assert saturation.neutral(limit) == limit.bounds[1]
+
+
+def test_nominal_friction_may_be_far_too_large_in_logs_of_real_machines() -> None:
+    robot = load_robot("elbow")
+    nominal = robot.parameters["motor_1.viscous_friction"].value
+    simulated, measured = (
+        next(
+            one.free[0]
+            for one in list_candidates(robot, Scales({}), measured=real)
+            if one.name == "viscous_friction@motor_1"
+        )
+        for real in (False, True)
+    )
+    assert not simulated.signed
+    low, _ = (float(measured.decode(np.array(bound))) for bound in measured.bounds)
+    assert low == pytest.approx(-nominal)
+    assert measured.high >= simulated.high
+    assert set(simulated.starts) < set(measured.starts)
+    assert min(measured.starts) == pytest.approx(-0.9 * nominal)
+
+
+def test_without_nominal_friction_there_is_nothing_to_take_away() -> None:
+    (free, *_) = next(
+        one.free
+        for one in list_candidates(load_robot("two_mass"), Scales({}), measured=True)
+        if one.effect.name == "viscous_friction"
+    )
+    assert not free.signed

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 
-from flexros.gap.fit.least_squares import fit
-from flexros.gap.fit.screening import Surroundings
+from flexros.gap.fit.least_squares import Linearised, fit
+from flexros.gap.fit.screening import Surroundings, surroundings_of
 from tests.gap.diagnosis_logs import candidates_of, encoded, predictor_of, search_of
 
 TRUTH = ("coulomb_friction@motor_1:level=0.05", "stiffness_error@body_2.rz:relative=0.005")
@@ -53,3 +56,18 @@ def test_of_directions_that_do_the_same_one_is_selected() -> None:
     around = Surroundings(residual, np.zeros((500, 0)), np.zeros(0), np.zeros(0), 1.0)
     assert around.independent(changes, most=6, kept=0.5) == [0, 2]
     assert around.independent(changes, most=1, kept=0.5) == [0]
+
+
+@pytest.mark.parametrize(("deviation", "held"), [(5.0, True), (4.0, False)])
+def test_a_candidate_gains_what_a_pinned_tolerance_cannot(deviation: float, held: bool) -> None:
+    """A tolerated parameter that would go on beyond its bound must not pretend to gain what a candidate gains."""
+    rng = np.random.default_rng(2)
+    slope = rng.normal(size=400)
+    residual = rng.normal(size=400) - 10.0 * slope
+    line = Linearised(0.0, residual, slope[:, None], np.array([slope @ residual]), np.array([[slope @ slope]]))
+    predictor: Any = SimpleNamespace(n_effect=0, bounds=(np.array([-5.0]), np.array([5.0])))
+    pinned: Any = SimpleNamespace(predictor=predictor, theta=np.array([deviation]))
+    (scaled,), (unscaled,) = surroundings_of(pinned, line, np.arange(400)).gains(9.9 * slope[:, None])
+    removed = float(residual @ residual - (residual + 9.9 * slope) @ (residual + 9.9 * slope))
+    assert unscaled == pytest.approx(removed) if held else unscaled < 0.1 * removed
+    assert scaled > 0.9 * removed if held else scaled < 0.1 * removed
