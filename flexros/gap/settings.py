@@ -232,6 +232,13 @@ class SearchSettings(Settings):
         lt=1,
         description="the same on a real machine, where what no effect explains is part of what remains [1]",
     )
+    removed_of_floor: float = Field(
+        default=0.2,
+        ge=0,
+        lt=1,
+        description="share of the floor of one motor that every effect must remove on a real machine, where the floor "
+        "is a stated tolerance [1]",
+    )
     tried_orders: int = Field(
         default=5, ge=1, description="orders of a rotor that are fitted: the most prominent and the largest, each"
     )

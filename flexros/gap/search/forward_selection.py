@@ -215,9 +215,11 @@ def _pruned(search: Search, explanations: Explanations) -> Explanations:
 def _incomplete(search: Search, comparison: ModelComparison, chosen: CandidateFit) -> bool:
     """Return whether an explanation leaves more than noise or moves parameters beyond tolerance.
 
-    The floor of a real machine is a matter of tolerance, so that its explanations always leave something.
+    The floor of a real machine is a tolerance: above it something is left, and below it nothing that could be named.
     """
-    return comparison.significant(chosen) or comparison.beyond_tolerance(chosen) or search.data.record.imported
+    if search.data.record.imported:
+        return comparison.level(chosen) > 1.0
+    return comparison.significant(chosen) or comparison.beyond_tolerance(chosen)
 
 
 def _worth(
@@ -228,6 +230,9 @@ def _worth(
         return False
     if search.data.record.imported:
         removed = min(removed, search.settings.search.removed_of_all)
+        least = search.settings.search.removed_of_floor / search.data.record.position.shape[1]
+        if comparison.level(before) - comparison.level(after) < least:
+            return False
     relieved = after.prior_penalty < (1 - removed) * before.prior_penalty
     if comparison.beyond_tolerance(before) and relieved and not search.data.record.imported:
         return True
