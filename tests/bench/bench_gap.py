@@ -4,7 +4,8 @@ Prints a JSON list of rows. The log is that of the diagnosis experiment; the pla
 contain, and a row reports whether the verdict names it. Every robot is diagnosed in a process of its own, whose peak
 memory is reported. The peer of the prediction pass is the same predictor with one set of parameters at a time.
 
-`python -m tests.bench.bench_gap ROBOT` measures one robot only; six_axis takes minutes.
+`python -m tests.bench.bench_gap ROBOT` measures one robot only; six_axis takes minutes. `--limits` measures how long
+after a time limit the result of a crowd of effects on `elbow` is there, with its report.
 """
 
 from __future__ import annotations
@@ -15,6 +16,8 @@ import subprocess
 import sys
 import time
 from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,6 +30,7 @@ from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose, split
 from flexros.gap.prediction.predictor import LANES, Predictor
+from flexros.gap.report.files import write_diagnosis
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.settings import DiagnosisSettings
 from flexros.robot import load_robot
@@ -47,13 +51,22 @@ HIDDEN = {"four_mass_linear": 0.05, "e12": 0.5, "six_axis": 2.0}
 GOAL_S = {"four_mass_linear": 15.0, "e12": 60.0, "six_axis": 600.0}
 GOAL_GB = 1.5
 LENGTH = 40.0
-RUN_ALONE = "--alone"
+RUN_ALONE, LIMITED = "--alone", "--limits"
+CROWD = (
+    "coulomb_friction@motor_1:level=0.5",
+    "viscous_friction@motor_2:coefficient=0.01",
+    "stiffness_error@body_2.ry:relative=-0.08",
+    "motor_inertia_error@motor_1:relative=0.1",
+    "backlash@motor_2:gap=0.001",
+)
+"""Effects of `elbow` whose search takes longer than the limits."""
+LIMITS_S = (5.0, 10.0, 20.0, 30.0)
 
 
-def log_of(robot: Robot) -> Record:
-    """Record the diagnosis experiment, without disk."""
-    effect = f"coulomb_friction@{robot.joint_names[0]}:level={HIDDEN[robot.name]}"
-    keys = {"robot": robot.name, "seed": 1, "diagnosis.length": LENGTH, "plant.effects": [effect]}
+def log_of(robot: Robot, *effects: str) -> Record:
+    """Record the diagnosis experiment, without disk; default: with friction at the first motor."""
+    hidden = effects or (f"coulomb_friction@{robot.joint_names[0]}:level={HIDDEN[robot.name]}",)
+    keys = {"robot": robot.name, "seed": 1, "diagnosis.length": LENGTH, "plant.effects": list(hidden)}
     scenario = load_scenario("diagnosis").with_values(keys)
     return checked_log(closed_loop(Experiment.prepare(scenario)), robot, name="log")
 
@@ -73,6 +86,23 @@ def diagnosis_rows(robot: Robot) -> Iterator[dict[str, Any]]:
     yield row(case, "diagnosis, processor time", processor, "s")
     yield row(case, "largest memory", memory / 1e9, "GB", GOAL_GB)
     yield row(case, "verdict names the hidden effect alone (1: yes)", float(named), "1", 1.0)
+
+
+def limit_rows(robot: Robot) -> Iterator[dict[str, Any]]:
+    """Measure how long after a time limit the files of a partial diagnosis are there."""
+    record = log_of(robot, *CROWD)
+    for limit in LIMITS_S:
+        begin, used = time.perf_counter(), time.process_time()
+        result = diagnose(record, robot, settings=DiagnosisSettings(time_limit=limit))
+        with TemporaryDirectory() as folder:
+            write_diagnosis(result, robot.name, Path(folder) / "diagnosis")
+        late, used = time.perf_counter() - begin - limit, time.process_time() - used
+        case, closed = f"{robot.name}, limit of {limit:g} s", result.diagnosis.gap.closed_fraction
+        yield row(case, "files are there after the limit", late, "s", limit / 4 + 10)
+        yield row(case, "processor time of all", used, "s")
+        yield row(case, "ended by its limit (1: yes)", float(result.diagnosis.partial is not None), "1")
+        yield row(case, "effects found", len(result.patch), "1")
+        yield row(case, "share of the gap closed on held-out data", closed or 0.0, "1")
 
 
 def pass_rows(robot: Robot) -> Iterator[dict[str, Any]]:
@@ -126,6 +156,8 @@ def main(arguments: list[str]) -> None:
     rows: list[dict[str, Any]] = []
     if arguments[:1] == [RUN_ALONE]:
         rows += diagnosis_rows(load_robot(arguments[1]))
+    elif arguments[:1] == [LIMITED]:
+        rows += limit_rows(load_robot("elbow"))
     else:
         for name in arguments or list(HIDDEN):
             rows += pass_rows(load_robot(name))

@@ -328,7 +328,7 @@ class Search:
         null, settings = self.null.fit, self.settings.search
         surroundings = self.surroundings(null)
         additions = self.additions(directions, null, surroundings)
-        changes = np.stack([np.zeros(len(self.rows)), *(addition.change for addition in additions)], axis=-1)[:, 1:]
+        changes = np.array([addition.change for addition in additions]).reshape(-1, len(self.rows)).T
         together = surroundings.independent(changes, settings.most_effects, settings.kept_of_misfit)
         return max(surroundings.left(changes[:, together]) / self.data.n_values, 1.0)
 

@@ -128,6 +128,7 @@ def test_when_the_time_is_over_only_what_is_needed_is_done() -> None:
     assert search.directions(search.candidates()) == []
     assert search.harmonics(search.null.fit) == ()
     assert search.singles([]) == []
+    assert search.misfit([]) >= 1.0
 
 
 def test_one_candidate_is_fitted_even_when_the_time_is_over() -> None:
