@@ -374,15 +374,15 @@ class Search:
         predictor = self.null.predictor((*rest, *(addition.candidate for addition in additions)))
         return self._fit(predictor, theta, self.settings.fit.joint_iterations, quick=True)
 
-    def without(self, fit: CandidateFit, name: str) -> CandidateFit:
-        """Fit an explanation without one of its candidates.
+    def without(self, fit: CandidateFit, *names: str) -> CandidateFit:
+        """Fit an explanation without some of its candidates.
 
         Args:
             fit: The explanation.
-            name: Name of the candidate, effect@location.
+            names: Names of the candidates, effect@location.
         """
-        predictor = self.null.predictor(tuple(candidate for candidate in fit.hypothesis if candidate.name != name))
-        theta, iterations = fit.theta[~fit.columns((name,))], self.settings.fit.joint_iterations
+        predictor = self.null.predictor(tuple(candidate for candidate in fit.hypothesis if candidate.name not in names))
+        theta, iterations = fit.theta[~fit.columns(names)], self.settings.fit.joint_iterations
         return self._fit(predictor, theta, iterations, quick=True, finishing=True)
 
     def _final(self, predictor: Predictor, theta: FloatArray) -> CandidateFit:

@@ -122,7 +122,8 @@ def _grown(
 def _reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed: float) -> CandidateFit:
     """Leave out the effects without which hardly more is left, one after the other.
 
-    Effects that are indispensable by linear theory are not tried.
+    Effects that are indispensable by linear theory are not tried. Without time for fits, all are left out at once that
+    are needless by linear theory.
 
     Args:
         search: The search.
@@ -132,12 +133,12 @@ def _reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], remove
     """
     settings, n = search.settings.search, search.data.n_values
     while len(fit.hypothesis) > 1:
+        if search.deadline.stops_finishing():
+            return _without_needless(search, fit, fits, removed)
         rests = search.removals(fit, search.surroundings(fit))
         left = [max(rest.least / n - 1.0, 1e-12) for rest in rests]
         shares = [(rise - (fit.chi2 / n - 1.0)) / rise for rise in left]
         doubtful = [one.name for one, share in zip(fit.hypothesis, shares) if share < settings.indispensable]
-        if search.deadline.stops_finishing():
-            break
         without = search.parallel("effects left out", partial(search.without, fit), doubtful, needed=len(doubtful))
         fits += without
         comparison = _compare(search, unique(fits))
@@ -146,6 +147,28 @@ def _reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], remove
             break
         fit = min(needless, key=lambda rest: rest.chi2)
     return fit
+
+
+def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed: float) -> CandidateFit:
+    """Leave out at once all effects that are not worth their parameters by linear theory, but the best one.
+
+    Args:
+        search: The search.
+        fit: The fit.
+        fits: All fits so far; a new one is appended.
+        removed: Share of the remaining gap that every effect must remove [1].
+    """
+    surroundings, n = search.surroundings(fit), search.data.n_values
+    threshold, needless = _compare(search, [fit]).threshold, []
+    every, without = surroundings.least, [rest.least for rest in search.removals(fit, surroundings)]
+    for candidate, least in zip(fit.hypothesis, without):
+        gain = n * np.log(least / every) - len(candidate.free) * np.log(n)
+        if least < max(without) and (gain < threshold or least - every < removed * (least - n)):
+            needless.append(candidate.name)
+    if not needless:
+        return fit
+    fits.append(search.without(fit, *needless))
+    return fits[-1]
 
 
 def _exchanged(

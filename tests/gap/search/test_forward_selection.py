@@ -106,13 +106,16 @@ def test_the_best_explanation_so_far_is_the_answer(last: str) -> None:
     assert found.chosen.chi2 < 0.5 * found.null.chi2
 
 
-def test_what_is_needless_is_left_out_although_the_time_is_over() -> None:
+@pytest.mark.parametrize("abandoned", [False, True], ids=["time to finish", "no time at all"])
+def test_what_is_needless_is_left_out_although_the_time_is_over(abandoned: bool) -> None:
     search = search_of(FRICTION, among=SOME)
     directions = {one.candidate.name: one for one in search.directions(search.candidates())}
     friction = search.singles([directions["coulomb_friction@motor_1"]])[0]
     bias = search.additions([directions["torque_bias@motor_1"]], friction, search.surroundings(friction))
     grown = search.together(friction, bias)
     late = replace(search, deadline=Deadline(interrupted=lambda: True))
+    if abandoned:
+        late.deadline.abandon()
     assert _reduced(late, grown, [friction, grown], 0.4).names == friction.names
 
 
