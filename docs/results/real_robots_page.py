@@ -60,10 +60,11 @@ def page(found: Mapping[str, Found]) -> str:
     """Write the page.
 
     Args:
-        found: Content of the JSON file of each case that was run, by name; others are listed as not run.
+        found: Content of the JSON file of each case that was run, by name; other cases, and those that were interrupted
+            before their diagnosis, are listed as not run.
     """
-    done = [(case, found[case.name]) for case in CASES if case.name in found]
-    missing = [case.title for case in CASES if case.name not in found]
+    done = [(case, found[case.name]) for case in CASES if "diagnosis" in found.get(case.name, {})]
+    missing = [case.title for case in CASES if "diagnosis" not in found.get(case.name, {})]
     parts = [HEAD, SUMMARY, *_overview(done)]
     if missing:
         parts.append(f"\nNot run: {', '.join(missing)}.\n")
@@ -108,8 +109,8 @@ def _value(known: Known, diagnosis: Found) -> tuple[float | None, float | None]:
 
 
 def _overview(done: Sequence[tuple[Case, Found]]) -> Iterator[str]:
-    yield "| robot | verdict | named | with its size |" + "|".join(f" {way} " for way in WAYS.values())
-    yield " | time [s] | memory [GB] |\n" + "|---" * (6 + len(WAYS)) + "|\n"
+    yield f"| robot | verdict | named | with its size | {' | '.join(WAYS.values())} | time [s] | memory [GB] |\n"
+    yield "|---" * (6 + len(WAYS)) + "|\n"
     for case, content in done:
         diagnosis = content["diagnosis"]
         rows = agreement(case, diagnosis)
