@@ -17,6 +17,8 @@ WAYS = {"diagnosis": "diagnosis", "hand": "by hand", "least_squares": "least squ
 """Ways to a repaired model, with the headings of their columns."""
 NEAR = 0.25
 """Relative error up to which a size agrees with what is published (the goal)."""
+NAMED, LISTED = 0.5, 0.01
+"""Probability from which an effect counts as named, and from which it is listed [1]."""
 WORSE = -10.0
 """Share of the gap below which a repair counts as diverging: the number has no meaning there."""
 MOST = 12
@@ -50,8 +52,9 @@ zero the repair makes the prediction worse. Beside the diagnosis:
 SUMMARY = """
 ## Overview
 
-"Named" counts deviations that are published or follow from least squares: effect and joint, and with a size within 25 %
-of the stated range. Shares of the gap are the smallest and the largest of the logs that were not fitted.
+"Named" counts deviations that are published or follow from least squares: effect and joint, with a probability of at
+least 50 %, and with a size within 25 % of the stated range. Shares of the gap are the smallest and the largest of the
+logs that were not fitted.
 
 """
 
@@ -100,6 +103,8 @@ def _value(known: Known, diagnosis: Found) -> tuple[float | None, float | None]:
         if row["name"] == f"{known.joint}.{NUMBERS.get(known.kind, '-')}":
             return row["value"], row["std"]
     for cause in diagnosis.get("causes", ()):
+        if cause["probability"] < NAMED:
+            continue
         for effect, parameter in KINDS[known.kind]:
             if (cause["effect"], cause["location"]) == (effect, known.joint) and parameter in cause["parameters"]:
                 entry = cause["parameters"][parameter]
@@ -197,7 +202,7 @@ def _with_std(value: float, std: float | None, unit: str) -> str:
 
 
 def _causes(diagnosis: Found) -> Iterator[str]:
-    causes = diagnosis.get("causes", ())
+    causes = [cause for cause in diagnosis.get("causes", ()) if cause["probability"] >= LISTED]
     if not causes:
         yield "\nNo effect is named.\n"
         return

@@ -118,9 +118,15 @@ def test_effect_counts_from_the_robot_file_and_a_number_of_the_model_from_zero()
     inertia = {"name": "motor_1.inertia", "nominal": 0.0635, "value": 0.5, "std": 0.02, "unit": "kg m2"}
     rows = program("real_robots_page").agreement(case_of("quanser_stage_1"), {"causes": [], "model_numbers": [inertia]})
     assert [(found, near) for _, found, _, near in rows] == [(None, False), (0.5, True)]
-    viscous = {"effect": "viscous_friction", "location": "motor_1", "parameters": {"coefficient": value(-1.3, 0.1)}}
-    rows = program("real_robots_page").agreement(case_of("quanser_stage_2"), {"causes": [viscous]})
-    assert rows[1][1] == pytest.approx(0.2)
+    viscous = {
+        "effect": "viscous_friction",
+        "location": "motor_1",
+        "probability": 0.9,
+        "parameters": {"coefficient": value(-1.3, 0.1)},
+    }
+    stage_2, agreement = case_of("quanser_stage_2"), program("real_robots_page").agreement
+    assert agreement(stage_2, {"causes": [viscous]})[1][1] == pytest.approx(0.2)
+    assert agreement(stage_2, {"causes": [viscous | {"probability": 0.1}]})[1][1] is None
 
 
 def test_page_in_the_repository_is_that_of_its_json_files() -> None:
