@@ -141,7 +141,7 @@ def _range(content: Found, way: str) -> str:
     closed = [share for share in _closed(content, way) if share is not None]
     if not closed:
         return "-"
-    low, high = ("diverges" if share < WORSE else f"{100 * share:.0f}" for share in (min(closed), max(closed)))
+    low, high = ("diverges" if share < WORSE else f"{round(100 * share)}" for share in (min(closed), max(closed)))
     return low if high == "diverges" else f"{low} %" if low == high else f"{low} to {high} %"
 
 
@@ -193,7 +193,7 @@ def _share(gap: Found) -> str:
         return "-"
     if closed < WORSE:
         return "diverges"
-    text = f"{100 * closed:.1f} %"
+    text = f"{round(100 * closed, 1) + 0.0:.1f} %"  # never -0.0
     return f"{text} ({100 * interval[0]:.0f} to {100 * interval[1]:.0f})" if interval else text
 
 
