@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -158,12 +158,13 @@ def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit
         fits: All fits so far; a new one is appended.
         removed: Share of the remaining gap that every effect must remove [1].
     """
-    surroundings, n = search.surroundings(fit), search.data.n_values
-    threshold, needless = _compare(search, [fit]).threshold, []
+    surroundings, n, comparison = search.surroundings(fit), search.data.n_values, _compare(search, [fit])
     every, without = surroundings.least, [rest.least for rest in search.removals(fit, surroundings)]
+    needless = []
     for candidate, least in zip(fit.hypothesis, without):
-        gain = n * np.log(least / every) - len(candidate.free) * np.log(n)
-        if least < max(without) and (gain < threshold or least - every < removed * (least - n)):
+        cheaper = least * n ** (-len(candidate.free) / n)  # of the same score as with the parameters of the effect
+        before, after = replace(fit, chi2=cheaper), replace(fit, chi2=every)
+        if least < max(without) and not _worth(search, comparison, before, after, removed):
             needless.append(candidate.name)
     if not needless:
         return fit
