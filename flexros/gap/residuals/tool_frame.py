@@ -266,7 +266,7 @@ def _first_offset(path: ToolPath, measured: FloatArray, time: FloatArray, margin
     tried = np.linspace(-margin, margin, _TRIED)
     cost = []
     for tau in tried:
-        predicted = path.at(time + tau).position
+        predicted = path.position_at(time + tau)
         rotation, origin = _rigid_fit(predicted, measured)
         cost.append(float(np.median(np.linalg.norm(measured - predicted @ rotation.T - origin, axis=1))))
     best = int(np.argmin(cost))

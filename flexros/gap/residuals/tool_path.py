@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from flexros.arrays import FloatArray
+    from flexros.arrays import FloatArray, IntArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,8 +39,8 @@ class ToolPath:
 
     def __init__(self, position: FloatArray, orientation: FloatArray | None, sample_time: float) -> None:
         self._time = sample_time * np.arange(len(position))
-        axes = np.broadcast_to(np.eye(3), (len(position), 3, 3)) if orientation is None else _matrices(orientation)
-        self._values = np.hstack([position, np.reshape(axes, (len(position), 9))])
+        turning = [] if orientation is None else [_matrices(orientation).reshape(len(position), 9)]
+        self._values = np.hstack([position, *turning])
         self._rates = np.gradient(self._values, sample_time, axis=0)
 
     def at(self, time: FloatArray) -> PathPoints:
@@ -49,14 +49,35 @@ class ToolPath:
         Args:
             time: Times within the path [s], shape (m,).
         """
+        k, s = self._place(time)
+        values, rates = _hermite(self._values, self._rates * self._time[1], k, s), self._rates[k] * (1 - s)
+        rates += self._rates[k + 1] * s
+        m = len(time)
+        if values.shape[1] == 3:
+            return PathPoints(values, rates, np.broadcast_to(np.eye(3), (m, 3, 3)), np.zeros((m, 3, 3)))
+        return PathPoints(values[:, :3], rates[:, :3], values[:, 3:].reshape(m, 3, 3), rates[:, 3:].reshape(m, 3, 3))
+
+    def position_at(self, time: FloatArray) -> FloatArray:
+        """Interpolate the positions alone [m], shape (m, 3); as `at`.
+
+        Args:
+            time: Times within the path [s], shape (m,).
+        """
+        return _hermite(self._values[:, :3], self._rates[:, :3] * self._time[1], *self._place(time))
+
+    def _place(self, time: FloatArray) -> tuple[IntArray, FloatArray]:
+        """Return the sample before each time, shape (m,), and the share of the step from there, shape (m, 1)."""
         T = self._time[1]
         k = np.clip((time / T).astype(np.int64), 0, len(self._time) - 2)
-        s = (time / T - k)[:, None]
-        a, b, da, db = self._values[k], self._values[k + 1], self._rates[k] * T, self._rates[k + 1] * T
-        values = a * (1 + 2 * s) * (1 - s) ** 2 + da * s * (1 - s) ** 2 + b * s**2 * (3 - 2 * s) + db * s**2 * (s - 1)
-        rates = self._rates[k] * (1 - s) + self._rates[k + 1] * s
-        m = len(time)
-        return PathPoints(values[:, :3], rates[:, :3], values[:, 3:].reshape(m, 3, 3), rates[:, 3:].reshape(m, 3, 3))
+        return k, (time / T - k)[:, None]
+
+
+def _hermite(values: FloatArray, changes: FloatArray, k: IntArray, s: FloatArray) -> FloatArray:
+    """Interpolate cubically between values with their changes per step, shape (m, columns)."""
+    a, b, da, db = values[k], values[k + 1], changes[k], changes[k + 1]
+    return np.asarray(
+        a * (1 + 2 * s) * (1 - s) ** 2 + da * s * (1 - s) ** 2 + b * s**2 * (3 - 2 * s) + db * s**2 * (s - 1)
+    )
 
 
 def _matrices(quaternion: FloatArray) -> FloatArray:

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from flexros.arrays import IntArray
+
 _RECORD_HEAD = struct.Struct("<BQ")
 _SHORTEST_MESSAGE = MESSAGE_HEADER.itemsize - LENGTH_FIELD_END
 
@@ -152,14 +154,13 @@ class McapFileReader:
             return
         self._room -= max(0, len(data) - len(record))
         positions: list[int] = []
+        size, head, unpack = len(data), _RECORD_HEAD.size, _RECORD_HEAD.unpack_from
         position = 0
-        while position < len(data):
-            start = position + _RECORD_HEAD.size
-            opcode, length = _RECORD_HEAD.unpack_from(data, position) if start <= len(data) else (0, len(data))
-            if start + length > len(data):
-                self._warn(
-                    f"{where} is truncated inside, at its byte {position} of {len(data)}: everything before was read"
-                )
+        while position < size:
+            start = position + head
+            opcode, length = unpack(data, position) if start <= size else (0, size)
+            if start + length > size:
+                self._warn(f"{where} is truncated inside, at its byte {position} of {size}: everything before was read")
                 break
             if opcode == MESSAGE_OPCODE and length >= _SHORTEST_MESSAGE:
                 positions.append(position)
@@ -202,9 +203,25 @@ class McapFileReader:
     def _block(self, data: memoryview, positions: NDArray[np.int64]) -> MessageBlock:
         size = MESSAGE_HEADER.itemsize
         fitting = positions[positions + size <= len(data)]
-        heads = b"".join([data[p : p + size] for p in fitting.tolist()])
-        headers: NDArray[np.void] = np.frombuffer(heads, MESSAGE_HEADER)
+        headers: NDArray[np.void] = slices(data, fitting, size).view(MESSAGE_HEADER)[:, 0]
         whole = headers["length"] >= size - LENGTH_FIELD_END
         if (n_short := len(positions) - np.count_nonzero(whole)) > 0:
             self._warn(f"{self.path}: {n_short} message records are too short and were left out")
         return MessageBlock(data, headers[whole], fitting[whole] + size)
+
+
+def slices(data: bytes | memoryview, begins: IntArray, length: int) -> NDArray[np.uint8]:
+    """Copy slices of equal length out of bytes.
+
+    Args:
+        data: The bytes.
+        begins: First byte of each slice; all slices lie within `data`, shape (n,).
+        length: Bytes of a slice, at least one.
+
+    Returns:
+        Shape (n, length).
+    """
+    if not len(begins):
+        return np.zeros((0, length), np.uint8)
+    every: NDArray[np.void] = np.ndarray(len(data) - length + 1, dtype=f"V{length}", buffer=data, strides=1)
+    return every[begins].view(np.uint8).reshape(len(begins), length)

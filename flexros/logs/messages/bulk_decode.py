@@ -13,6 +13,7 @@ import numpy as np
 
 from flexros.input_limits import MOST_LAYOUTS
 from flexros.logs.mcap.chunk import LENGTH_FIELD_END, MESSAGE_HEADER
+from flexros.logs.mcap.file_reader import slices
 from flexros.logs.messages.cdr_cursor import MessageError
 from flexros.logs.skipped_messages import SkippedMessages
 
@@ -102,18 +103,20 @@ class TopicDecoder(Generic[L]):
             rows: Rows of the topic in the block.
             translate: Converts a message of another definition to the common one; None if it has that already.
         """
-        payloads = payloads_of(block, rows)
         order = self.n_messages + np.arange(len(rows))
         self.n_messages += len(rows)
         log_time = block.headers["log_time"][rows].astype(np.int64)
+        data: bytes | memoryview = block.data
+        begins, lengths = block.offsets[rows], block.headers["length"][rows].astype(np.int64) - _HEADER_SIZE
         if translate is not None:
+            payloads = payloads_of(block, rows)
             kept = [i for i, payload in enumerate(payloads) if self._translate(payloads, i, payload, translate)]
             payloads, order, log_time = [payloads[i] for i in kept], order[kept], log_time[kept]
-        lengths = np.fromiter(map(len, payloads), np.int64, len(payloads))
+            data, lengths = b"".join(payloads), np.fromiter(map(len, payloads), np.int64, len(payloads))
+            begins = np.cumsum(lengths) - lengths
         for length in np.unique(lengths).tolist():
             same = np.flatnonzero(lengths == length)
-            joined = np.frombuffer(b"".join([payloads[i] for i in same.tolist()]), np.uint8)
-            messages = joined.reshape(len(same), length)
+            messages = slices(data, begins[same], length) if length else np.zeros((len(same), 0), np.uint8)
             self._decode(messages, order[same], log_time[same])
 
     def _translate(self, payloads: list[bytes], i: int, payload: bytes, translate: Callable[[bytes], bytes]) -> bool:
