@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 import casadi as ca
@@ -11,12 +12,16 @@ import numpy as np
 from flexros.errors import InputError
 
 if TYPE_CHECKING:
-    from flexros.arrays import FloatArray
+    from flexros.arrays import FloatArray, IntArray
     from flexros.robot.symbolic.model import SymbolicModel
 
 TOLERANCE = 1e-9
 """Largest residual force, relative to the largest stiffness [N or Nm per m or rad]."""
 MAX_ITERATIONS = 100
+
+MOST_KEPT = 64
+"""Equilibria that a search remembers, as many parameters do not move them [1], chosen."""
+
 LARGEST_STEP = 0.2
 """Largest change of a coordinate in one step [rad or m] (chosen)."""
 
@@ -70,6 +75,26 @@ class EquilibriumSearch:
         Raises:
             InputError: The springs do not balance gravity.
         """
+        key = start.tobytes(), np.asarray(parameters, dtype=float)[self._moving].tobytes()
+        found = self._found.get(key)
+        if found is None:
+            if len(self._found) >= MOST_KEPT:
+                self._found.clear()
+            self._found[key] = found = self._searched(start, parameters, condition)
+        return Equilibrium(found.state.copy(), found.torque.copy())
+
+    @cached_property
+    def _moving(self) -> IntArray:
+        """Indices of the parameters on which the equilibrium depends."""
+        depending = [np.asarray(self._force.jac_sparsity(row, 1).get_col()) for row in range(self._force.n_out())]
+        return np.unique(np.concatenate(depending)).astype(np.int64)
+
+    @cached_property
+    def _found(self) -> dict[tuple[bytes, bytes], Equilibrium]:
+        """Equilibria found before."""
+        return {}
+
+    def _searched(self, start: FloatArray, parameters: FloatArray, condition: str) -> Equilibrium:
         q = start.copy()
         force, slope = self._evaluate(q, parameters)
         for _ in range(MAX_ITERATIONS):

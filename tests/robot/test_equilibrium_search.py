@@ -54,3 +54,18 @@ def test_values_without_equilibrium_are_reported() -> None:
     search = EquilibriumSearch(robot.symbolic(("body_1.ry.stiffness",)))
     with pytest.raises(InputError, match=r"robot elbow has no equilibrium with body_1\.ry\.stiffness = nan"):
         search.find(robot.equilibrium()[:4], np.array([np.nan]))
+
+
+def test_parameters_that_do_not_move_the_equilibrium_need_no_new_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    robot = load_robot("elbow")
+    names = ("body_2.mass", "motor_1.inertia")
+    search = EquilibriumSearch(robot.symbolic(names))
+    near = robot.equilibrium()[: robot.n_coordinates]
+    mass, inertia = (robot.parameters[name].value for name in names)
+    first = search.find(near, np.array([mass, inertia]))
+    heavy = search.find(near, np.array([1.1 * mass, inertia]))
+    assert not np.array_equal(first.state, heavy.state)
+    monkeypatch.setattr(search, "_evaluate", None)
+    again = search.find(near, np.array([mass, 2.0 * inertia]))
+    np.testing.assert_array_equal(again.state, first.state)
+    assert not np.shares_memory(again.state, first.state)
