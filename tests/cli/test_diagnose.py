@@ -63,7 +63,7 @@ def few_candidates(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let few effects compete, so that the answer comes soon."""
     names = {"coulomb_friction", "viscous_friction", "stiffness_error", "backlash"}
     every = search.list_candidates
-    few = lambda robot, sizes: tuple(one for one in every(robot, sizes) if one.effect.name in names)  # noqa: E731
+    few = lambda *given, **named: tuple(one for one in every(*given, **named) if one.effect.name in names)  # noqa: E731
     monkeypatch.setattr(search, "list_candidates", few)
 
 
