@@ -46,7 +46,7 @@ columns are the rms differences from the true positions. These are development s
 
 ARM = """<mujoco model="servo_arm">
   <compiler angle="radian" autolimits="true"/>
-  <option timestep="0.0005" gravity="0 0 -9.81" integrator="implicitfast"/>
+  <option timestep="0.0001" gravity="0 0 -9.81" integrator="implicitfast"/>
   <worldbody>
     <body name="turret" pos="0 0 0.2">
       <joint name="yaw" axis="0 0 1" {yaw}/>
@@ -100,7 +100,7 @@ class ServoArm:
             own = {name: values[k] for name, values in self.numbers.items()}
             words[joint] = (
                 f'armature="{own["armature"]}" damping="{own["damping"]}" frictionloss="{own["frictionloss"]}" '
-                'solreffriction="0.002 1"'
+                'solreffriction="0.0005 1"'
             )
             words[f"{joint}_servo"] = f'kp="{own["kp"]}" kv="{own["kv"]}" forcerange="-40 40"'
         return ARM.format(**words)
@@ -165,7 +165,7 @@ def run(model: Any, wanted: FloatArray, seed: int | None = None) -> FloatArray:
     """
     data = mujoco.MjData(model)
     data.ctrl[:] = wanted[0]
-    for _ in range(20_000):  # it begins at rest
+    for _ in range(100_000):  # it begins at rest
         mujoco.mj_step(model, data)
     substeps = round(1 / RATE / model.opt.timestep)
     positions = np.empty_like(wanted)
@@ -190,6 +190,14 @@ def log_of(wanted: FloatArray, positions: FloatArray) -> Log:
     )
 
 
+def robot_text(imported: str) -> str:
+    """Return an imported robot file with the rate and the noise of the logs, and tolerances of 1 %."""
+    text = imported.replace("sample_time: 0.0001", f"sample_time: {1 / RATE}").replace(
+        "tolerance: 0.03", "tolerance: 0.01"
+    )
+    return text.replace("bodies:", f"sensors: {{encoder_noise: {NOISE}}}\nbodies:", 1)
+
+
 def diagnosed(seed: int, folder: Path) -> tuple[Diagnosis, FloatArray]:
     """Diagnose the logs of a drawn arm.
 
@@ -202,9 +210,7 @@ def diagnosed(seed: int, folder: Path) -> tuple[Diagnosis, FloatArray]:
     """
     base, file, arm = folder / "nominal.xml", folder / "robot.yaml", drawn(seed)[0]
     base.write_text(ServoArm(NOMINAL).text, encoding="utf-8")
-    text = robot_from_mjcf(base).text.replace("sample_time: 0.0005", f"sample_time: {1 / RATE}")
-    text = text.replace("tolerance: 0.03", "tolerance: 0.01")
-    file.write_text(text.replace("bodies:", f"sensors: {{encoder_noise: {NOISE}}}\nbodies:", 1), encoding="utf-8")
+    file.write_text(robot_text(robot_from_mjcf(base).text), encoding="utf-8")
     known, truth = load_model(file), mujoco.MjModel.from_xml_string(arm.text)
     records = []
     for own in (seed, seed + 1000):

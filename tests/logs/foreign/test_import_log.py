@@ -254,3 +254,16 @@ def test_damaged_number_is_refused_with_its_row(mapping_of, table, write_csv, tm
     table["q"][6] = 1e200
     with pytest.raises(InputError, match="column 'q', row 7: 1e.200"):
         import_log(mapping_of(Q), [write_csv(tmp_path / "a.csv", table)])
+
+
+def test_positions_and_speeds_of_servos_are_commands(
+    mapping_of, table, write_csv, tmp_path: Path, assert_same_log
+) -> None:
+    command = {"column": "r", "quantity": "position_command", "unit": "deg"}
+    rate = {"column": "u", "quantity": "velocity_command", "unit": "rad/s"}
+    log = import_log(mapping_of(Q, command, rate), [write_csv(tmp_path / "a.csv", table)])
+    np.testing.assert_allclose(log.joint_commands.position[:, 0], np.deg2rad(table["r"]))
+    np.testing.assert_allclose(log.joint_commands.velocity[:, 0], table["u"])
+    assert log.joint_commands.effort is None
+    write_log(log, tmp_path / "bag")
+    assert_same_log(log, read_log(tmp_path / "bag"))

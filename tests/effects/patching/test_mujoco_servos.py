@@ -1,0 +1,60 @@
+"""Logs of MuJoCo's position actuators, without torques, against the robot file of their MJCF."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from flexros.effects.patching.patched_robot import load_model
+from flexros.gap.checked_log import checked_log
+from flexros.gap.measure_gap import MeasuredGap, measure_gap
+from flexros.robot.exchange.mjcf_import import robot_from_mjcf
+
+mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
+pytestmark = pytest.mark.slow
+
+SCRIPT = Path(__file__).parents[3] / "docs" / "results" / "mujoco_servos.py"
+
+
+@pytest.fixture(scope="module")
+def script() -> ModuleType:
+    specification = importlib.util.spec_from_file_location("mujoco_servos", SCRIPT)
+    assert specification is not None
+    assert specification.loader is not None
+    module = importlib.util.module_from_spec(specification)
+    sys.modules["mujoco_servos"] = module
+    specification.loader.exec_module(module)
+    return module
+
+
+def gap(script: ModuleType, folder: Path, **changed: tuple[float, ...]) -> MeasuredGap:
+    base, file = folder / "nominal.xml", folder / "robot.yaml"
+    base.write_text(script.ServoArm(script.NOMINAL).text)
+    file.write_text(script.robot_text(robot_from_mjcf(base).text))
+    model = mujoco.MjModel.from_xml_string(script.ServoArm({**script.NOMINAL, **changed}).text)
+    wanted, known = script.command(1, 4.0), load_model(file)
+    record = checked_log(script.log_of(wanted, script.run(model, wanted, 1)), known.robot, name="log")
+    return measure_gap(record, known)
+
+
+def test_imported_servos_predict_the_log_of_their_mjcf(script: ModuleType, tmp_path: Path) -> None:
+    found = gap(script, tmp_path)
+    assert not found.significant
+    assert found.numbers.before < 1.0
+
+
+def test_another_gain_is_a_gap(script: ModuleType, tmp_path: Path) -> None:
+    found = gap(script, tmp_path, kp=(60.0, 90.0, 32.0))
+    assert found.significant
+    assert found.numbers.before > 3.0
+
+
+def test_drawn_arms_differ_in_what_is_listed(script: ModuleType) -> None:
+    arm, causes = script.drawn(3)
+    numbers = {(name, joint) for name in arm.numbers for joint in range(3)}
+    changed = [(name, joint) for name, joint in numbers if arm.numbers[name][joint] != script.NOMINAL[name][joint]]
+    assert len(changed) == len(causes) == 5
