@@ -14,6 +14,7 @@ from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.null_fit import fit_null
+from flexros.gap.fit.unknown_numbers import unknown_numbers
 from flexros.gap.held_out.closed_loop_gap import closed_loop_gap
 from flexros.gap.held_out.predictions import prediction_of, tool_errors
 from flexros.gap.noise.autoregression import autoregressive_spectrum
@@ -22,6 +23,7 @@ from flexros.gap.progress import Stages
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.search.candidate_fits import prepare_search
 from flexros.gap.search.forward_selection import explain
+from flexros.gap.search.torque_start import base_fit, first_values, torque_start
 from flexros.gap.settings import DiagnosisSettings
 from flexros.gap.where.find import where
 from flexros.record.resampled import may_be_resampled, resampled
@@ -30,10 +32,12 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from flexros.gap.candidates.tolerance import Tolerance
+    from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.fit.null_fit import NullFit
     from flexros.gap.prediction.predicted_log import PredictedLog
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.result import DiagnosisResult
+    from flexros.gap.search.torque_start import TorqueStart
     from flexros.gap.where.find import Where
     from flexros.logs.time_series import Log
     from flexros.record.record import Record
@@ -81,9 +85,14 @@ def diagnose(
     fitted, held = (record, holdout) if holdout is not None else split(record, settings.fitted_share)
     _check_alike(fitted, held)
     held = resampled(held, fitted.sample_time)
+    tolerated = tolerance_of(model.robot, tolerance or {})
+    unknown = unknown_numbers(fitted, model, tolerated)
+    given, model = model, unknown.given_to(model)
+    tolerated = unknown.tolerated(tolerance_of(model.robot, tolerance or {}))
     data = fit_data(fitted, model, settings)
     held_data = fit_data(held, model, settings, measurement_in(held, model.robot, data.measurement, settings))
-    null = _null_fit(data, model, tolerance_of(model.robot, tolerance or {}), settings, deadline)
+    start = torque_start(fitted, model, tolerated)
+    null, base = _first_fits(data, model, tolerated, start, settings, deadline)
     held_data = held_data.with_tool_frame_of(null.fit.predictor, null.fit.theta)
     prediction = prediction_of(null.fit, null.data)
 
@@ -92,7 +101,7 @@ def diagnose(
     excess = None if settings.where is None or deadline.stops() else _where(null, prediction, settings)
 
     stages.begin("causes", 0.85)
-    explanations = explain(prepare_search(null, settings, stages.inner, deadline))
+    explanations = explain(prepare_search(null, settings, stages.inner, deadline, base))
 
     stages.begin("answer", 0.95)
     findings = findings_of(
@@ -100,6 +109,8 @@ def diagnose(
         null.data,
         held_data,
         explanations,
+        given=given,
+        unknown=unknown,
         tolerance=tolerance,
         settings=settings.ranking,
         complete=deadline.partial is None,
@@ -108,23 +119,36 @@ def diagnose(
 
     if log is not None and record.command is None:
         stages.begin("closed loop", 1.0)
-        repaired = model.with_effects(result.patch) if result.patch else None
-        signals = closed_loop_gap(log, model, repaired, begin=held_data.record.begin)
+        repaired = given.with_effects(result.patch) if result.patch else None
+        signals = closed_loop_gap(log, given, repaired, begin=held_data.record.begin)
         result = replace(result, signals=(*result.signals, *signals))
     stages.end()
     return result
 
 
-def _null_fit(
-    data: FitData, model: RobotWithEffects, tolerance: Tolerance, settings: DiagnosisSettings, deadline: Deadline
-) -> NullFit:
-    """Fit the nominal model; on a real machine with the prior weighed by what no candidate removes."""
+def _first_fits(
+    data: FitData,
+    model: RobotWithEffects,
+    tolerance: Tolerance,
+    start: TorqueStart | None,
+    settings: DiagnosisSettings,
+    deadline: Deadline,
+) -> tuple[NullFit, CandidateFit | None]:
+    """Fit the nominal model, and the effects that torques show.
+
+    On a real machine the prior of tolerances is weighed by what these effects leave, or what no candidate removes.
+    """
     null = fit_null(data, model, tolerance, settings.fit)
+    base = None if start is None else base_fit(null, first_values(start, null, settings), settings)
     if not (data.record.imported and tolerance.names):
-        return null
-    search = prepare_search(null, settings, deadline=deadline)
-    misfit = search.misfit(search.directions(search.candidates()))
-    return fit_null(replace(data, misfit=misfit), model, tolerance, settings.fit)
+        return null, base
+    if base is not None:
+        misfit = max(base.chi2 / data.n_values, 1.0)
+    else:
+        search = prepare_search(null, settings, deadline=deadline)
+        misfit = search.misfit(search.directions(search.candidates()))
+    null = fit_null(replace(data, misfit=misfit), model, tolerance, settings.fit, null.fit.theta)
+    return null, None if base is None else base_fit(null, base, settings)
 
 
 def _where(null: NullFit, prediction: PredictedLog, settings: DiagnosisSettings) -> Where:

@@ -143,6 +143,12 @@ class FitSettings(Settings):
         gt=0,
         description="the same for final fits [1]: intervals of slow effects are tighter than white residuals suggest",
     )
+    enough_level: float = Field(
+        default=1e-4,
+        ge=0,
+        description="fall of the mean squared prediction error below which a fit ends on a real machine, whose floor "
+        "is a tolerance [1]",
+    )
     hope: float = Field(
         default=10.0,
         gt=0,
@@ -164,6 +170,9 @@ class SearchSettings(Settings):
         default=(),
         description="motors, by name or by that of their joint, at which effects compete: there, in the springs up to "
         "the next motor and in their bodies; empty or all motors: everywhere, tool, base and `all` included",
+    )
+    compiled: int = Field(
+        default=8, ge=1, description="candidates that are compiled together: more of them predict more slowly"
     )
     steep: float = Field(
         default=0.5,
@@ -218,6 +227,9 @@ class SearchSettings(Settings):
         gt=0,
         lt=1,
         description="share of the remaining gap from which an effect is not tried to be left out, by linear theory [1]",
+    )
+    certain: float = Field(
+        default=2.5, ge=1, description="the same, over the share that an effect must remove [1]; the lower one counts"
     )
     removed: float = Field(
         default=0.4,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.compile.loop.prediction import PredictionLoop
+from flexros.prediction.integration_step import substeps
 from flexros.simulate.open_loop import feed_through
 from flexros.simulate.plant_model import PlantModel
 
@@ -15,8 +16,6 @@ if TYPE_CHECKING:
     from flexros.effects import RobotWithEffects
     from flexros.monitor.sample_stream import Window
 
-LONGEST_STEP = 5e-4
-"""Longest integration step [s]; lower rates need several steps per sample."""
 LOOK = 0.02
 """Initial time from which the speed of the motors is estimated [s] (chosen)."""
 MOVING = 5.0
@@ -45,7 +44,7 @@ class ObserverModel:
             self._plant.functions(feed_through(model.robot.n_motors)),
             sample_time=sample_time,
             delay=self._plant.delay,
-            substeps=max(1, int(np.ceil(sample_time / LONGEST_STEP - 1e-9))),
+            substeps=substeps(model.robot, sample_time, fast=any(law.effect.n_states for law in felt)),
         )
         self._none = np.zeros((0, 1))
         self.starts_in_motion = False

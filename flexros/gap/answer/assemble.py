@@ -181,7 +181,7 @@ def _diagnosis(
             "log": findings.data.record.name,
             "holdout": findings.held.record.name,
             "robot": findings.model.robot.name,
-            "robot_hash": findings.model.robot.model_hash,
+            "robot_hash": findings.given.robot.model_hash,
             **versions(),
             **settings.model_dump(mode="json"),
             **findings.tolerance,

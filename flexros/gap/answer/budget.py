@@ -6,10 +6,13 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from flexros.effects.kinds.law import AbstractLaw
 from flexros.effects.kinds.model_change import AbstractChangedValues
-from flexros.effects.kinds.relative_error import AbstractRelativeError
+from flexros.effects.rotor_inertia import RotorInertia
 from flexros.gap.candidates.candidate import names_of
-from flexros.gap.fit.estimates import parameters_of
+from flexros.gap.fit.estimates import fit_covariance, parameters_of
 from flexros.gap.held_out.prediction_gap import HORIZON, closed_fraction, errors_ahead, over_expected_floor
 from flexros.gap.schema import BudgetShare, ModelNumber, Unexplained
 from flexros.gap.where.motion import motion_of
@@ -50,7 +53,8 @@ class Budget:
 
 def class_of(effect: type[AbstractEffect]) -> str:
     """Return the class of an effect in a budget: its stage, or `MODEL_NUMBERS` for errors of parameters."""
-    return MODEL_NUMBERS if issubclass(effect, AbstractRelativeError) else _CLASSES.get(effect.stage, effect.stage)
+    number = issubclass(effect, AbstractChangedValues) and not issubclass(effect, AbstractLaw)
+    return MODEL_NUMBERS if number else _CLASSES.get(effect.stage, effect.stage)
 
 
 def joint_of(location: str, robot: Robot) -> str:
@@ -76,7 +80,7 @@ def budget_of(findings: Findings, before: AheadErrors, after: AheadErrors) -> Bu
     gap = before.mean - 1.0
     unexplained = _unexplained(findings, before, after)
     if gap <= 0 or not chosen.hypothesis:
-        return Budget(unexplained=unexplained)
+        return Budget(unexplained=unexplained, model_numbers=tuple(_estimated(findings)))
     shares = []
     for name, members in _members(chosen.hypothesis, robot):
         joint, cause_class, effect = name
@@ -150,8 +154,10 @@ def _model_numbers(findings: Findings) -> tuple[ModelNumber, ...]:
     numbers = []
     for candidate, parameters in zip(chosen.hypothesis, parameters_of(chosen, findings.data)):
         placed = candidate.placed({name: parameter.value for name, parameter in parameters.items()})
-        if not isinstance(placed.effect, AbstractChangedValues) or "relative" not in parameters:
+        if class_of(candidate.effect) != MODEL_NUMBERS:
             continue
+        assert isinstance(placed.effect, AbstractChangedValues)
+        (parameter,) = parameters.values()  # the values are linear in it
         for name, value in placed.effect.values(robot, candidate.location).items():
             nominal = robot.parameters[name].value
             if value != nominal:
@@ -161,8 +167,31 @@ def _model_numbers(findings: Findings) -> tuple[ModelNumber, ...]:
                         name=name,
                         nominal=nominal,
                         value=value,
-                        std=abs(nominal) * parameters["relative"].std,
+                        std=abs(value - nominal) / abs(parameter.value) * parameter.std,
                         unit=robot.parameters[name].unit,
                     )
                 )
-    return tuple(numbers)
+    return (*_estimated(findings), *numbers)
+
+
+def _estimated(findings: Findings) -> list[ModelNumber]:
+    """List the numbers that the robot file lacks, as the chosen explanation has them."""
+    chosen, robot = findings.explanations.chosen, findings.model.robot
+    tolerance = chosen.predictor.tolerance
+    variances = np.diag(fit_covariance(chosen, findings.data))[chosen.predictor.n_effect :]
+    relative = dict(zip(tolerance.names, np.array(tolerance.deviations) * np.sqrt(np.maximum(variances, 0.0))))
+    numbers = []
+    for placed in findings.unknown.fitted(chosen):
+        name, effect = f"{placed.location}.inertia", placed.effect
+        assert isinstance(effect, RotorInertia)
+        numbers.append(
+            ModelNumber(
+                location=placed.location,
+                name=name,
+                nominal=0.0,
+                value=effect.added,
+                std=float(relative[name]) * effect.added,
+                unit=robot.parameters[name].unit,
+            )
+        )
+    return numbers

@@ -10,6 +10,7 @@ import numpy as np
 from flexros.effects.encoder_quantization import EncoderQuantization
 from flexros.effects.kinds.base import PlacedEffect
 from flexros.gap.fit.estimates import placed_effects
+from flexros.gap.fit.unknown_numbers import UnknownNumbers
 from flexros.gap.held_out.prediction_gap import unknown_rounding
 from flexros.gap.schema import EffectLocation
 from flexros.gap.search.model_probability import RANKING, ModelComparison, allowing_for_doubt, compare
@@ -31,12 +32,14 @@ class Findings:
     """Fits of one log, and what the held-out log says of them.
 
     Attributes:
-        model: The nominal model.
+        model: The nominal model, with the numbers that the given one lacks.
         data: The fitted log.
         held: The held-out log.
         explanations: All fits, and the chosen one.
         held_comparison: The nominal model on the held-out log.
         held_chosen: The chosen explanation on the held-out log.
+        given: The nominal model as it was given.
+        unknown: The numbers that it lacks.
         quantizations: Encoders whose rounding matters and is not in the nominal model.
         tolerance: Relative tolerance of stiffness, inertia and damping [1]; those of the robot file where left out.
         settings: Thresholds and costs.
@@ -49,6 +52,8 @@ class Findings:
     explanations: Explanations
     held_comparison: ModelComparison
     held_chosen: CandidateFit
+    given: RobotWithEffects
+    unknown: UnknownNumbers = field(default_factory=UnknownNumbers)
     quantizations: tuple[Quantization, ...] = ()
     tolerance: Mapping[str, float] = field(default_factory=dict)
     settings: RankingSettings = RANKING
@@ -67,6 +72,8 @@ def findings_of(
     held: FitData,
     explanations: Explanations,
     *,
+    given: RobotWithEffects | None = None,
+    unknown: UnknownNumbers | None = None,
     tolerance: Mapping[str, float] | None = None,
     settings: RankingSettings = RANKING,
     complete: bool = True,
@@ -79,6 +86,8 @@ def findings_of(
         explanations=explanations,
         held_comparison=compare(held, on_held_out(explanations.null, held), settings=settings),
         held_chosen=on_held_out(explanations.chosen, held),
+        given=given or model,
+        unknown=unknown or UnknownNumbers(),
         quantizations=unknown_rounding(model, data.measurement),
         tolerance=dict(tolerance or {}),
         settings=settings,
@@ -207,10 +216,11 @@ def rank_key(name: str, findings: Findings, verdict: Verdict) -> tuple[float, fl
 
 
 def repair_of(findings: Findings) -> tuple[PlacedEffect, ...]:
-    """Return the effects that repair the model: those of the chosen explanation, and the rounding of encoders."""
+    """Return the effects that repair the model: unknown numbers, the chosen explanation, and rounding of encoders."""
     names = findings.model.robot.joint_names
     rounding = (PlacedEffect(EncoderQuantization(step=one.step), names[one.motor]) for one in findings.quantizations)
-    return (*placed_effects(findings.explanations.chosen), *rounding)
+    chosen = findings.explanations.chosen
+    return (*findings.unknown.fitted(chosen), *placed_effects(chosen), *rounding)
 
 
 def effect_location(name: str) -> EffectLocation:

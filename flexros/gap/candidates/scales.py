@@ -7,13 +7,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.record.missing_samples import bridged
+from flexros.record.smoothing import smooth_motion
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flexros.arrays import FloatArray
     from flexros.effects.kinds.ranges import Scale
+    from flexros.record.record import Record
     from flexros.robot import Robot
 
+CUTOFF = 20.0
+"""Highest frequency of the motion whose speeds are taken [Hz] (chosen)."""
 SMALLEST = 1e-9
 """Least size of a scale, for motors that do not move [its unit]."""
 
@@ -30,6 +36,9 @@ class Scales:
 
     def of(self, scale: Scale, location: str) -> float:
         """Return the size of a scale at a location; that of all motors where it is neither motor nor spring."""
+        if scale == "inertia":
+            speed = self._largest("speed", location)
+            return self._largest("torque", location) * self._largest("angle", location) / speed**2
         over, _, under = scale.partition("/")
         return self._largest(over, location) / (self._largest(under, location) if under else 1.0)
 
@@ -62,6 +71,22 @@ def scales_of(robot: Robot, states: FloatArray, torque: FloatArray) -> Scales:
     for motor in robot.motors:
         deflections[motor.name] = deflections[motor.joint.name]
     return Scales({"torque": torques, "speed": speeds, "angle": angles, "deflection": deflections})
+
+
+def scales_of_motors(robot: Robot, record: Record) -> Scales:
+    """Compute the scales of a log from the measured motion of its motors alone, without deflections.
+
+    Args:
+        robot: The robot.
+        record: The log.
+    """
+    position = bridged(record.position, record.valid)
+    speed = smooth_motion(position, record.sample_time, min(CUTOFF, 0.1 / record.sample_time))[1]
+    names = robot.joint_names
+    torques = {name: max(float(np.abs(record.torque[:, motor]).max()), SMALLEST) for motor, name in enumerate(names)}
+    speeds = {name: _largest(speed[:, motor]) for motor, name in enumerate(names)}
+    angles = {name: max(float(np.ptp(position[:, motor])), SMALLEST) for motor, name in enumerate(names)}
+    return Scales({"torque": torques, "speed": speeds, "angle": angles, "deflection": dict.fromkeys(names, SMALLEST)})
 
 
 def _largest(values: FloatArray) -> float:

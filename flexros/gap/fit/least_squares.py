@@ -130,7 +130,7 @@ def chi2_of(predictor: Predictor, data: FitData, thetas: FloatArray) -> FloatArr
 
 
 def initial_values(predictor: Predictor, most: int = FIT.most_starts) -> FloatArray:
-    """List initial values of a hypothesis: all combinations of those of its parameters, or `most` evenly spread.
+    """List initial values of a hypothesis.
 
     Args:
         predictor: Predictor of the hypothesis.
@@ -139,11 +139,25 @@ def initial_values(predictor: Predictor, most: int = FIT.most_starts) -> FloatAr
     Returns:
         Parameters in the units of the fit, tolerated deviations zero, shape (n_fitted, n_combinations).
     """
-    combinations = [sum(parts, ()) for parts in product(*(candidate.starts() for candidate in predictor.hypothesis))]
-    grid = np.array(combinations, dtype=float).reshape(len(combinations), predictor.n_effect)
-    kept = np.unique(np.linspace(0, len(grid) - 1, min(len(grid), most)).round().astype(int))
-    values = grid[kept].T
+    values = starts_of(predictor.hypothesis, most)
     return np.vstack([values, np.zeros((len(predictor.tolerance.names), values.shape[1]))])
+
+
+def starts_of(hypothesis: Hypothesis, most: int = FIT.most_starts) -> FloatArray:
+    """List all combinations of the initial values of some candidates, or `most` of them, evenly spread.
+
+    Args:
+        hypothesis: The candidates.
+        most: Largest number of combinations.
+
+    Returns:
+        Their parameters in the units of the fit, shape (n_effect, n_combinations).
+    """
+    combinations = [sum(parts, ()) for parts in product(*(candidate.starts() for candidate in hypothesis))]
+    n_effect = sum(len(candidate.free) for candidate in hypothesis)
+    grid = np.array(combinations, dtype=float).reshape(len(combinations), n_effect)
+    kept = np.unique(np.linspace(0, len(grid) - 1, min(len(grid), most)).round().astype(int))
+    return grid[kept].T
 
 
 def fit(
@@ -178,15 +192,22 @@ def fit(
         stop: Asked after each iteration; True ends the fit where it is.
     """
     limit = settings.enough if enough is None else enough
+    if data.measurement.signal_tolerance:
+        limit = max(limit, settings.enough_level * data.n_values)
     theta = np.clip(np.array(start, dtype=float), *predictor.bounds)
     chi2, information, converged, done = np.inf, np.zeros((0, 0)), False, 0
+    slopes, many = tolerance_slopes, len(predictor.tolerance.names) >= LANES
     while done < iterations:
         done += 1
-        line = linearise(predictor, data, theta, tolerance_slopes)
+        line = linearise(predictor, data, theta, slopes)
+        exact = slopes is tolerance_slopes
         chi2, information = line.chi2, line.information
         if not np.isfinite(chi2) or not len(theta):
             break
         predicted = _predicted_fall(line, may_move(predictor, theta, line))
+        if predicted < limit and not exact:
+            slopes = None
+            continue
         if predicted < limit:
             converged = True
             break
@@ -200,9 +221,12 @@ def fit(
                 best_theta, chi2 = trials[:, best], float(sums[best])
             if before - chi2 > (KEPT * predicted if done > STRAIGHT else limit):
                 break
+        if tolerance_slopes is None and many:
+            # of many tolerated deviations the slopes change little: those of the last step serve while they do
+            slopes = line.slopes[:, predictor.n_effect :] if before - chi2 > max(KEPT * predicted, limit) else None
         del line, trials  # slopes are the largest arrays of a fit
         theta = best_theta
-        if before - chi2 < limit:
+        if before - chi2 < limit and exact:
             converged = True
             break
         if done < iterations and stop is not None and stop():

@@ -8,11 +8,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.fit.least_squares import FIT, CandidateFit, fit
+from flexros.gap.prediction.compiled_plant import CompiledPlant
 from flexros.gap.prediction.predictor import Predictor
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.arrays import FloatArray
     from flexros.effects import RobotWithEffects
-    from flexros.gap.candidates.candidate import Hypothesis
+    from flexros.gap.candidates.candidate import Candidate, Hypothesis
     from flexros.gap.candidates.tolerance import Tolerance
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.settings import FitSettings
@@ -32,12 +36,30 @@ class NullFit:
     data: FitData
     fit: CandidateFit
 
-    def predictor(self, hypothesis: Hypothesis) -> Predictor:
-        """Build the predictor of a hypothesis for the same log and tolerance."""
-        return _predictor(self.data, self.model, hypothesis, self.fit.predictor.tolerance)
+    def predictor(self, hypothesis: Hypothesis, plant: CompiledPlant | None = None) -> Predictor:
+        """Build the predictor of a hypothesis for the same log and tolerance.
+
+        Args:
+            hypothesis: The hypothesis.
+            plant: A plant that may hold its laws already.
+        """
+        return _predictor(self.data, self.model, hypothesis, self.fit.predictor.tolerance, plant)
+
+    def plant(self, candidates: Sequence[Candidate]) -> CompiledPlant:
+        """Compile a plant for all hypotheses that contain no other candidates than these."""
+        tolerance, record = self.fit.predictor.tolerance, self.data.record
+        return CompiledPlant(
+            self.model, candidates, tolerance, record.sample_time, measured_torque=record.measured_torque
+        )
 
 
-def fit_null(data: FitData, model: RobotWithEffects, tolerance: Tolerance, settings: FitSettings = FIT) -> NullFit:
+def fit_null(
+    data: FitData,
+    model: RobotWithEffects,
+    tolerance: Tolerance,
+    settings: FitSettings = FIT,
+    start: FloatArray | None = None,
+) -> NullFit:
     """Fit the nominal model, whose tolerated deviations alone are free.
 
     Args:
@@ -45,15 +67,25 @@ def fit_null(data: FitData, model: RobotWithEffects, tolerance: Tolerance, setti
         model: The nominal model.
         tolerance: Parameters of the robot that are known with a tolerance only.
         settings: Settings of the fit.
+        start: Tolerated deviations to begin with [1], shape (n_tolerated,); default: none.
     """
     predictor = _predictor(data, model, (), tolerance)
-    null = fit(predictor, data, np.zeros(predictor.n_fitted), settings.null_iterations, settings=settings)
+    first = np.zeros(predictor.n_fitted) if start is None else start
+    null = fit(predictor, data, first, settings.null_iterations, settings=settings)
     if data.tool is not None and predictor.n_fitted:
         data = data.with_tool_frame_of(predictor, null.theta)
         null = fit(predictor, data, null.theta, settings.null_iterations, settings=settings)
     return NullFit(model, data, null)
 
 
-def _predictor(data: FitData, model: RobotWithEffects, hypothesis: Hypothesis, tolerance: Tolerance) -> Predictor:
+def _predictor(
+    data: FitData,
+    model: RobotWithEffects,
+    hypothesis: Hypothesis,
+    tolerance: Tolerance,
+    plant: CompiledPlant | None = None,
+) -> Predictor:
     record = data.record
-    return Predictor(model, hypothesis, tolerance, record.sample_time, measured_torque=record.measured_torque)
+    return Predictor(
+        model, hypothesis, tolerance, record.sample_time, measured_torque=record.measured_torque, plant=plant
+    )

@@ -33,7 +33,7 @@ HUGE = 1e15
 
 @dataclass(frozen=True, eq=False)
 class Directions:
-    """Changes of the weighted prediction errors of the nominal model by a candidate, one per initial value.
+    """Changes of the weighted prediction errors by a candidate in addition to a fit, one per initial value.
 
     Attributes:
         candidate: The candidate.
@@ -51,21 +51,26 @@ class Directions:
 def directions_of(
     predictor: Predictor,
     data: FitData,
-    starts: FloatArray,
-    null_residual: FloatArray,
+    theta: FloatArray,
+    own: FloatArray,
+    residual: FloatArray,
     rows: IntArray,
     stop: Callable[[], bool] = lambda: False,
 ) -> Directions:
-    """Predict a log with every initial value of one candidate.
+    """Predict a log with every initial value of one candidate in addition to a fit.
 
     Args:
-        predictor: Predictor of the candidate alone.
+        predictor: Predictor of the fit and the candidate, which comes last.
         data: Log and weights.
-        starts: Initial values of its parameters and of the tolerated deviations, shape (n_fitted, n_starts).
-        null_residual: Weighted prediction errors of the nominal model, shape (n_values,).
+        theta: Parameters of the fit, shape (n_fitted,).
+        own: Initial values of the candidate, shape (n_free, n_starts).
+        residual: Weighted prediction errors of the fit, shape (n_values,).
         rows: Prediction errors that are kept, shape (n_rows,).
         stop: Asked between predictions; True leaves out the initial values that were not predicted until then.
     """
+    before = predictor.n_effect - len(own)
+    others = np.repeat(theta[:, None], own.shape[1], axis=1)
+    starts = np.vstack([others[:before], own, others[before:]])
     changes = np.empty((len(rows), starts.shape[1]), dtype=np.float32)
     usable = np.zeros(starts.shape[1], dtype=bool)
     for begin in range(0, starts.shape[1], LANES):
@@ -73,11 +78,11 @@ def directions_of(
             starts, changes, usable = starts[:, :begin], changes[:, :begin], usable[:begin]
             break
         group = slice(begin, min(begin + LANES, starts.shape[1]))
-        change = data.residuals(predictor, starts[:, group])[rows] - null_residual[rows, None]
+        change = data.residuals(predictor, starts[:, group])[rows] - residual[rows, None]
         with np.errstate(invalid="ignore"):
             usable[group] = np.all(np.abs(change) < HUGE, axis=0)
         changes[:, group] = np.where(usable[group], change, 0.0)
-    return Directions(predictor.hypothesis[0], starts[: predictor.n_effect], changes, usable)
+    return Directions(predictor.hypothesis[-1], own, changes, usable)
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,36 +6,29 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.compile.loop.prediction import LoopPrediction, PredictionLoop
-from flexros.effects import PlacedLaw
 from flexros.effects.kinds.command_law import AbstractCommandLaw
 from flexros.effects.kinds.law import AbstractLaw
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.errors import InputError
+from flexros.gap.prediction.compiled_plant import LANES, CompiledPlant, is_law
 from flexros.gap.prediction.fractional_delay import delayed
 from flexros.gap.prediction.servo_lead import servo_leads
-from flexros.simulate.open_loop import feed_through
-from flexros.simulate.plant_model import PlantModel
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from flexros.arrays import FloatArray, IntArray
+    from flexros.compile.loop.prediction import LoopPrediction
     from flexros.effects import RobotWithEffects
     from flexros.gap.candidates.candidate import Candidate, Hypothesis
     from flexros.gap.candidates.tolerance import Tolerance
     from flexros.prediction.observer import ObserverGain
     from flexros.record.record import Record
-    from flexros.robot import Robot
 
 FARTHEST = 5.0
 """Largest tolerated deviation, in standard deviations of the tolerance [1] (chosen)."""
 MOST_LOGARITHM = 50.0
 """Largest logarithm of a factor on a parameter of the robot, for fits that diverge [1] (chosen)."""
-LANES = 8
-"""Parameter sets that are predicted in parallel."""
-LONGEST_STEP = 5e-4
-"""Longest integration step [s]; logs of lower rates take several steps per sample."""
 
 
 class Predictor:
@@ -51,6 +44,7 @@ class Predictor:
         tolerance: Parameters of the robot that may deviate.
         sample_time: Time between two samples [s].
         measured_torque: Whether the torques of the log were measured at the motors, after the nominal delay.
+        plant: The same model compiled with more candidates; it is used where it covers the hypothesis.
     """
 
     def __init__(
@@ -61,24 +55,15 @@ class Predictor:
         sample_time: float,
         *,
         measured_torque: bool = False,
+        plant: CompiledPlant | None = None,
     ) -> None:
-        self.robot = robot = model.robot
+        self.robot = model.robot
         self.hypothesis, self.tolerance = hypothesis, tolerance
         self.sample_time = sample_time
+        if plant is None or not plant.covers(hypothesis):
+            plant = CompiledPlant(model, hypothesis, tolerance, sample_time, measured_torque=measured_torque)
+        self.plant, self.model, self.loop = plant, plant.model, plant.loop
         self._parameters = [(candidate, one) for candidate in hypothesis for one in candidate.free]
-        laws = [_law(place, one) for place, one in enumerate(hypothesis) if _is_law(one)]
-        self._law_names = [name for law in laws for name in law.parameters]
-        self._values = [one for one in hypothesis if issubclass(one.effect, AbstractChangedValues) and not _delays(one)]
-        changed = [name for one in self._values for name in _changed(robot, one)]
-        self._robot_names = sorted({*changed, *tolerance.names})
-        self.model = PlantModel(robot, (*_felt(model.laws), *laws), [*self._robot_names, *self._law_names])
-        self.loop = PredictionLoop(
-            self.model.functions(feed_through(robot.n_motors)),
-            sample_time=sample_time,
-            delay=0.0 if measured_torque else self.model.delay,
-            substeps=max(1, int(np.ceil(sample_time / LONGEST_STEP - 1e-9))),
-            lanes=LANES,
-        )
 
     @property
     def n_effect(self) -> int:
@@ -201,23 +186,22 @@ class Predictor:
     def _column(self, theta: FloatArray) -> FloatArray:
         """Return the parameters of the plant for one set of encoded parameters."""
         values = self.values(theta)
-        robot = dict.fromkeys(self._robot_names, 1.0)
+        robot = dict.fromkeys(self.plant.robot_names, 1.0)
         for name, sd, deviation in zip(self.tolerance.names, self.tolerance.deviations, theta[self.n_effect :]):
             robot[name] *= float(np.exp(np.clip(sd * deviation, -MOST_LOGARITHM, MOST_LOGARITHM)))
         nominal = {name: self.robot.parameters[name].value for name in robot}
         robot = {name: factor * nominal[name] for name, factor in robot.items()}
-        laws: list[float] = []
+        laws: list[tuple[Candidate, AbstractLaw | None]] = []
         for candidate, numbers in zip(self.hypothesis, values):
-            placed = candidate.placed(numbers)
-            if candidate in self._values:
-                assert isinstance(placed.effect, AbstractChangedValues)
-                for name, value in placed.effect.values(self.robot, placed.location).items():
+            effect = candidate.placed(numbers).effect
+            if is_law(candidate):
+                assert isinstance(effect, AbstractLaw)
+                laws.append((candidate, None if self._cut_off_before(candidate) else effect))
+            elif not _delays(candidate):
+                assert isinstance(effect, AbstractChangedValues)
+                for name, value in effect.values(self.robot, candidate.location).items():
                     robot[name] += value - nominal[name]
-            elif _is_law(candidate):
-                assert isinstance(placed.effect, AbstractLaw)
-                own = placed.effect.parameter_values
-                laws += dict.fromkeys(own, 0.0).values() if self._cut_off_before(candidate) else own.values()
-        return np.array([*robot.values(), *laws])
+        return np.array([*robot.values(), *self.plant.law_parameters(laws)])
 
     def _rest(self, near: FloatArray, column: FloatArray) -> FloatArray:
         """Find the equilibrium of the plant near a state; return that state where there is none."""
@@ -280,28 +264,5 @@ class Predictor:
         return cuts and any(one.location in ("all", candidate.location) for one in delays)
 
 
-def _is_law(candidate: Candidate) -> bool:
-    return issubclass(candidate.effect, AbstractLaw) and not _delays(candidate)
-
-
-def _law(place: int, candidate: Candidate) -> PlacedLaw:
-    """Build the law of a candidate under a name that no law of the nominal model has."""
-    placed = candidate.typical()
-    assert isinstance(placed.effect, AbstractLaw)
-    return PlacedLaw(f"candidate {place}", placed.effect, placed.location)
-
-
-def _felt(laws: Sequence[PlacedLaw]) -> list[PlacedLaw]:
-    """Leave out quantization, which is part of the noise of a predictor."""
-    return [law for law in laws if not law.effect.as_noise]
-
-
 def _delays(candidate: Candidate) -> bool:
     return candidate.effect.delays_commands
-
-
-def _changed(robot: Robot, candidate: Candidate) -> tuple[str, ...]:
-    """Return the names of the parameters of the robot that an effect changes."""
-    placed = candidate.typical()
-    assert isinstance(placed.effect, AbstractChangedValues)
-    return tuple(placed.effect.values(robot, candidate.location))

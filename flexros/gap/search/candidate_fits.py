@@ -4,23 +4,26 @@ from __future__ import annotations
 
 import os
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from flexros.effects import effects
+from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.effects.kinds.tool_error import AbstractToolError
 from flexros.gap.candidates.candidate import list_candidates
 from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.scales import scales_of
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.estimates import placed_effects
-from flexros.gap.fit.least_squares import CandidateFit, best_of, chi2_of, initial_values, linearise
+from flexros.gap.fit.least_squares import CandidateFit, best_of, chi2_of, linearise, starts_of
 from flexros.gap.fit.least_squares import fit as fit_candidate
 from flexros.gap.fit.pruning import without_least_parameter
 from flexros.gap.fit.screening import directions_of, surroundings_of, switched_off
 from flexros.gap.fit.tolerance_takeover import with_takeover
+from flexros.gap.fit.unknown_numbers import UNCERTAIN
+from flexros.gap.prediction.compiled_plant import LANES, grouped
 from flexros.gap.search.harmonic_candidates import harmonic_candidates, neighbouring_orders
 from flexros.gap.settings import DiagnosisSettings
 from flexros.random_streams import generator
@@ -36,6 +39,7 @@ if TYPE_CHECKING:
     from flexros.gap.candidates.scales import Scales
     from flexros.gap.fit.null_fit import NullFit
     from flexros.gap.fit.screening import Directions, Surroundings
+    from flexros.gap.prediction.compiled_plant import CompiledPlant
     from flexros.gap.prediction.predictor import Predictor
     from flexros.gap.residuals.fit_data import FitData
 
@@ -72,7 +76,8 @@ class Search:
 
     Attributes:
         null: The fitted nominal model, with log and weights.
-        null_residual: Its weighted prediction errors, shape (n_values,).
+        base: The fit around which candidates are screened: that of the nominal model, or of what the torques show.
+        base_residual: Its weighted prediction errors, shape (n_values,).
         tolerance_slopes: Derivatives of these errors to the tolerated deviations, shape (n_values, n_tolerated); None
             where nothing is tolerated.
         scales: Largest torques, speeds and deflections of the log.
@@ -86,7 +91,8 @@ class Search:
     """
 
     null: NullFit
-    null_residual: FloatArray
+    base: CandidateFit
+    base_residual: FloatArray
     tolerance_slopes: FloatArray | None
     scales: Scales
     rows: IntArray
@@ -108,7 +114,9 @@ class Search:
         return tuple(
             candidate
             for candidate in list_candidates(self.null.model.robot, self.scales, measured=self.data.record.imported)
-            if self.competitors.contain(candidate) and (tool or not issubclass(candidate.effect, AbstractToolError))
+            if self.competitors.contain(candidate)
+            and self._known(candidate)
+            and (tool or not issubclass(candidate.effect, AbstractToolError))
         )
 
     def harmonics(self, fit: CandidateFit) -> tuple[Candidate, ...]:
@@ -121,15 +129,41 @@ class Search:
         found = harmonic_candidates(robot, self.data, fit.residual(self.data), fit.states(self.data), settings)
         return tuple(candidate for candidate in found if self.competitors.contain(candidate))
 
-    def directions(self, candidates: Sequence[Candidate]) -> list[Directions]:
-        """Predict the log with every initial value of the candidates."""
-        return self.parallel("candidates", self._directions, candidates)
+    def _known(self, candidate: Candidate) -> bool:
+        """Whether the parameters that a candidate changes are known well enough for an error of them to be a cause."""
+        if not issubclass(candidate.effect, AbstractChangedValues):
+            return True
+        effect = candidate.typical().effect
+        assert isinstance(effect, AbstractChangedValues)
+        tolerance = self.null.fit.predictor.tolerance
+        deviations = dict(zip(tolerance.names, tolerance.deviations, strict=True))
+        changed = effect.values(self.null.model.robot, candidate.location)
+        return not changed or min(deviations.get(name, 0.0) for name in changed) < UNCERTAIN
 
-    def _directions(self, candidate: Candidate) -> Directions:
-        predictor = self.null.predictor((candidate,))
-        starts = initial_values(predictor, self.settings.fit.most_starts)
-        starts[predictor.n_effect :] = self.null.fit.deviations[:, None]
-        return directions_of(predictor, self.data, starts, self.null_residual, self.rows, self.deadline.stops)
+    def directions(self, candidates: Sequence[Candidate]) -> list[Directions]:
+        """Predict the log with every initial value of the candidates that the base lacks."""
+        new = [candidate for candidate in candidates if candidate.name not in self.base.names]
+        plants = self.plants(self.base, new)
+        return self.parallel("candidates", self._directions, [(one, plants[one]) for one in new])
+
+    def plants(self, fit: CandidateFit, candidates: Sequence[Candidate]) -> dict[Candidate, CompiledPlant]:
+        """Compile plants of a fit with each of some candidates, several candidates at a time.
+
+        Args:
+            fit: The fit.
+            candidates: The candidates.
+        """
+        groups = grouped(tuple(dict.fromkeys(candidates)), self.settings.search.compiled)
+        plants = [self.null.plant((*fit.hypothesis, *group)) for group in groups]
+        return {one: plant for group, plant in zip(groups, plants, strict=True) for one in group}
+
+    def _directions(self, pair: tuple[Candidate, CompiledPlant]) -> Directions:
+        candidate, plant = pair
+        of_null = self.base is self.null.fit
+        own = starts_of((candidate,), self.settings.fit.most_starts if of_null else LANES)
+        predictor = self.null.predictor((*self.base.hypothesis, candidate), plant)
+        theta, residual, stops = self.base.theta, self.base_residual, self.deadline.stops
+        return directions_of(predictor, self.data, theta, own, residual, self.rows, stops)
 
     def singles(self, directions: Sequence[Directions]) -> list[CandidateFit]:
         """Fit the candidates that promise most, each alone: all for a few iterations, the best ones to the end.
@@ -175,12 +209,13 @@ class Search:
         values = simple.predictor.values(simple.theta)[0]
         shared = candidate.effect.extends[simple.hypothesis[0].effect.name]
         predictor = self.null.predictor((candidate,))
-        starts = initial_values(predictor, self.settings.fit.most_starts)
+        own = starts_of((candidate,), self.settings.fit.most_starts)
         for index, free in enumerate(candidate.free):
             if free.name in shared:
-                starts[index] = free.encode(values[shared[free.name]])
-        starts[predictor.n_effect :] = simple.deviations[:, None]
-        return self._from_grid(predictor, np.unique(starts, axis=1))
+                own[index] = free.encode(values[shared[free.name]])
+        own = np.unique(own, axis=1)
+        deviations = np.repeat(simple.deviations[:, None], own.shape[1], axis=1)
+        return self._from_grid(predictor, np.vstack([own, deviations]))
 
     def _from_grid(self, predictor: Predictor, starts: FloatArray) -> CandidateFit:
         """Fit from the best initial value, and from the second best unless that converges at once."""
@@ -277,7 +312,7 @@ class Search:
         n = self.data.n_values
         while (fewer := without_least_parameter(fit)) is not None and not self.deadline.stops_finishing():
             hypothesis, theta = fewer
-            pruned = self._final(self.null.predictor(hypothesis), theta)
+            pruned = self._final(self.null.predictor(hypothesis, fit.predictor.plant), theta)
             if not n * np.log(pruned.chi2 / fit.chi2) < np.log(n):
                 break
             fit = pruned
@@ -311,7 +346,7 @@ class Search:
                 changed = tuple(shaped if one is candidate else one for one in fit.hypothesis)
                 kept = [one is not candidate or free.name != name for one in fit.hypothesis for free in one.free]
                 theta = fit.theta[np.array([*kept, *([True] * len(fit.deviations))], dtype=bool)]
-                fit = self._final(self.null.predictor(changed), theta)
+                fit = self._final(self.null.predictor(changed, fit.predictor.plant), theta)
         return fit
 
     def surroundings(self, fit: CandidateFit) -> Surroundings:
@@ -357,13 +392,20 @@ class Search:
             for candidate, change in zip(fit.hypothesis, changes.T, strict=True)
         ]
 
-    def together(self, fit: CandidateFit, additions: Sequence[Addition], without: str = "") -> CandidateFit:
+    def together(
+        self,
+        fit: CandidateFit,
+        additions: Sequence[Addition],
+        without: str = "",
+        plant: CompiledPlant | None = None,
+    ) -> CandidateFit:
         """Fit an explanation together with further candidates.
 
         Args:
             fit: The explanation.
             additions: The candidates.
             without: Name of one of its own candidates that they replace, effect@location; empty for none.
+            plant: A plant that may hold all of them already.
         """
         rest = tuple(candidate for candidate in fit.hypothesis if candidate.name != without)
         own = fit.theta[: fit.predictor.n_effect][~fit.columns((without,))[: fit.predictor.n_effect]]
@@ -371,7 +413,7 @@ class Search:
             np.all([addition.deviations == fit.deviations for addition in additions], axis=0), fit.deviations, 0.0
         )
         theta = np.concatenate([own, *(addition.start for addition in additions), deviations])
-        predictor = self.null.predictor((*rest, *(addition.candidate for addition in additions)))
+        predictor = self.null.predictor((*rest, *(addition.candidate for addition in additions)), plant)
         return self._fit(predictor, theta, self.settings.fit.joint_iterations, quick=True)
 
     def without(self, fit: CandidateFit, *names: str) -> CandidateFit:
@@ -381,7 +423,8 @@ class Search:
             fit: The explanation.
             names: Names of the candidates, effect@location.
         """
-        predictor = self.null.predictor(tuple(candidate for candidate in fit.hypothesis if candidate.name not in names))
+        rest = tuple(candidate for candidate in fit.hypothesis if candidate.name not in names)
+        predictor = self.null.predictor(rest, fit.predictor.plant)
         theta, iterations = fit.theta[~fit.columns(names)], self.settings.fit.joint_iterations
         return self._fit(predictor, theta, iterations, quick=True, finishing=True)
 
@@ -390,8 +433,8 @@ class Search:
         return self._fit(predictor, theta, self.settings.fit.final_iterations, finishing=True)
 
     def completed(self, fit: CandidateFit) -> CandidateFit:
-        """Carry a fit to its end."""
-        return self._continued(fit, np.inf, finishing=True)
+        """Carry a fit to its end, with a plant of its own laws alone."""
+        return self._continued(replace(fit, predictor=self.null.predictor(fit.hypothesis)), np.inf, finishing=True)
 
     def finished(self, fits: Sequence[CandidateFit]) -> list[CandidateFit]:
         """Carry the best fits to their end, and leave out those that are no more than a simpler one."""
@@ -436,6 +479,7 @@ def prepare_search(
     settings: DiagnosisSettings | None = None,
     progress: Callable[[str, float], None] | None = None,
     deadline: Deadline | None = None,
+    base: CandidateFit | None = None,
 ) -> Search:
     """Prepare the fits of candidates to one log.
 
@@ -444,16 +488,20 @@ def prepare_search(
         settings: Settings of the diagnosis.
         progress: Called with the name of a step and the share of it that is done.
         deadline: When the search ends; default: once it is complete.
+        base: The fit around which candidates are screened; default: that of the nominal model.
 
     Raises:
         InputError: The settings name an effect or a motor that does not exist.
     """
     settings = settings or DiagnosisSettings()
-    data, fit = null.data, null.fit
+    data, fit = null.data, null.fit if base is None else base
     return Search(
         null=null,
-        null_residual=fit.residual(data),
-        tolerance_slopes=linearise(fit.predictor, data, fit.theta).slopes if len(fit.deviations) else None,
+        base=fit,
+        base_residual=fit.residual(data),
+        tolerance_slopes=linearise(fit.predictor, data, fit.theta).slopes[:, fit.predictor.n_effect :]
+        if len(fit.deviations)
+        else None,
         rows=_rows(data, settings.search.screened_values),
         scales=scales_of(null.model.robot, fit.states(data), data.record.torque),
         distance=_distances(data),

@@ -11,11 +11,13 @@ import numpy as np
 from flexros.gap.search.model_probability import ModelComparison, compare
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from flexros.arrays import FloatArray
+    from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.fit.screening import Directions, Surroundings
+    from flexros.gap.prediction.compiled_plant import CompiledPlant
     from flexros.gap.search.candidate_fits import Addition, Search
 
 
@@ -64,12 +66,16 @@ def explain(search: Search) -> Explanations:
     settings = search.settings.search
     null = search.null.fit
     directions = search.directions(search.candidates())
-    singles = unique(search.singles([*directions, *search.directions(search.harmonics(null))]))
-    comparison = _compare(search, singles)
+    if search.base is null:
+        fits = unique(search.singles([*directions, *search.directions(search.harmonics(null))]))
+    else:
+        fits = [search.base]
+    comparison = _compare(search, fits)
     if not comparison.detected:
         return _explanations(comparison, null, detected=False)
-    fits = list(singles)
-    chosen = comparison.ranked(singles)[0]
+    chosen = comparison.ranked(fits)[0]
+    if search.base is not null:
+        chosen = _reduced(search, chosen, fits, settings.removed_by_step)
     for _ in range(settings.rounds):
         if len(chosen.hypothesis) >= settings.most_effects or not _incomplete(search, comparison, chosen):
             break
@@ -132,13 +138,16 @@ def _reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], remove
         removed: Share of the remaining gap that every effect must remove [1].
     """
     settings, n = search.settings.search, search.data.n_values
+    if search.data.record.imported:
+        removed = min(removed, settings.removed_of_all)
+    certain = min(settings.indispensable, settings.certain * removed)
     while len(fit.hypothesis) > 1:
         if search.deadline.stops_finishing():
             return _without_needless(search, fit, fits, removed)
         rests = search.removals(fit, search.surroundings(fit))
         left = [max(rest.least / n - 1.0, 1e-12) for rest in rests]
         shares = [(rise - (fit.chi2 / n - 1.0)) / rise for rise in left]
-        doubtful = [one.name for one, share in zip(fit.hypothesis, shares) if share < settings.indispensable]
+        doubtful = [one.name for one, share in zip(fit.hypothesis, shares) if share < certain]
         without = search.parallel("effects left out", partial(search.without, fit), doubtful, needed=len(doubtful))
         fits += without
         comparison = _compare(search, unique(fits))
@@ -193,7 +202,8 @@ def _exchanged(
             for candidate, rest in zip(fit.hypothesis, search.removals(fit, surroundings))
             for addition in _replacements(search, fit, rest, directions)[: settings.added]
         ]
-        exchange = partial(_exchange, search, fit)
+        plants = search.plants(fit, [addition.candidate for _, addition in pairs])
+        exchange = partial(_exchange, search, fit, plants)
         fits += search.visible(search.parallel("effects exchanged", exchange, pairs))
         comparison = _compare(search, unique(fits))
         level = [one for one in comparison.fits if len(one.hypothesis) == len(fit.hypothesis)]
@@ -205,10 +215,12 @@ def _exchanged(
     return fit
 
 
-def _exchange(search: Search, fit: CandidateFit, pair: tuple[str, Addition]) -> CandidateFit:
+def _exchange(
+    search: Search, fit: CandidateFit, plants: Mapping[Candidate, CompiledPlant], pair: tuple[str, Addition]
+) -> CandidateFit:
     """Fit an explanation with one candidate in place of one of its own."""
     name, addition = pair
-    return search.together(fit, [addition], without=name)
+    return search.together(fit, [addition], without=name, plant=plants[addition.candidate])
 
 
 def _replacements(

@@ -1,0 +1,150 @@
+"""Friction and motor inertia of all motors at once, by regression of the torque: where the search for causes begins.
+
+With springs locked and speeds from the measured positions, the torque is linear in friction, in the inertias of the
+motors and nearly in the parameters of the bodies (Moberg 2007, eq. 4.11 to 4.13). Unlike prediction errors it stays so
+however far the nominal model is off, so one solution finds what every robot has: friction at all joints, and rotors
+that the model lacks.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.optimize import lsq_linear
+
+from flexros.errors import InputError
+from flexros.gap.prediction.predictor import FARTHEST
+from flexros.identify.rigid.motion_estimate import decimate, decimation, estimate_motion, untouched_rows
+from flexros.identify.rigid.record import torque_as_it_acts
+from flexros.identify.rigid.regression_rows import RegressionRows
+from flexros.identify.rigid.regressor import RigidRegressor
+from flexros.identify.rigid.standard_parameters import standard_parameters
+from flexros.record.missing_samples import bridged, long_holes
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+    from flexros.gap.candidates.tolerance import Tolerance
+    from flexros.record.record import Record
+    from flexros.robot import Robot
+
+CUTOFF = 20.0
+"""Highest cut-off of positions and torques [Hz]: motions of robots are slower (chosen)."""
+ROUNDS = 8
+"""Rounds in which each motor is weighted by what is left of its torque (chosen; few are needed)."""
+STEP = 1e-6
+"""Relative step of the derivatives of the regression parameters to those of the robot [1]."""
+LEAST_SHARE = 0.1
+"""Contribution to the torque, over the rest at that motor, from which it is kept, rms [1] (chosen)."""
+KINDS = ("inertia", "viscous_friction", "coulomb_friction", "torque_offset")
+"""Columns of every motor."""
+
+
+@dataclass(frozen=True, eq=False)
+class TorqueRegression:
+    """What a rigid robot lacks, by the torques of a log.
+
+    Attributes:
+        inertia: Added inertia of every motor [kg m2 or kg], shape (M,).
+        viscous_friction: Added viscous friction of every motor [Nm s/rad or N s/m], shape (M,).
+        coulomb_friction: Coulomb friction of every motor [Nm or N], shape (M,).
+        deviations: Tolerated deviations, in standard deviations [1], shape (n_tolerated,).
+        left: Rest of the torque of every motor over that of the nominal model, rms [1], shape (M,).
+    """
+
+    inertia: FloatArray
+    viscous_friction: FloatArray
+    coulomb_friction: FloatArray
+    deviations: FloatArray
+    left: FloatArray
+
+
+def regress_torque(record: Record, robot: Robot, tolerance: Tolerance) -> TorqueRegression | None:
+    """Regress the torques of a log on friction, motor inertias and tolerated parameters of the bodies.
+
+    Args:
+        record: The log.
+        robot: The nominal robot; its springs are treated as locked.
+        tolerance: Parameters of the robot that may deviate.
+
+    Returns:
+        The regression; None for a log in which no motor moves, or that is too short.
+    """
+    regressor = RigidRegressor(robot)
+    try:
+        rows = _rows(record, regressor)
+    except InputError:
+        return None
+    if rows is None:
+        return None
+    names = [parameter.name for parameter in regressor.parameters]
+    nominal = np.array([parameter.nominal for parameter in regressor.parameters])
+    M = robot.n_motors
+    own = np.zeros((len(nominal), len(KINDS) * M))
+    for motor, name in enumerate(robot.joint_names):
+        for kind, label in enumerate(KINDS):
+            own[names.index(f"{name}.{label}"), kind * M + motor] = 1.0
+    directions = np.hstack([own, _tolerated(robot, tolerance, nominal)])
+    columns, errors = [], []
+    for H, torque in rows.blocks():
+        columns.append(H @ directions)
+        errors.append(torque - H @ nominal)
+    A, b = np.concatenate(columns), np.concatenate(errors)
+    return _solved(A, b, robot, len(tolerance.names), rows.motion.moving)
+
+
+def _rows(record: Record, regressor: RigidRegressor) -> RegressionRows | None:
+    """Filter and decimate a log; None where no motor moves or too few rows are left."""
+    robot = regressor.robot
+    acting, begin = torque_as_it_acts(record, 0.0 if record.measured_torque else robot.delay)
+    part = record.part(begin, record.n_samples)
+    cutoff = min(0.1 / record.sample_time, CUTOFF)
+    motion = estimate_motion(bridged(part.position, part.valid), part.sample_time, cutoff)
+    factor = decimation(part.sample_time, cutoff)
+    counts = untouched_rows(long_holes(part.valid), factor)
+    torque = decimate(acting[begin:], factor)[counts]
+    if not motion.moving.any() or len(torque) < 2 * len(KINDS) * robot.n_motors:
+        return None
+    return RegressionRows(part, motion, regressor, tuple(range(len(regressor.parameters))), cutoff, counts, torque, [])
+
+
+def _tolerated(robot: Robot, tolerance: Tolerance, nominal: FloatArray) -> FloatArray:
+    """Return how the regression parameters change per standard deviation of each tolerated one, shape (P, k)."""
+    changes = np.zeros((len(nominal), len(tolerance.names)))
+    for column, (name, deviation) in enumerate(zip(tolerance.names, tolerance.deviations, strict=True)):
+        moved = robot.with_values({name: robot.parameters[name].value * (1 + STEP)})
+        values = np.array([parameter.nominal for parameter in standard_parameters(moved)])
+        changes[:, column] = (values - nominal) / STEP * deviation
+    return changes
+
+
+def _solved(A: FloatArray, b: FloatArray, robot: Robot, tolerated: int, moving: FloatArray) -> TorqueRegression:
+    """Solve the regression within physical bounds, each motor weighted by what is left of its torque."""
+    n, M, k = A.shape
+    inertia = np.array([robot.parameters[f"{name}.inertia"].value for name in robot.joint_names])
+    viscous = np.array([robot.parameters[f"{name}.viscous_friction"].value for name in robot.joint_names])
+    endless = np.full(M, np.inf)
+    low = np.concatenate([-0.9 * inertia, -viscous, np.zeros(M), -endless, np.full(tolerated, -FARTHEST)])
+    high = np.concatenate([endless, endless, endless, endless, np.full(tolerated, FARTHEST)])
+    prior = np.hstack([np.zeros((tolerated, k - tolerated)), np.eye(tolerated)])
+    before = np.sqrt(np.mean(b**2, axis=0))
+    left, solution = np.maximum(before, 1e-300), np.zeros(k)
+    for _ in range(ROUNDS):
+        rows, errors = (A / left[:, None]).reshape(n * M, k), (b / left).ravel()
+        scale = np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
+        scale[k - tolerated :] = 1.0
+        matrix, right = np.vstack([rows / scale, prior]), np.concatenate([errors, np.zeros(tolerated)])
+        # normal equations keep the factorisation of a bounded problem small
+        root = np.linalg.qr(np.column_stack([matrix, right]), mode="r")
+        bounds = (np.minimum(low * scale, -1e-12), np.maximum(high * scale, 1e-12))
+        solution = lsq_linear(root[:, :k], root[:, k], bounds=bounds, method="bvls").x / scale
+        rest = np.sqrt(np.mean((b - A @ solution) ** 2, axis=0))
+        used, left = left, np.maximum(rest, 1e-6 * np.maximum(before, 1e-300))
+        if np.allclose(left, used, rtol=1e-3):
+            break
+    contributions = np.sqrt(np.mean((A[:, :, : 3 * M] * solution[: 3 * M]) ** 2, axis=0))
+    own = np.stack([contributions[motor, motor + M * np.arange(3)] for motor in range(M)], axis=1)
+    kept = (own > LEAST_SHARE * left) & moving
+    values = np.where(kept, solution[: 3 * M].reshape(3, M), 0.0)
+    return TorqueRegression(*values, solution[4 * M :], left / np.maximum(before, 1e-300))

@@ -1,0 +1,167 @@
+"""Machine code of the robot with the laws of some candidates, shared by all hypotheses that contain no others."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from flexros.compile.loop.prediction import PredictionLoop
+from flexros.effects import PlacedLaw
+from flexros.effects.kinds.arm_law import AbstractArmLaw
+from flexros.effects.kinds.command_law import AbstractCommandLaw
+from flexros.effects.kinds.dry_friction import AbstractDryFriction
+from flexros.effects.kinds.law import AbstractLaw
+from flexros.effects.kinds.model_change import AbstractChangedValues
+from flexros.effects.kinds.motor_law import AbstractMotorTorque
+from flexros.prediction.integration_step import substeps
+from flexros.simulate.open_loop import feed_through
+from flexros.simulate.plant_model import PlantModel
+
+if TYPE_CHECKING:
+    from collections.abc import Hashable, Sequence
+
+    from flexros.effects import AbstractEffect, RobotWithEffects
+    from flexros.gap.candidates.candidate import Candidate, Hypothesis
+    from flexros.gap.candidates.tolerance import Tolerance
+    from flexros.robot import Robot
+
+LANES = 8
+"""Parameter sets that are predicted in parallel."""
+
+
+class CompiledPlant:
+    """The robot with the laws of some candidates, each of which may be switched off.
+
+    Compiling takes longer than many predictions, so that candidates are compiled together where they are tried in turn.
+
+    Args:
+        model: The nominal model: robot and laws of known effects.
+        candidates: Effects in addition to these.
+        tolerance: Parameters of the robot that may deviate.
+        sample_time: Time between two samples [s].
+        measured_torque: Whether the torques of the log were measured at the motors, after the nominal delay.
+
+    Attributes:
+        robot: The nominal robot.
+        laws: The candidates that are laws.
+        robot_names: Names of the robot parameters that may change.
+        model: The plant.
+        loop: The predictor of constant gain around it.
+    """
+
+    def __init__(
+        self,
+        model: RobotWithEffects,
+        candidates: Sequence[Candidate],
+        tolerance: Tolerance,
+        sample_time: float,
+        *,
+        measured_torque: bool = False,
+    ) -> None:
+        self.robot = model.robot
+        self.laws = tuple(one for one in candidates if is_law(one))
+        laws = [_law(place, one) for place, one in enumerate(self.laws)]
+        self._off = {_key(one): _switched_off(one, law.effect) for one, law in zip(self.laws, laws, strict=True)}
+        changed = [name for one in candidates for name in changed_names(self.robot, one)]
+        self.robot_names = tuple(sorted({*changed, *tolerance.names}))
+        names = [*self.robot_names, *(name for law in laws for name in law.parameters)]
+        self.model = PlantModel(self.robot, (*_felt(model.laws), *laws), names)
+        self.loop = PredictionLoop(
+            self.model.functions(feed_through(self.robot.n_motors)),
+            sample_time=sample_time,
+            delay=0.0 if measured_torque else self.model.delay,
+            substeps=substeps(self.robot, sample_time, fast=any(law.effect.n_states for law in self.model.laws)),
+            lanes=LANES,
+        )
+
+    def covers(self, hypothesis: Hypothesis) -> bool:
+        """Return whether it holds every law of a hypothesis and may change every parameter that it changes."""
+        keys = {_key(law): law for law in self.laws}
+        wanted = {_key(one) for one in hypothesis if is_law(one)}
+        changed = {name for one in hypothesis for name in changed_names(self.robot, one)}
+        off = all(switchable(law) for key, law in keys.items() if key not in wanted)
+        return off and wanted <= keys.keys() and changed <= set(self.robot_names)
+
+    def law_parameters(self, hypothesis: Sequence[tuple[Candidate, AbstractLaw | None]]) -> list[float]:
+        """Return the parameters of all laws, in their order.
+
+        Args:
+            hypothesis: Candidates that are laws, with their effects; None for one that is switched off.
+        """
+        effects = {_key(candidate): effect for candidate, effect in hypothesis if effect is not None}
+        numbers: list[float] = []
+        for law in self.laws:
+            effect = effects.get(_key(law))
+            numbers += effect.parameter_values.values() if effect is not None else self._off[_key(law)]
+        return numbers
+
+
+def grouped(candidates: Sequence[Candidate], most: int) -> list[list[Candidate]]:
+    """Divide candidates into groups that are compiled together; those that make the plant slower are among themselves.
+
+    Args:
+        candidates: The candidates.
+        most: Most candidates of a group.
+    """
+    kinds: dict[Hashable, list[Candidate]] = {}
+    for candidate in candidates:
+        kinds.setdefault(_kind(candidate), []).append(candidate)
+    return [group[begin : begin + most] for group in kinds.values() for begin in range(0, len(group), most)]
+
+
+def is_law(candidate: Candidate) -> bool:
+    """Return whether a candidate acts in the plant, and not on the record of the commands."""
+    return issubclass(candidate.effect, AbstractLaw) and not candidate.effect.delays_commands
+
+
+def changed_names(robot: Robot, candidate: Candidate) -> tuple[str, ...]:
+    """Return the names of the robot parameters that a candidate changes."""
+    if not issubclass(candidate.effect, AbstractChangedValues) or candidate.effect.delays_commands:
+        return ()
+    effect = candidate.typical().effect
+    assert isinstance(effect, AbstractChangedValues)
+    return tuple(effect.values(robot, candidate.location))
+
+
+def _kind(candidate: Candidate) -> Hashable:
+    """Return what candidates of one group have in common: the effect where it is more than a torque."""
+    effect = candidate.effect
+    if not is_law(candidate):
+        return None
+    assert issubclass(effect, AbstractLaw)
+    plain = issubclass(effect, (AbstractMotorTorque, AbstractDryFriction)) and not _own_states(effect)
+    return None if plain else effect.name if switchable(candidate) else candidate
+
+
+def switchable(candidate: Candidate) -> bool:
+    """Return whether a law with its size at zero leaves the plant as it is, even where its states are kept."""
+    lasting = (AbstractCommandLaw, AbstractArmLaw)  # a lag without time constant, a mode without inertia
+    return not is_law(candidate) or not issubclass(candidate.effect, lasting) or not _own_states(candidate.effect)
+
+
+def _own_states(effect: type[AbstractEffect]) -> int:
+    assert issubclass(effect, AbstractLaw)
+    return effect.smooth_states + effect.stepwise_states
+
+
+def _key(candidate: Candidate) -> Hashable:
+    """Return what makes a law: effect, location, and the flags that select its form."""
+    flags = frozenset((name, value) for name, value in candidate.fixed if isinstance(value, bool))
+    return candidate.effect, candidate.location, flags
+
+
+def _law(place: int, candidate: Candidate) -> PlacedLaw:
+    """Build the law of a candidate under a name that no law of the nominal model has."""
+    placed = candidate.typical()
+    assert isinstance(placed.effect, AbstractLaw)
+    return PlacedLaw(f"candidate {place}", placed.effect, placed.location)
+
+
+def _switched_off(candidate: Candidate, typical: AbstractLaw) -> list[float]:
+    """Return the parameters of a law without effect: its sizes are zero, and those that shape it stay typical."""
+    sizes = [free.name for free in candidate.free if candidate.neutral(free) is not None]
+    return list((typical.parameter_values | dict.fromkeys(sizes, 0.0)).values())
+
+
+def _felt(laws: Sequence[PlacedLaw]) -> list[PlacedLaw]:
+    """Leave out quantization, which is part of the noise of a predictor."""
+    return [law for law in laws if not law.effect.as_noise]

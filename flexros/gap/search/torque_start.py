@@ -1,0 +1,102 @@
+"""The fit that the search begins with on a real machine: friction and motor inertia of all motors at once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.gap.candidates.candidate import list_candidates
+from flexros.gap.candidates.scales import scales_of_motors
+from flexros.gap.fit.least_squares import CandidateFit, chi2_of, fit
+from flexros.gap.fit.torque_regression import regress_torque
+
+if TYPE_CHECKING:
+    from flexros.effects import RobotWithEffects
+    from flexros.gap.candidates.candidate import Candidate
+    from flexros.gap.candidates.tolerance import Tolerance
+    from flexros.gap.fit.null_fit import NullFit
+    from flexros.gap.fit.torque_regression import TorqueRegression
+    from flexros.gap.settings import DiagnosisSettings
+    from flexros.record.record import Record
+    from flexros.robot import Robot
+
+
+@dataclass(frozen=True, eq=False)
+class TorqueStart:
+    """Effects that the torques of a log show, with initial values.
+
+    Attributes:
+        regression: The regression that shows them.
+        robot: The nominal robot.
+        record: The log.
+    """
+
+    regression: TorqueRegression
+    robot: Robot
+    record: Record
+
+    def hypothesis(self) -> list[tuple[Candidate, float]]:
+        """List the effects with the initial values of their sizes [their units]."""
+        found = self.regression
+        values: dict[tuple[str, str], float] = {}
+        for motor, name in enumerate(self.robot.joint_names):
+            nominal = self.robot.parameters[f"{name}.inertia"].value
+            inertia = float(found.inertia[motor])
+            values["viscous_friction", name] = float(found.viscous_friction[motor])
+            values["coulomb_friction", name] = float(found.coulomb_friction[motor])
+            values["motor_inertia_error", name] = inertia / nominal if nominal > 0 else 0.0
+        return [
+            (replace(candidate, free=candidate.free[:1]), value)
+            for candidate in list_candidates(self.robot, scales_of_motors(self.robot, self.record))
+            if (value := values.get((candidate.effect.name, candidate.location), 0.0)) != 0
+        ]
+
+
+def torque_start(record: Record, model: RobotWithEffects, tolerance: Tolerance) -> TorqueStart | None:
+    """Regress the torques of a log of a real machine.
+
+    Args:
+        record: The log.
+        model: The nominal model.
+        tolerance: Parameters of the robot that may deviate.
+
+    Returns:
+        What it shows; None where that is nothing, and for a model with known laws, which the regression lacks.
+    """
+    if record.simulated or model.laws:
+        return None
+    regression = regress_torque(record, model.robot, tolerance)
+    if regression is None:
+        return None
+    start = TorqueStart(regression, model.robot, record)
+    return start if start.hypothesis() else None
+
+
+def first_values(start: TorqueStart, null: NullFit, settings: DiagnosisSettings) -> CandidateFit:
+    """Put the effects of a start on the nominal model, with their values by the torques.
+
+    Args:
+        start: The start.
+        null: The nominal model, fitted.
+        settings: Settings of the diagnosis.
+    """
+    among = settings.search.effects
+    pairs = [(one, value) for one, value in start.hypothesis() if not among or one.effect.name in among]
+    predictor = null.predictor(tuple(candidate for candidate, _ in pairs))
+    sizes = [candidate.free[0].encode(value) for candidate, value in pairs]
+    theta = np.clip(np.concatenate([sizes, start.regression.deviations]), *predictor.bounds)
+    return CandidateFit(predictor, theta, float(chi2_of(predictor, null.data, theta[:, None])[0]))
+
+
+def base_fit(null: NullFit, first: CandidateFit, settings: DiagnosisSettings) -> CandidateFit | None:
+    """Fit the effects of a start to a log; None where they improve nothing.
+
+    Args:
+        null: The nominal model, fitted.
+        first: The effects with their first values.
+        settings: Settings of the diagnosis.
+    """
+    base = fit(first.predictor, null.data, first.theta, settings.fit.final_iterations, settings=settings.fit)
+    return base if base.chi2 < null.fit.chi2 else None
