@@ -87,7 +87,7 @@ def diagnose(
     held = resampled(held, fitted.sample_time)
     tolerated = tolerance_of(model.robot, tolerance or {})
     unknown = unknown_numbers(fitted, model, tolerated)
-    given, model = model, unknown.given_to(model)
+    model = unknown.given_to(model)
     tolerated = unknown.tolerated(tolerance_of(model.robot, tolerance or {}))
     data = fit_data(fitted, model, settings)
     held_data = fit_data(held, model, settings, measurement_in(held, model.robot, data.measurement, settings))

@@ -29,7 +29,8 @@ from flexros.gap.candidates.candidate import Candidate, FreeParameter
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose, split
-from flexros.gap.prediction.predictor import LANES, Predictor
+from flexros.gap.prediction.compiled_plant import LANES
+from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.report.files import write_diagnosis
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.settings import DiagnosisSettings

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.candidates.candidate import names_of
-from flexros.gap.prediction.predictor import LANES
+from flexros.gap.prediction.compiled_plant import LANES
 from flexros.gap.settings import FitSettings
 
 if TYPE_CHECKING:
@@ -157,7 +157,8 @@ def starts_of(hypothesis: Hypothesis, most: int = FIT.most_starts) -> FloatArray
     n_effect = sum(len(candidate.free) for candidate in hypothesis)
     grid = np.array(combinations, dtype=float).reshape(len(combinations), n_effect)
     kept = np.unique(np.linspace(0, len(grid) - 1, min(len(grid), most)).round().astype(int))
-    return grid[kept].T
+    starts: FloatArray = grid[kept].T
+    return starts
 
 
 def fit(

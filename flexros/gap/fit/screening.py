@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexros.gap.fit.least_squares import may_move
-from flexros.gap.prediction.predictor import LANES
+from flexros.gap.prediction.compiled_plant import LANES
 
 if TYPE_CHECKING:
     from collections.abc import Callable

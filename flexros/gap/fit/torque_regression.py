@@ -24,7 +24,7 @@ from flexros.identify.rigid.standard_parameters import standard_parameters
 from flexros.record.missing_samples import bridged, long_holes
 
 if TYPE_CHECKING:
-    from flexros.arrays import FloatArray
+    from flexros.arrays import BoolArray, FloatArray
     from flexros.gap.candidates.tolerance import Tolerance
     from flexros.record.record import Record
     from flexros.robot import Robot
@@ -119,7 +119,7 @@ def _tolerated(robot: Robot, tolerance: Tolerance, nominal: FloatArray) -> Float
     return changes
 
 
-def _solved(A: FloatArray, b: FloatArray, robot: Robot, tolerated: int, moving: FloatArray) -> TorqueRegression:
+def _solved(A: FloatArray, b: FloatArray, robot: Robot, tolerated: int, moving: BoolArray) -> TorqueRegression:
     """Solve the regression within physical bounds, each motor weighted by what is left of its torque."""
     n, M, k = A.shape
     inertia = np.array([robot.parameters[f"{name}.inertia"].value for name in robot.joint_names])
@@ -143,8 +143,9 @@ def _solved(A: FloatArray, b: FloatArray, robot: Robot, tolerated: int, moving: 
         used, left = left, np.maximum(rest, 1e-6 * np.maximum(before, 1e-300))
         if np.allclose(left, used, rtol=1e-3):
             break
-    contributions = np.sqrt(np.mean((A[:, :, : 3 * M] * solution[: 3 * M]) ** 2, axis=0))
-    own = np.stack([contributions[motor, motor + M * np.arange(3)] for motor in range(M)], axis=1)
-    kept = (own > LEAST_SHARE * left) & moving
-    values = np.where(kept, solution[: 3 * M].reshape(3, M), 0.0)
-    return TorqueRegression(*values, solution[4 * M :], left / np.maximum(before, 1e-300))
+    size = np.sqrt(np.mean(A**2, axis=0)) * np.abs(solution)  # shape (M, k), each column acts on its own motor
+    own = np.stack([np.diag(size[:, kind * M : (kind + 1) * M]) for kind in range(3)])
+    values = np.where((own > LEAST_SHARE * left) & moving, solution[: 3 * M].reshape(3, M), 0.0)
+    inertias, viscous_friction, coulomb_friction = values
+    shares = left / np.maximum(before, 1e-300)
+    return TorqueRegression(inertias, viscous_friction, coulomb_friction, solution[len(KINDS) * M :], shares)

@@ -68,7 +68,7 @@ def unknown_numbers(record: Record, model: RobotWithEffects, tolerance: Toleranc
     """
     robot = model.robot
     lacking = [name for name in robot.joint_names if robot.parameters[f"{name}.inertia"].value == 0]
-    if record.simulated or model.laws or not lacking:
+    if record.simulated or record.command is not None or model.laws or not lacking:
         return UnknownNumbers()
     regression = regress_torque(record, robot, tolerance)
     if regression is None:

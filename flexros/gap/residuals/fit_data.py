@@ -12,7 +12,8 @@ from scipy.signal import lfilter
 from flexros.errors import InputError
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.noise.weights import measurement_of, spread_of
-from flexros.gap.prediction.predictor import LANES, Predictor
+from flexros.gap.prediction.compiled_plant import LANES
+from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.residuals.lost_commands import check_enough_left, lost_commands
 from flexros.gap.residuals.tool_data import tool_data, tracker_noise
 from flexros.gap.residuals.tool_frame import FEWEST, usable_poses

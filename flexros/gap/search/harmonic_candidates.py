@@ -8,7 +8,7 @@ import numpy as np
 
 from flexros.effects import effects
 from flexros.gap.candidates.candidate import Candidate, FreeParameter
-from flexros.gap.prediction.predictor import LANES
+from flexros.gap.prediction.compiled_plant import LANES
 from flexros.gap.search.harmonics import SEARCH, OrderSearch
 
 if TYPE_CHECKING:

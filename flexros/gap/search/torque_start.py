@@ -65,7 +65,7 @@ def torque_start(record: Record, model: RobotWithEffects, tolerance: Tolerance) 
     Returns:
         What it shows; None where that is nothing, and for a model with known laws, which the regression lacks.
     """
-    if record.simulated or model.laws:
+    if not record.imported or record.command is not None or model.laws:
         return None
     regression = regress_torque(record, model.robot, tolerance)
     if regression is None:
