@@ -248,6 +248,7 @@ DRAWINGS: dict[str, tuple[Callable[[str], Panels], str]] = {
     ),
     "kinematic_error": (tool_error, "kinematic_error@body_2:length=1e-3"),
     "motor_inertia_error": (lambda text: [responses(text)], "motor_inertia_error@motor_1:relative=0.4"),
+    "rotor_inertia": (lambda text: [responses(text)], "rotor_inertia@motor_1:added=1.6"),
     "nonlinear_stiffness": (
         lambda text: [gear_loop(text, (60.0, 25.0), "slow swing, two amplitudes")],
         "nonlinear_stiffness@body_1.rz:relative=1.5,knee=3e-4",

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from flexros.blas_threads import one_blas_thread
 from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.fit.null_fit import fit_null
+from flexros.gap.fit.unknown_numbers import unknown_numbers
 from flexros.gap.held_out.prediction_gap import errors_ahead, gap_numbers, over_expected_floor, unknown_rounding
 from flexros.gap.progress import Stages
 from flexros.gap.residuals.fit_data import fit_data
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from flexros.effects import RobotWithEffects
+    from flexros.gap.fit.unknown_numbers import UnknownNumbers
     from flexros.gap.held_out.prediction_gap import AheadErrors
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.schema import GapNumbers
@@ -67,20 +69,27 @@ def measure_gap(
     stages = Stages(progress)
     stages.begin("nominal model", 1.0 if repaired is None else 0.5)
     model = model.commanded_by(record.commands)
-    data = fit_data(record, model, settings)
-    before, significant = _errors(model, data, tolerance or {}, settings)
+    unknown = unknown_numbers(record, model, tolerance_of(model.robot, tolerance or {}))
+    data = fit_data(record, unknown.given_to(model), settings)
+    before, significant = _errors(model, unknown, data, tolerance or {}, settings)
     after = None
     if repaired is not None:
         stages.begin("repaired model", 1.0)
-        after, significant = _errors(repaired.commanded_by(record.commands), data, tolerance or {}, settings)
+        after, significant = _errors(repaired.commanded_by(record.commands), unknown, data, tolerance or {}, settings)
     return MeasuredGap(gap_numbers(before, after, record.sample_time), significant)
 
 
 def _errors(
-    model: RobotWithEffects, data: FitData, tolerance: Mapping[str, float], settings: DiagnosisSettings
+    given: RobotWithEffects,
+    unknown: UnknownNumbers,
+    data: FitData,
+    tolerance: Mapping[str, float],
+    settings: DiagnosisSettings,
 ) -> tuple[AheadErrors, bool]:
     """Return the prediction errors of a model, and whether they show more than noise, tolerance and known rounding."""
-    null = fit_null(data, model, tolerance_of(model.robot, tolerance), settings.fit)
+    lacked = unknown.lacked_by(given)
+    model = lacked.given_to(given)
+    null = fit_null(data, model, lacked.tolerated(tolerance_of(model.robot, tolerance)), settings.fit)
     errors = over_expected_floor(errors_ahead(null.fit, data), model, data)
     comparison = allowing_for_doubt(compare(data, null.fit, settings=settings.ranking), data)
     return errors, comparison.significant(null.fit) or bool(unknown_rounding(model, data.measurement))

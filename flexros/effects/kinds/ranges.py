@@ -12,7 +12,6 @@ Scale = Literal[
     "deflection",
     "torque/speed",
     "torque/angle",
-    "inertia",
     "relative",
     "time",
     "frequency",
@@ -20,8 +19,7 @@ Scale = Literal[
     "phase",
 ]
 """Scale of the bounds of a range: the largest torque, speed, motor angle or deflection of the gear in the log, for the
-joint in question, a quotient of two of them, torque times angle over speed squared for an inertia, or 1 with the unit
-1, s, Hz, periods per turn, rad."""
+joint in question, a quotient of two of them, or 1 with the unit 1, s, Hz, periods per turn, rad."""
 
 HIGHEST_ORDER = 10_000.0
 """Highest order of a rotor that is searched [periods per turn]: 50 per rotor turn, seen through a gear of 200

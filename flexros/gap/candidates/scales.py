@@ -36,9 +36,6 @@ class Scales:
 
     def of(self, scale: Scale, location: str) -> float:
         """Return the size of a scale at a location; that of all motors where it is neither motor nor spring."""
-        if scale == "inertia":
-            speed = self._largest("speed", location)
-            return self._largest("torque", location) * self._largest("angle", location) / speed**2
         over, _, under = scale.partition("/")
         return self._largest(over, location) / (self._largest(under, location) if under else 1.0)
 

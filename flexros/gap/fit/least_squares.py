@@ -193,8 +193,6 @@ def fit(
         stop: Asked after each iteration; True ends the fit where it is.
     """
     limit = settings.enough if enough is None else enough
-    if data.measurement.signal_tolerance:
-        limit = max(limit, settings.enough_level * data.n_values)
     theta = np.clip(np.array(start, dtype=float), *predictor.bounds)
     chi2, information, converged, done = np.inf, np.zeros((0, 0)), False, 0
     slopes, many = tolerance_slopes, len(predictor.tolerance.names) >= LANES

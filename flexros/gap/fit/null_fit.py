@@ -70,11 +70,12 @@ def fit_null(
         start: Tolerated deviations to begin with [1], shape (n_tolerated,); default: none.
     """
     predictor = _predictor(data, model, (), tolerance)
+    enough = max(settings.enough, data.negligible)
     first = np.zeros(predictor.n_fitted) if start is None else start
-    null = fit(predictor, data, first, settings.null_iterations, settings=settings)
+    null = fit(predictor, data, first, settings.null_iterations, enough=enough, settings=settings)
     if data.tool is not None and predictor.n_fitted:
         data = data.with_tool_frame_of(predictor, null.theta)
-        null = fit(predictor, data, null.theta, settings.null_iterations, settings=settings)
+        null = fit(predictor, data, null.theta, settings.null_iterations, enough=enough, settings=settings)
     return NullFit(model, data, null)
 
 

@@ -143,7 +143,9 @@ def _solved(A: FloatArray, b: FloatArray, robot: Robot, tolerated: int, moving: 
         used, left = left, np.maximum(rest, 1e-6 * np.maximum(before, 1e-300))
         if np.allclose(left, used, rtol=1e-3):
             break
-    size = np.sqrt(np.mean(A**2, axis=0)) * np.abs(solution)  # shape (M, k), each column acts on its own motor
+    size: FloatArray = np.sqrt(np.mean(A**2, axis=0)) * np.abs(
+        solution
+    )  # shape (M, k), each column acts on its own motor
     own = np.stack([np.diag(size[:, kind * M : (kind + 1) * M]) for kind in range(3)])
     values = np.where((own > LEAST_SHARE * left) & moving, solution[: 3 * M].reshape(3, M), 0.0)
     inertias, viscous_friction, coulomb_friction = values

@@ -32,12 +32,15 @@ class UnknownNumbers:
 
     inertias: Mapping[str, float] = field(default_factory=dict)
 
+    def lacked_by(self, model: RobotWithEffects) -> UnknownNumbers:
+        """Return those of the numbers that a model lacks."""
+        parameters = model.robot.parameters
+        return UnknownNumbers({k: v for k, v in self.inertias.items() if parameters[f"{k}.inertia"].value == 0})
+
     def given_to(self, model: RobotWithEffects) -> RobotWithEffects:
-        """Return a model with the numbers that it lacks."""
-        robot = model.robot
-        lacking = {f"{name}.inertia": value for name, value in self.inertias.items()}
-        lacking = {name: value for name, value in lacking.items() if robot.parameters[name].value == 0}
-        return RobotWithEffects(robot.with_values(lacking), model.laws) if lacking else model
+        """Return a model that lacks these numbers with them."""
+        values = {f"{name}.inertia": value for name, value in self.inertias.items()}
+        return RobotWithEffects(model.robot.with_values(values), model.laws) if values else model
 
     def tolerated(self, tolerance: Tolerance) -> Tolerance:
         """Return a tolerance in which these numbers are uncertain."""

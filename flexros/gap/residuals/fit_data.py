@@ -127,6 +127,11 @@ class FitData:
         projected = 0 if self.initial_state_errors is None else self.initial_state_errors.number
         return int(np.isfinite(self.spread).sum()) + of_tool - projected
 
+    @property
+    def negligible(self) -> float:
+        """Fall of the sum of squares that is none where torques are known with a tolerance [1]; zero where exactly."""
+        return self.settings.fit.enough_level * self.n_values if self.measurement.signal_tolerance else 0.0
+
     def predict(
         self,
         predictor: Predictor,

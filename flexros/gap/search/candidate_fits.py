@@ -259,7 +259,7 @@ class Search:
             start,
             iterations,
             tolerance_slopes=slopes,
-            enough=enough,
+            enough=max(enough, self.data.negligible),
             rival=rival,
             settings=settings,
             stop=self.deadline.of_fit(finishing=finishing),

@@ -98,5 +98,7 @@ def base_fit(null: NullFit, first: CandidateFit, settings: DiagnosisSettings) ->
         first: The effects with their first values.
         settings: Settings of the diagnosis.
     """
-    base = fit(first.predictor, null.data, first.theta, settings.fit.final_iterations, settings=settings.fit)
+    enough = max(settings.fit.enough, null.data.negligible)
+    iterations = settings.fit.final_iterations
+    base = fit(first.predictor, null.data, first.theta, iterations, enough=enough, settings=settings.fit)
     return base if base.chi2 < null.fit.chi2 else None

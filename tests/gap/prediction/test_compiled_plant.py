@@ -1,0 +1,56 @@
+"""Candidates compiled together: each is predicted as alone, and where it is off, nothing of it is left."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexros.gap.candidates.tolerance import Tolerance
+from flexros.gap.prediction.compiled_plant import CompiledPlant, grouped, switchable
+from flexros.gap.prediction.predictor import Predictor
+from tests.gap.diagnosis_logs import MODEL, ROBOT, candidates_of, data_of
+
+TOGETHER = ("coulomb_friction@motor_1", "viscous_friction@motor_1", "stiffness_error@body_1.rz")
+
+
+def plant_of(*names: str) -> CompiledPlant:
+    return CompiledPlant(MODEL, [candidates_of()[name] for name in names], Tolerance(), ROBOT.sample_time)
+
+
+@pytest.mark.parametrize("name", TOGETHER)
+def test_a_candidate_is_predicted_as_with_a_plant_of_its_own(name: str) -> None:
+    data, candidate = data_of(), candidates_of()[name]
+    shared = Predictor(MODEL, (candidate,), Tolerance(), ROBOT.sample_time, plant=plant_of(*TOGETHER))
+    own = Predictor(MODEL, (candidate,), Tolerance(), ROBOT.sample_time)
+    theta = np.array(candidate.starts()[-1])[:, None]
+    assert shared.plant is not own.plant
+    np.testing.assert_allclose(data.residuals(shared, theta), data.residuals(own, theta), rtol=1e-6, atol=1e-6)
+
+
+def test_a_plant_with_all_laws_off_is_the_nominal_one() -> None:
+    data, nothing = data_of(), np.zeros((0, 1))
+    shared = Predictor(MODEL, (), Tolerance(), ROBOT.sample_time, plant=plant_of(*TOGETHER))
+    own = Predictor(MODEL, (), Tolerance(), ROBOT.sample_time)
+    np.testing.assert_allclose(data.residuals(shared, nothing), data.residuals(own, nothing), atol=1e-6)
+
+
+def test_a_plant_covers_what_it_holds_and_no_more() -> None:
+    plant, every = plant_of(*TOGETHER), candidates_of()
+    assert plant.covers(())
+    assert plant.covers((every["coulomb_friction@motor_1"],))
+    assert not plant.covers((every["torque_bias@motor_1"],))
+    assert not plant.covers((every["motor_inertia_error@motor_1"],))
+
+
+def test_a_lag_cannot_be_switched_off_and_has_a_plant_of_its_own() -> None:
+    lag = candidates_of()["actuator_lag@motor_1"]
+    assert not switchable(lag)
+    assert [lag] in grouped(list(candidates_of().values()), 8)
+    assert not plant_of("actuator_lag@motor_1").covers(())
+
+
+def test_groups_hold_every_candidate_once_and_are_no_larger_than_allowed() -> None:
+    candidates = list(candidates_of().values())
+    groups = grouped(candidates, 3)
+    assert sorted(one.name for group in groups for one in group) == sorted(one.name for one in candidates)
+    assert max(len(group) for group in groups) == 3
