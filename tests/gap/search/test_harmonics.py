@@ -15,7 +15,7 @@ ENTRIES: tuple[Entry, ...] = ("torque", "proportional torque", "gear", "encoder"
 
 def order_search(*effects: str) -> OrderSearch:
     search = search_of(*effects)
-    return OrderSearch(ROBOT, search.data, search.null_residual, search.null.fit.states(search.data))
+    return OrderSearch(ROBOT, search.data, search.base_residual, search.null.fit.states(search.data))
 
 
 def resolution() -> float:
