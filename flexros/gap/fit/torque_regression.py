@@ -135,17 +135,16 @@ def _solved(A: FloatArray, b: FloatArray, robot: Robot, tolerated: int, moving: 
         scale = np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
         scale[k - tolerated :] = 1.0
         matrix, right = np.vstack([rows / scale, prior]), np.concatenate([errors, np.zeros(tolerated)])
-        # normal equations keep the factorisation of a bounded problem small
-        root = np.linalg.qr(np.column_stack([matrix, right]), mode="r")
+        # the triangular factor has the same solution and few rows
+        root: FloatArray = np.linalg.qr(np.column_stack([matrix, right]), mode="r")
         bounds = (np.minimum(low * scale, -1e-12), np.maximum(high * scale, 1e-12))
         solution = lsq_linear(root[:, :k], root[:, k], bounds=bounds, method="bvls").x / scale
         rest = np.sqrt(np.mean((b - A @ solution) ** 2, axis=0))
         used, left = left, np.maximum(rest, 1e-6 * np.maximum(before, 1e-300))
         if np.allclose(left, used, rtol=1e-3):
             break
-    size: FloatArray = np.sqrt(np.mean(A**2, axis=0)) * np.abs(
-        solution
-    )  # shape (M, k), each column acts on its own motor
+    # a column acts on its own motor alone, so that the diagonal of each kind is all of it
+    size: FloatArray = np.sqrt(np.mean(A**2, axis=0)) * np.abs(solution)
     own = np.stack([np.diag(size[:, kind * M : (kind + 1) * M]) for kind in range(3)])
     values = np.where((own > LEAST_SHARE * left) & moving, solution[: 3 * M].reshape(3, M), 0.0)
     inertias, viscous_friction, coulomb_friction = values

@@ -49,7 +49,7 @@ class TorqueStart:
             values["motor_inertia_error", name] = inertia / nominal if nominal > 0 else 0.0
         return [
             (replace(candidate, free=candidate.free[:1]), value)
-            for candidate in list_candidates(self.robot, scales_of_motors(self.robot, self.record))
+            for candidate in list_candidates(self.robot, scales_of_motors(self.robot, self.record), measured=True)
             if (value := values.get((candidate.effect.name, candidate.location), 0.0)) != 0
         ]
 
