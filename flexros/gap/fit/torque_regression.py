@@ -136,7 +136,7 @@ def _solved(A: FloatArray, b: FloatArray, robot: Robot, tolerated: int, moving: 
         scale[k - tolerated :] = 1.0
         matrix, right = np.vstack([rows / scale, prior]), np.concatenate([errors, np.zeros(tolerated)])
         # the triangular factor has the same solution and few rows
-        root: FloatArray = np.linalg.qr(np.column_stack([matrix, right]), mode="r")
+        root: FloatArray = np.asarray(np.linalg.qr(np.column_stack([matrix, right]), mode="r"))
         bounds = (np.minimum(low * scale, -1e-12), np.maximum(high * scale, 1e-12))
         solution = lsq_linear(root[:, :k], root[:, k], bounds=bounds, method="bvls").x / scale
         rest = np.sqrt(np.mean((b - A @ solution) ** 2, axis=0))
