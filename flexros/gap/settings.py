@@ -251,6 +251,13 @@ class SearchSettings(Settings):
         description="share of the floor of one motor that every effect must remove on a real machine, where the floor "
         "is a stated tolerance [1]",
     )
+    within_floor: float = Field(
+        default=0.5,
+        gt=0,
+        lt=1,
+        description="level of the prediction errors, over that without them, up to which further effects are found "
+        "below the floor of a real machine, as they are where the torques are known better than stated [1]",
+    )
     tried_orders: int = Field(
         default=5, ge=1, description="orders of a rotor that are fitted: the most prominent and the largest, each"
     )

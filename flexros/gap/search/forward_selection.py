@@ -251,10 +251,10 @@ def _pruned(search: Search, explanations: Explanations) -> Explanations:
 def _incomplete(search: Search, comparison: ModelComparison, chosen: CandidateFit) -> bool:
     """Return whether an explanation leaves more than noise or moves parameters beyond tolerance.
 
-    The floor of a real machine is a tolerance: above it something is left, and below it nothing that could be named.
+    The floor of a real machine is a tolerance: above it something is left, and below it there may be what is worth it.
     """
     if search.data.record.imported:
-        return comparison.level(chosen) > 1.0
+        return True
     return comparison.significant(chosen) or comparison.beyond_tolerance(chosen)
 
 
@@ -267,6 +267,8 @@ def _worth(
     if search.data.record.imported:
         removed = min(removed, search.settings.search.removed_of_all)
         least = search.settings.search.removed_of_floor / search.data.record.position.shape[1]
+        if comparison.level(before) <= 1.0:
+            return comparison.level(after) < search.settings.search.within_floor * comparison.level(before)
         if comparison.level(before) - comparison.level(after) < least:
             return False
     relieved = after.prior_penalty < (1 - removed) * before.prior_penalty
