@@ -209,6 +209,12 @@ class SearchSettings(Settings):
     added: int = Field(default=3, ge=1, description="candidates that are added alone as well, by predicted gain")
     most_effects: int = Field(default=30, ge=1, description="most effects in one explanation")
     rounds: int = Field(default=12, ge=1, description="most rounds of forward selection, and of exchanges")
+    rounds_after_torques: int = Field(
+        default=1,
+        ge=0,
+        description="most rounds of forward selection after friction and inertia by the torques of a real machine: "
+        "further ones take long and find imitations of what no effect describes",
+    )
     removed_by_step: float = Field(
         default=0.1,
         gt=0,

@@ -76,7 +76,7 @@ def explain(search: Search) -> Explanations:
     chosen = comparison.ranked(fits)[0]
     if search.base is not null:
         chosen = _reduced(search, chosen, fits, settings.removed_by_step)
-    for _ in range(settings.rounds):
+    for _ in range(settings.rounds if search.base is null else settings.rounds_after_torques):
         if len(chosen.hypothesis) >= settings.most_effects or not _incomplete(search, comparison, chosen):
             break
         if search.deadline.stops():
@@ -128,8 +128,8 @@ def _grown(
 def _reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed: float) -> CandidateFit:
     """Leave out the effects without which hardly more is left, one after the other.
 
-    Effects that are indispensable by linear theory are not tried. Without time for fits, all are left out at once that
-    are needless by linear theory.
+    Effects that are indispensable by linear theory are not tried. Without time for fits, and of the crowd of effects
+    that torques show, all are left out at once that are needless by linear theory.
 
     Args:
         search: The search.
@@ -139,10 +139,10 @@ def _reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], remove
     """
     settings, n = search.settings.search, search.data.n_values
     if search.data.record.imported:
-        removed = min(removed, settings.removed_of_all)
+        removed = settings.removed_of_all
     certain = min(settings.indispensable, settings.certain * removed)
     while len(fit.hypothesis) > 1:
-        if search.deadline.stops_finishing():
+        if search.base is not search.null.fit or search.deadline.stops_finishing():
             return _without_needless(search, fit, fits, removed)
         rests = search.removals(fit, search.surroundings(fit))
         left = [max(rest.least / n - 1.0, 1e-12) for rest in rests]
@@ -200,6 +200,7 @@ def _exchanged(
         pairs = [
             (candidate.name, addition)
             for candidate, rest in zip(fit.hypothesis, search.removals(fit, surroundings))
+            if candidate.name not in search.base.names
             for addition in _replacements(search, fit, rest, directions)[: settings.added]
         ]
         plants = search.plants(fit, [addition.candidate for _, addition in pairs])
@@ -265,7 +266,7 @@ def _worth(
     if comparison.score(after) - comparison.score(before) < comparison.threshold:
         return False
     if search.data.record.imported:
-        removed = min(removed, search.settings.search.removed_of_all)
+        removed = search.settings.search.removed_of_all
         least = search.settings.search.removed_of_floor / search.data.record.position.shape[1]
         if comparison.level(before) <= 1.0:
             return comparison.level(after) < search.settings.search.within_floor * comparison.level(before)
