@@ -85,7 +85,9 @@ def explain(search: Search) -> Explanations:
         comparison = _compare(search, unique(fits))
         if grown is None or not _worth(search, comparison, chosen, grown, settings.removed_by_step):
             break
-        chosen = _reduced(search, grown, fits, settings.removed_by_step)
+        before, chosen = chosen, _reduced(search, grown, fits, settings.removed_by_step)
+        if chosen.names == before.names:
+            break
     if len(chosen.hypothesis) > 1:
         fits.append(search.completed(chosen))
         chosen = _reduced(search, fits[-1], fits, settings.removed)
@@ -139,7 +141,7 @@ def _reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], remove
     """
     settings, n = search.settings.search, search.data.n_values
     if search.data.record.imported:
-        removed = settings.removed_of_all
+        removed = _removed_of_all(search)
     certain = min(settings.indispensable, settings.certain * removed)
     while len(fit.hypothesis) > 1:
         if search.base is not search.null.fit or search.deadline.stops_finishing():
@@ -266,7 +268,7 @@ def _worth(
     if comparison.score(after) - comparison.score(before) < comparison.threshold:
         return False
     if search.data.record.imported:
-        removed = search.settings.search.removed_of_all
+        removed = _removed_of_all(search)
         least = search.settings.search.removed_of_floor / search.data.record.position.shape[1]
         if comparison.level(before) <= 1.0:
             return comparison.level(after) < search.settings.search.within_floor * comparison.level(before)
@@ -276,6 +278,15 @@ def _worth(
     if comparison.beyond_tolerance(before) and relieved and not search.data.record.imported:
         return True
     return comparison.removed(before, after) >= removed
+
+
+def _removed_of_all(search: Search) -> float:
+    """Return the share of what is left that an effect must remove on a real machine [1].
+
+    Of a crowd that its torques show, each motor has a part.
+    """
+    share = search.settings.search.removed_of_all
+    return share if search.base is search.null.fit else share / search.data.record.position.shape[1]
 
 
 def _compare(search: Search, fits: Sequence[CandidateFit]) -> ModelComparison:

@@ -130,7 +130,9 @@ def test_an_effect_of_a_real_machine_removes_more_than_the_doubt_of_its_floor(
 ) -> None:
     """The floor is a stated tolerance: beside it, small parts of what little is above it are nothing to be named."""
     comparison, (rest, fit) = measured_fits(before, after)
-    search: Any = SimpleNamespace(settings=DiagnosisSettings(), data=measured_data(motors))
+    search: Any = SimpleNamespace(
+        settings=DiagnosisSettings(), data=measured_data(motors), base=None, null=SimpleNamespace(fit=None)
+    )
     assert _worth(search, comparison, rest, fit, 0.4) is worth
 
 
@@ -140,7 +142,9 @@ def test_within_the_floor_of_a_real_machine_only_much_of_what_is_left_is_found(
 ) -> None:
     """Torques may be known better than stated, as in the log of a simulator."""
     comparison, (rest, fit) = measured_fits(before, after)
-    search: Any = SimpleNamespace(settings=DiagnosisSettings(), data=measured_data(1))
+    search: Any = SimpleNamespace(
+        settings=DiagnosisSettings(), data=measured_data(1), base=None, null=SimpleNamespace(fit=None)
+    )
     assert _incomplete(search, comparison, rest)
     assert _worth(search, comparison, rest, fit, 0.4) is worth
 
