@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from flexros.gap.fit.least_squares import CandidateFit
     from flexros.record.record import Record
 
+LEAST = 0.2
+"""Inertia of a rotor, over that of the bodies it moves, from which the file lacks it; less may be in that of the bodies,
+as for a drive whose one mass is that of all its parts [1] (chosen)."""
 UNCERTAIN = 0.5
 """Standard deviation of the logarithm of an estimated inertia: the prediction errors decide (chosen)."""
 
@@ -77,4 +80,7 @@ def unknown_numbers(record: Record, model: RobotWithEffects, tolerance: Toleranc
     if regression is None:
         return UnknownNumbers()
     found = dict(zip(robot.joint_names, regression.inertia.tolist(), strict=True))
-    return UnknownNumbers({name: found[name] for name in lacking if found[name] > 0})
+    state = robot.equilibrium(motor_position=np.median(record.position, axis=0))
+    masses = robot.model.mass_matrix(state[: robot.n_coordinates], robot.model.parameter_values)
+    of_bodies = dict(zip(robot.joint_names, np.diag(np.asarray(masses, dtype=float))[list(robot.motor_rows)]))
+    return UnknownNumbers({name: found[name] for name in lacking if found[name] > LEAST * of_bodies[name]})
