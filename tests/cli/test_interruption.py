@@ -55,6 +55,11 @@ def test_interrupted_direct_run_leaves_no_log(
     assert not (tmp_path / "bag").exists()
 
 
+def _interrupt_and_wait() -> None:
+    os.kill(os.getpid(), signal.SIGINT)
+    time.sleep(5.0)
+
+
 def test_the_first_interrupt_asks_for_the_end_and_the_second_is_one(capfd: pytest.CaptureFixture[str]) -> None:
     before = signal.getsignal(signal.SIGINT)
     with interruptible("done soon") as asked:
@@ -63,8 +68,7 @@ def test_the_first_interrupt_asks_for_the_end_and_the_second_is_one(capfd: pytes
         time.sleep(0.5)  # another thread may take the signal, and Python runs its handler in the main thread later
         assert asked()
         with pytest.raises(KeyboardInterrupt):
-            os.kill(os.getpid(), signal.SIGINT)
-            time.sleep(5.0)
+            _interrupt_and_wait()
     assert signal.getsignal(signal.SIGINT) is before
     out, err = capfd.readouterr()
     assert (out, err.count("done soon")) == ("", 1)

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from flexros.record.record import Record
 
 LEAST = 0.2
-"""Inertia of a rotor, over that of the bodies it moves, from which the file lacks it; less may be in that of the bodies,
-as for a drive whose one mass is that of all its parts [1] (chosen)."""
+"""Inertia of a rotor, over that of the bodies it moves, from which the file lacks it [1] (chosen); less may be in that
+of the bodies, as for a drive whose one mass is that of all its parts."""
 UNCERTAIN = 0.5
 """Standard deviation of the logarithm of an estimated inertia: the prediction errors decide (chosen)."""
 
