@@ -61,7 +61,8 @@ def _interrupt_and_wait() -> None:
 
 
 def test_the_first_interrupt_asks_for_the_end_and_the_second_is_one(capfd: pytest.CaptureFixture[str]) -> None:
-    before = signal.getsignal(signal.SIGINT)
+    before = signal.default_int_handler  # a job in the background inherits an ignored signal
+    signal.signal(signal.SIGINT, before)
     with interruptible("done soon") as asked:
         assert not asked()
         os.kill(os.getpid(), signal.SIGINT)
