@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
-import importlib.util
 import subprocess
 from pathlib import Path
 from types import ModuleType
 
 import pytest
 
-CHECKOUT = Path(__file__).parents[2]
+from tests.program import CHECKOUT, program
 
 
 @pytest.fixture(scope="module")
 def environment() -> ModuleType:
     """Load environment.py, which is no part of a package."""
-    spec = importlib.util.spec_from_file_location("environment", CHECKOUT / "environment.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return program("environment.py")
 
 
 @pytest.mark.parametrize(

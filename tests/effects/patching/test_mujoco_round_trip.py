@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
-import sys
 from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 import pytest
 
+from tests.program import program
+
 pytest.importorskip("mujoco", reason="MuJoCo is not installed")
 
 REALDATA = os.environ.get("FLEXROS_REALDATA", "")
 DATA = Path(REALDATA) / "dfki_double_pendulum"
-SCRIPT = Path(__file__).parents[3] / "docs" / "results" / "mujoco_round_trip.py"
 pytestmark = pytest.mark.skipif(
     not REALDATA or not DATA.is_dir(),
     reason="FLEXROS_REALDATA is unset or names no folder with dfki_double_pendulum/, the measured pendulum",
@@ -24,13 +23,7 @@ pytestmark = pytest.mark.skipif(
 
 @pytest.fixture(scope="module")
 def script() -> ModuleType:
-    specification = importlib.util.spec_from_file_location("mujoco_round_trip", SCRIPT)
-    assert specification is not None
-    assert specification.loader is not None
-    module = importlib.util.module_from_spec(specification)
-    sys.modules["mujoco_round_trip"] = module
-    specification.loader.exec_module(module)
-    return module
+    return program("docs/results/mujoco_round_trip.py")
 
 
 @pytest.mark.parametrize("log", ["C_143339", "C_143524", "C_143906"])

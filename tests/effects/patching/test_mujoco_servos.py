@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
-import sys
 from pathlib import Path
 from types import ModuleType
 
@@ -13,22 +11,15 @@ from flexros.effects.patching.patched_robot import load_model
 from flexros.gap.checked_log import checked_log
 from flexros.gap.measure_gap import MeasuredGap, measure_gap
 from flexros.robot.exchange.mjcf_import import robot_from_mjcf
+from tests.program import program
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
 pytestmark = pytest.mark.slow
 
-SCRIPT = Path(__file__).parents[3] / "docs" / "results" / "mujoco_servos.py"
-
 
 @pytest.fixture(scope="module")
 def script() -> ModuleType:
-    specification = importlib.util.spec_from_file_location("mujoco_servos", SCRIPT)
-    assert specification is not None
-    assert specification.loader is not None
-    module = importlib.util.module_from_spec(specification)
-    sys.modules["mujoco_servos"] = module
-    specification.loader.exec_module(module)
-    return module
+    return program("docs/results/mujoco_servos.py")
 
 
 def gap(script: ModuleType, folder: Path, **changed: tuple[float, ...]) -> MeasuredGap:
