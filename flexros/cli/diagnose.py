@@ -112,7 +112,8 @@ def _print(result: DiagnosisResult, files: list[Path]) -> None:
         if diagnosis.verdict == "unknown_effect":
             console.print("(probabilities among the known effects only, none of which explains the gap)")
     for heading, lines in (
-        ("Budget of the gap:", terminal.budget_lines(diagnosis)),
+        ("Budget of the gap, in shares of it:", terminal.budget_lines(diagnosis)),
+        ("Left unexplained, in shares of the gap:", terminal.rest_lines(diagnosis)),
         ("Where it shows:", terminal.where_lines(result)),
         ("", (terminal.gap_line(diagnosis.gap), *terminal.group_lines(diagnosis), *terminal.next_lines(diagnosis))),
         ("", tuple(f"warning: {text}" for text in diagnosis.warnings)),

@@ -85,12 +85,37 @@ class BudgetShare(Settings):
     interval: tuple[float, float] | None = Field(description="95 % interval of `share_first` [1]")
 
 
+class Step(EffectLocation):
+    """A step of a waterfall: what an effect closes of the gap at a joint, in addition to those before it."""
+
+    share: float = Field(description="share of the gap of all joints [1]; below zero where the gap at this one grows")
+
+
+class Waterfall(Settings):
+    """The gap at a joint on held-out data, from the nominal model to the repaired one; `before` - steps = `left`."""
+
+    joint: str = Field(description="joint name")
+    before: float = Field(description="with the nominal model, as a share of the gap of all joints [1]; 0 is the floor")
+    steps: tuple[Step, ...] = Field(description="effects of all joints, first what closes most of the gap of all")
+    left: float = Field(description="with the repaired model, in the same unit [1]")
+
+
+class BandShare(Settings):
+    """The part of an unexplained share that lies in a frequency band."""
+
+    band_hz: tuple[float, float] = Field(description="frequency band of the prediction errors [Hz]")
+    share: float = Field(description="share of the gap [1]")
+
+
 class Unexplained(Settings):
     """A share of the gap that the repaired model leaves on held-out data."""
 
     joint: str = Field(description="joint name")
     regime: str = Field(description="part of the motion, e.g. 'reversal', 'all'")
     share: float = Field(description="share of the gap [1]")
+    bands: tuple[BandShare, ...] = Field(
+        default=(), description="the same share divided among frequency bands, up to half the sampling frequency"
+    )
 
 
 class ModelNumber(Settings):
@@ -134,8 +159,11 @@ class Diagnosis(Settings):
     where: tuple[Excess, ...] = Field(description="where the gap shows, before any hypothesis")
     gap: GapNumbers = Field(description="gap before and after the repair")
     budget: tuple[BudgetShare, ...] = Field(default=(), description="the gap divided among effects, the largest first")
+    waterfall: tuple[Waterfall, ...] = Field(
+        default=(), description="the gap at each joint, an effect at a time; none where no effect was found"
+    )
     unexplained: tuple[Unexplained, ...] = Field(
-        default=(), description="what the repaired model leaves, by joint and by regime, the largest first"
+        default=(), description="what the repaired model leaves, by joint, regime and band, the largest first"
     )
     model_numbers: tuple[ModelNumber, ...] = Field(
         default=(), description="numbers of the nominal model that are wrong beyond their tolerance"

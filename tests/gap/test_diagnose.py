@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -156,6 +157,24 @@ def test_the_budget_divides_the_gap_among_the_effects(pair: DiagnosisResult) -> 
     (number,) = diagnosis.model_numbers
     assert number.name == "body_2.rz.stiffness"
     assert number.value / number.nominal == pytest.approx(0.95, abs=5 * number.std / number.nominal + 1e-3)
+
+
+def test_the_steps_of_a_waterfall_add_up_at_each_joint(pair: DiagnosisResult) -> None:
+    diagnosis = pair.diagnosis
+    assert [one.joint for one in diagnosis.waterfall] == list(ROBOT.joint_names)
+    assert sum(one.before for one in diagnosis.waterfall) == pytest.approx(1.0)
+    for one in diagnosis.waterfall:
+        assert one.before - sum(step.share for step in one.steps) == pytest.approx(one.left, abs=1e-6)
+    closed = [sum(one.steps[index].share for one in diagnosis.waterfall) for index in range(2)]
+    assert closed[0] > closed[1] > 0.01
+
+
+def test_the_rest_is_divided_among_bands(unknown: DiagnosisResult) -> None:
+    (whole,) = (one for one in unknown.diagnosis.unexplained if one.regime == "all")
+    assert sum(band.share for band in whole.bands) == pytest.approx(whole.share)
+    assert whole.bands[0].band_hz[0] == 0.0
+    edges = [band.band_hz for band in whole.bands]
+    assert all(one[1] == other[0] for one, other in pairwise(edges))
 
 
 @pytest.mark.parametrize("share", [0.3, 1.0])

@@ -172,6 +172,7 @@ def _diagnosis(
         where=() if excess is None else excess.locations,
         gap=gap,
         budget=budget.shares,
+        waterfall=budget.waterfalls,
         unexplained=budget.unexplained,
         model_numbers=budget.model_numbers,
         next_experiment=following,

@@ -1,8 +1,8 @@
-"""The gap as a budget: shares of effects and classes, the unexplained rest, and wrong numbers of the model."""
+"""The gap as a budget: shares of effects and classes, and wrong numbers of the model."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -11,29 +11,27 @@ import numpy as np
 from flexros.effects.kinds.law import AbstractLaw
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.effects.rotor_inertia import RotorInertia
+from flexros.gap.answer.partial_repairs import PartialRepairs
+from flexros.gap.answer.unexplained import unexplained
+from flexros.gap.answer.waterfall import waterfalls
 from flexros.gap.candidates.candidate import names_of
 from flexros.gap.fit.estimates import fit_covariance, parameters_of
-from flexros.gap.held_out.prediction_gap import HORIZON, closed_fraction, errors_ahead, over_expected_floor
-from flexros.gap.schema import BudgetShare, ModelNumber, Unexplained
-from flexros.gap.where.motion import motion_of
-from flexros.gap.where.regimes import regimes
+from flexros.gap.held_out.prediction_gap import closed_fraction
+from flexros.gap.schema import BudgetShare, ModelNumber
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping
+    from collections.abc import Mapping
 
-    from flexros.arrays import BoolArray, FloatArray
     from flexros.effects import AbstractEffect
     from flexros.gap.answer.decision import Findings
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.held_out.prediction_gap import AheadErrors
-    from flexros.gap.where.motion import MotorMotion
+    from flexros.gap.schema import Unexplained, Waterfall
     from flexros.robot import Robot
 
 MODEL_NUMBERS = "model numbers"
 _CLASSES: Mapping[str, str] = MappingProxyType({"motor friction": "friction"})
 """Classes of a budget by stage of the loop, where they are named otherwise."""
-LEAST_SHARE = 0.005
-"""Share of the gap from which the rest at a joint or in a regime is listed [1] (chosen)."""
 
 
 @dataclass(frozen=True)
@@ -42,11 +40,13 @@ class Budget:
 
     Attributes:
         shares: Shares of effects, and of classes with several effects at a joint, the largest first.
+        waterfalls: The same by joint, an effect at a time.
         unexplained: What the repaired model leaves, the largest first.
         model_numbers: Numbers of the nominal model that the effects correct.
     """
 
     shares: tuple[BudgetShare, ...] = ()
+    waterfalls: tuple[Waterfall, ...] = ()
     unexplained: tuple[Unexplained, ...] = ()
     model_numbers: tuple[ModelNumber, ...] = ()
 
@@ -69,39 +69,44 @@ def budget_of(findings: Findings, before: AheadErrors, after: AheadErrors) -> Bu
     """Divide the gap of the held-out log among the effects of the chosen explanation.
 
     Added first, an effect alone is put on the nominal model; removed last, it alone is taken from the repaired one. The
-    two differ where effects overlap.
+    two differ where effects overlap. All have the sizes at which they explain the log together: alone one may be too
+    large, or act against what others do, and then it closes less than nothing.
 
     Args:
         findings: The fits of one log, checked on another.
         before: Errors of the nominal model.
         after: Errors of the repaired one.
     """
-    chosen, robot = findings.explanations.chosen, findings.model.robot
+    chosen = findings.explanations.chosen
     gap = before.mean - 1.0
-    unexplained = _unexplained(findings, before, after)
+    rest = unexplained(findings, before, after)
     if gap <= 0 or not chosen.hypothesis:
-        return Budget(unexplained=unexplained, model_numbers=tuple(_estimated(findings)))
-    shares = []
-    for name, members in _members(chosen.hypothesis, robot):
-        joint, cause_class, effect = name
-        own = names_of(members)
-        first, last = (_errors_without(findings, off) for off in (chosen.names - own, own))
-        closed = closed_fraction(before, first, findings.held.record.sample_time)
-        shares.append(
-            BudgetShare.model_validate(
-                {
-                    "joint": joint,
-                    "class": cause_class,
-                    "effect": effect,
-                    "location": members[0].location if effect else joint,
-                    "share_first": None if closed is None else closed.value,
-                    "share_last": (last.mean - after.mean) / gap,
-                    "interval": None if closed is None else closed.interval,
-                }
-            )
-        )
+        return Budget(unexplained=rest, model_numbers=tuple(_estimated(findings)))
+    repairs, rows = PartialRepairs(findings, before, after), _members(chosen.hypothesis, findings.model.robot)
+    own = [names_of(members) for _, members in rows]
+    repairs.prepare([*own, *(chosen.names - names for names in own)])
+    shares = [_share(repairs, *row) for row in rows]
     shares.sort(key=lambda share: -(share.share_last or 0.0))
-    return Budget(tuple(shares), unexplained, _model_numbers(findings))
+    return Budget(tuple(shares), waterfalls(repairs), rest, _model_numbers(findings))
+
+
+def _share(repairs: PartialRepairs, name: tuple[str, str, str | None], members: tuple[Candidate, ...]) -> BudgetShare:
+    """Compute the share of an effect, or of the effects of a class at a joint."""
+    joint, cause_class, effect = name
+    own, every = names_of(members), repairs.findings.explanations.chosen.names
+    last = repairs.closed_by(every) - repairs.closed_by(every - own)
+    closed = closed_fraction(repairs.before, repairs.errors(own), repairs.findings.held.record.sample_time)
+    return BudgetShare.model_validate(
+        {
+            "joint": joint,
+            "class": cause_class,
+            "effect": effect,
+            "location": members[0].location if effect else joint,
+            "share_first": None if closed is None else closed.value,
+            "share_last": last,
+            "interval": None if closed is None else closed.interval,
+        }
+    )
 
 
 def _members(
@@ -118,34 +123,6 @@ def _members(
         if len(members) > 1:
             rows.append(((joint, cause_class, None), tuple(members)))
     return rows
-
-
-def _errors_without(findings: Findings, names: Collection[str]) -> AheadErrors:
-    """Predict the held-out log with some effects of the chosen explanation switched off."""
-    chosen = findings.explanations.chosen
-    errors = errors_ahead(replace(chosen, theta=chosen.switched_off(names)), findings.held)
-    return over_expected_floor(errors, findings.model, findings.held)
-
-
-def _unexplained(findings: Findings, before: AheadErrors, after: AheadErrors) -> tuple[Unexplained, ...]:
-    """Divide what is left among joints, and within each joint among its regimes."""
-    robot, record = findings.model.robot, findings.held.record
-    gap = before.mean - 1.0
-    if gap <= 0:
-        return ()
-    motion = motion_of(record, robot)
-    ends = after.starts + max(1, round(HORIZON / record.sample_time))
-    rest: FloatArray = (after.squares - 1.0) / after.squares.size / gap
-    rows = [
-        Unexplained(joint=name, regime=regime, share=float(rest[inside[ends], motor].sum()))
-        for motor, name in enumerate(robot.joint_names)
-        for regime, inside in _regimes(motion, motor, record.sample_time).items()
-    ]
-    return tuple(sorted((row for row in rows if row.share >= LEAST_SHARE), key=lambda row: -row.share))
-
-
-def _regimes(motion: MotorMotion, motor: int, sample_time: float) -> Mapping[str, BoolArray]:
-    return {name: inside for name, inside in regimes(motion, motor, sample_time).items() if inside.any()}
 
 
 def _model_numbers(findings: Findings) -> tuple[ModelNumber, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
@@ -23,6 +24,8 @@ FEWEST_LINES = 12
 """Least number of lines of a periodogram that are averaged, half of them to each side [1]."""
 BANDS = 12
 """Frequency bands with windows of their own, each up to twice the frequency of the last [1]."""
+_KNOWN: WeakKeyDictionary[FitData, WeakKeyDictionary[CandidateFit, FloatArray]] = WeakKeyDictionary()
+"""Covariances that were computed already."""
 _UNIT = re.compile(r"\[([^\]]+)\]")
 
 
@@ -77,7 +80,7 @@ def fit_covariance(fit: CandidateFit, data: FitData) -> FloatArray:
 
         cov = H^-1 (sum_f J(f)^* S(f) J(f) / n + P) H^-1,    H = J'J + P,
 
-    with the prior P of the tolerated deviations. With S = 1 this is H^-1.
+    with the prior P of the tolerated deviations. With S = 1 this is H^-1. It is computed once for a fit and a log.
 
     Args:
         fit: The fit, at its minimum.
@@ -86,6 +89,13 @@ def fit_covariance(fit: CandidateFit, data: FitData) -> FloatArray:
     Returns:
         Covariance in the units of the fit, shape (n_fitted, n_fitted).
     """
+    of_log = _KNOWN.setdefault(data, WeakKeyDictionary())
+    if fit not in of_log:
+        of_log[fit] = _sandwich(fit, data)
+    return of_log[fit]
+
+
+def _sandwich(fit: CandidateFit, data: FitData) -> FloatArray:
     line = linearise(fit.predictor, data, fit.theta)
     J, r = line.slopes, line.residual
     meat = line.information - J.T @ J  # the prior

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from flexros.effects import RobotWithEffects
     from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.noise.weights import Measurement
+    from flexros.gap.prediction.predictor import Predictor
     from flexros.gap.residuals.fit_data import FitData
     from flexros.record.quantization import Quantization
     from flexros.robot import Robot
@@ -66,8 +67,23 @@ class AheadErrors:
         return float(self.floor[motor] * np.sqrt(self.squares[:, motor].mean()))
 
 
+@dataclass(frozen=True, eq=False)
+class SignedErrors:
+    """Errors of predictions 0.1 s ahead, with their signs.
+
+    Attributes:
+        errors: Errors over their standard deviation by noise alone, shape (n_windows, M).
+        starts: Samples at which the predictions start, shape (n_windows,).
+        floor: That standard deviation [rad or m], shape (M,).
+    """
+
+    errors: FloatArray
+    starts: IntArray
+    floor: FloatArray
+
+
 def errors_ahead(fit: CandidateFit, data: FitData) -> AheadErrors:
-    """Compute the errors of predictions 0.1 s ahead that start throughout a log.
+    """Compute the squared errors of predictions 0.1 s ahead that start throughout a log.
 
     Args:
         fit: The model.
@@ -76,12 +92,47 @@ def errors_ahead(fit: CandidateFit, data: FitData) -> AheadErrors:
     Raises:
         InputError: The log is too short.
     """
-    record, predictor, settings = data.record, fit.predictor, data.settings.prediction_gap
+    (errors,) = errors_ahead_of(fit.predictor, fit.theta[:, None], data)
+    return errors
+
+
+def errors_ahead_of(predictor: Predictor, thetas: FloatArray, data: FitData) -> list[AheadErrors]:
+    """Compute the squared errors of predictions 0.1 s ahead with up to `LANES` sets of parameters.
+
+    Args:
+        predictor: Predictor of the model.
+        thetas: Parameters in the units of the fit, shape (n_fitted, sets).
+        data: The log.
+
+    Raises:
+        InputError: The log is too short.
+    """
+    settings, known = data.settings.prediction_gap, data.measurement.floor_error
+    found = []
+    for signed in signed_errors_ahead(predictor, thetas, data, settings.spacing):
+        squares = np.where(np.abs(signed.errors) < RUN_AWAY, signed.errors, RUN_AWAY) ** 2
+        found.append(AheadErrors(squares, signed.starts, signed.floor, known, settings))
+    return found
+
+
+def signed_errors_ahead(predictor: Predictor, thetas: FloatArray, data: FitData, spacing: float) -> list[SignedErrors]:
+    """Compute the errors of predictions 0.1 s ahead that start throughout a log, with some sets of parameters.
+
+    Args:
+        predictor: Predictor of the model.
+        thetas: Parameters in the units of the fit, shape (n_fitted, sets), up to `LANES` of them.
+        data: The log.
+        spacing: Time between the starts of two predictions [s].
+
+    Raises:
+        InputError: The log is too short.
+    """
+    record = data.record
     horizon = max(1, round(HORIZON / record.sample_time))
-    prediction = data.predict(predictor, fit.theta[:, None], record_states=True)
+    prediction = data.predict(predictor, thetas, record_states=True)
     assert prediction.states is not None
     first = max(int(np.argmax(data.settled)), predictor.loop.line_length)
-    starts = np.arange(first, record.n_samples - horizon, max(1, round(settings.spacing / record.sample_time)))
+    starts = np.arange(first, record.n_samples - horizon, max(1, round(spacing / record.sample_time)))
     counts = np.concatenate([[0], np.cumsum(~data.counted)])
     whole = starts[counts[starts + horizon + 1] == counts[starts]]
     # a log with losses everywhere has no window without losses; then only both ends must be valid
@@ -91,11 +142,12 @@ def errors_ahead(fit: CandidateFit, data: FitData) -> AheadErrors:
             f"{record.name}: there is no stretch of {HORIZON:g} s after the first {first * record.sample_time:.3g} s, "
             f"which the predictor needs to settle; the log has {record.duration:.3g} s, record a longer one"
         )
-    positions = predictor.ahead(fit.theta, record, prediction.states[:, :, 0], starts, horizon)
     floor = data.gain.ahead(horizon)
-    errors = (record.position[starts + horizon] - positions) / floor
-    squares = np.where(np.abs(errors) < RUN_AWAY, errors, RUN_AWAY) ** 2
-    return AheadErrors(squares, starts, floor, data.measurement.floor_error, settings)
+    positions = (
+        predictor.ahead(theta, record, prediction.states[:, :, lane], starts, horizon)
+        for lane, theta in enumerate(thetas.T)
+    )
+    return [SignedErrors((record.position[starts + horizon] - one) / floor, starts, floor) for one in positions]
 
 
 @dataclass(frozen=True)

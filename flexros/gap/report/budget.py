@@ -1,27 +1,27 @@
-"""Section: the gap as a budget, divided among effects, and the unexplained rest by joint and regime."""
+"""Section: the gap as a budget, divided among effects, and the unexplained rest by joint, motion and band."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.gap.report.how_far import AFTER, BEFORE
-from flexros.gap.report.words import budget_words, capital, interval_words, share_words
+from flexros.gap.report.waterfall import shown, waterfall_figure
+from flexros.gap.report.words import band_words, capital, interval_words, named_at, share_words, signed_share_words
 from flexros.gap.where.regimes import REGIMES
 from flexros.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
 from flexros.report.number_text import number
 
 if TYPE_CHECKING:
-    import plotly.graph_objects as go
-
     from flexros.gap.result import DiagnosisResult
     from flexros.gap.schema import BudgetShare, Diagnosis, ModelNumber, Unexplained
 
 FEWEST = 2
 """Effects from which a waterfall is drawn."""
+_VISIBLE = 0.0005
+"""Share of the gap from which a band is written [1] (chosen)."""
 
 
 class BudgetSection(AbstractSection["DiagnosisResult"]):
-    """Bars of the shares, shares of the effects, the rest, and wrong numbers of the model."""
+    """Waterfall by joint, shares of the effects, the rest, and wrong numbers of the model."""
 
     title: ClassVar[str] = "The budget of the gap"
 
@@ -30,16 +30,10 @@ class BudgetSection(AbstractSection["DiagnosisResult"]):
         diagnosis = result.diagnosis
         if not diagnosis.budget:
             return ()
-        blocks: list[Block] = [
-            Paragraph(
-                "Each share is of the gap on held-out data. Added first: what closes when the effect alone is put on "
-                "the nominal model. Removed last: what opens when it alone is taken from the repaired model. The two "
-                "differ where effects overlap."
-            )
-        ]
-        if sum(share.effect is not None for share in diagnosis.budget) >= FEWEST:
-            blocks.append(Picture(_bars(diagnosis), "Share of the gap by effect, removed last, and what is left."))
-        blocks.append(_shares(diagnosis.budget))
+        blocks: list[Block] = []
+        if draws(diagnosis):
+            blocks.append(Picture(waterfall_figure(diagnosis), _caption(diagnosis, result.robot.joint_names)))
+        blocks += [Paragraph(_introduction(diagnosis)), _shares(diagnosis.budget)]
         if diagnosis.unexplained:
             blocks.append(_rest(diagnosis.unexplained))
         if diagnosis.model_numbers:
@@ -47,52 +41,76 @@ class BudgetSection(AbstractSection["DiagnosisResult"]):
         return tuple(blocks)
 
 
-def _bars(diagnosis: Diagnosis) -> go.Figure:
-    """Draw effects of all joints, the largest first, and the rest; shares may overlap, so they are bars, not steps."""
-    import plotly.graph_objects as go
+def draws(diagnosis: Diagnosis) -> bool:
+    """Return whether a budget is worth a picture: several effects, or one that leaves something."""
+    effects = sum(share.effect is not None for share in diagnosis.budget)
+    enough = effects >= FEWEST or (effects > 0 and diagnosis.verdict == "partly_explained")
+    return enough and bool(shown(diagnosis))
 
-    from flexros.report.theme import stacked
 
-    effects = [share for share in diagnosis.budget if share.effect is not None]
-    bars = [(capital(budget_words(share)), share.share_last or 0.0, BEFORE) for share in effects]
-    rest = [(f"left at {one.joint}", one.share, AFTER) for one in diagnosis.unexplained if one.regime == "all"]
-    shown = [*bars, *rest]
-    figure = stacked([""], height=28 * len(shown) + 60)
-    figure.add_trace(
-        go.Bar(
-            x=[max(share, 0.0) for _, share, _ in shown],
-            y=[name for name, _, _ in shown],
-            orientation="h",
-            marker={"color": [colour for _, _, colour in shown]},
-            text=[share_words(max(share, 0.0)) for _, share, _ in shown],
-            textangle=0,
-            hovertemplate="%{y}: %{x:.1%}<extra></extra>",
-        )
+def _caption(diagnosis: Diagnosis, joints: tuple[str, ...]) -> str:
+    left_out = [joint for joint in joints if joint not in {one.joint for one in shown(diagnosis)}]
+    hidden = f" {', '.join(left_out)}: under 1 % of the gap." if left_out else ""
+    return (
+        "The gap on held-out data at each joint, as shares of the gap of all joints: with the nominal model, what each "
+        "effect closes (blue) or opens there (orange), and what is left. Effects are added in the order of what they "
+        f"close; one takes what those after it close as well. 0 is the floor, noise alone.{hidden}"
     )
-    figure.update_yaxes(autorange="reversed", showgrid=False)
-    figure.update_xaxes(title_text="share of the gap", tickformat=".0%")
-    figure.update_layout(margin={"l": 240, "t": 16}, showlegend=False, bargap=0.3)
-    return figure
+
+
+def _introduction(diagnosis: Diagnosis) -> str:
+    text = (
+        "Each share is of the gap on held-out data. Added first: what closes when the effect alone is put on the "
+        "nominal model. Removed last: what opens when it alone is taken from the repaired model. The two differ where "
+        "effects overlap. Parameters that are known with a tolerance are fitted again each time."
+    )
+    shares = [one for share in diagnosis.budget for one in (share.share_first, share.share_last) if one is not None]
+    if min(shares, default=0.0) < 0:
+        text += (
+            " A share below zero: the prediction is worse with the effect than without, because it has the size at "
+            "which it explains the log together with the others, or because this log moves in another way."
+        )
+    return text
 
 
 def _shares(budget: tuple[BudgetShare, ...]) -> TextTable:
-    rows = tuple(
-        (
-            capital(budget_words(share)),
-            share.joint,
-            share.cause_class,
-            "-" if share.share_first is None else share_words(share.share_first) + interval_words(share.interval),
-            "-" if share.share_last is None else share_words(share.share_last),
-        )
-        for share in budget
-    )
-    return TextTable(("Effect", "joint", "class", "added first", "removed last"), rows, "Shares of the gap.", left=3)
+    rows: list[tuple[str, ...]] = []
+    for joint in dict.fromkeys(share.joint for share in budget):
+        rows.append((joint,))
+        for share in (share for share in budget if share.joint == joint):
+            first = _share(share.share_first) + interval_words(share.interval)
+            name = named_at(joint, share.effect, share.location) if share.effect else f"all {share.cause_class}"
+            rows.append((capital(name), share.cause_class, first, _share(share.share_last)))
+    return TextTable(("Effect", "class", "added first", "removed last"), tuple(rows), "Shares of the gap.", left=2)
+
+
+def _share(share: float | None) -> str:
+    if share is None:
+        return "-"
+    return share_words(share) if share >= 0 else signed_share_words(share)
 
 
 def _rest(unexplained: tuple[Unexplained, ...]) -> TextTable:
-    rows = tuple((one.joint, REGIMES[one.regime].phrase or "all", share_words(one.share)) for one in unexplained)
-    caption = "What the repaired model leaves, as a share of the gap. Regimes overlap."
-    return TextTable(("Joint", "motion", "share"), rows, caption, left=2)
+    """List the rest by joint and motion, divided among the bands in which there is any."""
+    bands = list(dict.fromkeys(part.band_hz for one in unexplained for part in one.bands if part.share >= _VISIBLE))
+    bands.sort()
+    top = max((part.band_hz[1] for one in unexplained for part in one.bands), default=0.0)
+    rows: list[tuple[str, ...]] = []
+    for joint in dict.fromkeys(one.joint for one in unexplained):
+        rows.append((joint,))
+        for one in (one for one in unexplained if one.joint == joint):
+            by_band = {part.band_hz: part.share for part in one.bands}
+            cells = (_part(by_band.get(band, 0.0)) for band in bands)
+            rows.append((REGIMES[one.regime].phrase or "all", _part(one.share), *cells))
+    header = ("Motion", "share", *(band_words(band, top) for band in bands))
+    caption = (
+        "What the repaired model leaves, as shares of the gap, by frequency of the prediction errors. Motions overlap."
+    )
+    return TextTable(header, tuple(rows), caption)
+
+
+def _part(share: float) -> str:
+    return f"{100 * share:.1f} %" if share >= _VISIBLE else "-"
 
 
 def _numbers(numbers: tuple[ModelNumber, ...]) -> TextTable:

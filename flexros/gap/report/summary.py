@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.gap.report.verdict import partial_sentence, reported_causes, verdict_sentence
+from flexros.gap.report.verdict import closed_by, partial_sentence, reported_causes, verdict_sentence
 from flexros.gap.report.words import capital, closed_words, named, p_value_words, share_words, shows, where_words
 from flexros.report.base import AbstractSection, Block, Paragraph, Tiles
 from flexros.report.number_text import number
@@ -57,15 +57,17 @@ def _tiles(result: DiagnosisResult) -> list[tuple[str, str, str, str]]:
 
 
 def _cause_tile(diagnosis: Diagnosis) -> tuple[str, str, str, str]:
-    """Return the probability of the first cause, or the verdict where there is none."""
+    """Return what the first of several causes closes, the probability of a single one, or the verdict without any."""
     causes = reported_causes(diagnosis)
     if diagnosis.verdict == "no_gap" or not causes:
         return "Verdict", diagnosis.verdict.replace("_", " "), "", "within noise and tolerance"
     if diagnosis.verdict == "unknown_effect":
         return "Verdict", "unknown effect", "", f"best known effect: {named(causes[0])}"
     more = f" and {len(causes) - 1} more" if len(causes) > 1 else ""
-    probability = share_words(causes[0].probability).removesuffix(" %")
-    return "Probability of the first cause", probability, "%", f"{capital(named(causes[0]))}{more}"
+    below, closed = f"{capital(named(causes[0]))}{more}", closed_by(diagnosis, causes[0])
+    if more and closed > 0:
+        return "Closed by the first cause", share_words(min(closed, 1.0)).removesuffix(" %"), "%", below
+    return "Probability of the first cause", share_words(causes[0].probability).removesuffix(" %"), "%", below
 
 
 def _closed_loop_tile(signal: SignalGap) -> tuple[str, str, str, str]:

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from flexros.gap.report.budget import draws
 from flexros.gap.report.verdict import verdict_sentence
+from flexros.gap.report.waterfall import waterfall_lines
 from flexros.gap.report.words import (
+    band_words,
     budget_words,
     capital,
     clear_words,
@@ -16,8 +19,10 @@ from flexros.gap.report.words import (
     p_value_words,
     share_words,
     shows,
+    signed_share_words,
     where_words,
 )
+from flexros.gap.where.regimes import REGIMES
 from flexros.report.number_text import number
 
 if TYPE_CHECKING:
@@ -26,8 +31,8 @@ if TYPE_CHECKING:
     from flexros.gap.result import DiagnosisResult
     from flexros.gap.schema import Diagnosis, GapNumbers
 
-_RANKED, _LOCATIONS = 6, 3
-"""Number of effects and locations that are printed (chosen)."""
+_RANKED, _LOCATIONS, _MOTIONS = 6, 3, 2
+"""Number of effects, of locations, and of motions of the rest of a joint that are printed (chosen)."""
 
 
 def verdict_line(diagnosis: Diagnosis) -> str:
@@ -62,19 +67,37 @@ def where_lines(result: DiagnosisResult) -> tuple[str, ...]:
 
 
 def budget_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
-    """List the shares of the gap by effect, and what is left by joint; nothing for a single effect."""
-    effects = [share for share in diagnosis.budget if share.effect is not None]
-    if len(effects) < 2 and not (effects and diagnosis.verdict == "partly_explained"):
+    """Write the waterfall of each joint and the shares of the effects; nothing for a single effect that leaves none."""
+    if not draws(diagnosis):
         return ()
+    effects = [share for share in diagnosis.budget if share.effect is not None]
     shares = [
-        f"{capital(budget_words(share))}: {share_words(max(share.share_last or 0.0, 0.0))} removed last, "
-        f"{share_words(max(share.share_first or 0.0, 0.0))} added first"
+        f"{capital(budget_words(share))}: {_share(share.share_last)} removed last, "
+        f"{_share(share.share_first)} added first"
         for share in effects
     ]
-    left = [
-        f"left at {rest.joint}: {share_words(rest.share)}" for rest in diagnosis.unexplained if rest.regime == "all"
-    ]
-    return (*shares, *left)
+    return (*waterfall_lines(diagnosis), *shares)
+
+
+def rest_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
+    """Say at which joint, in which motion and in which band the unexplained rest is; nothing without a budget."""
+    if not draws(diagnosis):
+        return ()
+    lines = []
+    for rest in (one for one in diagnosis.unexplained if one.regime == "all"):
+        motions = [one for one in diagnosis.unexplained if one.joint == rest.joint and one.regime != "all"]
+        where = [f"{REGIMES[one.regime].phrase} {share_words(one.share)}" for one in motions[:_MOTIONS]]
+        band = max(rest.bands, key=lambda one: one.share, default=None)
+        if band is not None:
+            where.append(f"{band_words(band.band_hz)} {share_words(band.share)}")
+        lines.append(f"{rest.joint}: {share_words(rest.share)}{': ' if where else ''}{', '.join(where)}")
+    return tuple(lines)
+
+
+def _share(share: float | None) -> str:
+    if share is None:
+        return "-"
+    return share_words(share) if share > -0.005 else f"{signed_share_words(share)} (worse)"
 
 
 def gap_line(gap: GapNumbers) -> str:

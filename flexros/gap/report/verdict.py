@@ -55,9 +55,19 @@ def partial_sentence(diagnosis: Diagnosis) -> str:
 
 
 def reported_causes(diagnosis: Diagnosis) -> tuple[Cause, ...]:
-    """List the causes that a verdict names: all that are more probable than not, otherwise the first."""
+    """List the causes that a verdict names, what closes most first.
+
+    They are all that are more probable than not, otherwise the most probable one.
+    """
     likely = tuple(cause for cause in diagnosis.causes if cause.probability >= _PART)
-    return likely or diagnosis.causes[:1]
+    return tuple(sorted(likely, key=lambda cause: -closed_by(diagnosis, cause))) or diagnosis.causes[:1]
+
+
+def closed_by(diagnosis: Diagnosis, effect: EffectLocation) -> float:
+    """Return the share of the gap of all joints that an effect closes in the waterfall [1]; 0 where it is not there."""
+    own = (effect.effect, effect.location)
+    steps = (step for waterfall in diagnosis.waterfall for step in waterfall.steps)
+    return sum(step.share for step in steps if (step.effect, step.location) == own)
 
 
 def _no_gap(diagnosis: Diagnosis) -> str:
@@ -85,9 +95,7 @@ def _explained(diagnosis: Diagnosis) -> str:
 
 
 def _partly(diagnosis: Diagnosis) -> str:
-    share = {(one.effect, one.location): one.share_last or 0.0 for one in diagnosis.budget if one.effect}
-    causes = sorted(reported_causes(diagnosis), key=lambda cause: -share.get((cause.effect, cause.location), 0.0))
-    names = first_few([cause_words(cause) for cause in causes], most=6)
+    names = first_few([cause_words(cause) for cause in reported_causes(diagnosis)], most=6)
     text = f"A part of the gap comes from {names}. {_closed(diagnosis.gap)}"
     rest = next((one for one in diagnosis.unexplained if one.regime == "all"), None)
     if rest is not None:

@@ -58,6 +58,17 @@ def named(effect: EffectLocation | RankedCandidate) -> str:
     return f"{effect_words(effect.effect)} {location_words(effect.location)}"
 
 
+def named_at(joint: str, effect: str, location: str) -> str:
+    """Write an effect below the heading of a joint: with its location where that is another one.
+
+    Args:
+        joint: The joint.
+        effect: Name of the effect.
+        location: Its location.
+    """
+    return effect_words(effect) if location == joint else f"{effect_words(effect)} {location_words(location)}"
+
+
 def budget_words(share: BudgetShare) -> str:
     """Write whose share of the gap it is, e.g. "Coulomb friction at motor_1", "all friction at motor_1"."""
     if share.effect is None:
@@ -185,6 +196,16 @@ def share_words(share: float) -> str:
     if share < 0.01:
         return "under 1 %"
     return f"{100 * share:.0f} %" if share <= 0.99 or share >= 1 else "over 99 %"
+
+
+def signed_share_words(share: float) -> str:
+    """Write a change of a share in whole per cent with its sign, e.g. "+12 %", "-3 %", "0 %".
+
+    Args:
+        share: The change [1].
+    """
+    text = f"{100 * share:+.0f} %"
+    return "0 %" if text[1:] == "0 %" else text.replace("-", "\u2212")
 
 
 def closed_words(share: float) -> str:

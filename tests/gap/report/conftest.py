@@ -12,7 +12,18 @@ from flexros.effects.coulomb_friction import CoulombFriction
 from flexros.effects.kinds.base import PlacedEffect
 from flexros.gap.prediction.predicted_log import PredictedLog
 from flexros.gap.result import DiagnosisResult, Explanation, RankedCandidate, SignalGap
-from flexros.gap.schema import CauseParameter, Diagnosis, EffectLocation, Excess
+from flexros.gap.schema import (
+    BandShare,
+    BudgetShare,
+    Cause,
+    CauseParameter,
+    Diagnosis,
+    EffectLocation,
+    Excess,
+    Step,
+    Unexplained,
+    Waterfall,
+)
 from flexros.gap.settings import DiagnosisSettings
 from flexros.record.record import Record
 from flexros.robot import load_robot
@@ -178,3 +189,31 @@ def diagnosed() -> Callable[[str], DiagnosisResult]:
 def changed() -> Callable[..., DiagnosisResult]:
     """Return a function that makes a result with a verdict and replaces fields of it."""
     return lambda verdict, **fields: replace(result_of(verdict), **fields)
+
+
+def share(effect: str, first: float, last: float) -> BudgetShare:
+    names = {"joint": "motor_1", "class": "friction", "effect": effect, "location": "motor_1"}
+    return BudgetShare.model_validate({**names, "share_first": first, "share_last": last, "interval": None})
+
+
+@pytest.fixture
+def divided() -> Diagnosis:
+    """Two effects at two joints close most of the gap, the less probable one more of it."""
+    closed = {"hysteresis": 0.6, "coulomb_friction": 0.25}
+    bands = (BandShare(band_hz=(0.0, 2.0), share=0.1), BandShare(band_hz=(2.0, 4.0), share=0.05))
+    steps = tuple(Step(effect=effect, location="motor_1", share=part) for effect, part in closed.items())
+    causes = tuple(
+        Cause(effect=effect, location="motor_1", probability=p, parameters=parameters(effect), closed_fraction=None)
+        for effect, p in (("coulomb_friction", 0.99), ("hysteresis", 0.98))
+    )
+    changed = {
+        "verdict": "partly_explained",
+        "causes": causes,
+        "budget": (share("hysteresis", -0.3, 0.6), share("coulomb_friction", 0.25, 0.2)),
+        "waterfall": (Waterfall(joint="motor_1", before=1.0, steps=steps, left=0.15),),
+        "unexplained": (
+            Unexplained(joint="motor_1", regime="all", share=0.15, bands=bands),
+            Unexplained(joint="motor_1", regime="reversal", share=0.12),
+        ),
+    }
+    return diagnosis("explained").model_copy(update=changed)

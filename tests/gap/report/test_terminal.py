@@ -7,8 +7,18 @@ from collections.abc import Callable
 
 from rich.console import Console
 
-from flexros.gap.report.terminal import gap_line, group_lines, next_lines, ranking_table, verdict_line, where_lines
+from flexros.gap.report.terminal import (
+    budget_lines,
+    gap_line,
+    group_lines,
+    next_lines,
+    ranking_table,
+    rest_lines,
+    verdict_line,
+    where_lines,
+)
 from flexros.gap.result import DiagnosisResult
+from flexros.gap.schema import Diagnosis
 
 Diagnosed = Callable[[str], DiagnosisResult]
 
@@ -43,3 +53,19 @@ def test_groups_and_next_experiment_are_listed(diagnosed: Diagnosed) -> None:
     assert group_lines(diagnosis) == ("Not distinguishable: hysteresis at motor_1 and backlash at motor_1",)
     assert next_lines(diagnosis)[1] == "  flexros run bias_steps --model four_mass_linear --out bags/bias_steps"
     assert next_lines(diagnosed("explained").diagnosis) == ()
+
+
+def test_the_budget_has_a_waterfall_and_both_shares(divided: Diagnosis) -> None:
+    lines = budget_lines(divided)
+    assert lines[0] == "motor_1"
+    assert lines[-2] == "Hysteresis at motor_1: 60 % removed last, \u221230 % (worse) added first"
+    assert lines[-1] == "Coulomb friction at motor_1: 20 % removed last, 25 % added first"
+
+
+def test_the_rest_has_joint_motion_and_band(divided: Diagnosis) -> None:
+    assert rest_lines(divided) == ("motor_1: 15 %: at reversals 12 %, below 2 Hz 10 %",)
+
+
+def test_a_single_effect_that_leaves_nothing_has_no_budget(diagnosed: Diagnosed) -> None:
+    assert budget_lines(diagnosed("explained").diagnosis) == ()
+    assert rest_lines(diagnosed("explained").diagnosis) == ()

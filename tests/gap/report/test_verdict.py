@@ -9,7 +9,7 @@ import pytest
 from flexros.gap.report.terminal import gap_line
 from flexros.gap.report.verdict import partial_sentence, reported_causes, verdict_sentence
 from flexros.gap.result import DiagnosisResult
-from flexros.gap.schema import NEXT_EXPERIMENT, EffectLocation, Partial
+from flexros.gap.schema import NEXT_EXPERIMENT, Diagnosis, EffectLocation, Partial
 
 Diagnosed = Callable[[str], DiagnosisResult]
 
@@ -105,3 +105,9 @@ def test_a_partial_result_does_not_claim_that_no_effect_explains_the_gap(diagnos
     text = verdict_sentence(diagnosed("unknown_effect").diagnosis.model_copy(update={"partial": partial}))
     assert "no known effect" not in text
     assert "tried so far" in text
+
+
+def test_the_cause_that_closes_most_comes_first(divided: Diagnosis) -> None:
+    assert [cause.effect for cause in reported_causes(divided)] == ["hysteresis", "coulomb_friction"]
+    sentence = verdict_sentence(divided)
+    assert sentence.index("hysteresis") < sentence.index("Coulomb friction")

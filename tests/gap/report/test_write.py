@@ -16,7 +16,7 @@ from plotly.offline import get_plotlyjs
 
 from flexros.gap.report import diagnosis_report, write_diagnosis_report
 from flexros.gap.result import DiagnosisResult
-from flexros.gap.schema import Partial
+from flexros.gap.schema import Diagnosis, Partial
 
 pytestmark = pytest.mark.slow
 
@@ -148,3 +148,12 @@ def test_a_partial_result_says_so_at_the_top(diagnosed: Diagnosed) -> None:
     html = page(replace(result, diagnosis=result.diagnosis.model_copy(update={"partial": partial})))
     assert "interrupted after 61.3 s" in html.partition("<h2>")[0]
     assert "Partial result" not in page(result)
+
+
+def test_the_budget_is_drawn_and_its_negative_shares_are_explained(diagnosed: Diagnosed, divided: Diagnosis) -> None:
+    html = page(replace(diagnosed("explained"), diagnosis=divided), PATCH)
+    assert "The budget of the gap" in html
+    assert "\u221230 %" in html
+    assert "A share below zero" in html
+    assert any(trace["type"] == "waterfall" for one in pictures(html) for trace in one["figure"]["data"])  # type: ignore[index]
+    assert "Closed by the first cause" in html

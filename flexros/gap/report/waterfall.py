@@ -1,0 +1,139 @@
+"""The budget of the gap as a waterfall: at each joint from the nominal model over its effects to what is left."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from textwrap import wrap
+from typing import TYPE_CHECKING
+
+from flexros.gap.report.how_far import AFTER, BEFORE
+from flexros.gap.report.words import capital, named_at, signed_share_words
+
+if TYPE_CHECKING:
+    import plotly.graph_objects as go
+
+    from flexros.gap.schema import Diagnosis, Waterfall
+
+LEAST = 0.01
+"""Share of the gap from which a joint and a step are shown by themselves [1] (chosen)."""
+TOTALS = "#8b949e"
+"""Colour of the gap before and of what is left."""
+_ROW, _LABEL = 30, 19
+"""Height of a row [px], and letters of its label in a line (chosen)."""
+_BAR = 32
+"""Letters of the longest bar in a terminal (chosen)."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """A row of a waterfall.
+
+    Attributes:
+        name: What it is.
+        share: Share of the gap [1]; of a step, the change.
+        begin: Where its bar begins [1].
+        total: Whether it is the gap before or what is left, not a step.
+    """
+
+    name: str
+    share: float
+    begin: float
+    total: bool = False
+
+    @property
+    def words(self) -> str:
+        """The share in per cent, with its sign where it is a change."""
+        return f"{round(100 * self.share)} %" if self.total else signed_share_words(self.share)
+
+
+def rows_of(waterfall: Waterfall) -> tuple[Row, ...]:
+    """List the rows of a joint: the gap before, the steps that show, all others together, and what is left."""
+    rows, level = [Row("before", waterfall.before, 0.0, total=True)], waterfall.before
+    for step in waterfall.steps:
+        if abs(step.share) >= LEAST:
+            rows.append(Row(named_at(waterfall.joint, step.effect, step.location), -step.share, level))
+            level -= step.share
+    others = waterfall.left - level
+    if abs(others) >= LEAST / 2:
+        rows.append(Row("all others", others, level))
+    return (*rows, Row("left", waterfall.left, 0.0, total=True))
+
+
+def shown(diagnosis: Diagnosis) -> tuple[Waterfall, ...]:
+    """List the joints with a part of the gap, the largest first."""
+    parts = (one for one in diagnosis.waterfall if max(one.before, one.left) >= LEAST)
+    return tuple(sorted(parts, key=lambda one: -one.before))
+
+
+def waterfall_figure(diagnosis: Diagnosis) -> go.Figure:
+    """Draw the waterfalls of all joints below one another."""
+    import plotly.graph_objects as go
+
+    from flexros.report.theme import stacked
+
+    places: list[float] = []
+    labels: list[str] = []
+    largest, traces = 0.0, []
+    for waterfall in shown(diagnosis):
+        rows, first = rows_of(waterfall), (places[-1] + 1.5 if places else 0.0)
+        own = [first + index for index in range(len(rows))]
+        places += own
+        labels += [_label(row, waterfall.joint) for row in rows]
+        largest = max(largest, *(max(row.begin, row.begin + row.share) for row in rows))
+        traces.append(
+            go.Waterfall(
+                orientation="h",
+                measure=["absolute", *["relative"] * (len(rows) - 2), "absolute"],
+                x=[row.share for row in rows],
+                y=own,
+                customdata=[f"{capital(row.name)}, {waterfall.joint}: {row.words}" for row in rows],
+                hovertemplate="%{customdata} of the gap<extra></extra>",
+                connector={"line": {"color": TOTALS, "width": 1, "dash": "dot"}},
+                decreasing={"marker": {"color": AFTER}},
+                increasing={"marker": {"color": BEFORE}},
+                totals={"marker": {"color": TOTALS}},
+                width=0.7,
+            )
+        )
+        # beside the right end of each bar: those that fall would have theirs over the names
+        ends = [max(row.begin, row.begin + row.share, 0.0) for row in rows]
+        texts = [f" {row.words}" for row in rows]
+        traces.append(go.Scatter(x=ends, y=own, text=texts, mode="text", textposition="middle right", hoverinfo="skip"))
+    figure = stacked([""], height=round(_ROW * (places[-1] + 1.2)) + 20)
+    figure.add_traces(traces)
+    figure.update_yaxes(
+        range=[places[-1] + 0.6, -0.6],
+        showgrid=False,
+        tickvals=places,
+        ticktext=labels,
+        ticks="",
+        tickfont={"size": 12},
+    )
+    figure.update_xaxes(title_text="share of the gap", tickformat=".0%", range=[0, 1.17 * largest])
+    figure.update_layout(margin={"l": 132, "r": 8, "t": 16}, showlegend=False)
+    return figure
+
+
+def waterfall_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
+    """Write the waterfalls as lines of text, with bars."""
+    waterfalls = shown(diagnosis)
+    rows = {one.joint: rows_of(one) for one in waterfalls}
+    every = [row for of_joint in rows.values() for row in of_joint]
+    if not every:
+        return ()
+    scale = _BAR / max(max(row.begin, row.begin + row.share) for row in every)
+    width = max(len(row.name) for row in every)
+    lines = []
+    for joint, of_joint in rows.items():
+        lines.append(joint)
+        for row in of_joint:
+            ends = sorted((round(scale * max(row.begin, 0.0)), round(scale * max(row.begin + row.share, 0.0))))
+            bar = " " * ends[0] + "█" * max(ends[1] - ends[0], 1)
+            lines.append(f"  {capital(row.name):<{width}} {row.words:>6}  {bar}")
+    return tuple(lines)
+
+
+def _label(row: Row, joint: str) -> str:
+    if row.total and row.name == "before":
+        return f"<b>{joint}</b>, before"
+    return "<br>".join(wrap(capital(row.name), _LABEL))
