@@ -7,7 +7,7 @@ unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 .PHONY: help demo test test-fast lint bench fuzz campaign soak docs clean python environment
 
 help:
-	@echo "make demo    install into .venv, run the circle test over ROS 2 topics, close a gap"
+	@echo "make demo    install into .venv, run the circle test over ROS 2 topics, close a gap, budget of a measured machine"
 	@echo "make test    all tests"
 	@echo "make test-fast  without ROS, guide and slow tests, below a minute"
 	@echo "make lint    style, format, types, layers"

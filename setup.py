@@ -43,7 +43,7 @@ setup(
     python_requires=">=3.10,<3.14",
     packages=find_packages(include=["flexros", "flexros.*", "flexros_nodes", "flexros_nodes.*"]),
     package_data={
-        "flexros": ["py.typed", "**/*.yaml", "**/*.json", "**/*.html", "**/*.css", "**/*.js"],
+        "flexros": ["py.typed", "**/*.yaml", "**/*.json", "**/*.html", "**/*.css", "**/*.js", "scenario/measured/**/*"],
         "flexros_nodes": ["shell/local_host.xml"],
     },
     data_files=data_files,

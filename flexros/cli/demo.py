@@ -1,4 +1,4 @@
-"""The demonstration: the circle test of the thesis over topics, recorded and compared; then a gap closed."""
+"""The demonstration: the circle test over topics, recorded and compared; a gap closed; a measured machine's budget."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import typer
 from rich.padding import Padding
 from rich.table import Table
 
-from flexros.cli import demo_repair
+from flexros.cli import demo_measured, demo_repair
 from flexros.cli.output import console, print_json, progress_bar, say
 from flexros.cli.run import choose_transport
 from flexros.errors import InputError
@@ -21,6 +21,7 @@ from flexros.scenario import transports
 if TYPE_CHECKING:
     from flexros.analysis import Analysis
     from flexros.analysis.comparison import Comparison
+    from flexros.cli.demo_measured import Budgeted
     from flexros.cli.demo_repair import Repair
     from flexros.logs.time_series import Log
     from flexros.scenario.scenario import Scenario
@@ -96,9 +97,12 @@ def demo(
     with_repair: bool = typer.Option(
         True, "--repair/--no-repair", help="End with a hidden effect: diagnose it, repair the feedforward, run again."
     ),
+    with_measured: bool = typer.Option(
+        True, "--measured/--no-measured", help="End with the gap budget of a measured double pendulum."
+    ),
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> int:
-    """Run the circle test of Moberg (2007, Paper B), compare the published figures, then diagnose and repair a gap."""
+    """Run the circle test of Moberg (2007, Paper B), then diagnose a hidden effect and a measured machine."""
     from flexros.analysis.report import write_comparison, write_report
 
     transport = choose_transport(transport, quiet=as_json)
@@ -120,11 +124,16 @@ def demo(
     if not as_json:
         _print(results, comparison, folder, transport)
     found = _repaired(folder, transport) if with_repair else None
-    if as_json:
-        content = {**comparison.as_dict(), "runs": [_row(result) for result in results], "folder": str(folder)}
-        print_json({**content, **({} if found is None else {"repair": found.as_dict()})})
-    elif found is not None:
+    if found is not None and not as_json:
         demo_repair.print_repair(found, folder)
+    measured = _measured(folder) if with_measured else None
+    if measured is not None and not as_json:
+        demo_measured.print_budget(measured)
+    if as_json:
+        parts = {"repair": found, "measured": measured}
+        more = {name: part.as_dict() for name, part in parts.items() if part is not None}
+        runs = [_row(result) for result in results]
+        print_json({**comparison.as_dict(), "runs": runs, "folder": str(folder), **more})
     return 0
 
 
@@ -139,6 +148,15 @@ def _repaired(folder: Path, transport: str) -> Repair:
         )
     write_report(found.runs, folder / demo_repair.REPORT)
     return found
+
+
+def _measured(folder: Path) -> Budgeted:
+    """Diagnose the measured machine."""
+    with progress_bar() as progress:
+        task = progress.add_task("measured machine", total=1.0)
+        return demo_measured.budgeted(
+            folder, lambda what, share: progress.update(task, description=what, completed=share)
+        )
 
 
 def run_case(case: Case, folder: Path, transport: str) -> CaseResult:

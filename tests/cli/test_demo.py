@@ -23,7 +23,7 @@ def rows(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str], floa
     folder = tmp_path_factory.mktemp("demo") / "out"
     printed = io.StringIO()
     with contextlib.redirect_stdout(printed), pytest.raises(SystemExit) as ended:
-        main(["demo", "--transport", "direct", "--no-repair", "--json", "--out", str(folder)])
+        main(["demo", "--transport", "direct", "--no-repair", "--no-measured", "--json", "--out", str(folder)])
     assert not ended.value.code
     content = json.loads(printed.getvalue())
     assert (folder / "report.html").exists()

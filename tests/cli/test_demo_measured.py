@@ -1,0 +1,63 @@
+"""The measured machine at the end of the demonstration."""
+
+from __future__ import annotations
+
+import pytest
+
+from flexros.cli.demo_measured import EFFECTS, OWNER, RECORDED, Budgeted, budgeted, print_budget
+
+MOST = 400_000
+"""Size that the recordings may have in the repository [bytes]."""
+
+
+def test_the_recordings_come_with_their_licence_and_source() -> None:
+    licence, about = ((RECORDED / name).read_text() for name in ("LICENSE", "README.md"))
+    assert "BSD 3-Clause License" in licence
+    assert "DFKI" in licence
+    assert "1e8544e67f3da72a51ee52fbbb278e131ce2a43f" in about
+    assert sum(file.stat().st_size for file in RECORDED.iterdir()) < MOST
+
+
+@pytest.fixture(scope="module")
+def measured(tmp_path_factory: pytest.TempPathFactory) -> Budgeted:
+    return budgeted(tmp_path_factory.mktemp("demo"), lambda what, share: None)
+
+
+@pytest.mark.slow
+def test_friction_of_both_joints_is_found_and_most_of_the_gap_closed(measured: Budgeted) -> None:
+    diagnosis = measured.result.diagnosis
+    frictions = {one.location for one in diagnosis.causes if one.effect == "coulomb_friction" and one.probability > 0.9}
+    assert frictions == {"motor_1", "motor_2"}
+    assert diagnosis.gap.closed_fraction is not None
+    assert diagnosis.gap.closed_fraction > 0.8
+
+
+@pytest.mark.slow
+def test_the_waterfall_of_the_machine_adds_up(measured: Budgeted) -> None:
+    """Its model has tolerances, which are fitted again with every part of the effects."""
+    diagnosis = measured.result.diagnosis
+    assert sum(one.before for one in diagnosis.waterfall) == pytest.approx(1.0)
+    left = sum(one.share for one in diagnosis.unexplained if one.regime == "all")
+    assert sum(one.left for one in diagnosis.waterfall) == pytest.approx(left, abs=0.01)
+    for one in diagnosis.waterfall:
+        assert one.before - sum(step.share for step in one.steps) == pytest.approx(one.left, abs=0.005)
+
+
+@pytest.mark.slow
+def test_the_output_says_whose_data_it_is_and_what_competed(
+    measured: Budgeted, capfd: pytest.CaptureFixture[str]
+) -> None:
+    print_budget(measured)
+    printed = " ".join(capfd.readouterr().out.split())
+    assert " ".join(OWNER.split()) in printed
+    assert "Coulomb friction, viscous friction" in printed
+    assert "motor_1" in printed
+    assert "Left unexplained" in printed
+
+
+@pytest.mark.slow
+def test_figures_are_in_json(measured: Budgeted) -> None:
+    figures = measured.as_dict()
+    assert figures["effects"] == list(EFFECTS)
+    assert {"budget", "waterfall", "unexplained"} <= figures.keys()
+    assert (measured.folder / "report.html").is_file()
