@@ -12,7 +12,7 @@ from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.least_squares import best_of, chi2_of, fit, initial_values
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.residuals.fit_data import fit_data
-from flexros.gap.search.candidate_fits import prepare_search
+from flexros.gap.search.prepare import prepare_search
 from flexros.gap.settings import DiagnosisSettings
 from flexros.robot import load_robot
 

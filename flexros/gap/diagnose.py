@@ -21,8 +21,8 @@ from flexros.gap.noise.autoregression import autoregressive_spectrum
 from flexros.gap.noise.weights import measurement_in
 from flexros.gap.progress import Stages
 from flexros.gap.residuals.fit_data import fit_data
-from flexros.gap.search.candidate_fits import prepare_search
 from flexros.gap.search.forward_selection import explain
+from flexros.gap.search.prepare import prepare_search
 from flexros.gap.search.torque_start import base_fit, first_values, torque_start
 from flexros.gap.settings import DiagnosisSettings
 from flexros.gap.where.find import where
@@ -91,7 +91,7 @@ def diagnose(
     tolerated = unknown.tolerated(tolerance_of(model.robot, tolerance or {}))
     data = fit_data(fitted, model, settings)
     held_data = fit_data(held, model, settings, measurement_in(held, model.robot, data.measurement, settings))
-    start = torque_start(fitted, model, tolerated) if unknown.inertias else None
+    start = torque_start(fitted, model, tolerated, unknown)
     null, base = _first_fits(data, model, tolerated, start, settings, deadline)
     held_data = held_data.with_tool_frame_of(null.fit.predictor, null.fit.theta)
     prediction = prediction_of(null.fit, null.data)
@@ -139,7 +139,8 @@ def _first_fits(
     On a real machine the prior of tolerances is weighed by what these effects leave, or what no candidate removes.
     """
     null = fit_null(data, model, tolerance, settings.fit)
-    base = None if start is None else base_fit(null, first_values(start, null, settings), settings)
+    first = None if start is None else first_values(start, null, settings)
+    base = None if first is None else base_fit(null, first, settings, deadline.of_fit())
     if not (data.record.imported and tolerance.names):
         return null, base
     if base is not None:
@@ -148,7 +149,7 @@ def _first_fits(
         search = prepare_search(null, settings, deadline=deadline)
         misfit = search.misfit(search.directions(search.candidates()))
     null = fit_null(replace(data, misfit=misfit), model, tolerance, settings.fit, null.fit.theta)
-    return null, None if base is None else base_fit(null, base, settings)
+    return null, None if base is None else base_fit(null, base, settings, deadline.of_fit())
 
 
 def _where(null: NullFit, prediction: PredictedLog, settings: DiagnosisSettings) -> Where:

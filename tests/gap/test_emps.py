@@ -21,7 +21,7 @@ from flexros.gap.fit.least_squares import CandidateFit, best_of, chi2_of, fit, i
 from flexros.gap.fit.null_fit import NullFit, fit_null
 from flexros.gap.noise.encoder_noise import measure_noise
 from flexros.gap.residuals.fit_data import fit_data
-from flexros.gap.search.candidate_fits import prepare_search
+from flexros.gap.search.prepare import prepare_search
 from flexros.gap.settings import DiagnosisSettings, SearchSettings
 from flexros.logs.foreign.import_log import import_log
 from flexros.logs.foreign.mapping import load_mapping

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from flexros.gap.answer.budget import Budget, budget_of
+from flexros.gap.answer.budget import budget_of, without_gap
 from flexros.gap.answer.decision import (
     best_rival,
     effect_location,
@@ -161,7 +161,8 @@ def _diagnosis(
     """Put together what is written into diagnosis.json."""
     sample_time = findings.held.record.sample_time
     gap = gap_numbers(errors.before, errors.after, sample_time, errors.rival)
-    budget = budget_of(findings, errors.before, errors.after or errors.before) if verdict != "no_gap" else Budget()
+    whole = verdict != "no_gap"
+    budget = budget_of(findings, errors.before, errors.after or errors.before) if whole else without_gap(findings)
     warnings = (*_record_warnings(findings), *_sensor_warnings(findings), *_answer_warnings(findings, gap))
     following = _next(findings, verdict, stages, deadline) if settings.next_experiment else None
     return Diagnosis(

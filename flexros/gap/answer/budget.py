@@ -109,6 +109,15 @@ def _share(repairs: PartialRepairs, name: tuple[str, str, str | None], members: 
     )
 
 
+def without_gap(findings: Findings) -> Budget:
+    """Return the budget of a log without a gap: numbers alone that the robot file lacks.
+
+    Args:
+        findings: The fits of the log.
+    """
+    return Budget(model_numbers=tuple(_estimated(findings)))
+
+
 def _members(
     hypothesis: tuple[Candidate, ...], robot: Robot
 ) -> list[tuple[tuple[str, str, str | None], tuple[Candidate, ...]]]:

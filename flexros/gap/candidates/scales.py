@@ -11,7 +11,7 @@ from flexros.record.missing_samples import bridged
 from flexros.record.smoothing import smooth_motion
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from flexros.arrays import FloatArray
     from flexros.effects.kinds.ranges import Scale
@@ -54,11 +54,8 @@ def scales_of(robot: Robot, states: FloatArray, torque: FloatArray) -> Scales:
         states: States [q, v] that the nominal model predicts, shape (n, n_states).
         torque: Torques of the motors [Nm or N], shape (n, M).
     """
-    n, rows, names = robot.n_coordinates, robot.motor_rows, robot.joint_names
+    n, rows = robot.n_coordinates, list(robot.motor_rows)
     position, speed = states[:, :n], states[:, n : 2 * n]
-    torques = {name: max(float(np.abs(torque[:, motor]).max()), SMALLEST) for motor, name in enumerate(names)}
-    speeds = {name: _largest(speed[:, row]) for name, row in zip(names, rows)}
-    angles = {name: max(float(np.ptp(position[:, row])), SMALLEST) for name, row in zip(names, rows)}
     deflections: dict[str, float] = {}
     for index, joint in enumerate(robot.joints):
         value = position[:, index]
@@ -67,7 +64,7 @@ def scales_of(robot: Robot, states: FloatArray, torque: FloatArray) -> Scales:
         deflections[joint.name] = _largest(value)
     for motor in robot.motors:
         deflections[motor.name] = deflections[motor.joint.name]
-    return Scales({"torque": torques, "speed": speeds, "angle": angles, "deflection": deflections})
+    return _scales(robot.joint_names, torque, speed[:, rows], position[:, rows], deflections)
 
 
 def scales_of_motors(robot: Robot, record: Record) -> Scales:
@@ -80,10 +77,21 @@ def scales_of_motors(robot: Robot, record: Record) -> Scales:
     position = bridged(record.position, record.valid)
     speed = smooth_motion(position, record.sample_time, min(CUTOFF, 0.1 / record.sample_time))[1]
     names = robot.joint_names
-    torques = {name: max(float(np.abs(record.torque[:, motor]).max()), SMALLEST) for motor, name in enumerate(names)}
+    return _scales(names, record.torque, speed, position, dict.fromkeys(names, SMALLEST))
+
+
+def _scales(
+    names: Sequence[str],
+    torque: FloatArray,
+    speed: FloatArray,
+    position: FloatArray,
+    deflections: Mapping[str, float],
+) -> Scales:
+    """Take the largest torques, speeds and angles of the motors, one column each."""
+    torques = {name: max(float(np.abs(torque[:, motor]).max()), SMALLEST) for motor, name in enumerate(names)}
     speeds = {name: _largest(speed[:, motor]) for motor, name in enumerate(names)}
     angles = {name: max(float(np.ptp(position[:, motor])), SMALLEST) for motor, name in enumerate(names)}
-    return Scales({"torque": torques, "speed": speeds, "angle": angles, "deflection": dict.fromkeys(names, SMALLEST)})
+    return Scales({"torque": torques, "speed": speeds, "angle": angles, "deflection": deflections})
 
 
 def _largest(values: FloatArray) -> float:

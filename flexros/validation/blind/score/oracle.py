@@ -34,7 +34,7 @@ def oracle_fraction(folder: Path, case: OpenCase, truth: Truth) -> float | None:
     from flexros.gap.held_out.prediction_gap import closed_fraction, errors_ahead, over_expected_floor
     from flexros.gap.noise.weights import measurement_in
     from flexros.gap.residuals.fit_data import fit_data
-    from flexros.gap.search.candidate_fits import prepare_search
+    from flexros.gap.search.prepare import prepare_search
 
     if truth.kind != "single" or truth.gain < VISIBLE:
         return None

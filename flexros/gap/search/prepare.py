@@ -1,0 +1,89 @@
+"""Preparation of the search for causes: the base of all fits, the rows of estimates, the scales of the log."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.gap.candidates.competitors import competitors
+from flexros.gap.candidates.scales import scales_of
+from flexros.gap.deadline import Deadline
+from flexros.gap.fit.least_squares import linearise
+from flexros.gap.search.candidate_fits import Search
+from flexros.gap.settings import DiagnosisSettings
+from flexros.random_streams import generator
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from flexros.arrays import IntArray
+    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.null_fit import NullFit
+    from flexros.gap.residuals.fit_data import FitData
+
+ROWS_STREAM = 21
+"""Stream of random numbers that draws the prediction errors of the estimates."""
+
+
+def prepare_search(
+    null: NullFit,
+    settings: DiagnosisSettings | None = None,
+    progress: Callable[[str, float], None] | None = None,
+    deadline: Deadline | None = None,
+    base: CandidateFit | None = None,
+) -> Search:
+    """Prepare the fits of candidates to one log.
+
+    Args:
+        null: The fitted nominal model.
+        settings: Settings of the diagnosis.
+        progress: Called with the name of a step and the share of it that is done.
+        deadline: When the search ends; default: once it is complete.
+        base: The fit around which candidates are screened; default: that of the nominal model.
+
+    Raises:
+        InputError: The settings name an effect or a motor that does not exist.
+    """
+    settings = settings or DiagnosisSettings()
+    data, fit = null.data, null.fit if base is None else base
+    return Search(
+        null=null,
+        base=fit,
+        base_residual=fit.residual(data),
+        tolerance_slopes=linearise(fit.predictor, data, fit.theta).slopes[:, fit.predictor.n_effect :]
+        if len(fit.deviations)
+        else None,
+        rows=_rows(data, settings.search.screened_values),
+        scales=scales_of(null.model.robot, fit.states(data), data.record.torque),
+        distance=_distances(data),
+        settings=settings,
+        competitors=competitors(null.model.robot, settings.search),
+        threads=settings.threads or os.cpu_count() or 1,
+        progress=progress,
+        deadline=deadline or Deadline(),
+    )
+
+
+def _rows(data: FitData, most: int) -> IntArray:
+    """Choose prediction errors that are spread evenly over the log, drawn so that no period is favoured."""
+    used = np.flatnonzero(np.isfinite(data.spread.T.ravel()))
+    after = np.arange(data.spread.size, data.spread.size + (0 if data.tool is None else data.tool.position.size))
+    every = np.concatenate([used, after])
+    if len(every) <= most:
+        return every
+    return np.sort(generator(0, ROWS_STREAM).choice(every, size=most, replace=False))
+
+
+def _distances(data: FitData) -> Callable[[CandidateFit, CandidateFit], float]:
+    """Return the function that computes the distance of two fits, and keeps it, as it costs two predictions."""
+    known: dict[frozenset[CandidateFit], float] = {}
+
+    def distance(fit: CandidateFit, other: CandidateFit) -> float:
+        pair = frozenset((fit, other))
+        if pair not in known:
+            known[pair] = float(np.sum((fit.residual(data) - other.residual(data)) ** 2))
+        return known[pair]
+
+    return distance
