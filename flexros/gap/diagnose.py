@@ -23,7 +23,7 @@ from flexros.gap.progress import Stages
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.search.forward_selection import explain
 from flexros.gap.search.prepare import prepare_search
-from flexros.gap.search.torque_start import base_fit, first_values, torque_start
+from flexros.gap.search.torque_start import base_fit, first_values, on_null, torque_start
 from flexros.gap.settings import DiagnosisSettings
 from flexros.gap.where.find import where
 from flexros.record.resampled import may_be_resampled, resampled
@@ -138,7 +138,8 @@ def _first_fits(
 
     On a real machine the prior of tolerances is weighed by what these effects leave, or what no candidate removes.
     """
-    null = fit_null(data, model, tolerance, settings.fit)
+    few = settings.fit.model_copy(update={"null_iterations": 1})  # what the torques show is fitted from the torques
+    null = fit_null(data, model, tolerance, settings.fit if start is None else few)
     first = None if start is None else first_values(start, null, settings)
     base = None if first is None else base_fit(null, first, settings, deadline.of_fit())
     if not (data.record.imported and tolerance.names):
@@ -148,8 +149,10 @@ def _first_fits(
     else:
         search = prepare_search(null, settings, deadline=deadline)
         misfit = search.misfit(search.directions(search.candidates()))
-    null = fit_null(replace(data, misfit=misfit), model, tolerance, settings.fit, null.fit.theta)
-    return null, None if base is None else base_fit(null, base, settings, deadline.of_fit())
+    found = null.fit if base is None else base
+    start_at = found.predictor.tolerance.by_name(found.deviations)
+    null = fit_null(replace(data, misfit=misfit), model, tolerance, settings.fit, start_at)
+    return null, None if base is None else base_fit(null, on_null(null, base), settings, deadline.of_fit())
 
 
 def _where(null: NullFit, prediction: PredictedLog, settings: DiagnosisSettings) -> Where:

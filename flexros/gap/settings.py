@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import Literal
 
 from pydantic import Field
@@ -214,6 +215,17 @@ class SearchSettings(Settings):
         ge=0,
         description="most rounds of forward selection after friction and inertia by the torques of a real machine: "
         "further ones take long and find imitations of what no effect describes",
+    )
+    clear_in_torques: float = Field(
+        default=2.0,
+        ge=0,
+        description="size of an effect that torques show, over its standard deviation, from which it stays [1]",
+    )
+    hopeful: float = Field(
+        default=0.5,
+        ge=0,
+        description="predicted gain from which a further effect is fitted beside those that torques show, over what it "
+        "must remove [1]: linear theory underestimates some",
     )
     removed_by_step: float = Field(
         default=0.1,
@@ -441,3 +453,8 @@ class DiagnosisSettings(Settings):
     fit: FitSettings = Field(default=FitSettings(), description="least-squares fit of one hypothesis")
     search: SearchSettings = Field(default=SearchSettings(), description="which hypotheses are fitted")
     ranking: RankingSettings = Field(default=RankingSettings(), description="probabilities and verdict")
+
+    @property
+    def cores(self) -> int:
+        """Threads that work at the same time."""
+        return self.threads or os.cpu_count() or 1

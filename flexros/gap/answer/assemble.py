@@ -94,6 +94,7 @@ def result_of(
     chosen, rival, verdict = explanations.chosen, best_rival(explanations), verdict_of(findings)
     patch, errors = repair_of(findings), _held_out_errors(findings)
     names, covariance = covariance_of(chosen, findings.data)
+    tolerated = chosen.predictor.tolerance
     before = _explanation(explanations.null, findings, null_prediction)
     after = _explanation(chosen, findings) if patch else None
     probabilities = dict(zip(explanations.rivals, explanations.probabilities))
@@ -113,7 +114,7 @@ def result_of(
         excess=() if excess is None else excess.mapped,
         signals=signal_gaps(model.robot, errors.before, errors.after, errors.rival),
         signature_data=signature_evidence(model, findings.data, explanations.null, before, after),
-        tolerance={name: float(value) for name, value in zip(chosen.predictor.tolerance.names, chosen.deviations)},
+        tolerance=dict(zip(tolerated.names, tolerated.by_name(chosen.deviations).tolist())),
         limits=identifiability_limits(findings.data.record, model.robot, findings.data.measurement.quantizations),
         settings=settings,
         timings=stages.timings,

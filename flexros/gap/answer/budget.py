@@ -164,8 +164,11 @@ def _estimated(findings: Findings) -> list[ModelNumber]:
     """List the numbers that the robot file lacks, as the chosen explanation has them."""
     chosen, robot = findings.explanations.chosen, findings.model.robot
     tolerance = chosen.predictor.tolerance
-    variances = np.diag(fit_covariance(chosen, findings.data))[chosen.predictor.n_effect :]
-    relative = dict(zip(tolerance.names, np.array(tolerance.deviations) * np.sqrt(np.maximum(variances, 0.0))))
+    n = chosen.predictor.n_effect
+    covariance = fit_covariance(chosen, findings.data)[n:, n:]
+    if tolerance.directions is not None:
+        covariance = tolerance.directions @ covariance @ tolerance.directions.T
+    relative = dict(zip(tolerance.names, np.array(tolerance.deviations) * np.sqrt(np.maximum(np.diag(covariance), 0))))
     numbers = []
     for placed in findings.unknown.fitted(chosen):
         name, effect = f"{placed.location}.inertia", placed.effect

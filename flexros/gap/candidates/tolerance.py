@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from flexros.errors import unknown_name
 from flexros.robot.parameters import SERVO
@@ -11,6 +13,7 @@ from flexros.robot.parameters import SERVO
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from flexros.arrays import BoolArray, FloatArray
     from flexros.robot import Robot
 
 KINDS = {
@@ -21,17 +24,71 @@ KINDS = {
 """Kinds of robot parameters by the endings of their names."""
 
 
+UNINFORMED = 0.01
+"""Information of a log in a direction of tolerated parameters, over that of the prior, up to which the direction is
+left at its nominal value [1]: it would move by a hundredth of what the log alone asks for (chosen)."""
+
+
 @dataclass(frozen=True)
 class Tolerance:
-    """Tolerated parameters.
+    """Tolerated parameters, or the directions of them in which a log informs.
+
+    What is fitted are numbers z of standard normal prior, one per direction: the parameters deviate by B z standard
+    deviations, where the columns of B are orthonormal.
 
     Attributes:
         names: Names of robot parameters.
         deviations: Standard deviation of the logarithm of each [1].
+        directions: The directions B, shape (n_names, n_free); None for one per parameter.
     """
 
     names: tuple[str, ...] = ()
     deviations: tuple[float, ...] = ()
+    directions: FloatArray | None = field(default=None, compare=False)
+
+    @property
+    def n_free(self) -> int:
+        """Number of directions."""
+        return len(self.names) if self.directions is None else int(self.directions.shape[1])
+
+    def by_name(self, free: FloatArray) -> FloatArray:
+        """Return the deviations of the parameters in standard deviations [1], shape (n_names,).
+
+        Args:
+            free: Deviations along the directions z, shape (n_free,).
+        """
+        return free if self.directions is None else self.directions @ free
+
+    def along(self, deviations: FloatArray) -> FloatArray:
+        """Return the deviations along the directions, nearest to some of the parameters, shape (n_free,).
+
+        Args:
+            deviations: Deviations of the parameters in standard deviations [1], shape (n_names,).
+        """
+        return deviations if self.directions is None else self.directions.T @ deviations
+
+    def logarithms(self, free: FloatArray) -> FloatArray:
+        """Return the logarithms of the factors on the parameters [1], shape (n_names,); argument as for `by_name`."""
+        return np.array(self.deviations) * self.by_name(free)
+
+    def without(self, free: FloatArray, replaced: BoolArray) -> FloatArray:
+        """Return deviations along the directions with some parameters at their nominal values, shape (n_free,).
+
+        Args:
+            free: Deviations along the directions, shape (n_free,).
+            replaced: Whether a parameter is one of them, shape (n_names,).
+        """
+        return self.along(np.where(replaced, 0.0, self.by_name(free))) if np.any(replaced) else free
+
+    def informed(self, information: FloatArray) -> Tolerance:
+        """Return the same tolerance along those directions alone in which a log informs.
+
+        Args:
+            information: Information of the log on the deviations of the parameters, over that of the prior [1], shape
+                (n_names, n_names).
+        """
+        sizes, directions = np.linalg.eigh(information)
+        return replace(self, directions=directions[:, sizes > UNINFORMED])
 
 
 def tolerance_of(robot: Robot, given: Mapping[str, float]) -> Tolerance:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from itertools import product
 from typing import TYPE_CHECKING
@@ -34,6 +35,8 @@ ALIKE = 1e-6
 """Unit of the dampings that are equal for all parameters, relative to the largest information [1]."""
 KEPT = 0.3
 """Share of the predicted fall below which further steps are tried [1]."""
+LASTING = 0.7
+"""Share of the predicted fall from which the slopes of the last step serve for the next one [1] (chosen)."""
 STRAIGHT = 4
 """Iterations in which straight steps suffice where they lower the sum of squares at all."""
 AHEAD = 0.1
@@ -49,7 +52,7 @@ class CandidateFit:
     Attributes:
         predictor: Predictor of the hypothesis.
         theta: Parameters at the minimum in the units of the fit: those of the effects, then the tolerated deviations in
-            standard deviations, shape (n_fitted,).
+            standard deviations, along the directions of the tolerance, shape (n_fitted,).
         chi2: Sum of the squared weighted prediction errors and of the squared tolerated deviations times the misfit of
             the data [1].
         information: J'J + prior where it was linearised last, shape (n_fitted, n_fitted); empty where not computed.
@@ -90,7 +93,7 @@ class CandidateFit:
 
     @property
     def deviations(self) -> FloatArray:
-        """Tolerated deviations, in standard deviations [1], shape (n_tolerated,)."""
+        """Tolerated deviations along the directions of the tolerance, in standard deviations [1], shape (n_free,)."""
         return self.theta[self.predictor.n_effect :]
 
     @property
@@ -140,7 +143,7 @@ def initial_values(predictor: Predictor, most: int = FIT.most_starts) -> FloatAr
         Parameters in the units of the fit, tolerated deviations zero, shape (n_fitted, n_combinations).
     """
     values = starts_of(predictor.hypothesis, most)
-    return np.vstack([values, np.zeros((len(predictor.tolerance.names), values.shape[1]))])
+    return np.vstack([values, np.zeros((predictor.tolerance.n_free, values.shape[1]))])
 
 
 def starts_of(hypothesis: Hypothesis, most: int = FIT.most_starts) -> FloatArray:
@@ -195,7 +198,7 @@ def fit(
     limit = settings.enough if enough is None else enough
     theta = np.clip(np.array(start, dtype=float), *predictor.bounds)
     chi2, information, converged, done = np.inf, np.zeros((0, 0)), False, 0
-    slopes, many = tolerance_slopes, len(predictor.tolerance.names) >= LANES
+    slopes, many = tolerance_slopes, predictor.tolerance.n_free >= LANES
     while done < iterations:
         done += 1
         line = linearise(predictor, data, theta, slopes)
@@ -222,7 +225,7 @@ def fit(
                 break
         if tolerance_slopes is None and many:
             # of many tolerated deviations the slopes change little: those of the last step serve while they do
-            slopes = line.slopes[:, predictor.n_effect :] if before - chi2 > max(KEPT * predicted, limit) else None
+            slopes = line.slopes[:, predictor.n_effect :] if before - chi2 > max(LASTING * predicted, limit) else None
         del line, trials  # slopes are the largest arrays of a fit
         theta = best_theta
         if before - chi2 < limit and exact:
@@ -266,21 +269,23 @@ def linearise(
     P = len(theta) if tolerance_slopes is None else predictor.n_effect
     _, high = predictor.bounds
     signs = np.where(theta + STEP > high, -1.0, 1.0)
-    base, J = np.zeros(0), np.zeros((0, 0))
-    for begin in range(0, max(P, 1), LANES - 1):
-        group = range(begin, min(begin + LANES - 1, P))
+    groups = [range(begin, min(begin + LANES - 1, P)) for begin in range(0, max(P, 1), LANES - 1)]
+
+    def differences(group: range) -> tuple[FloatArray, FloatArray]:
         sets = np.repeat(theta[:, None], len(group) + 1, axis=1)
-        for lane, index in enumerate(group):
-            sets[index, lane + 1] += signs[index] * STEP
+        for lane, index in enumerate(group, 1):
+            sets[index, lane] += signs[index] * STEP
         residual = data.residuals(predictor, sets)
-        if begin == 0:
-            base = residual[:, 0].copy()
-            J = np.empty((len(base), len(theta)), order="F")
-            if tolerance_slopes is not None:
-                J[:, P:] = tolerance_slopes
-        for lane, index in enumerate(group):
-            slope = signs[index] / STEP * (residual[:, lane + 1] - base)
-            J[:, index] = np.where(np.abs(slope) < DIVERGED, slope, 0.0)
+        slopes = (residual[:, 1:] - residual[:, :1]) * (signs[list(group)] / STEP)
+        return residual[:, 0].copy(), np.where(np.abs(slopes) < DIVERGED, slopes, 0.0)
+
+    with ThreadPoolExecutor(data.settings.cores if len(groups) > 1 else 1) as pool:
+        for number, (group, (residual, slopes)) in enumerate(zip(groups, pool.map(differences, groups), strict=True)):
+            if number == 0:
+                base, J = residual, np.empty((len(residual), len(theta)), order="F")
+                if tolerance_slopes is not None:
+                    J[:, P:] = tolerance_slopes
+            J[:, list(group)] = slopes
     prior = np.zeros(len(theta))
     prior[predictor.n_effect :] = data.misfit
     chi2 = float(_sums(predictor, data, base[:, None], theta[:, None])[0])

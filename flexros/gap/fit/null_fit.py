@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.fit.least_squares import FIT, CandidateFit, fit
-from flexros.gap.prediction.compiled_plant import CompiledPlant
+from flexros.gap.fit.least_squares import FIT, CandidateFit, fit, linearise
+from flexros.gap.prediction.compiled_plant import LANES, CompiledPlant
 from flexros.gap.prediction.predictor import Predictor
 
 if TYPE_CHECKING:
@@ -62,16 +62,23 @@ def fit_null(
 ) -> NullFit:
     """Fit the nominal model, whose tolerated deviations alone are free.
 
+    Of many tolerated parameters only the directions are fitted, in this and all further fits, in which the log informs:
+    a rigid arm of six joints has 54 parameters, and a log informs in about 14 directions.
+
     Args:
         data: Log and weights.
         model: The nominal model.
         tolerance: Parameters of the robot that are known with a tolerance only.
         settings: Settings of the fit.
-        start: Tolerated deviations to begin with [1], shape (n_tolerated,); default: none.
+        start: Tolerated deviations of the parameters to begin with [1], shape (n_names,); default: none.
     """
     predictor = _predictor(data, model, (), tolerance)
     enough = max(settings.enough, data.negligible)
     first = np.zeros(predictor.n_fitted) if start is None else start
+    if len(tolerance.names) >= LANES:
+        slopes = linearise(predictor, data, first).slopes
+        tolerance = tolerance.informed(slopes.T @ slopes / data.misfit)
+        predictor, first = _predictor(data, model, (), tolerance), tolerance.along(first)
     null = fit(predictor, data, first, settings.null_iterations, enough=enough, settings=settings)
     if data.tool is not None and predictor.n_fitted:
         data = data.with_tool_frame_of(predictor, null.theta)

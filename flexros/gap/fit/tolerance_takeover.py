@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from flexros.effects.kinds.model_change import AbstractChangedValues
 
 if TYPE_CHECKING:
-    from flexros.arrays import FloatArray
+    from flexros.arrays import BoolArray, FloatArray
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.least_squares import CandidateFit
 
@@ -20,14 +20,14 @@ class Takeover:
     """A candidate in place of tolerated deviations.
 
     Attributes:
-        gain: Sum of the squared deviations that it takes over, in standard deviations [1].
+        gain: Prior penalty of the deviations that it takes over: the fall of their sum of squares [1].
         start: Parameters of the candidate with the same effect, in the units of the fit, shape (n_free,).
-        theta: Parameters of the fit without these deviations, shape (n_fitted,).
+        replaced: Whether it takes over a tolerated parameter, shape (n_names,).
     """
 
     gain: float
     start: FloatArray
-    theta: FloatArray
+    replaced: BoolArray
 
 
 def takeover(candidate: Candidate, fit: CandidateFit) -> Takeover | None:
@@ -44,27 +44,24 @@ def takeover(candidate: Candidate, fit: CandidateFit) -> Takeover | None:
     Returns:
         The replacement; None where the candidate is no common factor on tolerated parameters.
     """
-    predictor = fit.predictor
+    predictor, tolerance = fit.predictor, fit.predictor.tolerance
     if not issubclass(candidate.effect, AbstractChangedValues) or len(candidate.free) != 1:
         return None
     effect = candidate.typical().effect
     assert isinstance(effect, AbstractChangedValues)
     changed = effect.values(predictor.robot, candidate.location).keys()
-    replaced = np.array([name in changed for name in predictor.tolerance.names], dtype=bool)
+    replaced = np.array([name in changed for name in tolerance.names], dtype=bool)
     if not replaced.any():
         return None
-    n = predictor.n_effect
-    logarithms = np.array(predictor.tolerance.deviations) * fit.deviations
-    factor = float(np.exp(np.mean(logarithms[replaced])))
+    factor = float(np.exp(np.mean(tolerance.logarithms(fit.deviations)[replaced])))
     (free,) = candidate.free
-    theta = fit.theta.copy()
-    theta[n:][replaced] = 0.0
-    return Takeover(float(np.sum(fit.deviations[replaced] ** 2)), np.array([free.encode(factor - 1)]), theta)
+    gain = fit.prior_penalty - float(np.sum(tolerance.without(fit.deviations, replaced) ** 2))
+    return Takeover(gain, np.array([free.encode(factor - 1)]), replaced)
 
 
 def with_takeover(
     candidate: Candidate, fit: CandidateFit, gain: float, start: FloatArray, misfit: float = 1.0
-) -> tuple[float, FloatArray]:
+) -> Takeover:
     """Choose how a candidate is added to a fit: in place of tolerated deviations where that gains more.
 
     Args:
@@ -75,10 +72,9 @@ def with_takeover(
         misfit: Weight of the prior of tolerated deviations, see `FitData` [1].
 
     Returns:
-        The gain [1], and the initial value of both together, shape (n_fitted,).
+        The gain [1], the initial value and what it takes over, which may be nothing.
     """
-    theta, replacement = fit.theta, takeover(candidate, fit)
+    replacement = takeover(candidate, fit)
     if replacement is not None and misfit * replacement.gain > gain:
-        gain, start, theta = misfit * replacement.gain, replacement.start, replacement.theta
-    n = fit.predictor.n_effect
-    return gain, np.concatenate([theta[:n], start, theta[n:]])
+        return replace(replacement, gain=misfit * replacement.gain)
+    return Takeover(gain, start, np.zeros(len(fit.predictor.tolerance.names), dtype=bool))

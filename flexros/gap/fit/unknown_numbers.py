@@ -56,7 +56,7 @@ class UnknownNumbers:
     def fitted(self, fit: CandidateFit) -> tuple[PlacedEffect, ...]:
         """Return the numbers of a fit as effects on the model that lacks them."""
         robot, tolerance = fit.predictor.robot, fit.predictor.tolerance
-        factors = dict(zip(tolerance.names, np.exp(np.array(tolerance.deviations) * fit.deviations), strict=True))
+        factors = dict(zip(tolerance.names, np.exp(tolerance.logarithms(fit.deviations)), strict=True))
         return tuple(
             PlacedEffect(RotorInertia(added=float(factors[name] * robot.parameters[name].value)), motor)
             for motor in self.inertias

@@ -35,8 +35,8 @@ class Predictor:
     """Predicts logs under one hypothesis.
 
     The fitted parameters are those of the candidates, one after the other, then the deviations of the tolerated
-    parameters of the robot in standard deviations: a parameter is its nominal value times exp(deviation times
-    tolerance).
+    parameters of the robot in standard deviations, along the directions of the tolerance: a parameter is its nominal
+    value times exp(deviation times tolerance).
 
     Args:
         model: The nominal model: robot and laws of known effects.
@@ -73,12 +73,12 @@ class Predictor:
     @property
     def n_fitted(self) -> int:
         """Number of all fitted parameters, including tolerated deviations."""
-        return len(self._parameters) + len(self.tolerance.names)
+        return len(self._parameters) + self.tolerance.n_free
 
     @property
     def bounds(self) -> tuple[FloatArray, FloatArray]:
         """Bounds of the fitted parameters, encoded, shape (n_fitted,) each."""
-        pairs = [one.bounds for _, one in self._parameters] + [(-FARTHEST, FARTHEST)] * len(self.tolerance.names)
+        pairs = [one.bounds for _, one in self._parameters] + [(-FARTHEST, FARTHEST)] * self.tolerance.n_free
         table = np.array(pairs, dtype=float).reshape(-1, 2)
         return table[:, 0], table[:, 1]
 
@@ -187,8 +187,9 @@ class Predictor:
         """Return the parameters of the plant for one set of encoded parameters."""
         values = self.values(theta)
         robot = dict.fromkeys(self.plant.robot_names, 1.0)
-        for name, sd, deviation in zip(self.tolerance.names, self.tolerance.deviations, theta[self.n_effect :]):
-            robot[name] *= float(np.exp(np.clip(sd * deviation, -MOST_LOGARITHM, MOST_LOGARITHM)))
+        logarithms = np.clip(self.tolerance.logarithms(theta[self.n_effect :]), -MOST_LOGARITHM, MOST_LOGARITHM)
+        for name, factor in zip(self.tolerance.names, np.exp(logarithms).tolist(), strict=True):
+            robot[name] *= factor
         nominal = {name: self.robot.parameters[name].value for name in robot}
         robot = {name: factor * nominal[name] for name, factor in robot.items()}
         laws: list[tuple[Candidate, AbstractLaw | None]] = []

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from flexros.arrays import FloatArray, IntArray
+    from flexros.arrays import BoolArray, FloatArray, IntArray
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.candidates.competitors import Competitors
     from flexros.gap.candidates.scales import Scales
@@ -51,15 +51,14 @@ class Addition:
         candidate: The candidate.
         gain: Fall of the sum of squares that linear theory predicts [1].
         start: Its initial value, in the units of the fit, shape (n_free,).
-        deviations: Tolerated deviations to begin with: those of the fit, but for the ones that the candidate replaces,
-            shape (n_tolerated,).
+        replaced: Whether the candidate takes over the deviation of a tolerated parameter, shape (n_names,).
         change: Change of the prediction errors by the initial value, on the rows of the search, shape (n_rows,).
     """
 
     candidate: Candidate
     gain: float
     start: FloatArray
-    deviations: FloatArray
+    replaced: BoolArray
     change: NDArray[np.float32]
 
 
@@ -402,9 +401,8 @@ class Search:
         """
         rest = tuple(candidate for candidate in fit.hypothesis if candidate.name != without)
         own = fit.theta[: fit.predictor.n_effect][~fit.columns((without,))[: fit.predictor.n_effect]]
-        deviations = np.where(
-            np.all([addition.deviations == fit.deviations for addition in additions], axis=0), fit.deviations, 0.0
-        )
+        replaced = np.any([addition.replaced for addition in additions], axis=0)
+        deviations = fit.predictor.tolerance.without(fit.deviations, replaced)
         theta = np.concatenate([own, *(addition.start for addition in additions), deviations])
         predictor = self.null.predictor((*rest, *(addition.candidate for addition in additions)), plant)
         return self._fit(predictor, theta, self.settings.fit.joint_iterations, quick=True)
@@ -478,9 +476,8 @@ def _addition(direction: Directions, fit: CandidateFit, surroundings: Surroundin
     best = int(_best_starts(direction, surroundings, 1)[0])
     gain = float(surroundings.gains(direction.changes)[0].max())
     misfit = float(surroundings.prior.max(initial=1.0))
-    gain, theta = with_takeover(direction.candidate, fit, gain, direction.starts[:, best], misfit)
-    n, free = fit.predictor.n_effect, len(direction.candidate.free)
-    return Addition(direction.candidate, gain, theta[n : n + free], theta[n + free :], direction.changes[:, best])
+    takeover = with_takeover(direction.candidate, fit, gain, direction.starts[:, best], misfit)
+    return Addition(direction.candidate, takeover.gain, takeover.start, takeover.replaced, direction.changes[:, best])
 
 
 def _extends(candidate: Candidate, simple: CandidateFit) -> bool:

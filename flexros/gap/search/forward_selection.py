@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.gap.fit.estimates import parameters_of
 from flexros.gap.search.model_probability import ModelComparison, compare
 
 if TYPE_CHECKING:
@@ -121,6 +122,11 @@ def _grown(
         return None
     changes = np.stack([addition.change for addition in additions], axis=-1)
     group = [additions[index] for index in surroundings.independent(changes, settings.grouped, settings.kept)]
+    if search.base is not search.null.fit:
+        rest = fit.chi2 - search.data.n_values
+        group = [addition for addition in group if addition.gain > settings.hopeful * settings.removed_of_all * rest]
+        if not group:
+            return None
     trials = [group] if len(group) > 1 else [[addition] for addition in additions[: settings.added]]
     grown = search.visible(search.parallel("effects together", lambda trial: search.together(fit, trial), trials))
     fits += grown
@@ -141,7 +147,7 @@ def _reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], remove
     """
     settings, n = search.settings.search, search.data.n_values
     if search.data.record.imported:
-        removed = _removed_of_all(search)
+        removed = search.settings.search.removed_of_all
     certain = min(settings.indispensable, settings.certain * removed)
     while len(fit.hypothesis) > 1:
         if search.base is not search.null.fit or search.deadline.stops_finishing():
@@ -163,6 +169,9 @@ def _reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], remove
 def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed: float) -> CandidateFit:
     """Leave out at once all effects that are not worth their parameters by linear theory, but the best one.
 
+    Effects that torques show are worth it where their size is clearly not zero: at a joint that moves little or carries
+    little they remove a small part of the gap of all joints, and are as real as at the others.
+
     Args:
         search: The search.
         fit: The fit.
@@ -171,11 +180,17 @@ def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit
     """
     surroundings, n, comparison = search.surroundings(fit), search.data.n_values, _compare(search, [fit])
     every, without = surroundings.least, [rest.least for rest in search.removals(fit, surroundings)]
+    sizes = parameters_of(fit, search.data) if search.base is not search.null.fit else [{} for _ in fit.hypothesis]
     needless = []
-    for candidate, least in zip(fit.hypothesis, without):
+    for candidate, least, parameters in zip(fit.hypothesis, without, sizes, strict=True):
         cheaper = least * n ** (-len(candidate.free) / n)  # of the same score as with the parameters of the effect
         before, after = replace(fit, chi2=cheaper), replace(fit, chi2=every)
-        if least < max(without) and not _worth(search, comparison, before, after, removed):
+        if candidate.name in search.base.names:
+            clear = search.settings.search.clear_in_torques
+            worth = any(abs(size.value) > clear * size.std for size in parameters.values())
+        else:
+            worth = _worth(search, comparison, before, after, removed)
+        if least < max(without) and not worth:
             needless.append(candidate.name)
     if not needless:
         return fit
@@ -268,7 +283,7 @@ def _worth(
     if comparison.score(after) - comparison.score(before) < comparison.threshold:
         return False
     if search.data.record.imported:
-        removed = _removed_of_all(search)
+        removed = search.settings.search.removed_of_all
         least = search.settings.search.removed_of_floor / search.data.record.position.shape[1]
         if comparison.level(before) <= 1.0:
             return comparison.level(after) < search.settings.search.within_floor * comparison.level(before)
@@ -278,15 +293,6 @@ def _worth(
     if comparison.beyond_tolerance(before) and relieved and not search.data.record.imported:
         return True
     return comparison.removed(before, after) >= removed
-
-
-def _removed_of_all(search: Search) -> float:
-    """Return the share of what is left that an effect must remove on a real machine [1].
-
-    Of a crowd that its torques show, each motor has a part.
-    """
-    share = search.settings.search.removed_of_all
-    return share if search.base is search.null.fit else share / search.data.record.position.shape[1]
 
 
 def _compare(search: Search, fits: Sequence[CandidateFit]) -> ModelComparison:

@@ -79,7 +79,7 @@ class ModelComparison:
 
     def beyond_tolerance(self, fit: CandidateFit) -> bool:
         """Return whether a fit moves tolerated parameters farther than chance would within their tolerances."""
-        n = len(fit.predictor.tolerance.names)
+        n = fit.predictor.tolerance.n_free
         return fit.prior_penalty - n > self.settings.significant * float(np.sqrt(2.0 * n))
 
     def remainder(self, fit: CandidateFit) -> float:

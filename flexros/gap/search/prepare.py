@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -60,7 +59,7 @@ def prepare_search(
         distance=_distances(data),
         settings=settings,
         competitors=competitors(null.model.robot, settings.search),
-        threads=settings.threads or os.cpu_count() or 1,
+        threads=settings.cores,
         progress=progress,
         deadline=deadline or Deadline(),
     )

@@ -16,8 +16,9 @@ from flexros.gap.fit.torque_regression import regress_torque
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from flexros.arrays import FloatArray
     from flexros.effects import RobotWithEffects
-    from flexros.gap.candidates.candidate import Candidate
+    from flexros.gap.candidates.candidate import Candidate, Hypothesis
     from flexros.gap.candidates.tolerance import Tolerance
     from flexros.gap.fit.null_fit import NullFit
     from flexros.gap.fit.torque_regression import TorqueRegression
@@ -100,10 +101,19 @@ def first_values(start: TorqueStart, null: NullFit, settings: DiagnosisSettings)
     pairs = [(one, value) for one, value in start.hypothesis() if competing.contain(one)]
     if not pairs:
         return None
-    predictor = null.predictor(tuple(candidate for candidate, _ in pairs))
-    sizes = [candidate.free[0].encode(value) for candidate, value in pairs]
-    theta = np.clip(np.concatenate([sizes, start.regression.deviations]), *predictor.bounds)
-    return CandidateFit(predictor, theta, float(chi2_of(predictor, null.data, theta[:, None])[0]))
+    sizes = np.array([candidate.free[0].encode(value) for candidate, value in pairs])
+    return _at(null, tuple(candidate for candidate, _ in pairs), sizes, start.regression.deviations)
+
+
+def on_null(null: NullFit, fit: CandidateFit) -> CandidateFit:
+    """Put a fit on the nominal model of another fit, which may leave other tolerated deviations free.
+
+    Args:
+        null: The nominal model, fitted.
+        fit: The fit.
+    """
+    sizes, deviations = fit.theta[: fit.predictor.n_effect], fit.predictor.tolerance.by_name(fit.deviations)
+    return _at(null, fit.hypothesis, sizes, deviations)
 
 
 def base_fit(
@@ -121,3 +131,10 @@ def base_fit(
     iterations = settings.fit.final_iterations
     base = fit(first.predictor, null.data, first.theta, iterations, enough=enough, settings=settings.fit, stop=stop)
     return base if base.chi2 < null.fit.chi2 else None
+
+
+def _at(null: NullFit, hypothesis: Hypothesis, sizes: FloatArray, deviations: FloatArray) -> CandidateFit:
+    """Evaluate effects of given sizes, encoded, with given deviations of the tolerated parameters."""
+    predictor = null.predictor(hypothesis)
+    theta = np.clip(np.concatenate([sizes, predictor.tolerance.along(deviations)]), *predictor.bounds)
+    return CandidateFit(predictor, theta, float(chi2_of(predictor, null.data, theta[:, None])[0]))
