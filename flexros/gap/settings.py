@@ -216,6 +216,13 @@ class SearchSettings(Settings):
         description="most rounds of forward selection after friction and inertia by the torques of a real machine: "
         "further ones take long and find imitations of what no effect describes",
     )
+    simple: float = Field(
+        default=0.7,
+        gt=0,
+        le=1,
+        description="predicted gain of an effect, over that of a richer one at the same place, from which on a real "
+        "machine the richer one is not added [1]",
+    )
     clear_in_torques: float = Field(
         default=2.0,
         ge=0,

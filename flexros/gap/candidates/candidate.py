@@ -146,6 +146,11 @@ Hypothesis = tuple[Candidate, ...]
 """Effects that act together; the empty one is the nominal model."""
 
 
+def simpler(candidate: Candidate) -> frozenset[str]:
+    """Return the names of the candidates at the same location that a candidate extends."""
+    return frozenset(f"{name}@{candidate.location}" for name in candidate.effect.extends)
+
+
 def names_of(hypothesis: Hypothesis) -> frozenset[str]:
     """Return the names of the candidates of a hypothesis."""
     return frozenset(candidate.name for candidate in hypothesis)

@@ -19,7 +19,7 @@ from flexros.simulate.plant_model import PlantModel
 if TYPE_CHECKING:
     from collections.abc import Hashable, Sequence
 
-    from flexros.effects import AbstractEffect, RobotWithEffects
+    from flexros.effects import RobotWithEffects
     from flexros.gap.candidates.candidate import Candidate, Hypothesis
     from flexros.gap.candidates.tolerance import Tolerance
     from flexros.robot import Robot
@@ -65,11 +65,12 @@ class CompiledPlant:
         self.robot_names = tuple(sorted({*changed, *tolerance.names}))
         names = [*self.robot_names, *(name for law in laws for name in law.parameters)]
         self.model = PlantModel(self.robot, (*_felt(model.laws), *laws), names)
+        known = [law for law in model.laws if law.effect.n_states]
         self.loop = PredictionLoop(
             self.model.functions(feed_through(self.robot.n_motors)),
             sample_time=sample_time,
             delay=0.0 if measured_torque else self.model.delay,
-            substeps=substeps(self.robot, sample_time, fast=any(law.effect.n_states for law in self.model.laws)),
+            substeps=substeps(self.robot, sample_time, fast=bool(known or any(map(_own_states, self.laws)))),
             lanes=LANES,
         )
 
@@ -79,7 +80,8 @@ class CompiledPlant:
         wanted = {_key(one) for one in hypothesis if is_law(one)}
         changed = {name for one in hypothesis for name in changed_names(self.robot, one)}
         off = all(switchable(law) for key, law in keys.items() if key not in wanted)
-        return off and wanted <= keys.keys() and changed <= set(self.robot_names)
+        alike = any(map(_own_states, self.laws)) == any(map(_own_states, hypothesis))
+        return alike and off and wanted <= keys.keys() and changed <= set(self.robot_names)
 
     def law_parameters(self, hypothesis: Sequence[tuple[Candidate, AbstractLaw | None]]) -> list[float]:
         """Return the parameters of all laws, in their order.
@@ -128,19 +130,22 @@ def _kind(candidate: Candidate) -> Hashable:
     if not is_law(candidate):
         return None
     assert issubclass(effect, AbstractLaw)
-    plain = issubclass(effect, (AbstractMotorTorque, AbstractDryFriction)) and not _own_states(effect)
+    plain = issubclass(effect, (AbstractMotorTorque, AbstractDryFriction)) and not _own_states(candidate)
     return None if plain else effect.name if switchable(candidate) else candidate
 
 
 def switchable(candidate: Candidate) -> bool:
     """Return whether a law with its size at zero leaves the plant as it is, even where its states are kept."""
     lasting = (AbstractCommandLaw, AbstractArmLaw)  # a lag without time constant, a mode without inertia
-    return not is_law(candidate) or not issubclass(candidate.effect, lasting) or not _own_states(candidate.effect)
+    return not is_law(candidate) or not issubclass(candidate.effect, lasting) or not _own_states(candidate)
 
 
-def _own_states(effect: type[AbstractEffect]) -> int:
-    assert issubclass(effect, AbstractLaw)
-    return effect.smooth_states + effect.stepwise_states
+def _own_states(candidate: Candidate) -> int:
+    """Return the number of states that a candidate adds to the plant."""
+    if not is_law(candidate):
+        return 0
+    assert issubclass(candidate.effect, AbstractLaw)
+    return candidate.effect.smooth_states + candidate.effect.stepwise_states
 
 
 def _key(candidate: Candidate) -> Hashable:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.fit.estimates import parameters_of
-from flexros.gap.search.model_probability import ModelComparison, compare
+from flexros.gap.search.worth import compared, incomplete, simple_first, simplest, worth
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from flexros.gap.fit.screening import Directions, Surroundings
     from flexros.gap.prediction.compiled_plant import CompiledPlant
     from flexros.gap.search.candidate_fits import Addition, Search
+    from flexros.gap.search.model_probability import ModelComparison
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,20 +72,20 @@ def explain(search: Search) -> Explanations:
         fits = unique(search.singles([*directions, *search.directions(search.harmonics(null))]))
     else:
         fits = [search.base]
-    comparison = _compare(search, fits)
+    comparison = compared(search, fits)
     if not comparison.detected:
         return _explanations(comparison, null, detected=False)
-    chosen = comparison.ranked(fits)[0]
+    chosen = simplest(search, comparison, comparison.ranked(fits)[0], fits)
     if search.base is not null:
         chosen = _reduced(search, chosen, fits, settings.removed_by_step)
     for _ in range(settings.rounds if search.base is null else settings.rounds_after_torques):
-        if len(chosen.hypothesis) >= settings.most_effects or not _incomplete(search, comparison, chosen):
+        if len(chosen.hypothesis) >= settings.most_effects or not incomplete(search, comparison, chosen):
             break
         if search.deadline.stops():
             break
         grown = _grown(search, chosen, directions, fits)
-        comparison = _compare(search, unique(fits))
-        if grown is None or not _worth(search, comparison, chosen, grown, settings.removed_by_step):
+        comparison = compared(search, unique(fits))
+        if grown is None or not worth(search, comparison, chosen, grown, settings.removed_by_step):
             break
         before, chosen = chosen, _reduced(search, grown, fits, settings.removed_by_step)
         if chosen.names == before.names:
@@ -96,7 +97,7 @@ def explain(search: Search) -> Explanations:
     elif search.deadline.over:
         chosen = search.completed(chosen)
         fits.append(chosen)
-    comparison = _compare(search, unique(fits))
+    comparison = compared(search, unique(fits))
     (chosen,) = (fit for fit in comparison.fits if fit.names == chosen.names)
     return _pruned(search, _explanations(comparison, chosen, detected=True))
 
@@ -117,7 +118,7 @@ def _grown(
     """
     settings, surroundings = search.settings.search, search.surroundings(fit)
     every = [*directions, *search.directions(search.harmonics(fit))]
-    additions = search.additions(every, fit, surroundings)[: settings.screened]
+    additions = simple_first(search, fit, search.additions(every, fit, surroundings))[: settings.screened]
     if not additions:
         return None
     changes = np.stack([addition.change for addition in additions], axis=-1)
@@ -158,8 +159,8 @@ def _reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], remove
         doubtful = [one.name for one, share in zip(fit.hypothesis, shares) if share < certain]
         without = search.parallel("effects left out", partial(search.without, fit), doubtful, needed=len(doubtful))
         fits += without
-        comparison = _compare(search, unique(fits))
-        needless = [rest for rest in without if not _worth(search, comparison, rest, fit, removed)]
+        comparison = compared(search, unique(fits))
+        needless = [rest for rest in without if not worth(search, comparison, rest, fit, removed)]
         if not needless:
             break
         fit = min(needless, key=lambda rest: rest.chi2)
@@ -178,7 +179,7 @@ def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit
         fits: All fits so far; a new one is appended.
         removed: Share of the remaining gap that every effect must remove [1].
     """
-    surroundings, n, comparison = search.surroundings(fit), search.data.n_values, _compare(search, [fit])
+    surroundings, n, comparison = search.surroundings(fit), search.data.n_values, compared(search, [fit])
     every, without = surroundings.least, [rest.least for rest in search.removals(fit, surroundings)]
     sizes = parameters_of(fit, search.data) if search.base is not search.null.fit else [{} for _ in fit.hypothesis]
     needless = []
@@ -187,10 +188,10 @@ def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit
         before, after = replace(fit, chi2=cheaper), replace(fit, chi2=every)
         if candidate.name in search.base.names:
             clear = search.settings.search.clear_in_torques
-            worth = any(abs(size.value) > clear * size.std for size in parameters.values())
+            worth_it = any(abs(size.value) > clear * size.std for size in parameters.values())
         else:
-            worth = _worth(search, comparison, before, after, removed)
-        if least < max(without) and not worth:
+            worth_it = worth(search, comparison, before, after, removed)
+        if least < max(without) and not worth_it:
             needless.append(candidate.name)
     if not needless:
         return fit
@@ -223,9 +224,9 @@ def _exchanged(
         plants = search.plants(fit, [addition.candidate for _, addition in pairs])
         exchange = partial(_exchange, search, fit, plants)
         fits += search.visible(search.parallel("effects exchanged", exchange, pairs))
-        comparison = _compare(search, unique(fits))
+        comparison = compared(search, unique(fits))
         level = [one for one in comparison.fits if len(one.hypothesis) == len(fit.hypothesis)]
-        best = comparison.ranked(level)[0]
+        best = simplest(search, comparison, comparison.ranked(level)[0], level)
         if best.names == fit.names or best.chi2 > fit.chi2:
             break
         fit = search.completed(best)
@@ -261,42 +262,9 @@ def _pruned(search: Search, explanations: Explanations) -> Explanations:
     chosen = search.within_limits(pruned[explanations.chosen])
     fits = [pruned.get(fit, fit) for fit in explanations.comparison.fits if fit is not explanations.chosen]
     if not chosen.hypothesis:
-        return _explanations(_compare(search, fits), search.null.fit, detected=False)
-    comparison = _compare(search, [*(fit for fit in fits if fit.names != chosen.names), chosen])
+        return _explanations(compared(search, fits), search.null.fit, detected=False)
+    comparison = compared(search, [*(fit for fit in fits if fit.names != chosen.names), chosen])
     return _explanations(comparison, chosen, detected=True)
-
-
-def _incomplete(search: Search, comparison: ModelComparison, chosen: CandidateFit) -> bool:
-    """Return whether an explanation leaves more than noise or moves parameters beyond tolerance.
-
-    The floor of a real machine is a tolerance: above it something is left, and below it there may be what is worth it.
-    """
-    if search.data.record.imported:
-        return True
-    return comparison.significant(chosen) or comparison.beyond_tolerance(chosen)
-
-
-def _worth(
-    search: Search, comparison: ModelComparison, before: CandidateFit, after: CandidateFit, removed: float
-) -> bool:
-    """Return whether further effects remove a good part of the remaining gap, or of the prior penalty."""
-    if comparison.score(after) - comparison.score(before) < comparison.threshold:
-        return False
-    if search.data.record.imported:
-        removed = search.settings.search.removed_of_all
-        least = search.settings.search.removed_of_floor / search.data.record.position.shape[1]
-        if comparison.level(before) <= 1.0:
-            return comparison.level(after) < search.settings.search.within_floor * comparison.level(before)
-        if comparison.level(before) - comparison.level(after) < least:
-            return False
-    relieved = after.prior_penalty < (1 - removed) * before.prior_penalty
-    if comparison.beyond_tolerance(before) and relieved and not search.data.record.imported:
-        return True
-    return comparison.removed(before, after) >= removed
-
-
-def _compare(search: Search, fits: Sequence[CandidateFit]) -> ModelComparison:
-    return compare(search.data, search.null.fit, fits, search.distance, search.settings.ranking)
 
 
 def unique(fits: Sequence[CandidateFit]) -> list[CandidateFit]:

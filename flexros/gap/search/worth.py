@@ -1,0 +1,81 @@
+"""What effects must achieve to be added to an explanation, and to stay in it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from flexros.gap.candidates.candidate import simpler
+from flexros.gap.search.model_probability import ModelComparison, compare
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.search.candidate_fits import Addition, Search
+
+
+def compared(search: Search, fits: Sequence[CandidateFit]) -> ModelComparison:
+    """Compare fits with each other and with the nominal model."""
+    return compare(search.data, search.null.fit, fits, search.distance, search.settings.ranking)
+
+
+def incomplete(search: Search, comparison: ModelComparison, chosen: CandidateFit) -> bool:
+    """Return whether an explanation leaves more than noise or moves parameters beyond tolerance.
+
+    The floor of a real machine is a tolerance: above it something is left, and below it there may be what is worth it.
+    """
+    if search.data.record.imported:
+        return True
+    return comparison.significant(chosen) or comparison.beyond_tolerance(chosen)
+
+
+def worth(
+    search: Search, comparison: ModelComparison, before: CandidateFit, after: CandidateFit, removed: float
+) -> bool:
+    """Return whether further effects remove a good part of the remaining gap, or of the prior penalty."""
+    if comparison.score(after) - comparison.score(before) < comparison.threshold:
+        return False
+    if search.data.record.imported:
+        removed = search.settings.search.removed_of_all
+        least = search.settings.search.removed_of_floor / search.data.record.position.shape[1]
+        if comparison.level(before) <= 1.0:
+            return comparison.level(after) < search.settings.search.within_floor * comparison.level(before)
+        if comparison.level(before) - comparison.level(after) < least:
+            return False
+    relieved = after.prior_penalty < (1 - removed) * before.prior_penalty
+    if comparison.beyond_tolerance(before) and relieved and not search.data.record.imported:
+        return True
+    return comparison.removed(before, after) >= removed
+
+
+def simple_first(search: Search, fit: CandidateFit, additions: Sequence[Addition]) -> list[Addition]:
+    """Leave out rich effects of which a simpler one does nearly as much, or that a fit has already.
+
+    On a real machine many effects are left to be found, and the simple ones at all joints come first; a rich one may
+    take the place of a simple one in the end.
+    """
+    if not search.data.record.imported:
+        return list(additions)
+    gains = {addition.candidate.name: addition.gain for addition in additions}
+    simple = search.settings.search.simple
+
+    def needed(addition: Addition) -> bool:
+        names = simpler(addition.candidate)
+        return not names & fit.names and all(gains.get(name, 0.0) < simple * addition.gain for name in names)
+
+    return [addition for addition in additions if needed(addition)]
+
+
+def simplest(
+    search: Search, comparison: ModelComparison, fit: CandidateFit, fits: Sequence[CandidateFit]
+) -> CandidateFit:
+    """Return a fit with a simpler effect in place of a rich one that hardly does more, on a real machine."""
+    if not search.data.record.imported:
+        return fit
+    for candidate in fit.hypothesis:
+        rest = fit.names - {candidate.name}
+        plainer = [other for other in fits if any(other.names == rest | {name} for name in simpler(candidate))]
+        for other in plainer:
+            if not worth(search, comparison, other, fit, search.settings.search.removed_by_step):
+                return other
+    return fit
