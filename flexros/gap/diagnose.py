@@ -91,7 +91,7 @@ def diagnose(
     tolerated = unknown.tolerated(tolerance_of(model.robot, tolerance or {}))
     data = fit_data(fitted, model, settings)
     held_data = fit_data(held, model, settings, measurement_in(held, model.robot, data.measurement, settings))
-    start = torque_start(fitted, model, tolerated, unknown)
+    start = torque_start(data, model, tolerated)
     null, base = _first_fits(data, model, tolerated, start, settings, deadline)
     held_data = held_data.with_tool_frame_of(null.fit.predictor, null.fit.theta)
     prediction = prediction_of(null.fit, null.data)

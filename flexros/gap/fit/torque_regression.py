@@ -1,7 +1,8 @@
 """Friction and motor inertia of all motors at once, by regression of the torque: where the search for causes begins.
 
 With springs locked and speeds from the measured positions, the torque is linear in friction, in the inertias of the
-motors and nearly in the parameters of the bodies (Moberg 2007, eq. 4.11 to 4.13). Unlike prediction errors it stays so
+motors and nearly in the parameters of the bodies (Moberg 2007, eq. 4.11 to 4.13). With springs, the torque that the arm
+takes from the motors is added, which is nearly linear in the tolerated parameters. Unlike prediction errors it stays so
 however far the nominal model is off, so one solution finds what every robot has: friction at all joints, and rotors
 that the model lacks.
 """
@@ -26,6 +27,7 @@ from flexros.record.missing_samples import bridged, long_holes
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
     from flexros.gap.candidates.tolerance import Tolerance
+    from flexros.gap.fit.arm_torque import ArmTorque
     from flexros.record.record import Record
     from flexros.robot import Robot
 
@@ -60,13 +62,16 @@ class TorqueRegression:
     left: FloatArray
 
 
-def regress_torque(record: Record, robot: Robot, tolerance: Tolerance) -> TorqueRegression | None:
+def regress_torque(
+    record: Record, robot: Robot, tolerance: Tolerance, arm: ArmTorque | None = None
+) -> TorqueRegression | None:
     """Regress the torques of a log on friction, motor inertias and tolerated parameters of the bodies.
 
     Args:
         record: The log.
-        robot: The nominal robot; its springs are treated as locked.
+        robot: The nominal robot.
         tolerance: Parameters of the robot that may deviate.
+        arm: What the arm takes from the motors; None for locked springs.
 
     Returns:
         The regression; None for a log in which no motor moves, or that is too short.
@@ -81,16 +86,24 @@ def regress_torque(record: Record, robot: Robot, tolerance: Tolerance) -> Torque
     names = [parameter.name for parameter in regressor.parameters]
     nominal = np.array([parameter.nominal for parameter in regressor.parameters])
     M = robot.n_motors
-    own = np.zeros((len(nominal), len(KINDS) * M))
+    own: FloatArray = np.zeros((len(nominal), len(KINDS) * M))
     for motor, name in enumerate(robot.joint_names):
         for kind, label in enumerate(KINDS):
             own[names.index(f"{name}.{label}"), kind * M + motor] = 1.0
-    directions = np.hstack([own, _tolerated(robot, tolerance, nominal)])
     columns, errors = [], []
+    if arm is None:
+        own = np.hstack([own, _tolerated(robot, tolerance, nominal)])
+    else:
+        nominal = nominal * np.isin(names, [f"{name}.inertia" for name in robot.joint_names])
     for H, torque in rows.blocks():
-        columns.append(H @ directions)
+        columns.append(H @ own)
         errors.append(torque - H @ nominal)
     A, b = np.concatenate(columns), np.concatenate(errors)
+    if arm is not None:
+        begin, factor = len(arm.torque) - rows.record.n_samples, rows.factor
+        b = b - decimate(arm.torque[begin:], factor)[rows.counts]
+        slopes = decimate(arm.slopes[begin:].reshape(rows.record.n_samples, -1), factor)[rows.counts]
+        A = np.concatenate([A, slopes.reshape(*b.shape, -1)], axis=-1)
     return _solved(A, b, robot, len(tolerance.names), rows.motion.moving)
 
 

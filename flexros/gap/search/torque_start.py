@@ -10,6 +10,7 @@ import numpy as np
 from flexros.gap.candidates.candidate import list_candidates
 from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.scales import scales_of_motors
+from flexros.gap.fit.arm_torque import arm_torque
 from flexros.gap.fit.least_squares import CandidateFit, chi2_of, fit
 from flexros.gap.fit.torque_regression import regress_torque
 
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from flexros.gap.candidates.tolerance import Tolerance
     from flexros.gap.fit.null_fit import NullFit
     from flexros.gap.fit.torque_regression import TorqueRegression
-    from flexros.gap.fit.unknown_numbers import UnknownNumbers
+    from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.settings import DiagnosisSettings
     from flexros.record.record import Record
     from flexros.robot import Robot
@@ -59,27 +60,22 @@ class TorqueStart:
         ]
 
 
-def torque_start(
-    record: Record, model: RobotWithEffects, tolerance: Tolerance, unknown: UnknownNumbers
-) -> TorqueStart | None:
-    """Regress the torques of a log of a machine whose robot file lacks rotor inertias.
-
-    Such a nominal model is too far from the machine for single effects: they are fitted around what the torques show.
-    Where the file gives all inertias, the search finds more without this start: with it, Coulomb friction of one motor
-    of a measured double pendulum was lost, and 65 instead of 86 % of its gap closed.
+def torque_start(data: FitData, model: RobotWithEffects, tolerance: Tolerance) -> TorqueStart | None:
+    """Regress the torques of a log of a real machine.
 
     Args:
-        record: The log.
-        model: The nominal model, with the numbers that its file lacks.
+        data: Log and weights.
+        model: The nominal model.
         tolerance: Parameters of the robot that may deviate.
-        unknown: The numbers that its file lacks.
 
     Returns:
-        What the torques show; None where that is nothing, or the file lacks nothing.
+        What the torques show; None where that is nothing, where positions were commanded, and for a model with known
+        laws, which the regression lacks.
     """
-    if not unknown.inertias:
+    record = data.record
+    if not record.imported or record.command is not None or model.laws:
         return None
-    regression = regress_torque(record, model.robot, tolerance)
+    regression = regress_torque(record, model.robot, tolerance, arm_torque(data, model, tolerance))
     if regression is None:
         return None
     start = TorqueStart(regression, model.robot, record)
