@@ -270,7 +270,7 @@ class SearchSettings(Settings):
         description="the same on a real machine, where what no effect explains is part of what remains [1]",
     )
     removed_of_floor: float = Field(
-        default=0.2,
+        default=0.3,
         ge=0,
         lt=1,
         description="share of the floor of one motor that every effect must remove on a real machine, where the floor "

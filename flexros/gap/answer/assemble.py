@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from flexros.gap.answer.budget import budget_of, without_gap
+from flexros.gap.answer.budget import Budget, budget_of, without_gap
 from flexros.gap.answer.decision import (
     best_rival,
     effect_location,
@@ -92,7 +92,8 @@ def result_of(
     """
     explanations, model = findings.explanations, findings.model
     chosen, rival, verdict = explanations.chosen, best_rival(explanations), verdict_of(findings)
-    patch, errors = repair_of(findings), _held_out_errors(findings)
+    errors = _held_out_errors(findings)
+    patch = () if _worse(errors) else repair_of(findings)
     names, covariance = covariance_of(chosen, findings.data)
     tolerated = chosen.predictor.tolerance
     before = _explanation(explanations.null, findings, null_prediction)
@@ -150,6 +151,11 @@ def _held_out_errors(findings: Findings) -> HeldOutErrors:
     )
 
 
+def _worse(errors: HeldOutErrors) -> bool:
+    """Return whether an explanation predicts the held-out log worse than the nominal model: it repairs nothing."""
+    return errors.after is not None and errors.after.mean > errors.before.mean
+
+
 def _diagnosis(
     findings: Findings,
     verdict: Verdict,
@@ -169,7 +175,7 @@ def _diagnosis(
     return Diagnosis(
         schema=2,
         verdict=verdict,
-        causes=_causes(findings, verdict, errors),
+        causes=_causes(findings, verdict, errors, budget),
         ambiguity_groups=groups_of(findings.explanations, findings.settings),
         where=() if excess is None else excess.locations,
         gap=gap,
@@ -192,9 +198,13 @@ def _diagnosis(
     )
 
 
-def _causes(findings: Findings, verdict: Verdict, errors: HeldOutErrors) -> tuple[Cause, ...]:
-    """List the effects of the chosen explanation and of its rivals."""
+def _causes(findings: Findings, verdict: Verdict, errors: HeldOutErrors, budget: Budget) -> tuple[Cause, ...]:
+    """List the effects of the chosen explanation and of its rivals.
+
+    An effect closes what it closes alone, or where it was not fitted alone, what it closes beside all others.
+    """
     explanations = findings.explanations
+    beside = {f"{one.effect}@{one.location}": one.share_last for one in budget.shares if one.effect}
     causes = {name: _rounding(name, findings, errors) for name in findings.quantized}
     if not explanations.detected:
         return tuple(causes.values())
@@ -207,7 +217,9 @@ def _causes(findings: Findings, verdict: Verdict, errors: HeldOutErrors) -> tupl
                     location=candidate.location,
                     probability=probability_of(name, findings, verdict),
                     parameters=parameters,
-                    closed_fraction=_closed(errors.alone.get(name), findings, errors),
+                    closed_fraction=_closed(errors.alone[name], findings, errors)
+                    if name in errors.alone
+                    else beside.get(name),
                 )
     return tuple(causes[name] for name in sorted(causes, key=lambda name: rank_key(name, findings, verdict)))
 
@@ -312,7 +324,12 @@ def _answer_warnings(findings: Findings, gap: GapNumbers) -> list[str]:
         warnings.append(
             f"the explanation leaves {100 * remainder:.2g} % of the gap in the fitted log, more than noise does"
         )
-    if gap.closed_fraction is not None and gap.closed_fraction < LOW_FRACTION and gap.before > LEAST_GAP:
+    if gap.after is not None and gap.after > gap.before:
+        warnings.append(
+            "the explanation predicts the held-out log worse than the nominal model, so there is no patch: that log "
+            "may be of other conditions, or what acts is not among the effects"
+        )
+    elif gap.closed_fraction is not None and gap.closed_fraction < LOW_FRACTION and gap.before > LEAST_GAP:
         warnings.append(
             f"on held-out data the explanation closes only {100 * gap.closed_fraction:.0f} % of the gap: it may not "
             "hold beyond the fitted log"
