@@ -52,7 +52,7 @@ def gap(
         print_json(measured.numbers.model_dump(mode="json", exclude_none=patch is None))
     else:
         _print(measured)
-        for text in record.warnings:
+        for text in measured.warnings:
             say(f"warning: {text}")
     return GAP_FOUND if measured.significant else 0
 

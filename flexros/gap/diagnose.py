@@ -16,7 +16,7 @@ from flexros.gap.deadline import Deadline
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.fit.unknown_numbers import unknown_numbers
 from flexros.gap.held_out.closed_loop_gap import closed_loop_gap
-from flexros.gap.held_out.predictions import prediction_of, tool_errors
+from flexros.gap.held_out.predictions import prediction_of, sensor_errors, tool_errors
 from flexros.gap.noise.autoregression import autoregressive_spectrum
 from flexros.gap.noise.weights import measurement_in
 from flexros.gap.progress import Stages
@@ -156,7 +156,7 @@ def _first_fits(
 
 
 def _where(null: NullFit, prediction: PredictedLog, settings: DiagnosisSettings) -> Where:
-    """Compute where the gap shows, in the motors and in the tool where that was tracked."""
+    """Compute where the gap shows: in the motors, in the tool where that was tracked, in further sensors."""
     data, whitening = null.data, null.data.measurement.whitening
     tool, error = tool_errors(null.fit, data) or (None, None)
     return where(
@@ -166,6 +166,7 @@ def _where(null: NullFit, prediction: PredictedLog, settings: DiagnosisSettings)
         settings.seed,
         settings=settings.where,
         tool_error=error,
+        sensors=sensor_errors(null.fit, data),
         spectrum=autoregressive_spectrum(-whitening[:, 1:].T) if whitening.shape[1] > 1 else None,
     )
 

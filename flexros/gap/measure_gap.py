@@ -34,10 +34,12 @@ class MeasuredGap:
         numbers: The gap numbers.
         significant: Whether the model, the repaired one where there is one, leaves more than noise and its tolerance,
             or lacks the rounding of an encoder.
+        warnings: What of the log was repaired or is doubtful, one sentence each.
     """
 
     numbers: GapNumbers
     significant: bool
+    warnings: tuple[str, ...] = ()
 
 
 @one_blas_thread()
@@ -76,7 +78,7 @@ def measure_gap(
     if repaired is not None:
         stages.begin("repaired model", 1.0)
         after, significant = _errors(repaired.commanded_by(record.commands), unknown, data, tolerance or {}, settings)
-    return MeasuredGap(gap_numbers(before, after, record.sample_time), significant)
+    return MeasuredGap(gap_numbers(before, after, record.sample_time), significant, data.record.warnings)
 
 
 def _errors(

@@ -88,6 +88,11 @@ class ResidualSettings(Settings):
     tool_poses: int = Field(
         default=10_000, ge=10, description="largest number of tool poses used; of more, every second, third ... is"
     )
+    sensor_values: int = Field(
+        default=100_000,
+        ge=100,
+        description="largest number of values of all further sensors together; of more, every second, third ... is",
+    )
 
 
 class WhereSettings(Settings):

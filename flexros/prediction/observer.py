@@ -77,10 +77,19 @@ class ObserverGain:
         Returns:
             Standard deviations [rad or m], shape (M,).
         """
+        return np.sqrt(self.variance_ahead(samples, self.readout) + self.noise**2)
+
+    def variance_ahead(self, samples: int, readout: FloatArray) -> FloatArray:
+        """Return the variance of outputs predicted several samples ahead, without gap and without their noise.
+
+        Args:
+            samples: Prediction horizon [samples].
+            readout: Matrix from states to outputs, shape (n_outputs, 2 n).
+        """
         covariance = self.error
         for _ in range(samples):
             covariance = self.motion @ covariance @ self.motion.T + self.taken
-        result: FloatArray = np.sqrt(np.diag(self.readout @ covariance @ self.readout.T) + self.noise**2)
+        result: FloatArray = np.diag(readout @ covariance @ readout.T).copy()
         return result
 
 

@@ -15,6 +15,7 @@ import numpy as np
 from flexros.errors import InputError
 from flexros.logs.stamps import START_NS
 from flexros.record.even_grid import even_grid
+from flexros.record.further_sensors import further_sensors
 from flexros.record.joint_columns import motor_columns
 from flexros.record.quantization import resolution_of
 from flexros.record.record import Record, ToolRecord
@@ -77,7 +78,7 @@ def read_record(
     valid &= finite
     rows = slice(held.first, max(held.first, min(held.end, grid.n_slots)))
     _count_lost(valid[rows], name, warnings)
-    warnings += _unused(log)
+    sensors = further_sensors(log, robot, reader.columns, grid, rows, name, warnings)
     command = acting[rows] if servos else None
     begin = round(((grid.origin - START_NS) * 1e-9 + grid.start) / grid.sample_time)
     return Record(
@@ -91,6 +92,7 @@ def read_record(
         effort=reader.measured(states.effort, grid, rows, instants),
         reference=reader.reference(grid, rows),
         tool=_tool(log, grid, rows),
+        sensors=sensors,
         measured_torque=measured,
         command=command,
         command_rate=reader.commanded_rate(grid, rows, instants) if servos else None,
@@ -291,13 +293,6 @@ class _Reader:
         if np.array_equal(series.stamp[finite], self.log.joint_states.stamp) and np.abs(grid.deviation).max() < 1e-9:
             return np.asarray(values[finite][grid.rows][grid.held()[0]][rows])
         return np.column_stack([np.interp(at, time, column) for column in values[finite].T])
-
-
-def _unused(log: Log) -> list[str]:
-    """Name the sensors of a log whose measurements are not used."""
-    names = {"link_states": "sensors behind the springs", "tool_imu": "accelerometer or gyroscope of the tool"}
-    found = [f"{topic} ({text})" for topic, text in names.items() if log.series(topic) is not None]
-    return [f"the log has {' and '.join(found)}, which nothing is estimated from yet"] if found else []
 
 
 def _steps(position: FloatArray) -> tuple[float, ...]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
+    from flexros.record.further_sensors import SensorRecord
     from flexros.record.periodic_parts import PeriodicPart
     from flexros.robot.robot import Commands
 
@@ -40,6 +41,7 @@ class Record:
         effort: Measured motor torques at the samples [Nm or N], shape (n, M); None where not recorded.
         reference: Reference of the motor positions [rad or m], shape (n, M); None where not recorded.
         tool: Positions seen by a tool tracker; None without one.
+        sensors: Further sensors: link-side encoders, joint torque sensors, accelerometer and gyroscope of the tool.
         measured_torque: Whether the torques were measured at the motor, behind the delay of the command.
         simulated: Whether the provenance names a scenario of this program.
         imported: Whether the log was imported from files of a real machine, whose model is never exact.
@@ -64,6 +66,7 @@ class Record:
     effort: FloatArray | None = None
     reference: FloatArray | None = None
     tool: ToolRecord | None = None
+    sensors: tuple[SensorRecord, ...] = ()
     measured_torque: bool = False
     simulated: bool = False
     imported: bool = False
@@ -117,6 +120,7 @@ class Record:
             begin = first * self.sample_time
             inside = (tool.time >= begin) & (tool.time <= (end - 1) * self.sample_time)
             tool = ToolRecord(tool.time[inside] - begin, tool.position[inside])
+        ends = first * self.sample_time, max(end - 1, first) * self.sample_time
         cut = slice(first, end)
         kept = (part.within(first, end) for part in self.parts)
         return replace(
@@ -131,6 +135,7 @@ class Record:
             effort=None if self.effort is None else self.effort[cut],
             reference=None if self.reference is None else self.reference[cut],
             tool=tool,
+            sensors=tuple(sensor.part(*ends) for sensor in self.sensors),
             parts=tuple(part for part in kept if part is not None),
             begin=self.begin + first * self.sample_time,
         )

@@ -145,6 +145,21 @@ class Robot:
         """Noise of the tool tracker, rms [m]."""
         return self.spec.sensors.tool_noise.value
 
+    def sensor_noise(self, quantity: str) -> float | None:
+        """Return the noise, rms, that the robot file declares for a further sensor; None where it does not.
+
+        Args:
+            quantity: Name in `flexros.record.further_sensors.SENSOR_QUANTITIES`.
+        """
+        sensors = self.spec.sensors
+        declared = {
+            "link position": sensors.link_encoder_noise,
+            "joint torque": sensors.joint_torque_noise,
+            "tool acceleration": sensors.accelerometer_noise,
+            "tool turning rate": sensors.gyroscope_noise,
+        }.get(quantity)
+        return None if declared is None else declared.value
+
     @cached_property
     def torque_limits(self) -> FloatArray:
         """Largest absolute motor torque [Nm or N], shape (M,); infinite for no limit."""

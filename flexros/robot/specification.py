@@ -215,6 +215,18 @@ class Sensors(Settings):
 
     encoder_noise: NotNegative = Field(default_factory=lambda: _zero(""), description="[rad, or m] in the coordinate")
     tool_noise: Length = Field(default_factory=lambda: Quantity(value=20e-6, unit="m"), description="tracker [m]")
+    link_encoder_noise: Positive | None = Field(
+        None, description="link-side encoder, or strain gauge [rad, or m]; default: as the log shows it"
+    )
+    joint_torque_noise: Positive | None = Field(
+        None, description="joint torque sensor [Nm, or N]; default: as the log shows it"
+    )
+    accelerometer_noise: Positive | None = Field(
+        None, description="accelerometer of the tool [m/s2]; default: as the log shows it"
+    )
+    gyroscope_noise: Positive | None = Field(
+        None, description="gyroscope of the tool [rad/s]; default: as the log shows it"
+    )
 
 
 class Defaults(Settings):

@@ -16,6 +16,7 @@ from flexros.robot.parameters import SERVO
 from flexros.simulate.plant_equilibrium import PlantEquilibriumSearch, own_at_start, torque_beyond_command
 from flexros.simulate.plant_symbols import PlantSymbols
 from flexros.simulate.plant_updates import motor_accelerations, own_rates, smooth_torque, step_updates
+from flexros.simulate.sensor_outputs import sensor_outputs
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -224,6 +225,27 @@ class PlantModel:
         rates = ca.vertcat(robot, ca.SX.zeros(len(plant.sticking_motors)), own_rates(plant, passed))
         arguments = [plant.x, plant.u, plant.w, plant.p]
         return ca.Function("derivative", arguments, [ca.densify(rates)], {"cse": True})
+
+    def sensor_outputs(self, wanted: Sequence[tuple[str, int]]) -> ca.Function:
+        """Return the outputs of further sensors from (x, u, p), see `flexros.simulate.sensor_outputs`.
+
+        Args:
+            wanted: Quantity and number of the motor or of the axis, of each sensor.
+        """
+        return sensor_outputs(self._plant, self.derivative, wanted)
+
+    def sensor_slopes(self, wanted: Sequence[tuple[str, int]], state: FloatArray) -> FloatArray:
+        """Return the derivatives of these outputs to the state of the robot, shape (n_sensors, 2 nq).
+
+        Args:
+            wanted: Quantity and number of the motor or of the axis, of each sensor.
+            state: State of the robot [q, v], shape (2 nq,).
+        """
+        x, u, p = self._plant.x, self._plant.u, self._plant.p
+        slopes = ca.jacobian(self.sensor_outputs(wanted)(x, u, p), x[: len(state)])
+        found = ca.Function("slopes", [x, u, p], [slopes])
+        held = np.zeros(self.robot.n_motors)
+        return np.asarray(found(self.start(state, held), held, self.nominal_values).full())
 
     @cached_property
     def _updates(self) -> tuple[ca.Function | None, ca.Function | None]:

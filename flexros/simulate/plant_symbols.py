@@ -146,7 +146,7 @@ class PlantSymbols:
     def gear(self, law: PlacedLaw) -> GearState:
         """Return the state of the spring for a law, as changed by the laws of lower rank."""
         index = self.joint(law)[0]
-        gear = self._nominal_gear(index)
+        gear = self.nominal_gear(index)
         for other, effect in self.laws.gears:
             if other is law:
                 break
@@ -154,7 +154,8 @@ class PlantSymbols:
                 gear = effect.onward(replace(gear, own=self.own(other)), self.values(other))
         return replace(gear, own=self.own(law))
 
-    def _nominal_gear(self, index: int) -> GearState:
+    def nominal_gear(self, index: int) -> GearState:
+        """Return the state of the spring at an arm coordinate, without laws."""
         joint = self.robot.joints[index]
         spring, scale = joint.direction.spring, self.robot_value(f"{joint.name}.stiffness")
         assert isinstance(spring, Spring)

@@ -291,9 +291,3 @@ def test_irregular_samples_are_resampled_by_their_true_times(emps: Robot) -> Non
     mean = 3 * (wanted[:-1] + wanted[1:]) / 2
     assert np.abs(record.torque[:-1, 0] - mean)[2:-2].max() < 1.5e-3
     assert any("are irregular (10 to 12 ms apart" in text for text in record.warnings)
-
-
-def test_sensors_that_are_not_used_are_told(emps: Robot) -> None:
-    log = make_log()
-    record = read(replace(log, other_series={"link_states": log.joint_states}), emps)
-    assert any("link_states" in text and "tool_imu" not in text for text in record.warnings)

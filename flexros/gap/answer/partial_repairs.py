@@ -70,8 +70,9 @@ class PartialRepairs:
 
     def by_joint(self, errors: AheadErrors) -> FloatArray:
         """Return the gap at each joint over the whole gap before [1], shape (M,)."""
-        shares: FloatArray = (errors.squares.mean(axis=0) - 1.0) / errors.squares.shape[1] / (self.before.mean - 1.0)
-        return shares
+        shares = (errors.squares.mean(axis=0) - 1.0) / errors.squares.shape[1] / (self.before.mean - 1.0)
+        n = self.findings.model.robot.n_motors
+        return np.array([shares[errors.of_joint(motor, n)].sum() for motor in range(n)])
 
     def _fitted(self, parts: Sequence[frozenset[str]]) -> FloatArray:
         """Return the parameters with some parts of the effects, tolerated deviations fitted, shape (n_fitted, sets).

@@ -32,6 +32,8 @@ LOWEST = 1.0
 def unexplained(findings: Findings, before: AheadErrors, after: AheadErrors) -> tuple[Unexplained, ...]:
     """Divide what is left of the gap of the held-out log among joints, within each joint among regimes and bands.
 
+    The rest in further sensors counts at their joint; the bands are those of the motor.
+
     Args:
         findings: The fits of one log, checked on another.
         before: Errors of the nominal model.
@@ -47,7 +49,8 @@ def unexplained(findings: Findings, before: AheadErrors, after: AheadErrors) -> 
     rows, spectra = [], None
     for motor, name in enumerate(robot.joint_names):
         parts = regimes(motion, motor, record.sample_time)
-        shares = {regime: float(rest[inside[ends], motor].sum()) for regime, inside in parts.items()}
+        own = rest[:, after.of_joint(motor, robot.n_motors)]
+        shares = {regime: float(own[inside[ends]].sum()) for regime, inside in parts.items()}
         listed = {regime: parts[regime] for regime, share in shares.items() if share >= LEAST_SHARE}
         if not listed:
             continue

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import InputError
+from flexros.gap.held_out.sensors_ahead import last_samples, sensors_ahead
 from flexros.gap.result import SignalGap
 from flexros.gap.schema import GapNumbers
 from flexros.gap.settings import PredictionGapSettings
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from flexros.gap.noise.weights import Measurement
     from flexros.gap.prediction.predictor import Predictor
     from flexros.gap.residuals.fit_data import FitData
+    from flexros.record.further_sensors import SensorRecord
     from flexros.record.quantization import Quantization
     from flexros.robot import Robot
 
@@ -40,11 +42,13 @@ class AheadErrors:
     """Squared errors of predictions 0.1 s ahead, over their variance by noise alone.
 
     Attributes:
-        squares: Squared errors, each over its floor, shape (n_windows, M).
+        squares: Squared errors of the S signals, motor positions and then further sensors, each over its floor, shape
+            (n_windows, S); of a sensor without a value there, its mean.
         starts: Samples at which the predictions start, shape (n_windows,).
-        floor: Standard deviation of the errors without a gap [rad or m], shape (M,).
+        floor: Standard deviation of the errors without a gap [unit of the signal], shape (S,).
         floor_error: Relative standard deviation of the variance of the noise [1]; zero where it is as declared.
         settings: Settings that the errors were computed with.
+        sensors: The further sensors.
     """
 
     squares: FloatArray
@@ -52,19 +56,30 @@ class AheadErrors:
     floor: FloatArray
     floor_error: float = 0.0
     settings: PredictionGapSettings = field(default_factory=PredictionGapSettings)
+    sensors: tuple[SensorRecord, ...] = ()
 
     @property
     def mean(self) -> float:
-        """The gap E: mean over windows and motors; 1 without a gap."""
+        """The gap E: mean over windows and signals; 1 without a gap."""
         return float(self.squares.mean())
 
     def over(self, floor: FloatArray) -> AheadErrors:
-        """Refer the errors to another floor [rad or m], shape (M,)."""
+        """Refer the errors to another floor [unit of the signal], shape (S,)."""
         return replace(self, squares=self.squares * (self.floor / floor) ** 2, floor=floor)
 
-    def rms(self, motor: int) -> float:
-        """Return the root mean square of the errors of a motor [rad or m]."""
-        return float(self.floor[motor] * np.sqrt(self.squares[:, motor].mean()))
+    def of_joint(self, motor: int, n_motors: int) -> list[int]:
+        """List the signals of the joint of a motor; those of the tool belong to the last one.
+
+        Args:
+            motor: Number of the motor.
+            n_motors: Number of motors M.
+        """
+        joints = [n_motors - 1 if sensor.of_tool else sensor.index for sensor in self.sensors]
+        return [motor, *(n_motors + place for place, joint in enumerate(joints) if joint == motor)]
+
+    def rms(self, signal: int) -> float:
+        """Return the root mean square of the errors of a signal [its unit]."""
+        return float(self.floor[signal] * np.sqrt(self.squares[:, signal].mean()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,14 +87,26 @@ class SignedErrors:
     """Errors of predictions 0.1 s ahead, with their signs.
 
     Attributes:
-        errors: Errors over their standard deviation by noise alone, shape (n_windows, M).
+        errors: Errors of the S signals, motor positions and then further sensors, over their standard deviation by
+            noise alone, shape (n_windows, S); NaN of a sensor without a value there.
         starts: Samples at which the predictions start, shape (n_windows,).
-        floor: That standard deviation [rad or m], shape (M,).
+        floor: That standard deviation [unit of the signal], shape (S,).
+        sensors: The further sensors.
     """
 
     errors: FloatArray
     starts: IntArray
     floor: FloatArray
+    sensors: tuple[SensorRecord, ...] = ()
+
+    @property
+    def squares(self) -> FloatArray:
+        """Squared errors, those of a diverged prediction limited; of a sensor without a value there, their mean."""
+        squares = np.where(np.abs(self.errors) < RUN_AWAY, self.errors, RUN_AWAY) ** 2
+        for column in range(squares.shape[1] - len(self.sensors), squares.shape[1]):
+            lost = np.isnan(self.errors[:, column])
+            squares[lost, column] = squares[~lost, column].mean()
+        return np.asarray(squares)
 
 
 def errors_ahead(fit: CandidateFit, data: FitData) -> AheadErrors:
@@ -107,12 +134,11 @@ def errors_ahead_of(predictor: Predictor, thetas: FloatArray, data: FitData) -> 
     Raises:
         InputError: The log is too short.
     """
-    settings, known = data.settings.prediction_gap, data.measurement.floor_error
-    found = []
-    for signed in signed_errors_ahead(predictor, thetas, data, settings.spacing):
-        squares = np.where(np.abs(signed.errors) < RUN_AWAY, signed.errors, RUN_AWAY) ** 2
-        found.append(AheadErrors(squares, signed.starts, signed.floor, known, settings))
-    return found
+    settings = data.settings.prediction_gap
+    return [
+        AheadErrors(signed.squares, signed.starts, signed.floor, data.floor_error, settings, signed.sensors)
+        for signed in signed_errors_ahead(predictor, thetas, data, settings.spacing)
+    ]
 
 
 def signed_errors_ahead(predictor: Predictor, thetas: FloatArray, data: FitData, spacing: float) -> list[SignedErrors]:
@@ -143,11 +169,23 @@ def signed_errors_ahead(predictor: Predictor, thetas: FloatArray, data: FitData,
             f"which the predictor needs to settle; the log has {record.duration:.3g} s, record a longer one"
         )
     floor = data.gain.ahead(horizon)
-    positions = (
-        predictor.ahead(theta, record, prediction.states[:, :, lane], starts, horizon)
-        for lane, theta in enumerate(thetas.T)
-    )
-    return [SignedErrors((record.position[starts + horizon] - one) / floor, starts, floor) for one in positions]
+    last = 0 if data.sensors is None else last_samples(data.sensors, horizon)
+    found = []
+    for lane, theta in enumerate(thetas.T):
+        states = prediction.states[:, :, lane : lane + 1]
+        ahead = predictor.ahead(theta, record, states[:, :, 0], starts, horizon, last=last)
+        errors = (record.position[starts + horizon] - ahead.positions) / floor
+        one = SignedErrors(errors, starts, floor)
+        if ahead.states is not None:
+            further = sensors_ahead(predictor, theta, data, states, ahead.states, starts + horizon, horizon)
+            one = SignedErrors(
+                np.hstack([errors, further.errors / further.floor]),
+                starts,
+                np.concatenate([floor, further.floor]),
+                further.sensors,
+            )
+        found.append(one)
+    return found
 
 
 @dataclass(frozen=True)
@@ -228,7 +266,7 @@ def _sampling_error(errors: AheadErrors) -> float:
 def signal_gaps(
     robot: Robot, before: AheadErrors, after: AheadErrors | None = None, rival: AheadErrors | None = None
 ) -> tuple[SignalGap, ...]:
-    """Return the root mean square of the prediction errors of each motor position.
+    """Return the root mean square of the prediction errors of each motor position and further sensor.
 
     Args:
         robot: The robot.
@@ -236,17 +274,21 @@ def signal_gaps(
         after: Errors of the repaired model, None for none.
         rival: Errors of the best explanation that was not chosen, None for none.
     """
+    signals = [(f"{motor.name} position", motor.position_unit) for motor in robot.motors]
+    signals += [(sensor.name, sensor.unit) for sensor in before.sensors]
     gaps = []
-    for motor, name in enumerate(robot.joint_names):
-        scale, prefix = (_MICRO, "µ") if before.rms(motor) < _SMALL else (_MILLI, "m")
+    for column, (name, unit) in enumerate(signals):
+        scale, prefix = (_MICRO, "µ") if before.rms(column) < _SMALL else (_MILLI, "m")
+        if column >= robot.n_motors and before.rms(column) >= 1.0:
+            scale, prefix = 1.0, ""
         gaps.append(
             SignalGap(
-                signal=f"{name} position, 0.1 s ahead",
-                unit=f"{prefix}{robot.motors[motor].position_unit}",
-                before=before.rms(motor) / scale,
-                after=None if after is None else after.rms(motor) / scale,
-                floor=float(before.floor[motor]) / scale,
-                rival=None if rival is None else rival.rms(motor) / scale,
+                signal=f"{name}, 0.1 s ahead",
+                unit=f"{prefix}{unit}",
+                before=before.rms(column) / scale,
+                after=None if after is None else after.rms(column) / scale,
+                floor=float(before.floor[column]) / scale,
+                rival=None if rival is None else rival.rms(column) / scale,
             )
         )
     return tuple(gaps)
@@ -273,4 +315,6 @@ def over_expected_floor(errors: AheadErrors, model: RobotWithEffects, data: FitD
     expected = np.array(data.gain.noise)
     for encoder in unknown:
         expected[encoder.motor] = model.robot.encoder_noise[encoder.motor]
-    return errors.over(np.sqrt(errors.floor**2 - data.gain.noise**2 + expected**2))
+    more = np.zeros_like(errors.floor)
+    more[: len(expected)] = expected**2 - data.gain.noise**2
+    return errors.over(np.sqrt(errors.floor**2 + more))

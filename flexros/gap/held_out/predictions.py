@@ -10,6 +10,7 @@ import numpy as np
 from flexros.effects import place_effects
 from flexros.gap.prediction.predicted_log import PredictedLog
 from flexros.gap.signatures.signature_data import SignatureData
+from flexros.gap.where.prediction_errors import SensorErrors
 from flexros.record.record import ToolRecord
 
 if TYPE_CHECKING:
@@ -46,10 +47,26 @@ def tool_errors(fit: CandidateFit, data: FitData) -> tuple[ToolRecord, FloatArra
     tool = data.tool
     if tool is None:
         return None
-    residual = data.residuals(fit.predictor, fit.theta[:, None])[data.spread.size :, 0]
+    end = data.spread.size + tool.position.size
+    residual = data.residuals(fit.predictor, fit.theta[:, None])[data.spread.size : end, 0]
     error = tool.spread * residual.reshape(-1, 3)
     error[:, np.sqrt(np.mean(error**2, axis=0)) < SEEN_BY_TOOL * tool.spread] = 0.0
     return ToolRecord((tool.samples[tool.row] + tool.share) * data.record.sample_time, tool.position), error
+
+
+def sensor_errors(fit: CandidateFit, data: FitData) -> tuple[SensorErrors, ...]:
+    """Return the weighted errors of further sensors under a fitted model, without their offsets.
+
+    Args:
+        fit: The fitted model.
+        data: The log that it was fitted to.
+    """
+    sensors = data.sensors
+    if sensors is None:
+        return ()
+    residual = fit.residual(data)[-sensors.size :]
+    parts = np.split(residual, np.cumsum([len(one.measured) for one in sensors.channels])[:-1])
+    return tuple(SensorErrors(one.sensor, part, one.used) for one, part in zip(sensors.channels, parts, strict=True))
 
 
 def signature_evidence(

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import casadi as ca
+
 from flexros.compile.loop.prediction import PredictionLoop
+from flexros.compile.over_samples import FunctionOverSamples
 from flexros.effects import PlacedLaw
 from flexros.effects.kinds.arm_law import AbstractArmLaw
 from flexros.effects.kinds.command_law import AbstractCommandLaw
@@ -73,6 +76,21 @@ class CompiledPlant:
             substeps=substeps(self.robot, sample_time, fast=bool(known or any(map(_own_states, self.laws)))),
             lanes=LANES,
         )
+        self._sensors: dict[tuple[tuple[str, int], ...], tuple[FunctionOverSamples, bool]] = {}
+
+    def sensors(self, wanted: Sequence[tuple[str, int]]) -> tuple[FunctionOverSamples, bool]:
+        """Return the outputs of further sensors over samples, and whether they depend on the input of the model.
+
+        Args:
+            wanted: Quantity and number of the motor or of the axis, of each sensor.
+        """
+        key = tuple(wanted)
+        if key not in self._sensors:
+            function = self.model.sensor_outputs(key)
+            arguments = function.sx_in()
+            driven = any(ca.which_depends(function(*arguments), arguments[1], 1, True))
+            self._sensors[key] = FunctionOverSamples(function, LANES), driven
+        return self._sensors[key]
 
     def covers(self, hypothesis: Hypothesis) -> bool:
         """Return whether it holds every law of a hypothesis and may change every parameter that it changes."""

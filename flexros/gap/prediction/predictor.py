@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -29,6 +30,19 @@ FARTHEST = 5.0
 """Largest tolerated deviation, in standard deviations of the tolerance [1] (chosen)."""
 MOST_LOGARITHM = 50.0
 """Largest logarithm of a factor on a parameter of the robot, for fits that diverge [1] (chosen)."""
+
+
+@dataclass(frozen=True, eq=False)
+class PredictedAhead:
+    """Predictions without correction, from several samples of a log.
+
+    Attributes:
+        positions: Motor positions at the horizon, without noise [rad or m], shape (n_starts, M).
+        states: States at the last samples up to the horizon, shape (n_starts, last, n_states); None if not requested.
+    """
+
+    positions: FloatArray
+    states: FloatArray | None
 
 
 class Predictor:
@@ -152,8 +166,15 @@ class Predictor:
         )
 
     def ahead(
-        self, theta: FloatArray, record: Record, states: FloatArray, starts: IntArray, horizon: int
-    ) -> FloatArray:
+        self,
+        theta: FloatArray,
+        record: Record,
+        states: FloatArray,
+        starts: IntArray,
+        horizon: int,
+        *,
+        last: int = 0,
+    ) -> PredictedAhead:
         """Predict without correction, from corrected states.
 
         Args:
@@ -162,9 +183,7 @@ class Predictor:
             states: Corrected states of all samples, shape (n, n_states).
             starts: Samples from which to predict, each at least the delay from the first, shape (n_starts,).
             horizon: Prediction horizon [samples].
-
-        Returns:
-            Motor positions at the horizon, without noise [rad or m], shape (n_starts, M).
+            last: Number of samples up to the horizon whose states are recorded, at most horizon + 1.
         """
         own = self._column(theta)
         column = np.repeat(own[:, None], LANES, axis=1)
@@ -173,15 +192,68 @@ class Predictor:
         nothing = np.zeros((horizon + 1, self.robot.n_motors))
         gain = np.zeros((self.loop.sizes.state, self.robot.n_motors))
         past = np.arange(1, self.loop.line_length + 1)
-        runs = []
+        runs, ends = [], []
         for first in range(0, len(starts), LANES):
             group = starts[first : first + LANES]
             lanes = np.concatenate([group, np.repeat(group[-1:], LANES - len(group))])
             windows = np.stack([torque[start : start + horizon + 1] for start in lanes], axis=-1)
             before = np.stack([torque[start - past] for start in lanes], axis=-1)
-            one = self.loop.run(states[lanes].T, column, gain, windows, nothing, np.ones(horizon + 1), past=before)
+            one = self.loop.run(
+                states[lanes].T,
+                column,
+                gain,
+                windows,
+                nothing,
+                np.ones(horizon + 1),
+                past=before,
+                record_states=last > 0,
+            )
             runs.append(-one.innovation[horizon].T[: len(group)])
-        return np.concatenate(runs)
+            if one.states is not None:
+                ends.append(one.states[horizon + 1 - last :, :, : len(group)].transpose(2, 0, 1))
+        return PredictedAhead(np.concatenate(runs), np.concatenate(ends) if last else None)
+
+    def sensor_outputs(
+        self,
+        wanted: Sequence[tuple[str, int]],
+        thetas: FloatArray,
+        record: Record,
+        states: FloatArray,
+        samples: IntArray,
+    ) -> FloatArray:
+        """Return what further sensors show without noise, at samples of a log.
+
+        At a sample, where the held torque changes, the mean of the torques before and after it acts.
+
+        Args:
+            wanted: Quantity and number of the motor or of the axis, of each sensor.
+            thetas: Encoded parameters, shape (n_fitted, sets); the last set fills unused lanes.
+            record: The log.
+            states: States of the samples, shape (m, n_states, lanes).
+            samples: The samples, shape (m,).
+
+        Returns:
+            Outputs, shape (m, n_sensors, lanes).
+        """
+        sets = [np.asarray(thetas)[:, min(lane, np.shape(thetas)[1] - 1)] for lane in range(LANES)]
+        columns = np.stack([self._column(theta) for theta in sets], axis=-1)
+        function, driven = self.plant.sensors(wanted)
+        acting = self._acting(record, sets, list(columns.T), samples) if driven else np.zeros((1, 1, 1))
+        return function(states, acting, columns)
+
+    def _acting(
+        self, record: Record, sets: Sequence[FloatArray], columns: Sequence[FloatArray], samples: IntArray
+    ) -> FloatArray:
+        """Return the mean of the inputs just before and just after samples, shape (m, M, sets or 1)."""
+        driving = self._driving(record, sets, columns)
+        driving = driving if driving.ndim == 3 else driving[:, :, None]
+        delays = np.broadcast_to(0.0 if record.measured_torque else self.model.delay, self.robot.n_motors)
+        acting = np.empty((len(samples), *driving.shape[1:]))
+        for motor, delay in enumerate(delays / self.sample_time):
+            after = np.maximum(samples - int(np.ceil(delay)), 0)
+            before = after if delay % 1 else np.maximum(after - 1, 0)
+            acting[:, motor] = 0.5 * (driving[after, motor] + driving[before, motor])
+        return acting
 
     def _column(self, theta: FloatArray) -> FloatArray:
         """Return the parameters of the plant for one set of encoded parameters."""

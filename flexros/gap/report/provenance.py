@@ -46,7 +46,7 @@ def _logs(result: DiagnosisResult) -> TextTable:
     rows = [_log("fitted to", result.record)]
     if result.holdout is not None:
         rows.append(_log("held out", result.holdout))
-    header = ("Use", "log", "length [s]", "rate [Hz]", "missing samples", "input", "tool")
+    header = ("Use", "log", "length [s]", "rate [Hz]", "missing samples", "input", "tool", "further sensors")
     return TextTable(header, tuple(rows), "The logs.", left=2)
 
 
@@ -59,6 +59,7 @@ def _log(use: str, record: Record) -> tuple[str, ...]:
         str(int((~record.valid).sum())),
         record.driven_by,
         "tracked" if record.tool is not None else "not tracked",
+        ", ".join(sensor.name for sensor in record.sensors) or "none",
     )
 
 

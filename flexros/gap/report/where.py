@@ -136,7 +136,7 @@ def _write_cells(
 
 
 def _row(location: Excess) -> str:
-    return location.joint if location.joint == "tool" else f"{location.joint} {location.signal}"
+    return location.signal if location.joint == "tool" else f"{location.joint} {location.signal}"
 
 
 def _table(mapped: Sequence[Excess], highest: float) -> TextTable:

@@ -15,6 +15,7 @@ from flexros.gap.noise.weights import measurement_of, spread_of
 from flexros.gap.prediction.compiled_plant import LANES
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.residuals.lost_commands import check_enough_left, lost_commands
+from flexros.gap.residuals.sensor_data import sensor_data
 from flexros.gap.residuals.tool_data import tool_data, tracker_noise
 from flexros.gap.residuals.tool_frame import FEWEST, usable_poses
 from flexros.prediction.observer import observer_gain
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from flexros.compile.loop.prediction import LoopPrediction
     from flexros.effects import RobotWithEffects
     from flexros.gap.noise.weights import Measurement
+    from flexros.gap.residuals.sensor_data import SensorData
     from flexros.gap.residuals.tool_data import ToolData
     from flexros.gap.settings import DiagnosisSettings
     from flexros.prediction.observer import ObserverGain
@@ -44,33 +46,33 @@ class InitialStateErrors:
 
     Attributes:
         motors: Orthonormal basis, rows of the first samples of each motor, shape (M, n_first, k).
-        tool: The same, rows of the tool measurement, shape (3 m, k).
+        others: The same, rows of the tool measurement and of further sensors, shape (m, k).
     """
 
     motors: FloatArray
-    tool: FloatArray
+    others: FloatArray
 
     @property
     def number(self) -> int:
         """Number of directions k."""
-        return int(self.tool.shape[1])
+        return int(self.others.shape[1])
 
     def projected_out(self, residual: FloatArray, n: int) -> FloatArray:
         """Project the effect of initial-state errors out of residuals.
 
         Args:
-            residual: Weighted prediction errors of the motors, one after the other, then those of the tool, shape
-                (M n + 3 m, sets); changed in place.
+            residual: Weighted prediction errors of the motors, one after the other, then those of the tool and of
+                further sensors, shape (M n + m, sets); changed in place.
             n: Number of samples.
 
         Returns:
             The same array.
         """
         M, first = self.motors.shape[:2]
-        motors, tool = residual[: M * n].reshape(M, n, -1)[:, :first], residual[M * n :]
-        share = np.einsum("mfk,mfs->ks", self.motors, motors) + self.tool.T @ tool
+        motors, others = residual[: M * n].reshape(M, n, -1)[:, :first], residual[M * n :]
+        share = np.einsum("mfk,mfs->ks", self.motors, motors) + self.others.T @ others
         motors -= self.motors @ share
-        tool -= self.tool @ share
+        others -= self.others @ share
         return residual
 
 
@@ -89,6 +91,7 @@ class FitData:
         settings: Settings of the diagnosis.
         from_rest: Whether the log begins at rest, in which case every model begins in its own equilibrium.
         tool: Tool measurement; None where there is none.
+        sensors: Further sensors; None where there are none, or none that is used.
         pose: Arm coordinates at which the gain was computed [rad or m], shape (N,); None for home.
         initial_state_errors: Effect of initial-state errors, which is projected out; None for a log that begins in
             motion, whose first samples are not used.
@@ -104,6 +107,7 @@ class FitData:
     settings: DiagnosisSettings
     from_rest: bool = False
     tool: ToolData | None = None
+    sensors: SensorData | None = None
     pose: FloatArray | None = None
     initial_state_errors: InitialStateErrors | None = None
     misfit: float = 1.0
@@ -125,7 +129,21 @@ class FitData:
         """Number of independent prediction errors that are used."""
         of_tool = 0 if self.tool is None else self.tool.position.size - self.tool.basis.shape[1]
         projected = 0 if self.initial_state_errors is None else self.initial_state_errors.number
-        return int(np.isfinite(self.spread).sum()) + of_tool - projected
+        of_sensors = 0 if self.sensors is None else self.sensors.n_values
+        return int(np.isfinite(self.spread).sum()) + of_tool + of_sensors - projected
+
+    @property
+    def floor_error(self) -> float:
+        """Relative standard deviation of the variance of the noise, that of further sensors included [1]."""
+        of_sensors = 0.0 if self.sensors is None else self.sensors.floor_error
+        return float(np.hypot(self.measurement.floor_error, of_sensors))
+
+    @property
+    def used(self) -> BoolArray:
+        """Which of the weighted prediction errors are used, in their order, shape (n_residuals,)."""
+        of_tool = np.ones(0 if self.tool is None else self.tool.position.size, dtype=bool)
+        of_sensors = np.zeros(0, dtype=bool) if self.sensors is None else self.sensors.used
+        return np.concatenate([np.isfinite(self.spread).T.ravel(), of_tool, of_sensors])
 
     @property
     def negligible(self) -> float:
@@ -167,15 +185,19 @@ class FitData:
 
         Returns:
             Weighted prediction errors, each of variance 1 without a gap: motors one after the other, then the tool,
-            shape (M n + 3 m, sets).
+            then further sensors one after the other, shape (M n + 3 m_tool + m_sensors, sets).
         """
         samples = None if self.tool is None else self.tool.samples
-        prediction = self.predict(predictor, thetas, pose_samples=samples)
+        prediction = self.predict(predictor, thetas, pose_samples=samples, record_states=self.sensors is not None)
         sets = thetas.shape[1]
         residual = self.weighted(prediction.innovation[:, :, :sets])
         if self.tool is not None:
             assert prediction.tool_pose is not None
             residual = np.vstack([residual, self.tool.residuals(prediction.tool_pose[:, :, :sets])])
+        if self.sensors is not None:
+            assert prediction.states is not None
+            errors = self.sensors.errors(predictor, thetas, self.record, prediction.states)
+            residual = np.vstack([residual, self.sensors.weighted(errors)])
         if self.initial_state_errors is not None:
             residual = self.initial_state_errors.projected_out(residual, self.record.n_samples)
         return residual
@@ -267,9 +289,10 @@ def fit_data(
     check_enough_left(record, known, spread, settings.residuals)
     data = FitData(_with_usable_tool(record), gain, state, spread, measurement, settings, from_rest, pose=pose)
     samples = None if data.record.tool is None else np.arange(record.n_samples)
-    predicted = data.predict(nominal, np.zeros((0, 1)), pose_samples=samples)
+    predicted = data.predict(nominal, np.zeros((0, 1)), pose_samples=samples, record_states=bool(data.record.sensors))
     _check_bounded(predicted, record)
-    return _with_initial_state_errors(_with_tool(data, predicted, robot.tool_noise), nominal, np.zeros(0))
+    data = _with_sensors(_with_tool(data, predicted, robot.tool_noise), nominal, predicted)
+    return _with_initial_state_errors(data, nominal, np.zeros(0))
 
 
 def _with_tool(data: FitData, predicted: LoopPrediction, declared: float) -> FitData:
@@ -282,6 +305,18 @@ def _with_tool(data: FitData, predicted: LoopPrediction, declared: float) -> Fit
     poses = predicted.tool_pose[:, :, 0]
     tool = tool_data(record.tool, poses, data.counted, record.sample_time, noise, data.settings.residuals.tool_poses)
     return replace(data, tool=tool)
+
+
+def _with_sensors(data: FitData, nominal: Predictor, predicted: LoopPrediction) -> FitData:
+    """Add the further sensors of a log, with warnings of those that are left out."""
+    record = data.record
+    if not record.sensors:
+        return data
+    assert predicted.states is not None
+    most = data.settings.residuals.sensor_values
+    sensors = sensor_data(record, data.gain, data.measurement, data.counted, nominal, predicted.states, most)
+    record = replace(record, warnings=(*record.warnings, *sensors.warnings))
+    return replace(data, record=record, sensors=sensors if sensors.channels else None)
 
 
 def _with_initial_state_errors(data: FitData, predictor: Predictor, theta: FloatArray) -> FitData:
@@ -303,41 +338,49 @@ def _initial_state_errors(data: FitData, predictor: Predictor, theta: FloatArray
         theta: Its parameters, shape (n_fitted,).
     """
     first = min(2 * data.gain.settling, data.record.n_samples)
-    innovations, poses = _moved_initial_states(data, predictor, theta, first)
+    innovations, poses, errors = _moved_initial_states(data, predictor, theta, first)
     M, k = innovations.shape[1:]
     motors = replace(data, spread=data.spread[:first]).weighted(innovations)
     tool = np.zeros((0, k)) if data.tool is None else data.tool.residuals(poses) - data.tool.residuals(0.0 * poses)
-    basis, sizes, _ = np.linalg.svd(np.vstack([motors, tool]), full_matrices=False)
+    sensors = np.zeros((0, k)) if data.sensors is None else data.sensors.weighted(errors)
+    basis, sizes, _ = np.linalg.svd(np.vstack([motors, tool, sensors]), full_matrices=False)
     basis = basis[:, sizes > LEAST_SEEN]
     return InitialStateErrors(basis[: M * first].reshape(M, first, -1), basis[M * first :])
 
 
 def _moved_initial_states(
     data: FitData, predictor: Predictor, theta: FloatArray, first: int
-) -> tuple[FloatArray, FloatArray]:
+) -> tuple[FloatArray, FloatArray, list[FloatArray]]:
     """Change one initial state after the other.
 
     Returns:
-        Changes of the prediction errors [rad or m], shape (first, M, 2 n_coordinates), and of the poses of the tool at
-        its samples, shape (n_p, 7, 2 n_coordinates).
+        Changes of the prediction errors [rad or m], shape (first, M, 2 n_coordinates), of the poses of the tool at
+        its samples, shape (n_p, 7, 2 n_coordinates), and of the errors of further sensors, shape (m, 2 n_coordinates)
+        each.
     """
     record = data.record.part(0, first)
     samples = np.zeros(0, dtype=np.int64) if data.tool is None else data.tool.samples
     early = samples[samples < first]
     moved = np.sqrt(np.diag(data.gain.error))
     states = data.initial_state[:, None] + np.hstack([np.zeros((len(moved), 1)), np.diag(moved)])
-    innovations, poses = [], []
+    innovations, poses, errors = [], [], []
     for begin in range(0, states.shape[1], LANES):
         group = states[:, begin : begin + LANES]
         sets = np.repeat(theta[:, None], group.shape[1], axis=1)
-        prediction = predictor.predict(sets, record, data.gain, group, pose_samples=early)
+        prediction = predictor.predict(
+            sets, record, data.gain, group, pose_samples=early, record_states=data.sensors is not None
+        )
         assert prediction.tool_pose is not None
+        if data.sensors is not None:
+            assert prediction.states is not None
+            errors.append(data.sensors.errors(predictor, sets, data.record, prediction.states))
         innovations.append(prediction.innovation[:, :, : group.shape[1]])
         poses.append(prediction.tool_pose[:, :, : group.shape[1]])
     innovation, pose = (np.concatenate(parts, axis=2) for parts in (innovations, poses))
     changed = np.zeros((len(samples), pose.shape[1], len(moved)))
     changed[: len(early)] = pose[:, :, 1:] - pose[:, :, :1]
-    return innovation[:, :, 1:] - innovation[:, :, :1], changed
+    of_sensors = [np.concatenate(parts, axis=1) for parts in zip(*errors)]
+    return innovation[:, :, 1:] - innovation[:, :, :1], changed, [one[:, 1:] - one[:, :1] for one in of_sensors]
 
 
 def _with_usable_tool(record: Record) -> Record:

@@ -254,7 +254,7 @@ def compare(
         null=null,
         fits=tuple(fits),
         n_values=data.n_values,
-        floor_error=measurement.floor_error,
+        floor_error=data.floor_error,
         rounding=measurement.rounding,
         exact=exact,
         distance=distance,

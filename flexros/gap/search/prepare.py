@@ -67,9 +67,7 @@ def prepare_search(
 
 def _rows(data: FitData, most: int) -> IntArray:
     """Choose prediction errors that are spread evenly over the log, drawn so that no period is favoured."""
-    used = np.flatnonzero(np.isfinite(data.spread.T.ravel()))
-    after = np.arange(data.spread.size, data.spread.size + (0 if data.tool is None else data.tool.position.size))
-    every = np.concatenate([used, after])
+    every = np.flatnonzero(data.used)
     if len(every) <= most:
         return every
     return np.sort(generator(0, ROWS_STREAM).choice(every, size=most, replace=False))

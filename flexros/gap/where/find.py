@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from flexros.gap.schema import Excess
     from flexros.gap.where.base import Statistics
     from flexros.gap.where.channel import Channel, ErrorSample
+    from flexros.gap.where.prediction_errors import SensorErrors
     from flexros.record.record import Record
     from flexros.robot import Robot
 
@@ -58,6 +59,7 @@ def where(
     seed: int,
     *,
     tool_error: FloatArray | None = None,
+    sensors: Sequence[SensorErrors] = (),
     spectrum: FloatArray | None = None,
     settings: WhereSettings | None = None,
 ) -> Where:
@@ -73,6 +75,7 @@ def where(
         seed: Seed of the simulated logs without a gap.
         tool_error: Measured minus predicted tool positions [m], shape (n_t, 3), with frame and offset of the tracker
             removed; None where there are none.
+        sensors: Prediction errors of further sensors.
         spectrum: Spectrum of the prediction errors without a gap, see `flexros.gap.noise.autoregression`, shape
             (any, M); default: white, which holds for predictors with a small gain.
         settings: Settings of the search.
@@ -83,7 +86,7 @@ def where(
     if n_valid < LEAST_SAMPLES:
         return Where((), (), 1.0, np.zeros(robot.n_motors))
     spectrum = white_spectrum(robot.n_motors) if spectrum is None else spectrum
-    errors = PredictionErrors(prediction, record, robot, spectrum, tool_error, settings)
+    errors = PredictionErrors(prediction, record, robot, spectrum, tool_error, settings, tuple(sensors))
     looks = [look for view in views() if issubclass(view, AbstractSimulatedView) for look in view.of_log(errors)]
     excesses = _excesses(looks, seed, settings)
     simulated = [location for look, excess in zip(looks, excesses) for location in look.locations(excess)]

@@ -14,11 +14,27 @@ from flexros.gap.where.motion import motion_of
 from flexros.gap.where.regimes import regimes
 
 if TYPE_CHECKING:
-    from flexros.arrays import FloatArray
+    from flexros.arrays import BoolArray, FloatArray
     from flexros.gap.prediction.predicted_log import PredictedLog
     from flexros.gap.settings import WhereSettings
+    from flexros.record.further_sensors import SensorRecord
     from flexros.record.record import Record
     from flexros.robot import Robot
+
+
+@dataclass(frozen=True, eq=False)
+class SensorErrors:
+    """Prediction errors of one channel of a further sensor.
+
+    Attributes:
+        sensor: The measurement, shape (m,).
+        errors: Whitened errors in standard deviations of their noise, shape (m,).
+        valid: Values that are used, shape (m,).
+    """
+
+    sensor: SensorRecord
+    errors: FloatArray
+    valid: BoolArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +48,7 @@ class PredictionErrors:
         noise_spectrum: Spectrum of the prediction errors without a gap, shape (any, M).
         tool_error: Measured minus predicted tool positions [m], shape (n_t, 3); None where there are none.
         settings: Settings of the search.
+        sensors: Prediction errors of further sensors.
     """
 
     prediction: PredictedLog
@@ -40,6 +57,7 @@ class PredictionErrors:
     noise_spectrum: FloatArray
     tool_error: FloatArray | None
     settings: WhereSettings
+    sensors: tuple[SensorErrors, ...] = ()
 
     @cached_property
     def motors(self) -> tuple[Channel, ...]:

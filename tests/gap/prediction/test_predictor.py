@@ -198,5 +198,5 @@ def test_a_prediction_ahead_is_the_motion_without_corrections() -> None:
     assert alone.states is not None
     positions = record.position - alone.innovation[:, :, 0]
     starts = np.array([5, 800, 801, 1500, 1999, 2400, 2800, 3000, 3700])
-    found = predictor.ahead(theta, record, alone.states[:, :, 0], starts, 200)
+    found = predictor.ahead(theta, record, alone.states[:, :, 0], starts, 200).positions
     np.testing.assert_allclose(found, positions[starts + 200], atol=1e-12)

@@ -160,7 +160,7 @@ def test_the_directions_are_orthonormal_and_at_most_as_many_as_states(tool: bool
     data = data_of(tool=tool)
     found = data.initial_state_errors
     assert found is not None
-    basis = np.vstack([found.motors.reshape(-1, found.number), found.tool])
+    basis = np.vstack([found.motors.reshape(-1, found.number), found.others])
     np.testing.assert_allclose(basis.T @ basis, np.eye(found.number), atol=1e-12)
     assert 2 <= found.number <= len(data.initial_state)
 

@@ -12,6 +12,7 @@ def test_views_are_found_by_themselves_in_the_order_of_their_ranks() -> None:
         "innovations",
         "order_spectrum",
         "detection_lines",
+        "sensor_bands",
     ]
     assert len({view.rank for view in views()}) == len(views())
     assert all(issubclass(view, (AbstractSimulatedView, AbstractTestedView)) for view in views())

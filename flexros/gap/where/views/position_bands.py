@@ -26,6 +26,12 @@ class AbstractBands(AbstractSimulatedView):
     """
 
     @property
+    def signal(self) -> str:
+        """Signal of the locations."""
+        (signal,) = self.words
+        return signal
+
+    @property
     def sized(self) -> BoolArray:
         """Whether each location has enough degrees of freedom."""
         freedom = 2 * np.array([weights.sum(axis=0) for weights in self.channel.weights])
@@ -39,7 +45,6 @@ class AbstractBands(AbstractSimulatedView):
     def locations(self, found: ViewExcess) -> Iterator[Location]:
         """List the locations with enough samples."""
         channel, bands = self.channel, self.channel.bands
-        (signal,) = self.words
         n_bands, time_share = len(bands.lengths), channel.time_share
         shape = len(bands.ranges), len(channel.regimes)
         excess, p_value, sized = (array.reshape(shape) for array in (found.excess, found.p_value, found.sized))
@@ -50,7 +55,7 @@ class AbstractBands(AbstractSimulatedView):
             even = width / n_bands / found.n_channels
             expected = even if column == 0 else found.share(excess[run, 0]) * float(time_share[column])
             yield Location(
-                signal=signal,
+                signal=self.signal,
                 joint=channel.joint,
                 band_hz=(float(bands.hz[first]), float(bands.hz[end])),
                 regime=regime,

@@ -1,0 +1,92 @@
+"""What further sensors of a plant show without noise: behind the springs, in the joints and at the tool."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import casadi as ca
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.simulate.plant_symbols import PlantSymbols
+
+
+def sensor_outputs(plant: PlantSymbols, derivative: ca.Function, wanted: Sequence[tuple[str, int]]) -> ca.Function:
+    """Build the outputs of further sensors as a function (x, u, p) -> y.
+
+    The link position is the arm coordinate q_a behind the gear, the link speed its rate. The joint torque is the one
+    from the gear to the arm, on the side of the gear that the robot file states, with all effects in the gear: torque
+    of spring and damper, f(q_m - q_a) + d (v_m - v_a); behind a rigid gear the torque M_a a - c - g that moves the arm.
+    The accelerometer shows R' (a - g) at the tool, the gyroscope the turning rate of the tool, both in its own frame.
+
+    Args:
+        plant: Symbols of the plant.
+        derivative: Its state derivative from (x, u, w, p).
+        wanted: Quantity, see `SENSOR_QUANTITIES`, and number of the motor or of the axis, of each sensor.
+
+    Returns:
+        Outputs in the order of `wanted`, SX (n_sensors, 1).
+    """
+    n, nq = plant.model.n_arm, plant.model.n_coordinates
+    acceleration = derivative(plant.x, plant.u, ca.SX.zeros(plant.w.numel()), plant.p)[nq : nq + n]
+    found = []
+    for quantity, index in wanted:
+        row = 0 if quantity.startswith("tool") else plant.robot.gear_rows[index]
+        match quantity:
+            case "link position":
+                found.append(plant.q[row])
+            case "link speed":
+                found.append(plant.v[row])
+            case "joint torque":
+                found.append(_joint_torque(plant, index, acceleration))
+            case "tool acceleration":
+                found.append(_tool_acceleration(plant, acceleration)[index])
+            case _:
+                found.append(_turning_rate(plant)[index])
+    return ca.Function("sensors", [plant.x, plant.u, plant.p], [ca.densify(ca.vertcat(*found))], {"cse": True})
+
+
+def _joint_torque(plant: PlantSymbols, motor: int, acceleration: ca.SX) -> ca.SX:
+    """Return the torque from the gear of a motor to the arm."""
+    row, n = plant.robot.gear_rows[motor], plant.model.n_arm
+    if plant.robot.motors[motor].flexible:
+        torque = plant.nominal_gear(row).torque
+        for law, effect in plant.laws.gears:
+            if plant.joint(law)[0] == row:
+                torque += effect.added(plant.gear(law), plant.values(law)).arm
+        return torque
+    torque = plant.model.arm_inverse_dynamics(plant.q[:n], plant.v[:n], acceleration, plant.robot_parameters)[row]
+    for law, arm_effect in plant.laws.arms:
+        torque -= arm_effect.force(plant.arm(law), plant.values(law))[row]
+    return torque
+
+
+def _pose(plant: PlantSymbols) -> ca.SX:
+    return plant.model.tool_pose(plant.q[: plant.model.n_arm], plant.robot_parameters)
+
+
+def _tool_acceleration(plant: PlantSymbols, acceleration: ca.SX) -> ca.SX:
+    """Return the acceleration of the tool with gravity, in its own frame [m/s2], SX (3, 1)."""
+    n = plant.model.n_arm
+    pose, q, v = _pose(plant), plant.q[:n], plant.v[:n]
+    speed = ca.jtimes(pose[:3], q, v)
+    moved = ca.jtimes(speed, q, v) + ca.jtimes(pose[:3], q, acceleration)
+    gravity = ca.vertcat(*[ca.SX(plant.robot_value(f"gravity.{axis}")) for axis in "xyz"])
+    return _rotation(pose[3:]).T @ (moved - gravity)
+
+
+def _turning_rate(plant: PlantSymbols) -> ca.SX:
+    """Return the turning rate of the tool in its own frame [rad/s], SX (3, 1): twice conj(Q) Q' of quaternions."""
+    n = plant.model.n_arm
+    quaternion = _pose(plant)[3:]
+    rate = ca.jtimes(quaternion, plant.q[:n], plant.v[:n])
+    vector, scalar = quaternion[:3], quaternion[3]
+    return 2 * (scalar * rate[:3] - rate[3] * vector - ca.cross(vector, rate[:3]))
+
+
+def _rotation(quaternion: ca.SX) -> ca.SX:
+    """Return the rotation matrix of a unit quaternion x, y, z, w, SX (3, 3)."""
+    vector, scalar = quaternion[:3], quaternion[3]
+    cross = ca.skew(vector)
+    return ca.SX.eye(3) + 2 * scalar * cross + 2 * cross @ cross
