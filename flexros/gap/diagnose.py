@@ -26,6 +26,7 @@ from flexros.gap.search.prepare import prepare_search
 from flexros.gap.search.torque_start import base_fit, first_values, on_null, torque_start
 from flexros.gap.settings import DiagnosisSettings
 from flexros.gap.where.find import where
+from flexros.record.most_informative import most_informative
 from flexros.record.resampled import may_be_resampled, resampled
 
 if TYPE_CHECKING:
@@ -85,6 +86,7 @@ def diagnose(
     fitted, held = (record, holdout) if holdout is not None else split(record, settings.fitted_share)
     _check_alike(fitted, held)
     held = resampled(held, fitted.sample_time)
+    fitted, held = (most_informative(one, settings.most_values) for one in (fitted, held))
     tolerated = tolerance_of(model.robot, tolerance or {})
     unknown = unknown_numbers(fitted, model, tolerated)
     model = unknown.given_to(model)

@@ -14,6 +14,7 @@ from flexros.gap.progress import Stages
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.search.model_probability import allowing_for_doubt, compare
 from flexros.gap.settings import DiagnosisSettings
+from flexros.record.most_informative import most_informative
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -71,6 +72,7 @@ def measure_gap(
     stages = Stages(progress)
     stages.begin("nominal model", 1.0 if repaired is None else 0.5)
     model = model.commanded_by(record.commands)
+    record = most_informative(record, settings.most_values)
     unknown = unknown_numbers(record, model, tolerance_of(model.robot, tolerance or {}))
     data = fit_data(record, unknown.given_to(model), settings)
     before, significant = _errors(model, unknown, data, tolerance or {}, settings)

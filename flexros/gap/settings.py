@@ -444,6 +444,12 @@ class DiagnosisSettings(Settings):
     fitted_share: float = Field(
         default=2 / 3, gt=0, lt=1, description="share of the log that is fitted to where there is no second one [1]"
     )
+    most_values: int = Field(
+        default=600_000,
+        ge=1000,
+        description="most samples of all motors together that are fitted or held out; of a longer log the part that "
+        "tells most, so that memory stays below 1.5 GB",
+    )
     time_limit: float | None = Field(
         default=None,
         gt=0,

@@ -156,7 +156,11 @@ def test_what_was_noticed_of_the_tool_tracker_is_warned_of() -> None:
 
 def test_an_explanation_that_does_not_hold_elsewhere_is_warned_of() -> None:
     found = answered(fitted(1.0, STIFFNESS), probabilities=(1.0,)).diagnosis
-    assert any("may not hold beyond the fitted log" in text for text in found.warnings)
+    assert any("worse than the nominal model" in text for text in found.warnings)
+
+
+def test_what_predicts_the_held_out_log_worse_is_no_patch() -> None:
+    assert not answered(fitted(1.0, STIFFNESS), probabilities=(1.0,)).patch
 
 
 def test_gap_numbers_are_of_the_held_out_log() -> None:

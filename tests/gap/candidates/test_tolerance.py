@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from flexros.errors import InputError
-from flexros.gap.candidates.tolerance import tolerance_of
+from flexros.gap.candidates.tolerance import Tolerance, tolerance_of
 from flexros.robot import load_robot, robot_from_data
 
 
@@ -38,3 +39,19 @@ def test_inertia_is_that_of_motors_and_bodies_but_not_zero_ones() -> None:
 def test_unknown_kinds_are_named() -> None:
     with pytest.raises(InputError, match="kind of tolerance.*stifness.*stiffness"):
         tolerance_of(load_robot("four_mass_linear"), {"stifness": 0.05})
+
+
+def test_directions_in_which_a_log_does_not_inform_are_left_out() -> None:
+    whole = Tolerance(("a", "b", "c"), (0.1, 0.1, 0.2))
+    seen = np.array([1.0, 1.0, 0.0]) / np.sqrt(2)
+    few = whole.informed(100.0 * np.outer(seen, seen))
+    assert few.n_free == 1
+    np.testing.assert_allclose(few.by_name(few.along(np.array([2.0, 2.0, 5.0]))), [2.0, 2.0, 0.0], atol=1e-12)
+    np.testing.assert_allclose(few.logarithms(few.along(np.array([1.0, 1.0, 0.0]))), [0.1, 0.1, 0.0], atol=1e-12)
+
+
+def test_replaced_parameters_are_nominal() -> None:
+    whole = Tolerance(("a", "b"), (0.1, 0.1))
+    free = np.array([1.0, 2.0])
+    assert whole.without(free, np.array([False, True])).tolist() == [1.0, 0.0]
+    assert whole.without(free, np.array([False, False])) is free

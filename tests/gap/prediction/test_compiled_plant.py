@@ -49,6 +49,12 @@ def test_a_lag_cannot_be_switched_off_and_has_a_plant_of_its_own() -> None:
     assert not plant_of("actuator_lag@motor_1").covers(())
 
 
+def test_a_plant_with_fast_states_serves_no_hypothesis_without() -> None:
+    plant, every = plant_of("presliding_friction@motor_1", "coulomb_friction@motor_1"), candidates_of()
+    assert plant.covers((every["presliding_friction@motor_1"],))
+    assert not plant.covers((every["coulomb_friction@motor_1"],))
+
+
 def test_groups_hold_every_candidate_once_and_are_no_larger_than_allowed() -> None:
     candidates = list(candidates_of().values())
     groups = grouped(candidates, 3)

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
 
 from flexros.gap.deadline import Deadline
-from flexros.gap.search.forward_selection import Explanations, _exchanged, _incomplete, _reduced, _worth, explain
-from flexros.gap.search.model_probability import RANKING, ModelComparison
-from flexros.gap.settings import DiagnosisSettings
+from flexros.gap.search.forward_selection import Explanations, _exchanged, _reduced, explain
+from flexros.gap.search.model_probability import RANKING
 from tests.gap.diagnosis_logs import search_of
 
 pytestmark = pytest.mark.slow
@@ -117,45 +114,3 @@ def test_what_is_needless_is_left_out_although_the_time_is_over(abandoned: bool)
     if abandoned:
         late.deadline.abandon()
     assert _reduced(late, grown, [friction, grown], 0.4).names == friction.names
-
-
-@pytest.mark.parametrize(("motors", "before", "after", "worth"), [
-    (1, 1.9, 1.6, True),
-    (1, 1.25, 1.1, False),
-    (6, 1.25, 1.1, True),
-    (1, 20.0, 19.0, False),
-])  # fmt: skip
-def test_an_effect_of_a_real_machine_removes_more_than_the_doubt_of_its_floor(
-    motors: int, before: float, after: float, worth: bool
-) -> None:
-    """The floor is a stated tolerance: beside it, small parts of what little is above it are nothing to be named."""
-    comparison, (rest, fit) = measured_fits(before, after)
-    search: Any = SimpleNamespace(
-        settings=DiagnosisSettings(), data=measured_data(motors), base=None, null=SimpleNamespace(fit=None)
-    )
-    assert _worth(search, comparison, rest, fit, 0.4) is worth
-
-
-@pytest.mark.parametrize(("before", "after", "worth"), [(0.95, 0.8, False), (0.95, 0.1, True)])
-def test_within_the_floor_of_a_real_machine_only_much_of_what_is_left_is_found(
-    before: float, after: float, worth: bool
-) -> None:
-    """Torques may be known better than stated, as in the log of a simulator."""
-    comparison, (rest, fit) = measured_fits(before, after)
-    search: Any = SimpleNamespace(
-        settings=DiagnosisSettings(), data=measured_data(1), base=None, null=SimpleNamespace(fit=None)
-    )
-    assert _incomplete(search, comparison, rest)
-    assert _worth(search, comparison, rest, fit, 0.4) is worth
-
-
-def measured_fits(*levels: float) -> tuple[ModelComparison, list[Any]]:
-    """Fits of a log of 20,000 values that leave these mean squared errors, without tolerances."""
-    predictor = SimpleNamespace(n_effect=1, tolerance=SimpleNamespace(names=()))
-    fits: list[Any] = [SimpleNamespace(chi2=20_000 * level, predictor=predictor, prior_penalty=0.0) for level in levels]
-    return ModelComparison(fits[0], tuple(fits[1:]), 20_000), fits
-
-
-def measured_data(motors: int) -> Any:
-    """Data of a measured log."""
-    return SimpleNamespace(record=SimpleNamespace(imported=True, position=np.zeros((10, motors))))

@@ -1,0 +1,58 @@
+"""A rigid arm of two joints, without rotor inertias in its file, and logs of it that this program has not simulated."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import yaml
+
+from flexros.arrays import FloatArray
+from flexros.record.record import Record
+from flexros.robot import Robot, robot_from_data
+
+T = 0.005
+INERTIA, VISCOUS, COULOMB = np.array([0.8, 0.3]), np.array([4.0, 1.5]), np.array([6.0, 2.0])
+ARM = """
+name: arm
+defaults: {source: chosen, tolerance: 0.05}
+gravity: [0, 0, -9.81]
+bodies:
+  - {mass: 6, center_of_mass: [0.2, 0, 0], inertia: {xx: 0.02, yy: 0.1, zz: 0.1}, length: [0.4, 0, 0],
+     directions: {ry: {spring: rigid, damper: 0, motor: {inertia: 0}}}}
+  - {mass: 3, center_of_mass: [0.15, 0, 0], inertia: {xx: 0.01, yy: 0.04, zz: 0.04}, length: [0.3, 0, 0],
+     directions: {ry: {spring: rigid, damper: 0, motor: {inertia: 0}}}}
+outputs: {tool: {pose: [x, z]}, joints: {coordinates: [body_1.ry, body_2.ry]}}
+controlled: joints
+"""
+
+
+@cache
+def arm() -> Robot:
+    """Load a rigid arm whose file gives no rotor inertias."""
+    return robot_from_data(yaml.safe_load(ARM), "arm.yaml")
+
+
+def motion() -> FloatArray:
+    """Return positions, speeds and accelerations of 20 s, shape (3, n, 2)."""
+    time = T * np.arange(4000)
+    result = np.zeros((3, len(time), 2))
+    for motor, lines in enumerate((((0.13, 0.5, 0.0), (0.31, 0.3, 1.0)), ((0.21, 0.6, 2.0), (0.47, 0.2, 0.5)))):
+        for frequency, size, phase in lines:
+            w = 2 * np.pi * frequency
+            for order in range(3):
+                result[order, :, motor] += size * w**order * np.sin(w * time + phase + order * np.pi / 2)
+    return result
+
+
+@cache
+def record_of_arm(*, simulated: bool = False, imported: bool = False, seed: int = 5) -> Record:
+    """Compute the torques of that motion by inverse dynamics, with rotors and friction that the model lacks."""
+    q, v, a = motion()
+    model = arm().model
+    rigid = np.array([np.ravel(model.arm_inverse_dynamics(*row, model.parameter_values)) for row in zip(q, v, a)])
+    torque = rigid + INERTIA * a + VISCOUS * v + COULOMB * np.sign(v)
+    noise = 1e-6 * np.random.default_rng(seed).standard_normal(q.shape)
+    held = 0.5 * (torque + np.vstack([torque[1:], torque[-1:]]))
+    valid = np.ones(len(q), dtype=bool)
+    return Record("log", T, q + noise, held, valid, measured_torque=True, simulated=simulated, imported=imported)

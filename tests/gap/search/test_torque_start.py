@@ -1,0 +1,103 @@
+"""The search of a real machine begins with friction and inertia that its torques show."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from flexros.effects import RobotWithEffects
+from flexros.gap.candidates.tolerance import Tolerance, tolerance_of
+from flexros.gap.diagnose import diagnose
+from flexros.gap.fit.least_squares import CandidateFit
+from flexros.gap.fit.null_fit import NullFit, fit_null
+from flexros.gap.fit.unknown_numbers import unknown_numbers
+from flexros.gap.residuals.fit_data import FitData, fit_data
+from flexros.gap.result import DiagnosisResult
+from flexros.gap.search.torque_start import TorqueStart, base_fit, first_values, torque_start
+from flexros.gap.settings import DiagnosisSettings, SearchSettings
+from tests.gap.rigid_arm import COULOMB, INERTIA, VISCOUS, arm, record_of_arm
+
+FRICTION = {f"{effect}@motor_{motor}" for effect in ("coulomb_friction", "viscous_friction") for motor in (1, 2)}
+
+
+@cache
+def prepared() -> tuple[FitData, RobotWithEffects, Tolerance]:
+    record, model = record_of_arm(imported=True), RobotWithEffects(arm(), ())
+    unknown = unknown_numbers(record, model, tolerance_of(model.robot, {}))
+    model = unknown.given_to(model)
+    tolerance = unknown.tolerated(tolerance_of(model.robot, {}))
+    return fit_data(record, model, DiagnosisSettings()), model, tolerance
+
+
+@cache
+def start() -> TorqueStart:
+    found = torque_start(*prepared())
+    assert found is not None
+    return found
+
+
+@cache
+def null() -> NullFit:
+    data, model, tolerance = prepared()
+    return fit_null(data, model, tolerance)
+
+
+def first(**search: tuple[str, ...]) -> CandidateFit | None:
+    return first_values(start(), null(), DiagnosisSettings(search=SearchSettings(**search)))
+
+
+@cache
+def result() -> DiagnosisResult:
+    settings = DiagnosisSettings(where=None, next_experiment=None)
+    held = record_of_arm(imported=True, seed=6)
+    return diagnose(record_of_arm(imported=True), arm(), holdout=held, settings=settings)
+
+
+def test_first_values_are_those_of_the_torques() -> None:
+    found = first()
+    assert found is not None
+    assert found.names >= FRICTION
+    values = dict(zip((one.name for one in found.hypothesis), found.predictor.values(found.theta)))
+    assert values["coulomb_friction@motor_1"]["level"] == pytest.approx(COULOMB[0], rel=0.05)
+    assert values["viscous_friction@motor_2"]["coefficient"] == pytest.approx(VISCOUS[1], rel=0.05)
+
+
+def test_only_named_effects_and_motors_are_in_it() -> None:
+    found = first(effects=("coulomb_friction",), joints=("motor_2",))
+    assert found is not None
+    assert found.names == {"coulomb_friction@motor_2"}
+
+
+def test_without_a_competing_effect_there_is_no_start() -> None:
+    assert first(effects=("backlash", "payload_error")) is None
+
+
+def test_a_start_that_improves_nothing_is_none() -> None:
+    found = first()
+    assert found is not None
+    better = replace(null(), fit=replace(null().fit, chi2=0.0))
+    assert base_fit(better, found, DiagnosisSettings()) is None
+
+
+def test_our_own_simulations_need_none() -> None:
+    data, model, tolerance = prepared()
+    simulated = replace(data, record=replace(data.record, imported=False))
+    assert torque_start(simulated, model, tolerance) is None
+
+
+def test_friction_of_all_motors_is_named_and_rotors_are_numbers_of_the_model() -> None:
+    diagnosis = result().diagnosis
+    assert {f"{cause.effect}@{cause.location}" for cause in diagnosis.causes} == FRICTION
+    assert diagnosis.gap.closed_fraction is not None
+    assert diagnosis.gap.closed_fraction > 0.95
+    numbers = {number.name: number.value for number in diagnosis.model_numbers}
+    np.testing.assert_allclose([numbers["motor_1.inertia"], numbers["motor_2.inertia"]], INERTIA, rtol=0.05)
+    assert all(cause.closed_fraction is not None for cause in diagnosis.causes)
+
+
+def test_the_patch_holds_rotors_and_friction() -> None:
+    patched = {f"{placed.effect.name}@{placed.location}" for placed in result().patch}
+    assert patched == FRICTION | {"rotor_inertia@motor_1", "rotor_inertia@motor_2"}

@@ -1,0 +1,86 @@
+"""What effects must achieve on a real machine, and simple effects before rich ones."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from flexros.gap.search.model_probability import ModelComparison
+from flexros.gap.search.worth import incomplete, simple_first, simplest, worth
+from flexros.gap.settings import DiagnosisSettings
+from tests.gap.diagnosis_logs import candidates_of
+
+COULOMB, PRESLIDING = "coulomb_friction@motor_1", "presliding_friction@motor_1"
+
+
+@pytest.mark.parametrize(("motors", "before", "after", "expected"), [
+    (1, 1.9, 1.5, True),
+    (1, 1.25, 1.1, False),
+    (6, 1.25, 1.1, True),
+    (1, 20.0, 19.0, False),
+])  # fmt: skip
+def test_an_effect_of_a_real_machine_removes_more_than_the_doubt_of_its_floor(
+    motors: int, before: float, after: float, expected: bool
+) -> None:
+    """The floor is a stated tolerance: beside it, small parts of what little is above it are nothing to be named."""
+    comparison, (rest, fit) = measured_fits(before, after)
+    search = measured_search(motors)
+    assert worth(search, comparison, rest, fit, 0.4) is expected
+
+
+@pytest.mark.parametrize(("before", "after", "expected"), [(0.95, 0.8, False), (0.95, 0.1, True)])
+def test_within_the_floor_of_a_real_machine_only_much_of_what_is_left_is_found(
+    before: float, after: float, expected: bool
+) -> None:
+    """Torques may be known better than stated, as in the log of a simulator."""
+    comparison, (rest, fit) = measured_fits(before, after)
+    search = measured_search(1)
+    assert incomplete(search, comparison, rest)
+    assert worth(search, comparison, rest, fit, 0.4) is expected
+
+
+def measured_fits(*levels: float) -> tuple[ModelComparison, list[Any]]:
+    """Fits of a log of 20,000 values that leave these mean squared errors, without tolerances."""
+    predictor = SimpleNamespace(n_effect=1, tolerance=SimpleNamespace(n_free=0))
+    fits: list[Any] = [SimpleNamespace(chi2=20_000 * level, predictor=predictor, prior_penalty=0.0) for level in levels]
+    return ModelComparison(fits[0], tuple(fits[1:]), 20_000), fits
+
+
+def measured_search(motors: int) -> Any:
+    """Search in a measured log."""
+    record = SimpleNamespace(imported=True, position=np.zeros((10, motors)))
+    return SimpleNamespace(settings=DiagnosisSettings(), data=SimpleNamespace(record=record))
+
+
+def measured_fit(level: float, *names: str) -> Any:
+    """Fit of these candidates to a measured log."""
+    hypothesis = tuple(candidates_of()[name] for name in names)
+    predictor = SimpleNamespace(n_effect=len(hypothesis), tolerance=SimpleNamespace(n_free=0))
+    return SimpleNamespace(
+        chi2=20_000 * level, predictor=predictor, prior_penalty=0.0, hypothesis=hypothesis, names=frozenset(names)
+    )
+
+
+@pytest.mark.parametrize(("gain", "kept"), [(75.0, [COULOMB]), (50.0, [PRESLIDING, COULOMB])])
+def test_a_simple_effect_that_does_nearly_as_much_comes_first(gain: float, kept: list[str]) -> None:
+    additions: list[Any] = [
+        SimpleNamespace(candidate=candidates_of()[name], gain=size)
+        for name, size in ((PRESLIDING, 100.0), (COULOMB, gain))
+    ]
+    left = simple_first(measured_search(1), measured_fit(5.0), additions)
+    assert [one.candidate.name for one in left] == kept
+
+
+def test_a_rich_effect_is_not_added_to_a_simple_one_that_it_extends() -> None:
+    rich: Any = SimpleNamespace(candidate=candidates_of()[PRESLIDING], gain=100.0)
+    assert not simple_first(measured_search(1), measured_fit(5.0, COULOMB), [rich])
+
+
+@pytest.mark.parametrize(("level", "chosen"), [(4.9, COULOMB), (2.0, PRESLIDING)])
+def test_a_rich_effect_stays_where_it_does_much_more(level: float, chosen: str) -> None:
+    null, simple, rich = measured_fit(20.0), measured_fit(5.0, COULOMB), measured_fit(level, PRESLIDING)
+    comparison = ModelComparison(null, (simple, rich), 20_000)
+    assert simplest(measured_search(1), comparison, rich, [simple, rich]).names == {chosen}
