@@ -115,7 +115,11 @@ def _print(result: DiagnosisResult, files: list[Path]) -> None:
         ("Budget of the gap, in shares of it:", terminal.budget_lines(diagnosis)),
         ("Left unexplained, in shares of the gap:", terminal.rest_lines(diagnosis)),
         ("Where it shows:", terminal.where_lines(result)),
-        ("", (terminal.gap_line(diagnosis.gap), *terminal.group_lines(diagnosis), *terminal.next_lines(diagnosis))),
+        (
+            "",
+            (terminal.gap_line(diagnosis.gap), *terminal.group_lines(diagnosis), *terminal.tolerance_lines(diagnosis)),
+        ),
+        ("", terminal.next_lines(diagnosis)),
         ("", tuple(f"warning: {text}" for text in diagnosis.warnings)),
         ("", tuple(f"written: {path}" for path in files)),
     ):

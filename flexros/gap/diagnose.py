@@ -10,6 +10,7 @@ from flexros.effects import RobotWithEffects
 from flexros.errors import InputError
 from flexros.gap.answer.assemble import result_of
 from flexros.gap.answer.decision import findings_of
+from flexros.gap.answer.sensitivity import sensitivity_of
 from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.deadline import Deadline
@@ -106,11 +107,14 @@ def diagnose(
     explanations = explain(prepare_search(null, settings, stages.inner, deadline, base))
 
     stages.begin("answer", 0.95)
+    sensitivity = sensitivity_of(explanations, null.data, model, unknown, settings.sensitivity, deadline.stops)
     findings = findings_of(
         model,
         null.data,
         held_data,
-        explanations,
+        sensitivity.explanations,
+        names_by_tolerance=sensitivity.rows,
+        elsewhere=sensitivity.elsewhere,
         given=given,
         unknown=unknown,
         tolerance=tolerance,

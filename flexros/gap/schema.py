@@ -132,6 +132,15 @@ class ModelNumber(Settings):
     unit: str = Field(description="SI unit, 1 for none")
 
 
+class ToleranceSensitivity(EffectLocation):
+    """The probability of an effect with all stated tolerances of the nominal model halved and doubled."""
+
+    halved: float = Field(description="with half the tolerances [1]")
+    stated: float = Field(description="with the tolerances of the robot file, or those given instead [1]")
+    doubled: float = Field(description="with twice the tolerances [1]")
+    changes: bool = Field(description="whether it is named with some of them and not with others; then it is ambiguous")
+
+
 class NextExperiment(Settings):
     """The experiment that separates the explanations that the log does not."""
 
@@ -170,6 +179,11 @@ class Diagnosis(Settings):
     )
     model_numbers: tuple[ModelNumber, ...] = Field(
         default=(), description="numbers of the nominal model that are wrong beyond their tolerance"
+    )
+    tolerance_sensitivity: tuple[ToleranceSensitivity, ...] = Field(
+        default=(),
+        description="effects that are named with the stated, halved or doubled tolerances, those that change first; "
+        "none for simulated logs and for models without tolerances",
     )
     next_experiment: NextExperiment | None = Field(description="experiment to run next; none where nothing is open")
     partial: Partial | None = Field(

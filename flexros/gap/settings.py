@@ -401,6 +401,20 @@ class RankingSettings(Settings):
     )
 
 
+class SensitivitySettings(Settings):
+    """Settings of the sensitivity of the names to the tolerances of the nominal model, which nobody has measured."""
+
+    named: float = Field(
+        default=0.5, gt=0, lt=1, description="probability from which an effect counts as named at some tolerance [1]"
+    )
+    refitted: int = Field(
+        default=3,
+        ge=0,
+        description="explanations that are fitted again with halved, and with doubled tolerances, where linear theory "
+        "says that another one leads then; few, as each takes as long as in the search",
+    )
+
+
 class PredictionGapSettings(Settings):
     """Settings of the gap of predictions 0.1 s ahead on held-out data."""
 
@@ -464,6 +478,10 @@ class DiagnosisSettings(Settings):
         default=WhereSettings(), description="locations of the gap; nothing: they are not computed"
     )
     prediction_gap: PredictionGapSettings = Field(default=PredictionGapSettings(), description="gap on held-out data")
+    sensitivity: SensitivitySettings | None = Field(
+        default=SensitivitySettings(),
+        description="names with halved and doubled tolerances, for logs of real machines; nothing: not compared",
+    )
     next_experiment: NextExperimentSettings | None = Field(
         default=NextExperimentSettings(),
         description="experiment that is proposed where the answer is ambiguous; nothing: none is",

@@ -137,7 +137,11 @@ def _held_out_errors(findings: Findings) -> HeldOutErrors:
     explanations, held = findings.explanations, findings.held
     null, rival = explanations.null, best_rival(explanations)
     repaired = explanations.detected or bool(findings.quantizations)
-    compared = (explanations.chosen, *rivals_of(explanations, findings.settings)) if explanations.detected else ()
+    compared = (
+        (explanations.chosen, *rivals_of(explanations, findings.settings, findings.elsewhere))
+        if explanations.detected
+        else ()
+    )
     singles = {next(iter(fit.names)): fit for fit in reversed(explanations.rivals) if len(fit.hypothesis) == 1}
     alone = {name: singles[name] for fit in compared for name in fit.names if name in singles}
     fits = [null, *([explanations.chosen] if repaired else []), *([] if rival is None else [rival]), *alone.values()]
@@ -176,13 +180,14 @@ def _diagnosis(
         schema=2,
         verdict=verdict,
         causes=_causes(findings, verdict, errors, budget),
-        ambiguity_groups=groups_of(findings.explanations, findings.settings),
+        ambiguity_groups=groups_of(findings.explanations, findings.settings, findings.elsewhere),
         where=() if excess is None else excess.locations,
         gap=gap,
         budget=budget.shares,
         waterfall=budget.waterfalls,
         unexplained=budget.unexplained,
         model_numbers=budget.model_numbers,
+        tolerance_sensitivity=findings.names_by_tolerance,
         next_experiment=following,
         partial=deadline.partial,
         warnings=tuple(dict.fromkeys(warnings)),
@@ -198,6 +203,12 @@ def _diagnosis(
     )
 
 
+def _compared(findings: Findings) -> tuple[CandidateFit, ...]:
+    """List the chosen explanation and its rivals."""
+    explanations = findings.explanations
+    return (explanations.chosen, *rivals_of(explanations, findings.settings, findings.elsewhere))
+
+
 def _causes(findings: Findings, verdict: Verdict, errors: HeldOutErrors, budget: Budget) -> tuple[Cause, ...]:
     """List the effects of the chosen explanation and of its rivals.
 
@@ -208,7 +219,7 @@ def _causes(findings: Findings, verdict: Verdict, errors: HeldOutErrors, budget:
     causes = {name: _rounding(name, findings, errors) for name in findings.quantized}
     if not explanations.detected:
         return tuple(causes.values())
-    for fit in (explanations.chosen, *rivals_of(explanations, findings.settings)):
+    for fit in _compared(findings):
         for candidate, parameters in zip(fit.hypothesis, parameters_of(fit, findings.data)):
             name = candidate.name
             if name not in causes:
@@ -292,7 +303,8 @@ def _next(findings: Findings, verdict: Verdict, stages: Stages, deadline: Deadli
         return None
     explanations = findings.explanations
     survivors: list[tuple[PlacedEffect, ...]] = [
-        placed_effects(fit) for fit in (explanations.chosen, *rivals_of(explanations, findings.settings))
+        placed_effects(fit)
+        for fit in (explanations.chosen, *rivals_of(explanations, findings.settings, findings.elsewhere))
     ]
     return next_experiment(
         findings.model,

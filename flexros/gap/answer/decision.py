@@ -16,12 +16,12 @@ from flexros.gap.schema import EffectLocation
 from flexros.gap.search.model_probability import RANKING, ModelComparison, allowing_for_doubt, compare
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Collection, Mapping
 
     from flexros.effects import RobotWithEffects
     from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.residuals.fit_data import FitData
-    from flexros.gap.schema import Verdict
+    from flexros.gap.schema import ToleranceSensitivity, Verdict
     from flexros.gap.search.forward_selection import Explanations
     from flexros.gap.settings import RankingSettings
     from flexros.record.quantization import Quantization
@@ -44,6 +44,8 @@ class Findings:
         tolerance: Relative tolerance of stiffness, inertia and damping [1]; those of the robot file where left out.
         settings: Thresholds and costs.
         complete: Whether the search was complete, so that no known effect explains what is left.
+        names_by_tolerance: Effects that are named with the stated, halved or doubled tolerances.
+        elsewhere: Explanations that are the most probable ones with other tolerances.
     """
 
     model: RobotWithEffects
@@ -58,6 +60,8 @@ class Findings:
     tolerance: Mapping[str, float] = field(default_factory=dict)
     settings: RankingSettings = RANKING
     complete: bool = True
+    names_by_tolerance: tuple[ToleranceSensitivity, ...] = ()
+    elsewhere: tuple[CandidateFit, ...] = ()
 
     @property
     def quantized(self) -> dict[str, Quantization]:
@@ -77,6 +81,8 @@ def findings_of(
     tolerance: Mapping[str, float] | None = None,
     settings: RankingSettings = RANKING,
     complete: bool = True,
+    names_by_tolerance: tuple[ToleranceSensitivity, ...] = (),
+    elsewhere: tuple[CandidateFit, ...] = (),
 ) -> Findings:
     """Evaluate the nominal model and the chosen explanation on the held-out log; arguments as in `Findings`."""
     return Findings(
@@ -92,6 +98,8 @@ def findings_of(
         tolerance=dict(tolerance or {}),
         settings=settings,
         complete=complete,
+        names_by_tolerance=names_by_tolerance,
+        elsewhere=elsewhere,
     )
 
 
@@ -123,7 +131,7 @@ def verdict_of(findings: Findings) -> Verdict:
         return "explained" if findings.quantizations else "no_gap"
     confirmed = findings.held_comparison.adequate(findings.held_chosen, elsewhere=True)
     if comparison.adequate(explanations.chosen) and confirmed:
-        return "ambiguous" if rivals_of(explanations, findings.settings) else "explained"
+        return "ambiguous" if rivals_of(explanations, findings.settings, findings.elsewhere) else "explained"
     return "partly_explained" if _partly(findings) else "unknown_effect"
 
 
@@ -140,8 +148,16 @@ def _partly(findings: Findings) -> bool:
     return several and left < 1 - settings.confirmed_share
 
 
-def rivals_of(explanations: Explanations, settings: RankingSettings = RANKING) -> tuple[CandidateFit, ...]:
-    """List the explanations with other effects whose probability is within a factor of that of the chosen one."""
+def rivals_of(
+    explanations: Explanations, settings: RankingSettings = RANKING, elsewhere: Collection[CandidateFit] = ()
+) -> tuple[CandidateFit, ...]:
+    """List the explanations with other effects whose probability is within a factor of that of the chosen one.
+
+    Args:
+        explanations: The explanations.
+        settings: The factor.
+        elsewhere: Explanations that lead with other tolerances, which are rivals whatever their probability.
+    """
     if not explanations.detected:
         return ()
     probabilities = dict(zip(explanations.rivals, explanations.probabilities))
@@ -149,7 +165,7 @@ def rivals_of(explanations: Explanations, settings: RankingSettings = RANKING) -
     return tuple(
         fit
         for fit, probability in probabilities.items()
-        if fit is not chosen and probability * settings.rival >= probabilities[chosen]
+        if fit is not chosen and (fit in elsewhere or probability * settings.rival >= probabilities[chosen])
     )
 
 
@@ -161,12 +177,12 @@ def best_rival(explanations: Explanations) -> CandidateFit | None:
 
 
 def groups_of(
-    explanations: Explanations, settings: RankingSettings = RANKING
+    explanations: Explanations, settings: RankingSettings = RANKING, elsewhere: Collection[CandidateFit] = ()
 ) -> tuple[tuple[EffectLocation, ...], ...]:
-    """Collect the effects that replace one another in rival explanations."""
+    """Collect the effects that replace one another in rival explanations; arguments as for `rivals_of`."""
     chosen = [candidate.name for candidate in explanations.chosen.hypothesis]
     groups: dict[str, list[str]] = {}
-    for rival in rivals_of(explanations, settings):
+    for rival in rivals_of(explanations, settings, elsewhere):
         others = sorted(rival.names - set(chosen))
         for name in chosen:
             if name not in rival.names:

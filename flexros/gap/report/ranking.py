@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import plotly.graph_objects as go
 
     from flexros.gap.result import DiagnosisResult, RankedCandidate
-    from flexros.gap.schema import Diagnosis, EffectLocation
+    from flexros.gap.schema import Diagnosis, EffectLocation, ToleranceSensitivity
 
 NOTHING = "nothing"
 _MOST_BARS, _MOST_ROWS = 10, 15
@@ -39,7 +39,22 @@ class RankingSection(AbstractSection["DiagnosisResult"]):
             )
             for group in result.diagnosis.ambiguity_groups
         ]
-        return (Paragraph(_sentence(result)), _picture(result), *groups, _table(result.ranking))
+        tolerances = _tolerances(result.diagnosis.tolerance_sensitivity)
+        return (Paragraph(_sentence(result)), _picture(result), *groups, *tolerances, _table(result.ranking))
+
+
+def _tolerances(rows: tuple[ToleranceSensitivity, ...]) -> tuple[Block, ...]:
+    """Show the probabilities with halved and doubled tolerances; nothing where none were guessed."""
+    if not rows:
+        return ()
+    changing = any(row.changes for row in rows)
+    caption = "Probability of each effect with all tolerances of the nominal model halved, as stated, and doubled. " + (
+        "A name that changes is ambiguous." if changing else "No name changes."
+    )
+    cells = tuple(
+        (capital(named(row)), *(share_words(share) for share in (row.halved, row.stated, row.doubled))) for row in rows
+    )
+    return (TextTable(("Effect", "halved", "stated", "doubled"), cells, caption),)
 
 
 def _sentence(result: DiagnosisResult) -> str:

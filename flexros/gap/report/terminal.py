@@ -121,6 +121,18 @@ def group_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
     )
 
 
+def tolerance_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
+    """List the effects whose names change with halved or doubled tolerances, or say that none does."""
+    rows = diagnosis.tolerance_sensitivity
+    changing = tuple(
+        f"{capital(named(row))}: {share_words(row.halved)} with halved tolerances of the model, "
+        f"{share_words(row.stated)} with the stated ones, {share_words(row.doubled)} with doubled ones"
+        for row in rows
+        if row.changes
+    )
+    return changing or (("No name changes with halved or doubled tolerances of the model",) if rows else ())
+
+
 def next_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
     """Return the experiment to run next, and its command."""
     experiment = diagnosis.next_experiment

@@ -63,6 +63,21 @@ def reported_causes(diagnosis: Diagnosis) -> tuple[Cause, ...]:
     return tuple(sorted(likely, key=lambda cause: -closed_by(diagnosis, cause))) or diagnosis.causes[:1]
 
 
+def tolerance_sentence(diagnosis: Diagnosis) -> str:
+    """Say which names change with halved or doubled tolerances of the model; empty where none does."""
+    changing = [row for row in diagnosis.tolerance_sensitivity if row.changes]
+    if not changing:
+        return ""
+    texts = []
+    for row in changing:
+        sizes = {"halved": row.halved, "stated": row.stated, "doubled": row.doubled}
+        texts.append(f"{named(row)} (with {listed([name for name, p in sizes.items() if p >= _PART])} ones)")
+    return (
+        f"Which effects are named hangs on the tolerances of the model, which were stated and not measured: "
+        f"{first_few(texts, most=4)}."
+    )
+
+
 def closed_by(diagnosis: Diagnosis, effect: EffectLocation) -> float:
     """Return the share of the gap of all joints that an effect closes in the waterfall [1]; 0 where it is not there."""
     own = (effect.effect, effect.location)
@@ -100,20 +115,24 @@ def _partly(diagnosis: Diagnosis) -> str:
     rest = next((one for one in diagnosis.unexplained if one.regime == "all"), None)
     if rest is not None:
         text += f" Most of what is left is in {rest.joint} ({share_words(rest.share)} of the gap)."
-    return text.strip()
+    return f"{text} {tolerance_sentence(diagnosis)}".strip()
 
 
 def _ambiguous(diagnosis: Diagnosis) -> str:
+    guessed = tolerance_sentence(diagnosis)
+    if guessed and not diagnosis.ambiguity_groups:
+        return f"There is a gap. {guessed} {_closed(diagnosis.gap)}".strip()
     probability = {(cause.effect, cause.location): cause.probability for cause in diagnosis.causes}
     chances = {rival: probability.get((rival.effect, rival.location), 0.0) for rival in _rivals(diagnosis)}
     rivals = sorted(chances, key=lambda rival: -chances[rival])
     names = [f"{named(rival)} ({share_words(chances[rival])})" for rival in rivals]
     sure = [cause for cause in diagnosis.causes if cause.probability >= _SURE and not _in(cause, rivals)]
     addition = f"; in addition there is {listed([cause_words(cause) for cause in sure])}" if sure else ""
-    return (
+    text = (
         f"There is a gap, and this log cannot distinguish {first_few(names, 'from')}{addition}. "
-        f"{_closed(diagnosis.gap)} {_next(diagnosis)}"
-    ).strip()
+        f"{_closed(diagnosis.gap)} {guessed} {_next(diagnosis)}"
+    )
+    return " ".join(text.split())
 
 
 def _unknown(diagnosis: Diagnosis) -> str:

@@ -1,0 +1,79 @@
+"""Names of an answer with halved and doubled tolerances of the nominal model."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from flexros.gap.diagnose import diagnose
+from flexros.gap.schema import Diagnosis
+from flexros.gap.settings import DiagnosisSettings
+from flexros.record.record import Record
+from tests.gap.diagnosis_logs import ROBOT, record_of, settings_of
+
+pytestmark = pytest.mark.slow
+
+SETTINGS = settings_of("coulomb_friction", "motor_inertia_error")
+FRICTION, HEAVY = "coulomb_friction@motor_1:level=0.05", "motor_inertia_error@motor_1:relative=0.1"
+STATED = 0.022
+"""Tolerance of which the error of the inertia is 4.5 standard deviations [1]; twice of it allows for that error."""
+
+
+def recorded(seed: int) -> Record:
+    """A log that could be that of a machine."""
+    return replace(record_of(FRICTION, HEAVY, length=10.0, seed=seed), simulated=False)
+
+
+def diagnosed(tolerance: float, settings: DiagnosisSettings = SETTINGS) -> Diagnosis:
+    return diagnose(
+        recorded(1), ROBOT, holdout=recorded(2), tolerance={"inertia": tolerance}, settings=settings
+    ).diagnosis
+
+
+@pytest.fixture(scope="module")
+def guessed() -> Diagnosis:
+    return diagnosed(STATED)
+
+
+def test_a_name_that_changes_with_the_tolerance_is_ambiguous(guessed: Diagnosis) -> None:
+    rows = {row.effect: row for row in guessed.tolerance_sensitivity}
+    assert rows["motor_inertia_error"].changes
+    assert rows["motor_inertia_error"].stated > 0.9 > 0.5 > rows["motor_inertia_error"].doubled
+    assert guessed.verdict == "ambiguous"
+
+
+def test_a_name_that_does_not_change_is_sure(guessed: Diagnosis) -> None:
+    row = next(row for row in guessed.tolerance_sensitivity if row.effect == "coulomb_friction")
+    assert not row.changes
+    assert min(row.halved, row.stated, row.doubled) > 0.99
+
+
+def test_probabilities_are_the_mean_over_the_tolerances(guessed: Diagnosis) -> None:
+    row = next(row for row in guessed.tolerance_sensitivity if row.changes)
+    cause = next(cause for cause in guessed.causes if cause.effect == row.effect)
+    assert cause.probability == pytest.approx((row.halved + row.stated + row.doubled) / 3, abs=1e-6)
+
+
+def test_linear_theory_agrees_with_a_diagnosis_at_the_other_tolerance(guessed: Diagnosis) -> None:
+    named = {cause.effect for cause in diagnosed(2 * STATED).causes if cause.probability > 0.5}
+    assert named == {row.effect for row in guessed.tolerance_sensitivity if row.doubled > 0.5}
+
+
+def test_a_small_tolerance_changes_no_name() -> None:
+    diagnosis = diagnosed(0.004)
+    assert not any(row.changes for row in diagnosis.tolerance_sensitivity)
+    assert {row.effect for row in diagnosis.tolerance_sensitivity} == {"coulomb_friction", "motor_inertia_error"}
+    assert diagnosis.verdict != "ambiguous"
+
+
+def test_exact_models_and_simulated_logs_have_no_guesses() -> None:
+    assert diagnosed(0.0).tolerance_sensitivity == ()
+    record = record_of(FRICTION, HEAVY, length=10.0)
+    assert (
+        diagnose(record, ROBOT, tolerance={"inertia": STATED}, settings=SETTINGS).diagnosis.tolerance_sensitivity == ()
+    )
+
+
+def test_it_can_be_left_out() -> None:
+    assert diagnosed(STATED, SETTINGS.model_copy(update={"sensitivity": None})).tolerance_sensitivity == ()
