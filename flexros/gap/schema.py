@@ -117,7 +117,8 @@ class Unexplained(Settings):
     regime: str = Field(description="part of the motion, e.g. 'reversal', 'all'")
     share: float = Field(description="share of the gap [1]")
     bands: tuple[BandShare, ...] = Field(
-        default=(), description="the same share divided among frequency bands, up to half the sampling frequency"
+        default=(),
+        description="the same divided among frequency bands, up to 100 Hz or half the sampling frequency",
     )
 
 

@@ -33,6 +33,13 @@ def test_friction_of_both_joints_is_found_and_most_of_the_gap_closed(measured: B
 
 
 @pytest.mark.slow
+def test_no_name_hangs_on_the_tolerances_of_its_model(measured: Budgeted) -> None:
+    rows = measured.result.diagnosis.tolerance_sensitivity
+    assert {row.location for row in rows if row.effect == "coulomb_friction"} == {"motor_1", "motor_2"}
+    assert not any(row.changes for row in rows)
+
+
+@pytest.mark.slow
 def test_the_waterfall_of_the_machine_adds_up(measured: Budgeted) -> None:
     """Its model has tolerances, which are fitted again with every part of the effects."""
     diagnosis = measured.result.diagnosis

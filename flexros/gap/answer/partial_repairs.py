@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -54,7 +53,7 @@ class PartialRepairs:
         def predicted(group: Sequence[frozenset[str]]) -> list[AheadErrors]:
             return errors_ahead_of(chosen.predictor, self._fitted(group), findings.held)
 
-        with ThreadPoolExecutor(findings.data.settings.threads or os.cpu_count() or 1) as pool:
+        with ThreadPoolExecutor(findings.data.settings.cores) as pool:
             for group, every in zip(groups, pool.map(predicted, groups), strict=True):
                 for part, errors in zip(group, every, strict=True):
                     self.known[part] = over_expected_floor(errors, findings.model, findings.held)

@@ -123,7 +123,7 @@ def _rows(
 
 @dataclass(frozen=True, eq=False)
 class _Scaled:
-    """The explanations at other tolerances: `factors` over the stated ones, shape (n_tolerated,)."""
+    """The explanations at other tolerances: `factors` over the stated ones, shape (n_names,)."""
 
     explanations: Explanations
     data: FitData
@@ -172,33 +172,42 @@ class _Scaled:
     def _reweighed(self, fit: CandidateFit) -> float:
         """Estimate the sum of squares at these tolerances by linear theory, within the bounds of the deviations [1]."""
         n, deviations = fit.predictor.n_effect, fit.deviations
-        change = self.data.misfit * (1.0 / self.factors**2 - 1.0)
-        chi2 = fit.chi2 + float(change @ deviations**2)
+        _, units = self._scaled(fit.predictor.tolerance)
+        weights = units.T @ units  # of the prior, 1 at the stated tolerances
+        change = self.data.misfit * (weights - np.eye(len(deviations)))
+        chi2 = fit.chi2 + float(deviations @ change @ deviations)
         if not fit.information.size:
             return max(chi2, 0.0)
         low, high = fit.predictor.bounds
-        low[n:], high[n:] = low[n:] * self.factors, high[n:] * self.factors
-        information = fit.information + np.diag(np.concatenate([np.zeros(n), change]))
+        low[n:], high[n:] = (bound[n:] / np.sqrt(np.diag(weights)) for bound in (low, high))
+        information = fit.information.copy()
+        information[n:, n:] += change
         information += REGULAR * np.diag(information).max() * np.eye(len(information))
         lower = np.linalg.cholesky(information)
-        wanted = np.linalg.solve(lower, -np.concatenate([np.zeros(n), change * deviations]))
+        wanted = np.linalg.solve(lower, -np.concatenate([np.zeros(n), change @ deviations]))
         step = lsq_linear(lower.T, wanted, (low - fit.theta, high - fit.theta)).x
         return max(chi2 + float(np.sum((lower.T @ step - wanted) ** 2) - np.sum(wanted**2)), 0.0)
 
     def _fitted(self, fit: CandidateFit) -> float:
         """Fit again at these tolerances and return the sum of squares [1]."""
         predictor, record, settings = fit.predictor, self.data.record, self.data.settings.fit
-        tolerance = predictor.tolerance
-        scaled = Tolerance(tolerance.names, tuple((self.factors * np.array(tolerance.deviations)).tolist()))
+        tolerance, units = self._scaled(predictor.tolerance)
         other = Predictor(
             self.model,
             predictor.hypothesis,
-            scaled,
+            tolerance,
             record.sample_time,
             measured_torque=record.measured_torque,
             plant=predictor.plant,
         )
-        start = fit.theta.copy()
-        start[predictor.n_effect :] /= self.factors
+        start = np.concatenate([fit.theta[: predictor.n_effect], units @ fit.deviations])
         enough = max(settings.exactly, self.data.negligible)
         return fit_again(other, self.data, start, settings.joint_iterations, enough=enough, settings=settings).chi2
+
+    def _scaled(self, tolerance: Tolerance) -> tuple[Tolerance, FloatArray]:
+        """Return the other tolerance, and the matrix that converts deviations to its units, shape (n_free, n_free)."""
+        deviations = tuple((self.factors * np.array(tolerance.deviations)).tolist())
+        if tolerance.directions is None:
+            return Tolerance(tolerance.names, deviations), np.diag(1.0 / self.factors)
+        directions, units = np.linalg.qr(tolerance.directions / self.factors[:, None])
+        return Tolerance(tolerance.names, deviations, directions), units

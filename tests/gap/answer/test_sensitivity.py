@@ -25,10 +25,9 @@ def recorded(seed: int) -> Record:
     return replace(record_of(FRICTION, HEAVY, length=10.0, seed=seed), simulated=False)
 
 
-def diagnosed(tolerance: float, settings: DiagnosisSettings = SETTINGS) -> Diagnosis:
-    return diagnose(
-        recorded(1), ROBOT, holdout=recorded(2), tolerance={"inertia": tolerance}, settings=settings
-    ).diagnosis
+def diagnosed(tolerance: float, settings: DiagnosisSettings = SETTINGS, **others: float) -> Diagnosis:
+    tolerances = {"inertia": tolerance, **others}
+    return diagnose(recorded(1), ROBOT, holdout=recorded(2), tolerance=tolerances, settings=settings).diagnosis
 
 
 @pytest.fixture(scope="module")
@@ -58,6 +57,13 @@ def test_probabilities_are_the_mean_over_the_tolerances(guessed: Diagnosis) -> N
 def test_linear_theory_agrees_with_a_diagnosis_at_the_other_tolerance(guessed: Diagnosis) -> None:
     named = {cause.effect for cause in diagnosed(2 * STATED).causes if cause.probability > 0.5}
     assert named == {row.effect for row in guessed.tolerance_sensitivity if row.doubled > 0.5}
+
+
+def test_of_many_tolerated_parameters_the_same_name_changes(guessed: Diagnosis) -> None:
+    """They are fitted along the directions in which the log informs."""
+    many = diagnosed(STATED, stiffness=1e-4, damping=1e-3)
+    changing = [{row.effect for row in one.tolerance_sensitivity if row.changes} for one in (guessed, many)]
+    assert changing[0] == changing[1] == {"motor_inertia_error"}
 
 
 def test_a_small_tolerance_changes_no_name() -> None:

@@ -21,6 +21,7 @@ from flexros.gap.schema import (
     EffectLocation,
     Excess,
     Step,
+    ToleranceSensitivity,
     Unexplained,
     Waterfall,
 )
@@ -217,3 +218,14 @@ def divided() -> Diagnosis:
         ),
     }
     return diagnosis("explained").model_copy(update=changed)
+
+
+@pytest.fixture
+def guessed() -> Diagnosis:
+    """Backlash is named with doubled tolerances instead of hysteresis."""
+    rows = (
+        ToleranceSensitivity(**HYSTERESIS.model_dump(), halved=0.99, stated=0.97, doubled=0.02, changes=True),
+        ToleranceSensitivity(**BACKLASH.model_dump(), halved=0.0, stated=0.03, doubled=0.98, changes=True),
+        ToleranceSensitivity(**COULOMB.model_dump(), halved=1.0, stated=1.0, doubled=1.0, changes=False),
+    )
+    return diagnosis("ambiguous").model_copy(update={"tolerance_sensitivity": rows})

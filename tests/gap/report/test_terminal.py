@@ -14,6 +14,7 @@ from flexros.gap.report.terminal import (
     next_lines,
     ranking_table,
     rest_lines,
+    tolerance_lines,
     verdict_line,
     where_lines,
 )
@@ -69,3 +70,17 @@ def test_the_rest_has_joint_motion_and_band(divided: Diagnosis) -> None:
 def test_a_single_effect_that_leaves_nothing_has_no_budget(diagnosed: Diagnosed) -> None:
     assert budget_lines(diagnosed("explained").diagnosis) == ()
     assert rest_lines(diagnosed("explained").diagnosis) == ()
+
+
+def test_names_that_change_with_the_tolerances_are_listed(guessed: Diagnosis) -> None:
+    lines = tolerance_lines(guessed)
+    assert len(lines) == 2
+    assert lines[0].startswith("Hysteresis at motor_1: 99 % with halved")
+    assert lines[1].endswith("98 % with doubled ones")
+
+
+def test_it_is_said_when_no_name_changes(guessed: Diagnosis) -> None:
+    (sure,) = (row for row in guessed.tolerance_sensitivity if not row.changes)
+    (line,) = tolerance_lines(guessed.model_copy(update={"tolerance_sensitivity": (sure,)}))
+    assert line.startswith("No name changes")
+    assert tolerance_lines(guessed.model_copy(update={"tolerance_sensitivity": ()})) == ()

@@ -111,3 +111,12 @@ def test_the_cause_that_closes_most_comes_first(divided: Diagnosis) -> None:
     assert [cause.effect for cause in reported_causes(divided)] == ["hysteresis", "coulomb_friction"]
     sentence = verdict_sentence(divided)
     assert sentence.index("hysteresis") < sentence.index("Coulomb friction")
+
+
+def test_names_that_hang_on_tolerances_are_in_the_verdict(guessed: Diagnosis) -> None:
+    sentence = verdict_sentence(guessed)
+    assert "hysteresis at motor_1 (with halved and stated ones)" in sentence
+    assert "backlash at motor_1 (with doubled ones)" in sentence
+    alone = guessed.model_copy(update={"ambiguity_groups": ()})
+    assert "cannot distinguish" not in verdict_sentence(alone)
+    assert "hysteresis at motor_1 (with halved" in verdict_sentence(alone)

@@ -157,3 +157,9 @@ def test_the_budget_is_drawn_and_its_negative_shares_are_explained(diagnosed: Di
     assert "A share below zero" in html
     assert any(trace["type"] == "waterfall" for one in pictures(html) for trace in one["figure"]["data"])  # type: ignore[index]
     assert "Closed by the first cause" in html
+
+
+def test_probabilities_with_other_tolerances_are_a_table(diagnosed: Diagnosed, guessed: Diagnosis) -> None:
+    html = page(replace(diagnosed("ambiguous"), diagnosis=guessed), PATCH)
+    assert re.search(r"Backlash at motor_1</td><td>0 %</td><td>3 %</td><td>98 %</td>", html)
+    assert "A name that changes is ambiguous" in html
