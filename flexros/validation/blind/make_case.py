@@ -13,7 +13,8 @@ from flexros.random_streams import Stream, generator
 from flexros.validation.blind.draw.arm_deviations import OUTSIDE_DRAWERS, STRUCTURE_DRAWERS
 from flexros.validation.blind.draw.case_setting import Setting
 from flexros.validation.blind.draw.conditions import believed_values, draw_conditions, tolerances
-from flexros.validation.blind.draw.draw import Draft, draft, log_uniform
+from flexros.validation.blind.draw.crowd_sizing import size_crowd
+from flexros.validation.blind.draw.draw import Draft, draft, even, log_uniform
 from flexros.validation.blind.draw.locations import places_of
 from flexros.validation.blind.draw.motor_deviations import MOTOR_DRAWERS
 from flexros.validation.blind.draw.nominal_filter import NominalFilter
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 
     from flexros.arrays import FloatArray
     from flexros.validation.blind.draw.conditions import Conditions
+    from flexros.validation.blind.draw.scales import Scales
     from flexros.validation.blind.plan import Case
 
 DRAWERS = {**MOTOR_DRAWERS, **STRUCTURE_DRAWERS, **OUTSIDE_DRAWERS}
@@ -150,12 +152,24 @@ def _hidden(case: Case, rehearsal: Rehearsal, random: np.random.Generator) -> tu
         return ()
     setting = rehearsal.setting
     scales = scales_of(setting.robot, rehearsal.run(()), setting.sample_time)
+    if case.kind == "crowd":
+        return _crowd(case, rehearsal, scales, random)
     hidden = []
     for effect in case.effects:
         place = str(random.choice(places_of(effect, setting.robot)))
         drafted: Draft = draft(DRAWERS, effect, scales, place, random)
         hidden.append(find_size(drafted, rehearsal, log_uniform(random, *SIZES[case.size])))
     return tuple(hidden)
+
+
+def _crowd(case: Case, rehearsal: Rehearsal, scales: Scales, random: np.random.Generator) -> tuple[Sized, ...]:
+    """Draw shapes and sizes of the effects of a crowd; dry friction is even, or a bias would be part of it."""
+    drafts = []
+    for effect, place in zip(case.effects, case.places, strict=True):
+        drafted = draft(DRAWERS, effect, scales, place, random)
+        drafts.append(even(drafted) if effect == "coulomb_friction" else drafted)
+    targets = [log_uniform(random, *SIZES[case.size]) for _ in drafts]
+    return size_crowd(drafts, targets, rehearsal)
 
 
 def _truth(case: Case, drawn: Drawn, settings: MakeSettings) -> Truth:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from flexros.random_streams import Stream, generator
-from flexros.robot import load_robot
+from flexros.validation.blind.draw.case_robots import case_robot
+from flexros.validation.blind.draw.crowd import draw_crowd
 from flexros.validation.blind.draw.locations import places_of
 from flexros.validation.blind.plant.laws import LAWS, LIBRARY_LAWS, OUTSIDE_LAWS
 
@@ -16,16 +17,20 @@ if TYPE_CHECKING:
 
     import numpy as np
 
-Kind: TypeAlias = Literal["single", "null", "unknown", "pair"]
-Size: TypeAlias = Literal["weak", "medium", "strong", "any", "none"]
+Kind: TypeAlias = Literal["single", "null", "unknown", "pair", "crowd"]
+Size: TypeAlias = Literal["weak", "medium", "strong", "any", "crowd", "none"]
 
 SIZES: Mapping[Size, tuple[float, float]] = {
     "weak": (20.0, 50.0),
     "medium": (60.0, 500.0),
     "strong": (5e3, 1e6),
     "any": (1e3, 1e6),
+    "crowd": (100.0, 1e7),
 }
 """Expected gain in log-likelihood that a size is drawn for [nats]; 50 and more is well above the noise."""
+
+ALWAYS_STRONG = ("encoder_quantization",)
+"""Effects that are no deviation while they are small, but a property of the sensor."""
 
 NUISANCES = ("exact", "tolerance_1", "tolerance_3")
 """Nominal model: exact, or wrong within 1 % (damping 10 %), or within 3 % (damping 30 %)."""
@@ -53,6 +58,10 @@ class PlanSettings:
         unknowns: Cases with a cause outside the library.
         pairs: Cases with two effects.
         nuisance: Share of cases whose nominal model is wrong within its tolerance.
+        crowds: Cases with 3 to 12 effects.
+        crowd_robots: Share of each robot in these.
+        crowd_nuisance: Share of these whose nominal model is wrong, all within 3 %.
+        crowd_outside: Share of these with a cause outside the library beside the effects.
     """
 
     robots: Mapping[str, float] = field(
@@ -63,6 +72,19 @@ class PlanSettings:
     unknowns: int = 60
     pairs: int = 80
     nuisance: float = 1 / 3
+    crowds: int = 0
+    crowd_robots: Mapping[str, float] = field(
+        default_factory=lambda: {
+            "four_mass_linear": 0.1,
+            "four_mass": 0.15,
+            "elbow": 0.2,
+            "e12": 0.2,
+            "six_axis": 0.1,
+            "rigid_six_axis": 0.25,
+        }
+    )
+    crowd_nuisance: float = 0.4
+    crowd_outside: float = 0.2
 
 
 @dataclass(frozen=True)
@@ -77,6 +99,7 @@ class Case:
         size: Size of it.
         nuisance: One of `NUISANCES`.
         tool: Whether the tool is measured.
+        places: Locations of what is hidden; drawn with the case where there are none.
     """
 
     number: int
@@ -86,6 +109,7 @@ class Case:
     size: Size
     nuisance: str
     tool: bool
+    places: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
@@ -111,6 +135,7 @@ def plan_cases(settings: PlanSettings, seed: int, stream: Stream = Stream.BLIND_
         for effect in possible
         if effect in LIBRARY_LAWS
         for size in ("weak", "medium", "strong")
+        if size == "strong" or effect not in ALWAYS_STRONG
         for _ in range(settings.per_size)
     ]  # type: ignore[list-item, unused-ignore]
     drafts += [("null", (), "none")] * settings.nulls
@@ -118,12 +143,9 @@ def plan_cases(settings: PlanSettings, seed: int, stream: Stream = Stream.BLIND_
     drafts += [("unknown", (outside[k % len(outside)],), "any") for k in range(settings.unknowns)]
     drafts += [("pair", _pair(possible, random), "any") for _ in range(settings.pairs)]
     decks = {kind: _Deck(settings, random) for kind in ("single", "null", "unknown", "pair")}
-    cases = [_case(draft, decks[draft[0]], random) for draft in drafts]
+    cases = [_case(draft, decks[draft[0]], random) for draft in drafts] + _crowds(settings, random)
     shuffled = [cases[k] for k in random.permutation(len(cases))]
-    return tuple(
-        Case(number, one.kind, one.robot, one.effects, one.size, one.nuisance, one.tool)
-        for number, one in enumerate(shuffled)
-    )
+    return tuple(replace(one, number=number) for number, one in enumerate(shuffled))
 
 
 class _Deck:
@@ -132,10 +154,13 @@ class _Deck:
     Args:
         settings: Shares.
         random: Random numbers.
+        robots: Other shares of the robots.
     """
 
-    def __init__(self, settings: PlanSettings, random: np.random.Generator) -> None:
-        self._shares = dict(settings.robots)
+    def __init__(
+        self, settings: PlanSettings, random: np.random.Generator, robots: Mapping[str, float] | None = None
+    ) -> None:
+        self._shares = dict(robots or settings.robots)
         self._given = dict.fromkeys(self._shares, 0.0)
         self._nuisance, self._random, self._dealt, self._wrong = settings.nuisance, random, 0, 0
 
@@ -158,13 +183,29 @@ class _Deck:
 
 @cache
 def _fits(effect: str, robot: str) -> bool:
-    return bool(places_of(effect, load_robot(robot)))
+    return bool(places_of(effect, case_robot(robot)))
 
 
 def _case(draft: tuple[Kind, tuple[str, ...], Size], deck: _Deck, random: np.random.Generator) -> Case:
     kind, effects, size = draft
     seen = "kinematic_error" in effects or bool(random.uniform() < 0.5)
     return Case(0, kind, deck.robot(effects), effects, size, deck.nuisance(), seen)
+
+
+def _crowds(settings: PlanSettings, random: np.random.Generator) -> list[Case]:
+    """Draw crowds: robots in their shares, what is hidden, and the state of the nominal model."""
+    deck, cases = _Deck(settings, random, settings.crowd_robots), []
+    wrong, outside = (
+        random.permutation(settings.crowds) < round(share * settings.crowds)
+        for share in (settings.crowd_nuisance, settings.crowd_outside)
+    )
+    for number in range(settings.crowds):
+        robot = deck.robot(())
+        hidden = draw_crowd(case_robot(robot), bool(outside[number]), random)
+        effects, places = (tuple(column) for column in zip(*hidden, strict=True))
+        nuisance = NUISANCES[2] if wrong[number] else NUISANCES[0]
+        cases.append(Case(0, "crowd", robot, effects, "crowd", nuisance, bool(random.uniform() < 0.5), places))
+    return cases
 
 
 def _pair(possible: Sequence[str], random: np.random.Generator) -> tuple[str, str]:

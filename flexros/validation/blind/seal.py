@@ -34,13 +34,15 @@ class Truth(Settings):
     """The hidden part of a case."""
 
     name: str = Field(description="name of the case")
-    kind: str = Field(description="single, null, unknown or pair")
+    kind: str = Field(description="single, null, unknown, pair or crowd")
     robot: str = Field(description="name of the robot")
     size: str = Field(description="size that was drawn for")
     nuisance: str = Field(description="state of the nominal model")
     tool: bool = Field(description="whether the tool was measured")
     deviations: tuple[Deviation, ...] = Field(description="what is hidden")
-    gains: tuple[float, ...] = Field(description="expected gain of each alone in log-likelihood [nats]")
+    gains: tuple[float, ...] = Field(
+        description="expected gain of each in log-likelihood, alone, in a crowd added last [nats]"
+    )
     sample_time: float = Field(description="time between two samples [s]")
     motion: str = Field(description="kind of reference")
     conditions: dict[str, float] = Field(description="noise and clocks [SI]")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import secrets
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,6 +29,7 @@ def make(
     nulls: int = typer.Option(400, "--nulls", min=0, help="Cases without deviation."),
     unknowns: int = typer.Option(60, "--unknowns", min=0, help="Cases with a cause outside the library."),
     pairs: int = typer.Option(80, "--pairs", min=0, help="Cases with two effects."),
+    crowds: int = typer.Option(0, "--crowds", min=0, help="Cases with 3 to 12 effects."),
     duration: float = typer.Option(40.0, "--duration", min=4.0, help="Length of a log to fit [s]; others have half."),
     scheduler: str = typer.Option("", "--scheduler", help=SCHEDULER),
 ) -> None:
@@ -41,9 +43,10 @@ def make(
     if seed < 0:
         raise InputError(f"--seed is {seed}, allowed are 0 and above; give another one")
     stream = Stream.BLIND_DEVELOPMENT if development else Stream.BLIND_EVALUATION
-    plan = PlanSettings(per_size=per_size, nulls=nulls, unknowns=unknowns, pairs=pairs)
+    plan = PlanSettings(per_size=per_size, nulls=nulls, unknowns=unknowns, pairs=pairs, crowds=crowds)
     if robots:
-        plan = PlanSettings(_shares(robots), per_size, nulls, unknowns, pairs)
+        shares = _shares(robots)
+        plan = replace(plan, robots=shares, crowd_robots=shares)
     chosen = part_of(plan_cases(plan, seed, stream), cases)
     lengths = (duration, duration / 2, duration / 2)
     settings = MakeSettings(seed, stream, lengths, secrets.token_hex(16))

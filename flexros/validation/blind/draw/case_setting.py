@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.robot import load_robot
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import load_scenario
+from flexros.validation.blind.draw.case_robots import case_robot, robot_source
 from flexros.validation.blind.draw.controllers import feedforward, random_controller
 from flexros.validation.blind.draw.references import random_reference, room_of
 
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 RATES = (2, 2, 2, 2, 2, 2, 2, 2, 1, 4)
 """Sampling rates [kHz] among which one is drawn."""
+MANY_MOTORS, MANY_MOTORS_RATES = 5, (0.25, 0.5)
+"""Number of motors from which a robot is an arm, and sampling rates of the recorders of arms [kHz] (chosen)."""
 DIAGNOSIS_SHARE = 0.6
 """Share of cases that move as `flexros run diagnosis` does; the others move at random (chosen)."""
 
@@ -50,8 +52,9 @@ class Setting:
             name: Name of the robot.
             random: Random numbers.
         """
-        robot = load_robot(name)
-        sample_time = 1e-3 / float(random.choice(RATES))
+        robot = case_robot(name)
+        rates = RATES if robot.n_motors < MANY_MOTORS else MANY_MOTORS_RATES
+        sample_time = 1e-3 / float(random.choice(rates))
         law = random_controller(robot, sample_time, random)
         motion = "diagnosis" if random.uniform() < DIAGNOSIS_SHARE else "random"
         return cls(robot, sample_time, law, motion, bool(random.uniform() < 0.6))
@@ -75,7 +78,7 @@ class Setting:
         assert scenario.diagnosis is not None
         changed = scenario.model_copy(
             update={
-                "robot": self.robot.name,
+                "robot": robot_source(self.robot.name),
                 "seed": seed,
                 "sample_time": self.sample_time,
                 "diagnosis": scenario.diagnosis.model_copy(update={"length": duration, "seed": seed}),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -36,6 +36,11 @@ class Draft:
         """Return the deviation of a size."""
         numbers = {name: float(value) for name, value in self.shape(size).items()}
         return Deviation(effect=self.effect, location=self.location, parameters=numbers)
+
+
+def even(one: Draft) -> Draft:
+    """Return a friction that is the same in both directions."""
+    return replace(one, shape=lambda size: {**one.shape(size), "asymmetry": 0.0})
 
 
 Drawer: TypeAlias = Callable[["Site", np.random.Generator], tuple[Callable[[float], Numbers], float]]

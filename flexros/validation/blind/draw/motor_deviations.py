@@ -11,6 +11,9 @@ from flexros.validation.blind.draw.draw import Drawer, Numbers, Site, log_unifor
 
 Drawn: TypeAlias = tuple[Callable[[float], Numbers], float]
 
+RESOLUTION = 6.0
+"""Step of an encoder over its noise, rms, up to which it is a property of the sensor and nothing is hidden [1]."""
+
 
 def _asymmetry(random: np.random.Generator) -> float:
     return float(random.uniform(-0.6, 0.6)) if random.uniform() < 0.5 else 0.0
@@ -99,8 +102,8 @@ def _delay(at: Site, random: np.random.Generator) -> Drawn:
 
 
 def _quantization(at: Site, random: np.random.Generator) -> Drawn:
-    del random
-    return lambda s: {"step": at.noise * s}, 300.0
+    least = RESOLUTION * log_uniform(random, 1.2, 8.0)
+    return lambda s: {"step": at.noise * (least + s)}, 300.0
 
 
 def _eccentricity(at: Site, random: np.random.Generator) -> Drawn:

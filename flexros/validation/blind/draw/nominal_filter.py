@@ -43,7 +43,7 @@ class NominalFilter:
     def __init__(self, robot: Robot, sample_time: float, tolerance: Mapping[str, float] | None = None) -> None:
         self._robot, self._sample_time = robot, sample_time
         self._tolerance = dict(tolerance or {})
-        self._gain, self._whitener = _gain(robot, sample_time)
+        self._gain, self._whitener = filter_gain(robot, sample_time)
         self._model = robot.symbolic(tuple(self._tolerance))
         self._compiled = compile_function(self._step())
         self._slopes: FloatArray | None = None
@@ -113,11 +113,25 @@ class NominalFilter:
             return np.inf
         if not self._tolerance:
             return float(e @ e) / 2
-        if self._slopes is None:
-            self._slopes = self._slope_of(encoder, command, e)
-        J = self._slopes
+        J = self.tolerance_slopes(encoder, command)
+        assert J is not None
         score = J.T @ e
         return float(e @ e - score @ np.linalg.solve(J.T @ J + np.eye(J.shape[1]), score)) / 2
+
+    def tolerance_slopes(self, encoder: FloatArray, command: FloatArray) -> FloatArray | None:
+        """Compute the derivatives of the innovations by the parameters with a tolerance, for the first run given.
+
+        Args:
+            encoder: Encoder values [rad or m], shape (n, M).
+            command: Commands [Nm or N], shape (n, M).
+
+        Returns:
+            Derivatives in standard deviations of the parameters, shape (n_innovations, P); None where none has a
+            tolerance.
+        """
+        if self._tolerance and self._slopes is None:
+            self._slopes = self._slope_of(encoder, command, self.innovations(encoder, command).ravel())
+        return self._slopes
 
     def price(self, factors: Mapping[str, float]) -> float:
         """Return the largest cost of explaining a change of the robot as a deviation within tolerance.
@@ -143,15 +157,24 @@ class NominalFilter:
         return np.stack(columns, axis=1)
 
 
-def _gain(robot: Robot, sample_time: float) -> tuple[FloatArray, FloatArray]:
-    """Return the gain of the correction, shape (2 n, M), and the matrix that makes innovations white, shape (M, M)."""
+def filter_gain(robot: Robot, sample_time: float, noise: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
+    """Compute the filter of a robot.
+
+    Args:
+        robot: The robot.
+        sample_time: Time between two samples [s].
+        noise: Standard deviation of each encoder [rad or m], shape (M,); that of the robot when None.
+
+    Returns:
+        Gain of the correction, shape (2 n, M), and the matrix that makes innovations white, shape (M, M).
+    """
     linear = linear_model(robot)
     A = np.asarray(linear.matrices()[0])
-    n, noise = robot.n_coordinates, robot.encoder_noise
+    n, noise = robot.n_coordinates, robot.encoder_noise if noise is None else noise
     A = expm(A * sample_time)
     C = np.hstack([linear.encoder, np.zeros_like(linear.encoder)])
-    size = np.full(n, ELSEWHERE * float(np.mean(noise)))
-    size[list(robot.motor_rows)] = DRIVE * noise
+    size = np.full(n, ELSEWHERE * float(np.mean(robot.encoder_noise)))
+    size[list(robot.motor_rows)] = DRIVE * robot.encoder_noise
     G = np.vstack([np.eye(n) / 2, np.eye(n) / sample_time])
     Q = G @ np.diag(size**2) @ G.T + 1e-12 * np.diag(np.concatenate([size, size / sample_time]) ** 2)
     P = solve_discrete_are(A.T, C.T, Q, np.diag(noise**2))

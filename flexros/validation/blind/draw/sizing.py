@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,6 +27,8 @@ NEAR = 1.25
 """Factor by which the gain may differ from its target (chosen)."""
 TRIALS = 12
 """Trials of a size (chosen)."""
+LEVEL = 1e-3
+"""Difference of the logarithms of two gains that counts as none [1] (chosen)."""
 STEEPEST, FLATTEST = 6.0, 0.7
 """Bounds of the assumed exponent of the gain over the size; a small deviation has 2."""
 TOOL_STEP = 4e-3
@@ -48,15 +50,19 @@ class Rehearsal:
     reference: FloatArray
     filter: NominalFilter
     visibility: float = 1.0
+    _plants: dict[tuple[str, ...], BlindPlant] = field(default_factory=dict)
 
     def run(self, deviations: Sequence[Deviation]) -> BlindRun:
         """Run without noise."""
         setting, n = self.setting, len(self.reference)
         still = np.zeros((n, setting.robot.n_motors))
-        plant = BlindPlant(setting.robot, deviations, setting.law, setting.sample_time)
+        key = tuple(one.place for one in deviations)
+        if key not in self._plants or any(one.effect == "extra_mode" for one in deviations):
+            self._plants[key] = BlindPlant(setting.robot, deviations, setting.law, setting.sample_time)
         random = np.random.Generator(np.random.PCG64(0))
         lost, push = events(deviations, n, setting.sample_time, random)
-        return plant.run(BlindInputs(self.reference, still, still, lost, push), SETTLE)
+        inputs = BlindInputs(self.reference, still, still, lost, push)
+        return self._plants[key].run(inputs, SETTLE, deviations)
 
     def gain(self, deviation: Deviation) -> float:
         """Return the expected gain in log-likelihood [nats]; infinite where the loop runs away."""
@@ -100,19 +106,28 @@ def changed_numbers(deviation: Deviation, robot: Robot) -> dict[str, float]:
 
 @dataclass(frozen=True, eq=False)
 class Sized:
-    """A deviation with its size."""
+    """A deviation with its size.
+
+    Attributes:
+        deviation: What is hidden.
+        gain: Its expected gain [nats].
+        size: Its size over that of the draft [1].
+    """
 
     deviation: Deviation
     gain: float
+    size: float = 1.0
 
 
-def find_size(draft: Draft, rehearsal: Rehearsal, target: float) -> Sized:
+def find_size(draft: Draft, rehearsal: Rehearsal, target: float, near: float = NEAR, trials: int = TRIALS) -> Sized:
     """Find the size of a deviation for an expected gain.
 
     Args:
         draft: The deviation with its size open.
         rehearsal: Runs of the case.
         target: Expected gain [nats].
+        near: Factor by which the gain may differ from it.
+        trials: Most trials.
 
     Returns:
         The deviation whose gain is nearest; with less than requested where no physical size has as much.
@@ -120,7 +135,7 @@ def find_size(draft: Draft, rehearsal: Rehearsal, target: float) -> Sized:
     size, largest = min(1.0, draft.largest), draft.largest
     tried: list[tuple[float, float]] = []
     best: Sized | None = None
-    for _ in range(TRIALS):
+    for _ in range(trials):
         deviation = draft.at(size)
         gain = rehearsal.gain(deviation)
         if not np.isfinite(gain):
@@ -128,9 +143,13 @@ def find_size(draft: Draft, rehearsal: Rehearsal, target: float) -> Sized:
             size = min(largest, size / 4)
             continue
         if best is None or abs(np.log(max(gain, 1e-9) / target)) < abs(np.log(max(best.gain, 1e-9) / target)):
-            best = Sized(deviation, gain)
+            best = Sized(deviation, gain, size)
         tried.append((float(np.log(size)), float(np.log(max(gain, 1e-9)))))
-        if 1 / NEAR < gain / target < NEAR or (size >= largest and gain < target):
+        if (
+            1 / near < gain / target < near
+            or _flat(tried, float(np.log(target)))
+            or (size >= largest and gain < target)
+        ):
             break
         size = min(largest, float(np.exp(_next(tried, float(np.log(target))))))
     if best is None:
@@ -151,6 +170,11 @@ def _next(tried: list[tuple[float, float]], target: float) -> float:
         slope = (tried[-1][1] - tried[-2][1]) / (tried[-1][0] - tried[-2][0])
     step = (target - tried[-1][1]) / float(np.clip(slope, FLATTEST, STEEPEST))
     return tried[-1][0] + float(np.clip(step, -4.0, 4.0))
+
+
+def _flat(tried: Sequence[tuple[float, float]], target: float) -> bool:
+    """Whether smaller sizes have the same gain, which is above the target."""
+    return len(tried) > 1 and tried[-1][1] > target and abs(tried[-1][1] - tried[-2][1]) < LEVEL
 
 
 def events(

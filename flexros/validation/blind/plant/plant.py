@@ -21,6 +21,7 @@ from flexros.validation.blind.plant.added_mode import with_mode
 from flexros.validation.blind.plant.equations import Equations
 from flexros.validation.blind.plant.laws import LAWS
 from flexros.validation.blind.plant.multirate import MultirateLoop
+from flexros.validation.blind.plant.replay import corrected
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from flexros.control.base import AbstractControlLaw
     from flexros.robot import Robot
     from flexros.validation.blind.deviation import Deviation
+    from flexros.validation.blind.plant.replay import Correction
 
 TICK = 31.25e-6
 """Largest step of the integration [s]; 16 per sample of 0.5 ms (chosen)."""
@@ -88,6 +90,8 @@ class BlindPlant:
         law: Control law.
         sample_time: Time between two samples [s].
         tick: Largest step of the integration [s].
+        correction: Gain by which the plant follows recorded positions, given as those of the reference; none: it runs
+            freely.
     """
 
     def __init__(
@@ -97,6 +101,7 @@ class BlindPlant:
         law: AbstractControlLaw,
         sample_time: float,
         tick: float = TICK,
+        correction: Correction | None = None,
     ) -> None:
         self.nominal, self.deviations, self.law = robot, tuple(deviations), law
         self.sample_time = sample_time
@@ -112,6 +117,7 @@ class BlindPlant:
         for one, values in zip(self.deviations, symbols, strict=True):
             LAWS[one.effect](plant, one.location, values)
         self._plant = plant
+        self._correction = None if correction is None else correction(self.robot)
         delays = [robot.delay + extra for extra in plant.delays]
         slow = any(one.effect == "delay" for one in self.deviations)
         longest = robot.delay + (LONGEST_DELAY if slow else 0.0)
@@ -127,19 +133,25 @@ class BlindPlant:
         inner = ca.vertcat(ca.SX(0, 1), *[state.symbol for state in plant.states])
         x = ca.vertcat(plant.q, plant.v, inner, plant.time)
         rates = [ca.SX(0) if state.rate is None else state.rate for state in plant.states]
-        derivative = ca.vertcat(plant.v, plant.acceleration(), *rates, 1)
-        u = ca.vertcat(plant.command, ca.SX.sym("unused", 2 * m), plant.push)
+        loop, push = self._loop.function(), ca.SX.sym("correction", 0)
+        rate = ca.vertcat(plant.v, plant.acceleration())
+        if self._correction is not None:
+            loop = corrected(loop, self._correction, m, slice(0, m))
+            push = ca.SX.sym("correction", len(self._correction))
+            rate += push * (self.ticks / self.sample_time)
+        derivative = ca.vertcat(rate, *rates, 1)
+        u = ca.vertcat(plant.command, ca.SX.sym("unused", 2 * m), plant.push, push)
         updates = [state.symbol if state.update is None else state.update for state in plant.states]
         after = ca.vertcat(plant.q, plant.v, *updates, plant.time)
         arguments = [x, u, plant.wrench, self._numbers]
         dummy = ca.SX.sym("p", self._numbers.numel())
         places = list(self.robot.motor_rows)
-        seen = ca.vertcat(plant.q[places], plant.v[places], ca.SX.zeros(m + 1))
+        seen = ca.vertcat(plant.q[places], plant.v[places], ca.SX.zeros(m + 1 + push.numel()))
         return LoopFunctions(
             derivative=ca.Function("derivative", arguments, [ca.densify(derivative)], {"cse": True}),
             encoder=ca.Function("encoder", [x[: 2 * nq]], [ca.densify(seen)]),
             tool_pose=ca.Function("tool_pose", [plant.q, dummy], [ca.DM.zeros(7, 1)]),
-            controller=self._loop.function(),
+            controller=loop,
             exact_update=ca.Function("update", [*arguments, plant.step], [ca.densify(after)], {"cse": True})
             if any(state.update is not None for state in plant.states)
             else None,
@@ -195,7 +207,8 @@ class BlindPlant:
         law = self.law.initial_state(self._context)
         line = np.tile(torque, self._loop.remembered + 1)
         memory = np.concatenate([[0.0], law, line, inputs.reference[0, :m]])
-        return LoopState(x, memory, np.zeros((0, self._loop.width)))
+        wide = self._loop.width + (0 if self._correction is None else len(self._correction))
+        return LoopState(x, memory, np.zeros((0, wide)))
 
 
 def _robot_with_modes(robot: Robot, deviations: Sequence[Deviation]) -> tuple[Robot, int]:
