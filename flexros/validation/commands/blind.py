@@ -83,6 +83,8 @@ def score(
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
     """Open the truths of all cases that were diagnosed, check their seals, and count."""
+    from flexros.validation.blind.score.crowd_tables import crowd_table
+    from flexros.validation.blind.score.crowds import crowds_of
     from flexros.validation.blind.score.score import read_answers, record
     from flexros.validation.blind.score.tables import score_table, wrong_table
 
@@ -90,8 +92,13 @@ def score(
     if as_json:
         print_json(record(answers))
         return
-    console.print(score_table(answers, console.width))
-    console.print(wrong_table(answers))
+    crowds = crowds_of(answers)
+    if crowds:
+        console.print(crowd_table(crowds))
+    if len(crowds) < len(answers):
+        others = [one for one in answers if one not in crowds]
+        console.print(score_table(others, console.width))
+        console.print(wrong_table(others))
 
 
 def part_of(items: Sequence[Any], text: str) -> list[Any]:

@@ -9,6 +9,7 @@ from flexros.validation.blind.score.nested import same, same_place
 
 if TYPE_CHECKING:
     from flexros.gap.schema import Cause, Diagnosis
+    from flexros.validation.blind.score.crowd_truth import CrowdTruth
     from flexros.validation.blind.score.third_log import ThirdLog
     from flexros.validation.blind.seal import Truth
 
@@ -28,6 +29,7 @@ class Answer:
         seconds: How long the diagnosis took [s]; None where not known.
         oracle: Closed fraction of the true structure, refitted [1]; None where not computed.
         third: Gap of the third log with the patch; None where not measured, or where there is no patch.
+        crowd: Figures of the true effects of a crowd; None where not measured.
     """
 
     truth: Truth
@@ -35,6 +37,7 @@ class Answer:
     seconds: float | None = None
     oracle: float | None = None
     third: ThirdLog | None = None
+    crowd: CrowdTruth | None = None
 
     @property
     def causes(self) -> tuple[Cause, ...]:

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from flexros.gap.schema import CauseParameter
+    from flexros.validation.blind.deviation import Deviation
     from flexros.validation.blind.score.answer import Answer
 
 COMPARABLE: Mapping[str, str] = {
@@ -39,24 +40,26 @@ WIDTH = 1.96
 
 @dataclass(frozen=True, eq=False)
 class FittedSize:
-    """Size of a rightly named single effect.
+    """Size of a rightly named effect.
 
     Attributes:
         answer: The case.
         name: Number of the effect that is its size.
         fitted: What was fitted.
         true: The truth, in its unit.
+        hidden: What is hidden.
     """
 
     answer: Answer
     name: str
     fitted: CauseParameter
     true: float
+    hidden: Deviation
 
     @property
     def covered(self) -> bool:
         """Whether the 95 % interval of the fitted size covers the truth."""
-        return covers(self.answer.truth.deviations[0].effect, self.name, self.fitted, self.true)
+        return covers(self.hidden.effect, self.name, self.fitted, self.true)
 
 
 def fitted_sizes(answers: Sequence[Answer]) -> Iterator[FittedSize]:
@@ -73,7 +76,7 @@ def fitted_sizes(answers: Sequence[Answer]) -> Iterator[FittedSize]:
         hidden, name = one.truth.deviations[0], COMPARABLE.get(one.first.effect, "")
         right = one.first.effect == hidden.effect
         if right and same_place(one.truth.robot, hidden.location, one.first.location) and name in one.first.parameters:
-            yield FittedSize(one, name, one.first.parameters[name], hidden.parameters[name])
+            yield FittedSize(one, name, one.first.parameters[name], hidden.parameters[name], hidden)
 
 
 def covers(effect: str, name: str, fitted: CauseParameter, true: float) -> bool:

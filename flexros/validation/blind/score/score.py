@@ -13,6 +13,9 @@ from flexros.gap.schema import Diagnosis
 from flexros.validation.blind.diagnose_case import FAILURE_FILE, TIME_FILE, case_folders
 from flexros.validation.blind.score.answer import VISIBLE, Answer
 from flexros.validation.blind.score.coverage import fitted_sizes
+from flexros.validation.blind.score.crowd_tables import crowd_groups
+from flexros.validation.blind.score.crowd_truth import crowd_truth
+from flexros.validation.blind.score.crowds import crowd_score
 from flexros.validation.blind.score.oracle import oracle_fraction
 from flexros.validation.blind.score.statistics import (
     Calibration,
@@ -57,7 +60,8 @@ def read_answers(logs: Path, truths: Path, oracle: bool = False) -> list[Answer]
         fitted = oracle and all((folder / log).exists() for log in case.logs[:2])
         closed = oracle_fraction(folder, case, truth) if fitted else None
         third = third_log(folder, case) if oracle and (folder / case.logs[2]).exists() else None
-        answers.append(Answer(truth, _diagnosis(folder), _seconds(folder), closed, third))
+        crowd = crowd_truth(folder, case, truth) if fitted and (folder / case.logs[2]).exists() else None
+        answers.append(Answer(truth, _diagnosis(folder), _seconds(folder), closed, third, crowd))
     if not answers:
         raise InputError(f"no case in '{logs}' is diagnosed yet; run `flexros blind run {logs}` first")
     return answers
@@ -215,7 +219,7 @@ def confusion(answers: Sequence[Answer]) -> dict[str, Counter[str]]:
     """
     table: dict[str, Counter[str]] = {}
     for one in answers:
-        if one.truth.kind == "pair" or (one.truth.kind == "single" and not one.visible):
+        if one.truth.kind in ("pair", "crowd") or (one.truth.kind == "single" and not one.visible):
             continue
         name = one.truth.deviations[0].effect if one.truth.deviations else "nothing"
         table.setdefault(name, Counter())[one.reported] += 1
@@ -251,6 +255,7 @@ def record(answers: Sequence[Answer]) -> dict[str, Any]:
         "all": asdict(score(answers)),
         **{key: {value: asdict(one) for value, one in scores_by(answers, key).items()} for key in GROUPINGS},
         "effects": {name: asdict(one) for name, one in _by_effect(answers).items()},
+        "crowds": {name: asdict(crowd_score(some)) for name, some in crowd_groups(answers).items() if some},
         "confusion": {truth: dict(counts) for truth, counts in confusion(answers).items()},
     }
 

@@ -50,7 +50,7 @@ def _size(one: FittedSize) -> tuple[str, ...]:
     truth, fitted = one.answer.truth, one.fitted
     off = abs(fitted.value - one.true) / fitted.std if fitted.std > 0 else float("inf")
     sizes = f"{one.true:.5g}", f"{fitted.value:.5g} {fitted.unit}".rstrip()
-    return truth.name, truth.robot, truth.deviations[0].effect, one.name, *sizes, f"{off:.1f}"
+    return truth.name, truth.robot, one.hidden.effect, one.name, *sizes, f"{off:.1f}"
 
 
 def _case(one: Answer) -> tuple[str, ...]:
