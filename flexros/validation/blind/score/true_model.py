@@ -43,6 +43,9 @@ def _placed(one: Deviation, robot: Robot) -> PlacedEffect:
     if one.effect == "friction_drift":
         grown = 1 - math.exp(-numbers["duration"] / numbers["time_constant"])
         numbers |= {name: numbers[name] / grown for name in ("coulomb", "viscous")}
+    if one.effect == "viscous_friction":  # the library's asymmetry is that of the whole friction
+        whole = robot.parameters[f"{one.location}.viscous_friction"].value + numbers["coefficient"]
+        numbers["asymmetry"] *= numbers["coefficient"] / whole
     if one.effect == "extra_mode" and one.location == "tool" and not numbers.get("point"):
         heavy = robot.spec.bodies[-1].mass.value > 0
         numbers |= {"ratio": 0.0, "inertia_ratio": numbers["ratio"]} if heavy else {}

@@ -11,6 +11,7 @@ from flexros.gap.schema import Diagnosis
 from flexros.validation.blind.diagnose_case import FAILURE_FILE, TIME_FILE, diagnose_case
 from flexros.validation.blind.make_case import MakeSettings, make_case
 from flexros.validation.blind.score.answer import Answer
+from flexros.validation.blind.score.crowd_truth import CrowdTruth, crowd_truth
 from flexros.validation.blind.score.oracle import oracle_fraction
 from flexros.validation.blind.score.third_log import ThirdLog, third_log
 from flexros.validation.blind.seal import DIAGNOSIS_FILE, Truth, read_case, sha256
@@ -31,7 +32,7 @@ def case_part(settings: MakeSettings, case: Case) -> dict[str, Any]:
     Returns:
         For JSON: `seal`, `truth` (text), `diagnosis` (text or None), `failure` (text or None), `seconds`, and `oracle`:
         the closed fraction of the true effect where it is a single one well above the noise; `third`: the gap of the
-        third log with the patch of the diagnosis, or None.
+        third log with the patch of the diagnosis, or None; `crowd`: figures of the true effects of a crowd, or None.
     """
     with TemporaryDirectory(prefix="flexros_logs_") as logs, TemporaryDirectory(prefix="flexros_truth_") as truths:
         make_case(case, settings, Path(logs), Path(truths))
@@ -47,6 +48,7 @@ def case_part(settings: MakeSettings, case: Case) -> dict[str, Any]:
             "seconds": _text(folder / TIME_FILE),
             "third": _third(folder) if answered else None,
             "oracle": oracle_fraction(folder, read_case(folder), truth) if answered else None,
+            "crowd": _crowd(folder, truth) if answered else None,
         }
 
 
@@ -75,12 +77,18 @@ def answer_of(name: str, part: Mapping[str, Any]) -> Answer:
         None if seconds is None else float(seconds),
         part["oracle"],
         None if part["third"] is None else ThirdLog.model_validate(part["third"]),
+        None if part.get("crowd") is None else CrowdTruth.model_validate(part["crowd"]),
     )
 
 
 def _third(folder: Path) -> dict[str, Any] | None:
     gap = third_log(folder, read_case(folder))
     return None if gap is None else gap.model_dump(mode="json")
+
+
+def _crowd(folder: Path, truth: Truth) -> dict[str, Any] | None:
+    figures = crowd_truth(folder, read_case(folder), truth)
+    return None if figures is None else figures.model_dump(mode="json")
 
 
 def _text(file: Path) -> str | None:
