@@ -26,6 +26,7 @@ ROWS = (
     ("named at the right place, of those with a right name", "location"),
     ("sizes in their 95 % intervals", "covered"),
     ("`explained` although more than the floor is left", "over_claims"),
+    ("the same, and more than twice what the true effects leave", "over_truth"),
     ("`explained` although something is missing", "incomplete"),
     ("patch closes 97 % of what the true effects close of a third log", "third_97"),
     ("refused", "refused"),

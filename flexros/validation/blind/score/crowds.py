@@ -53,6 +53,7 @@ class CrowdScore:
         location: Named causes whose effect is hidden anywhere that are at the right place.
         covered: Sizes of rightly named effects in their 95 % intervals, nominal model exact.
         over_claims: Crowds called explained although more than the floor is left on the third log.
+        over_truth: The same, and more than `OVER` times what the true effects leave there.
         incomplete: Crowds called explained although an effect, or a cause outside the library, is missing.
         third_97: Crowds of the library alone whose patch closes 97 % of what the true effects close on the third log.
         closed_third: Median closed fraction of the patches there.
@@ -75,6 +76,7 @@ class CrowdScore:
     location: Share
     covered: Share
     over_claims: Share
+    over_truth: Share
     incomplete: Share
     third_97: Share
     closed_third: float
@@ -147,6 +149,7 @@ def crowd_score(answers: Sequence[Answer]) -> CrowdScore:
         location=share(one.right(cause, placed=True) for one, cause in named if one.right(cause)),
         covered=share(size.covered for size in crowd_sizes(crowds)),
         over_claims=share(one in explained and over_claimed(one) for one in crowds),
+        over_truth=share(one in explained and over_claimed(one, _left_by_truth(one)) for one in crowds),
         incomplete=share(one in explained and not complete(one, nested=True) for one in crowds),
         third_97=share((one.closed_third or 0.0) >= CLOSED * (_closed_truth(one) or 1.0) for one in tried),
         closed_third=_median([one.closed_third for one in crowds]),
@@ -163,12 +166,17 @@ def crowd_score(answers: Sequence[Answer]) -> CrowdScore:
     )
 
 
-def over_claimed(one: Answer) -> bool:
-    """Whether more than the floor is left on the third log, on held-out data where there is none."""
+def over_claimed(one: Answer, floor: float = 1.0) -> bool:
+    """Whether more than the floor is left on the third log, on held-out data where there is none.
+
+    Args:
+        one: The case.
+        floor: What counts as floor of the gap [1].
+    """
     if one.third is not None and one.third.after is not None:
-        return one.third.after > OVER
+        return one.third.after > OVER * floor
     gap = None if one.diagnosis is None else one.diagnosis.gap
-    return gap is not None and gap.after is not None and gap.after > OVER * gap.noise_floor
+    return gap is not None and gap.after is not None and gap.after > OVER * floor
 
 
 def crowd_sizes(answers: Sequence[Answer]) -> Iterator[FittedSize]:
@@ -200,6 +208,12 @@ def _effects(one: Answer) -> list[tuple[Deviation, float]]:
 
 def _closed_truth(one: Answer) -> float | None:
     return None if one.crowd is None or one.crowd.third is None else one.crowd.third.closed_fraction
+
+
+def _left_by_truth(one: Answer) -> float:
+    """Return the gap of the third log with the true effects [1]; the floor where it was not measured."""
+    third = None if one.crowd is None else one.crowd.third
+    return 1.0 if third is None or third.after is None else max(third.after, 1.0)
 
 
 def _shares(one: Answer) -> Iterator[tuple[BudgetShare, TrueShare]]:

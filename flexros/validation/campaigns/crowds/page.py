@@ -88,7 +88,8 @@ def _introduction(answers: Sequence[Answer], planned: int, settings: CrowdSettin
         f"counts as named from a probability of {CLAIMED:g}; effect and location must be right. Nested effects, of "
         "which one contains the other as a special case, are counted separately. More than the floor is left "
         f"where the gap of the third log is above {OVER:g} floors with the patch. The true effects, for the third log "
-        "and for the budget, are those of the library with the numbers of the truth on the true robot, without a refit.",
+        "and for the budget, are those of the library with the numbers of the truth on the true robot, without a "
+        "refit; where their laws differ in form from those of the simulator, they leave a rest as well.",
     ]
 
 

@@ -1,0 +1,56 @@
+"""The campaign of crowds: its page and its figures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from flexros.scheduler import connected
+from flexros.validation.blind.make_case import MakeSettings
+from flexros.validation.blind.plan import Case, PlanSettings
+from flexros.validation.blind.score.answer import Answer
+from flexros.validation.blind.seal import sha256
+from flexros.validation.campaigns.base import CampaignRequest
+from flexros.validation.campaigns.crowds.campaign import FIGURES, PAGE, BlindCrowds, crowds_result
+from flexros.validation.campaigns.crowds.settings import CrowdSettings
+from tests.validation.blind.cases import diagnosis, truth
+
+FRICTION, BIAS, DELAY = "coulomb_friction@motor_1", "torque_bias@motor_1", "delay@motor_2"
+
+
+def test_page_and_figures_hold_shares_goals_and_every_case() -> None:
+    crowd = truth("crowd", FRICTION, BIAS, DELAY, name="case_0007")
+    answers = [Answer(crowd, diagnosis("explained", FRICTION, "torque_ripple@motor_1", probability=0.5), 12.0)]
+    result = crowds_result(answers, {"case_0009": "Traceback\nValueError: no"}, 60, CrowdSettings(), {"commit": "abc"})
+    page = result.files[PAGE]
+    assert "the first 1 of 60 planned cases" in page
+    assert "33.3 % (6.1 to 79.2), 1 of 3 (goal 95 %)" in page
+    assert "| case_0007 | e12 | exact | explained | coulomb_friction@motor_1 1e+03 |" in page
+    assert "- case_0009: ValueError: no" in page
+    assert result.record["scores"]["nominal exact"]["recall"]["hits"] == 1
+    assert result.record["cases"][0]["causes"][0]["effect"] == "coulomb_friction"
+    assert "salt" not in result.record["cases"][0]
+    assert FIGURES in result.files
+
+
+def sealed_crowd(settings: MakeSettings, case: Case) -> dict[str, Any]:
+    """Give a crowd without logs and without answer."""
+    del settings
+    text = truth("crowd", *(f"{e}@{at}" for e, at in zip(case.effects, case.places)), name=case.name).model_dump_json()
+    rest = dict.fromkeys(("diagnosis", "failure", "seconds", "oracle", "third", "crowd"))
+    return {"seal": sha256(text), "truth": text, **rest}
+
+
+@pytest.mark.slow
+def test_larger_number_of_cases_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("flexros.validation.campaigns.blind.case_part.case_part", sealed_crowd)
+    plan = PlanSettings(per_size=0, nulls=0, unknowns=0, pairs=0, crowds=3, crowd_robots={"elbow": 1.0})
+    check = BlindCrowds(CrowdSettings(plan=plan))
+    with connected(threads=1) as client:
+        check.run(CampaignRequest(tmp_path, client, 1))
+        first = (tmp_path / "case_0000.json").stat().st_mtime_ns
+        result = check.run(CampaignRequest(tmp_path, client, 2))
+    assert (tmp_path / "case_0000.json").stat().st_mtime_ns == first
+    assert len(result.record["cases"]) == 2
