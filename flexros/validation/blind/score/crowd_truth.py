@@ -76,17 +76,18 @@ def _third(record: Record, robot: Robot, truth: Truth) -> ThirdLog:
 
 
 def _budget(record: Record, robot: Robot, truth: Truth) -> tuple[TrueShare, ...]:
-    """Add every effect first and remove it last."""
+    """Add every effect first and remove it last; numbers of the nominal model are fitted within their tolerance."""
     from flexros.gap.held_out.prediction_gap import closed_fraction
     from flexros.gap.residuals.fit_data import fit_data
 
     nominal = RobotWithEffects(robot, ())
     data = fit_data(record, nominal, case_settings())
     hidden = library_effects(truth)
-    before, after = _errors(nominal, data), _errors(true_model(truth), data)
+    before, after = _errors(nominal, data), _errors(true_model(truth, robot=robot), data)
     rows = []
     for number, one in enumerate(hidden):
-        first, last = (_errors(true_model(truth, some), data) for some in ([one], _without(hidden, number)))
+        parts = [one], _without(hidden, number)
+        first, last = (_errors(true_model(truth, part, robot), data) for part in parts)
         closed = closed_fraction(before, first, record.sample_time)
         rows.append(
             TrueShare(

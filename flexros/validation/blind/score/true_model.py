@@ -22,19 +22,20 @@ def library_effects(truth: Truth) -> tuple[Deviation, ...]:
     return tuple(one for one in truth.deviations if one.effect in LIBRARY_LAWS)
 
 
-def true_model(truth: Truth, chosen: Sequence[Deviation] | None = None) -> RobotWithEffects:
-    """Build the true robot with hidden effects; laws are those of the library, which differ in form from the plant's.
+def true_model(truth: Truth, chosen: Sequence[Deviation] | None = None, robot: Robot | None = None) -> RobotWithEffects:
+    """Build a robot with hidden effects; laws are those of the library, which differ in form from the plant's.
 
     Args:
         truth: What is hidden.
         chosen: Some of it; all when None.
+        robot: Robot that they are put on; the true one when None.
 
     Raises:
         InputError: A number is none that the library allows.
     """
-    robot = case_robot(truth.robot)
+    true = case_robot(truth.robot)
     used = library_effects(truth) if chosen is None else chosen
-    return place_effects(robot, [_placed(one, robot) for one in used])
+    return place_effects(robot or true, [_placed(one, true) for one in used])
 
 
 def _placed(one: Deviation, robot: Robot) -> PlacedEffect:
