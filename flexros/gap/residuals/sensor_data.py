@@ -160,7 +160,7 @@ def sensor_data(
         declared = robot.sensor_noise(sensor.quantity)
         noise = _noise(channel, predicted) if declared is None else declared
         channel = replace(channel, noise_error=variance_error(len(predicted)) if declared is None else 0.0)
-        doubt = doubt_of(channel, predicted, noise)
+        doubt = doubt_of(channel, predicted, noise, record, robot)
         if doubt is not None:
             warnings.append(doubt.text)
             if doubt.contradicts:

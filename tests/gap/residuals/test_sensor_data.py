@@ -109,6 +109,19 @@ def test_a_gauge_of_wrong_sign_is_told_by_its_deflection() -> None:
     assert any("opposite" in text for text in data.record.warnings)
 
 
+def test_a_gauge_of_wrong_sign_is_told_where_the_model_is_far_off() -> None:
+    """Three times too stiff, the model predicts other vibrations and a third of the deflection."""
+    record = sensed(seed=2)
+    stiffness = 3.0 * ROBOT.parameters["body_1.rz.stiffness"].value
+    stiff = RobotWithEffects(ROBOT.with_values({"body_1.rz.stiffness": stiffness}), ())
+    sensor = record.sensors[0]
+    assert sensor.motor is not None
+    right, wrong = sensed_data(record, stiff), sensed_data(with_values(record, 2 * sensor.motor - sensor.values), stiff)
+    assert right.sensors is not None
+    assert wrong.sensors is None
+    assert any("opposite" in text for text in wrong.record.warnings)
+
+
 def test_a_sensor_that_follows_something_else_is_told_and_kept() -> None:
     record = sensed(sensors=("joint torque",))
     values = 5.0 * np.sin(np.arange(record.n_samples) * 7.7e-3)
