@@ -38,8 +38,7 @@ class Sensitivity:
     Attributes:
         explanations: The explanations; where a name changes, with the mean of their probabilities at all tolerances.
         rows: The effects that are named at some tolerance.
-        elsewhere: Explanations with other effects than the chosen one that are the most probable ones at other
-            tolerances.
+        elsewhere: Explanations that are the most probable ones at other tolerances, but not at the stated ones.
     """
 
     explanations: Explanations
@@ -62,9 +61,9 @@ def sensitivity_of(
 
         chi2 + m (1/s^2 - 1) d'd - g' (H + m (1/s^2 - 1) I_d)^-1 g,    g = m (1/s^2 - 1) d,
 
-    or more where deviations are at the limit of their search. Where another explanation leads then, it and the chosen
-    one are fitted again at that tolerance, so that the name changes only where it really does. Simulated logs and exact
-    models have no such guesses.
+    or more where deviations are at the limit of their search. Where another explanation leads then, it and the one
+    that leads at the stated tolerances are fitted again, so that the name changes only where it really does. Simulated
+    logs and exact models have no such guesses.
 
     Args:
         explanations: All fits, and the chosen one.
@@ -84,8 +83,8 @@ def sensitivity_of(
     for factor in (HALVED, DOUBLED):
         scaled = _Scaled(explanations, data, model, np.where(guessed, factor, 1.0))
         probabilities[factor], leading[factor] = scaled.compared(settings.refitted, stop)
-    chosen = explanations.chosen
-    elsewhere = tuple(dict.fromkeys(fit for fit in leading.values() if fit.names != chosen.names))
+    first = explanations.rivals[int(np.argmax(explanations.probabilities))]
+    elsewhere = tuple(dict.fromkeys(fit for fit in leading.values() if fit.names != first.names))
     rows = _rows(explanations, probabilities, settings.named)
     if not elsewhere:
         return Sensitivity(explanations, rows)
@@ -140,12 +139,13 @@ class _Scaled:
         explanations = self.explanations
         fits = {fit: replace(fit, chi2=self._reweighed(fit)) for fit in explanations.comparison.fits}
         fits[explanations.null] = replace(explanations.null, chi2=self._reweighed(explanations.null))
+        stated = explanations.rivals[int(np.argmax(explanations.probabilities))]
         again: set[CandidateFit] = set()
         while True:
             probabilities = self._probabilities(fits)
             first = explanations.rivals[int(np.argmax(probabilities))]
-            new = {first, explanations.chosen} - again
-            if first.names == explanations.chosen.names or not new or len(again) > refitted or stop():
+            new = {first, stated} - again
+            if first.names == stated.names or not new or len(again) > refitted or stop():
                 return probabilities, first
             for fit in new:
                 fits[fit] = replace(fit, chi2=self._fitted(fit))

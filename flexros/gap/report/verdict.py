@@ -57,9 +57,13 @@ def partial_sentence(diagnosis: Diagnosis) -> str:
 def reported_causes(diagnosis: Diagnosis) -> tuple[Cause, ...]:
     """List the causes that a verdict names, what closes most first.
 
-    They are all that are more probable than not, otherwise the most probable one.
+    They are the effects that the budget is divided among, of which the closed share is; without a budget all that are
+    more probable than not, otherwise the most probable one.
     """
-    likely = tuple(cause for cause in diagnosis.causes if cause.probability >= _PART)
+    steps = (step for waterfall in diagnosis.waterfall for step in waterfall.steps)
+    divided = {(one.effect, one.location) for one in (*diagnosis.budget, *steps)}
+    repaired = tuple(cause for cause in diagnosis.causes if (cause.effect, cause.location) in divided)
+    likely = repaired or tuple(cause for cause in diagnosis.causes if cause.probability >= _PART)
     return tuple(sorted(likely, key=lambda cause: -closed_by(diagnosis, cause))) or diagnosis.causes[:1]
 
 

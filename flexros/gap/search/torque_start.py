@@ -13,6 +13,7 @@ from flexros.gap.candidates.scales import scales_of_motors
 from flexros.gap.fit.arm_torque import arm_torque
 from flexros.gap.fit.least_squares import CandidateFit, chi2_of, fit
 from flexros.gap.fit.torque_regression import regress_torque
+from flexros.gap.search.model_probability import compare
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -115,7 +116,7 @@ def on_null(null: NullFit, fit: CandidateFit) -> CandidateFit:
 def base_fit(
     null: NullFit, first: CandidateFit, settings: DiagnosisSettings, stop: Callable[[], bool] | None = None
 ) -> CandidateFit | None:
-    """Fit the effects of a start to a log; None where they improve nothing.
+    """Fit the effects of a start to a log; None where they gain no more than chance, so that all must be sought.
 
     Args:
         null: The nominal model, fitted.
@@ -126,7 +127,7 @@ def base_fit(
     enough = max(settings.fit.enough, null.data.negligible)
     iterations = settings.fit.final_iterations
     base = fit(first.predictor, null.data, first.theta, iterations, enough=enough, settings=settings.fit, stop=stop)
-    return base if base.chi2 < null.fit.chi2 else None
+    return base if compare(null.data, null.fit, [base], settings=settings.ranking).detected else None
 
 
 def _at(null: NullFit, hypothesis: Hypothesis, sizes: FloatArray, deviations: FloatArray) -> CandidateFit:

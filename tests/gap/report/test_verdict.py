@@ -120,3 +120,11 @@ def test_names_that_hang_on_tolerances_are_in_the_verdict(guessed: Diagnosis) ->
     alone = guessed.model_copy(update={"ambiguity_groups": ()})
     assert "cannot distinguish" not in verdict_sentence(alone)
     assert "hysteresis at motor_1 (with halved" in verdict_sentence(alone)
+
+
+def test_a_rival_that_the_budget_lacks_is_not_named_as_a_cause(divided: Diagnosis) -> None:
+    """The closed share that follows in the sentence is that of the repaired model."""
+    coulomb, hysteresis = divided.causes
+    rival = coulomb.model_copy(update={"effect": "backlash", "probability": 0.97})
+    found = reported_causes(divided.model_copy(update={"causes": (rival, hysteresis, coulomb)}))
+    assert [cause.effect for cause in found] == ["hysteresis", "coulomb_friction"]

@@ -101,3 +101,12 @@ def test_friction_of_all_motors_is_named_and_rotors_are_numbers_of_the_model() -
 def test_the_patch_holds_rotors_and_friction() -> None:
     patched = {f"{placed.effect.name}@{placed.location}" for placed in result().patch}
     assert patched == FRICTION | {"rotor_inertia@motor_1", "rotor_inertia@motor_2"}
+
+
+def test_a_base_that_gains_no_more_than_chance_is_none() -> None:
+    """Then every candidate must be tried alone: a base that explains nothing would end the search."""
+    found = first()
+    assert found is not None
+    assert base_fit(null(), found, DiagnosisSettings()) is not None
+    strict = DiagnosisSettings().ranking.model_copy(update={"detected": 1e9})
+    assert base_fit(null(), found, DiagnosisSettings(ranking=strict)) is None
