@@ -17,8 +17,6 @@ RECORDED = Path(__file__).parents[1] / "scenario" / "measured" / "double_pendulu
 """Logs, mapping, robot file and licence of the machine."""
 OWNER = "DFKI RIC Underactuated Robotics Lab, BSD 3-Clause, github.com/dfki-ric-underactuated-lab/double_pendulum"
 """Whose data it is."""
-EFFECTS = ("coulomb_friction", "viscous_friction", "motor_inertia_error", "torque_gain_error", "torque_bias")
-"""Effects that compete, so that the demonstration is short."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +35,7 @@ class Budgeted:
         """Return the figures for JSON."""
         diagnosis = self.result.diagnosis.model_dump(mode="json", by_alias=True)
         kept = ("verdict", "causes", "gap", "budget", "waterfall", "unexplained", "model_numbers")
-        return {"data": OWNER, "effects": list(EFFECTS), **{key: diagnosis[key] for key in kept}}
+        return {"data": OWNER, **{key: diagnosis[key] for key in kept}}
 
 
 def budgeted(folder: Path, progress: Callable[[str, float], None]) -> Budgeted:
@@ -51,7 +49,6 @@ def budgeted(folder: Path, progress: Callable[[str, float], None]) -> Budgeted:
     from flexros.gap.checked_log import checked_log
     from flexros.gap.diagnose import diagnose
     from flexros.gap.report.files import write_diagnosis
-    from flexros.gap.settings import DiagnosisSettings, SearchSettings
     from flexros.logs.foreign.import_log import import_log
     from flexros.logs.foreign.mapping import load_mapping
     from flexros.logs.write_log import write_log
@@ -63,8 +60,7 @@ def budgeted(folder: Path, progress: Callable[[str, float], None]) -> Budgeted:
     for name, log in logs.items():
         write_log(log, folder / f"double_pendulum_{name}")
     fitted, held = (checked_log(log, known.robot, name=name) for name, log in logs.items())
-    settings = DiagnosisSettings(search=SearchSettings(effects=EFFECTS))
-    result = diagnose(fitted, known, holdout=held, log=logs["check"], settings=settings, progress=progress)
+    result = diagnose(fitted, known, holdout=held, log=logs["check"], progress=progress)
     write_diagnosis(result, model, folder / "double_pendulum")
     return Budgeted(result, folder / "double_pendulum")
 
@@ -72,7 +68,6 @@ def budgeted(folder: Path, progress: Callable[[str, float], None]) -> Budgeted:
 def print_budget(measured: Budgeted) -> None:
     """Print whose machine it is, which effects make up its gap at each joint, and what is left."""
     from flexros.gap.report import terminal
-    from flexros.gap.report.words import effect_words
 
     diagnosis = measured.result.diagnosis
     console.print()
@@ -86,6 +81,4 @@ def print_budget(measured: Budgeted) -> None:
         console.print(heading)
         for line in lines:
             say(f"  {line}")
-    names = ", ".join(map(effect_words, EFFECTS))
-    say(f"To be short, only these effects competed: {names}. flexros diagnose without --effects tries all.")
     say(f"Report: {measured.folder / 'report.html'}")

@@ -60,8 +60,8 @@ def reported_causes(diagnosis: Diagnosis) -> tuple[Cause, ...]:
     They are the effects that the budget is divided among, of which the closed share is; without a budget all that are
     more probable than not, otherwise the most probable one.
     """
-    steps = (step for waterfall in diagnosis.waterfall for step in waterfall.steps)
-    divided = {(one.effect, one.location) for one in (*diagnosis.budget, *steps)}
+    divided = {(share.effect, share.location) for share in diagnosis.budget}
+    divided |= {(step.effect, step.location) for waterfall in diagnosis.waterfall for step in waterfall.steps}
     repaired = tuple(cause for cause in diagnosis.causes if (cause.effect, cause.location) in divided)
     likely = repaired or tuple(cause for cause in diagnosis.causes if cause.probability >= _PART)
     return tuple(sorted(likely, key=lambda cause: -closed_by(diagnosis, cause))) or diagnosis.causes[:1]
