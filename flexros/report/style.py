@@ -38,7 +38,7 @@ figcaption b {{ color: {INK}; font-weight: 600; }}
 table {{ border-collapse: collapse; font-size: 14px; font-variant-numeric: tabular-nums; min-width: 60%; }}
 th, td {{ padding: 5px 14px 5px 0; text-align: right; border-bottom: 1px solid {GRID}; vertical-align: top; }}
 th {{ font-weight: 600; border-bottom: 1.5px solid {INK}; vertical-align: bottom; }}
-th.left, td.left {{ text-align: left; overflow-wrap: anywhere; min-width: 5.5em; }}
+th.left, td.left {{ text-align: left; overflow-wrap: anywhere; min-width: 6.8em; }}
 td.group {{ text-align: left; font-weight: 600; padding-top: 14px; }}
 .picture {{ width: 100%; }}
 .modebar-container {{ top: auto !important; bottom: 26px; }}

@@ -112,7 +112,7 @@ def _bars(names: Sequence[str], values: Sequence[float], colours: Sequence[str])
 def _colour(candidate: RankedCandidate, diagnosis: Diagnosis) -> str:
     if any(_same(candidate, location) for group in diagnosis.ambiguity_groups for location in group):
         return _RIVAL
-    reported = diagnosis.verdict in ("explained", "ambiguous") and any(
+    reported = diagnosis.verdict in ("explained", "partly_explained", "ambiguous") and any(
         _same(candidate, cause) for cause in diagnosis.causes
     )
     return _CAUSE if reported and candidate.probability >= 0.5 else _REST

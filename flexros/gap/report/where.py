@@ -110,7 +110,7 @@ def _map(locations: Sequence[Excess], labels: Sequence[str], title: str) -> go.F
     )
     _write_cells(figure, rows, columns, share, p_value)
     figure.update_yaxes(autorange="reversed", showgrid=False)
-    figure.update_xaxes(title_text=title, showgrid=False, type="category", tickangle=0, tickfont={"size": 11})
+    figure.update_xaxes(title_text=title, showgrid=False, type="category", automargin=True, tickfont={"size": 11})
     lines = 1 + max(label.count("<br>") for label in columns)
     figure.update_layout(margin={"l": 170, "t": 20, "b": 44 + 14 * lines}, height=64 + 44 * len(rows) + 14 * lines)
     return figure
@@ -124,14 +124,14 @@ def _write_cells(
     for r, row in enumerate(rows):
         for c, column in enumerate(columns):
             if np.isfinite(share[r, c]):
-                dot = " ●" if p_value[r, c] < SIGNIFICANT else ""
+                dot = "<br>●" if p_value[r, c] < SIGNIFICANT else ""
                 dark = share[r, c] > 0.55 * max(largest, 1.0)
                 figure.add_annotation(
                     x=column,
                     y=row,
                     text=f"{share[r, c]:.0f}{dot}",
                     showarrow=False,
-                    font={"size": 12, "color": "#ffffff" if dark else "#1b1f24"},
+                    font={"size": 11, "color": "#ffffff" if dark else "#1b1f24"},
                 )
 
 

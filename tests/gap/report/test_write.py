@@ -163,3 +163,10 @@ def test_probabilities_with_other_tolerances_are_a_table(diagnosed: Diagnosed, g
     html = page(replace(diagnosed("ambiguous"), diagnosis=guessed), PATCH)
     assert re.search(r"Backlash at motor_1</td><td>0 %</td><td>3 %</td><td>98 %</td>", html)
     assert "A name that changes is ambiguous" in html
+
+
+def test_causes_of_a_part_of_the_gap_have_their_colour(diagnosed: Diagnosed, divided: Diagnosis) -> None:
+    html = page(replace(diagnosed("explained"), diagnosis=divided), PATCH)
+    bars = [trace for one in pictures(html) for trace in one["figure"]["data"] if trace["type"] == "bar"]  # type: ignore[index]
+    (ranking,) = (bar for bar in bars if bar["y"][0] == "Coulomb friction at motor_1")
+    assert ranking["marker"]["color"][0] == "#0072b2"
