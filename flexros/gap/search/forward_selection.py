@@ -74,7 +74,7 @@ def explain(search: Search) -> Explanations:
         fits = [search.base]
     comparison = compared(search, fits)
     if not comparison.detected:
-        return _explanations(comparison, null, detected=False)
+        return _explanations(search, comparison, null, detected=False)
     chosen = simplest(search, comparison, comparison.ranked(fits)[0], fits)
     if search.base is not null:
         chosen = _reduced(search, chosen, fits, settings.removed_by_step)
@@ -99,7 +99,7 @@ def explain(search: Search) -> Explanations:
         fits.append(chosen)
     comparison = compared(search, unique(fits))
     (chosen,) = (fit for fit in comparison.fits if fit.names == chosen.names)
-    return _pruned(search, _explanations(comparison, chosen, detected=True))
+    return _pruned(search, _explanations(search, comparison, chosen, detected=True))
 
 
 def _grown(
@@ -262,9 +262,9 @@ def _pruned(search: Search, explanations: Explanations) -> Explanations:
     chosen = search.within_limits(pruned[explanations.chosen])
     fits = [pruned.get(fit, fit) for fit in explanations.comparison.fits if fit is not explanations.chosen]
     if not chosen.hypothesis:
-        return _explanations(compared(search, fits), search.null.fit, detected=False)
+        return _explanations(search, compared(search, fits), search.null.fit, detected=False)
     comparison = compared(search, [*(fit for fit in fits if fit.names != chosen.names), chosen])
-    return _explanations(comparison, chosen, detected=True)
+    return _explanations(search, comparison, chosen, detected=True)
 
 
 def unique(fits: Sequence[CandidateFit]) -> list[CandidateFit]:
@@ -276,10 +276,11 @@ def unique(fits: Sequence[CandidateFit]) -> list[CandidateFit]:
     return sorted(best.values(), key=lambda fit: fit.chi2)
 
 
-def _explanations(comparison: ModelComparison, chosen: CandidateFit, *, detected: bool) -> Explanations:
+def _explanations(search: Search, comparison: ModelComparison, chosen: CandidateFit, *, detected: bool) -> Explanations:
     """Distribute probability over all explanations with no more effects than the chosen one."""
     most = max(1, len(chosen.hypothesis))
-    rivals = [comparison.null, *(fit for fit in comparison.fits if len(fit.hypothesis) <= most)]
+    small = [fit for fit in comparison.fits if len(fit.hypothesis) <= most]
+    rivals = [comparison.null, *(fit for fit in small if simplest(search, comparison, fit, small) is fit)]
     probabilities = comparison.probabilities(rivals)
     order = np.argsort(-probabilities, kind="stable")
     return Explanations(comparison, chosen, tuple(rivals[index] for index in order), probabilities[order], detected)

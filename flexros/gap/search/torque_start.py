@@ -116,7 +116,7 @@ def on_null(null: NullFit, fit: CandidateFit) -> CandidateFit:
 def base_fit(
     null: NullFit, first: CandidateFit, settings: DiagnosisSettings, stop: Callable[[], bool] | None = None
 ) -> CandidateFit | None:
-    """Fit the effects of a start to a log; None where they gain no more than chance, so that all must be sought.
+    """Fit the effects of a start to a log; None where they remove too little of what the nominal model leaves.
 
     Args:
         null: The nominal model, fitted.
@@ -127,7 +127,10 @@ def base_fit(
     enough = max(settings.fit.enough, null.data.negligible)
     iterations = settings.fit.final_iterations
     base = fit(first.predictor, null.data, first.theta, iterations, enough=enough, settings=settings.fit, stop=stop)
-    return base if compare(null.data, null.fit, [base], settings=settings.ranking).detected else None
+    floor, before = null.data.n_values, null.fit.chi2
+    removed, within = settings.search.removed_of_all, settings.search.within_floor
+    most = before - removed * (before - floor) if before > floor else within * before
+    return base if base.chi2 < most else None
 
 
 def _at(null: NullFit, hypothesis: Hypothesis, sizes: FloatArray, deviations: FloatArray) -> CandidateFit:

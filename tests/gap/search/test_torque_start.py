@@ -75,10 +75,12 @@ def test_without_a_competing_effect_there_is_no_start() -> None:
     assert first(effects=("backlash", "payload_error")) is None
 
 
-def test_a_start_that_improves_nothing_is_none() -> None:
+def test_a_start_that_removes_little_is_none() -> None:
     found = first()
     assert found is not None
-    better = replace(null(), fit=replace(null().fit, chi2=0.0))
+    fitted = base_fit(null(), found, DiagnosisSettings())
+    assert fitted is not None
+    better = replace(null(), fit=replace(null().fit, chi2=1.01 * fitted.chi2))
     assert base_fit(better, found, DiagnosisSettings()) is None
 
 
