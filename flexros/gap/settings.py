@@ -268,6 +268,12 @@ class SearchSettings(Settings):
         description="share of the remaining gap that every effect must remove in the end, all others in place [1]; "
         "spurious ones remove up to 0.3 (development seeds)",
     )
+    least_of_gap: float = Field(
+        default=1e-7,
+        ge=0,
+        description="share of the gap of the nominal model that every effect must remove [1]: less is within the "
+        "numerical error of the model, relative in amplitude 3e-4",
+    )
     removed_of_all: float = Field(
         default=0.2,
         gt=0,

@@ -93,7 +93,10 @@ def explain(search: Search) -> Explanations:
     if len(chosen.hypothesis) > 1:
         fits.append(search.completed(chosen))
         chosen = _reduced(search, fits[-1], fits, settings.removed)
-        chosen = _exchanged(search, chosen, directions, fits)
+        exchanged = _exchanged(search, chosen, directions, fits)
+        if exchanged.names != chosen.names:  # what made up for an effect of wrong form is needless now
+            exchanged = _reduced(search, exchanged, fits, settings.removed)
+        chosen = exchanged
     elif search.deadline.over:
         chosen = search.completed(chosen)
         fits.append(chosen)
@@ -153,10 +156,10 @@ def _reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], remove
     while len(fit.hypothesis) > 1:
         if search.base is not search.null.fit or search.deadline.stops_finishing():
             return _without_needless(search, fit, fits, removed)
-        rests = search.removals(fit, search.surroundings(fit))
-        left = [max(rest.least / n - 1.0, 1e-12) for rest in rests]
-        shares = [(rise - (fit.chi2 / n - 1.0)) / rise for rise in left]
-        doubtful = [one.name for one, share in zip(fit.hypothesis, shares) if share < certain]
+        surroundings = search.surroundings(fit)  # of some rows: they tell how much is lost, not how much is left
+        lost = [max(rest.least - surroundings.least, 0.0) for rest in search.removals(fit, surroundings)]
+        left = max(fit.chi2 - n, 0.0)
+        doubtful = [one.name for one, rise in zip(fit.hypothesis, lost) if rise < certain * (rise + left) or rise == 0]
         without = search.parallel("effects left out", partial(search.without, fit), doubtful, needed=len(doubtful))
         fits += without
         comparison = compared(search, unique(fits))
@@ -261,6 +264,8 @@ def _pruned(search: Search, explanations: Explanations) -> Explanations:
     pruned = {fit: search.pruned(fit) for fit in likely}
     chosen = search.within_limits(pruned[explanations.chosen])
     fits = [pruned.get(fit, fit) for fit in explanations.comparison.fits if fit is not explanations.chosen]
+    if chosen.predictor.n_effect < explanations.chosen.predictor.n_effect:  # without a parameter one may be needless
+        chosen = _reduced(search, chosen, fits, search.settings.search.removed)
     if not chosen.hypothesis:
         return _explanations(search, compared(search, fits), search.null.fit, detected=False)
     comparison = compared(search, [*(fit for fit in fits if fit.names != chosen.names), chosen])

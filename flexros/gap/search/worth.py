@@ -35,6 +35,9 @@ def worth(
     """Return whether further effects remove a good part of the remaining gap, or of the prior penalty."""
     if comparison.score(after) - comparison.score(before) < comparison.threshold:
         return False
+    form_error = search.settings.search.least_of_gap * (comparison.level(comparison.null) - 1.0)
+    if comparison.level(before) - comparison.level(after) < form_error:
+        return False
     if search.data.record.imported:
         removed = search.settings.search.removed_of_all
         least = search.settings.search.removed_of_floor / search.data.record.position.shape[1]

@@ -84,3 +84,11 @@ def test_a_rich_effect_stays_where_it_does_much_more(level: float, chosen: str) 
     null, simple, rich = measured_fit(20.0), measured_fit(5.0, COULOMB), measured_fit(level, PRESLIDING)
     comparison = ModelComparison(null, (simple, rich), 20_000)
     assert simplest(measured_search(1), comparison, rich, [simple, rich]).names == {chosen}
+
+
+def test_what_is_within_the_numerical_error_of_a_model_is_no_effect() -> None:
+    null, rest, fit = measured_fit(1e8), measured_fit(1.9, COULOMB), measured_fit(1.0, COULOMB, PRESLIDING)
+    search = measured_search(1)
+    search.data.record.imported = False
+    assert not worth(search, ModelComparison(null, (rest, fit), 20_000), rest, fit, 0.4)
+    assert worth(search, ModelComparison(measured_fit(1e3), (rest, fit), 20_000), rest, fit, 0.4)
