@@ -116,7 +116,9 @@ def on_null(null: NullFit, fit: CandidateFit) -> CandidateFit:
 def base_fit(
     null: NullFit, first: CandidateFit, settings: DiagnosisSettings, stop: Callable[[], bool] | None = None
 ) -> CandidateFit | None:
-    """Fit the effects of a start to a log; None where they remove too little of what the nominal model leaves.
+    """Fit the effects of a start to a log; None where they remove little or gain no more than chance.
+
+    Then every candidate must be tried alone: a base that explains little would end the search.
 
     Args:
         null: The nominal model, fitted.
@@ -130,7 +132,8 @@ def base_fit(
     floor, before = null.data.n_values, null.fit.chi2
     removed, within = settings.search.removed_of_all, settings.search.within_floor
     most = before - removed * (before - floor) if before > floor else within * before
-    return base if base.chi2 < most else None
+    detected = compare(null.data, null.fit, [base], settings=settings.ranking).detected
+    return base if detected and base.chi2 < most else None
 
 
 def _at(null: NullFit, hypothesis: Hypothesis, sizes: FloatArray, deviations: FloatArray) -> CandidateFit:
