@@ -52,6 +52,14 @@ def over_speed(text: str, size: float = 150.0) -> Panels:
     ]
 
 
+def over_way(text: str) -> Panels:
+    """Draw the disturbance force over the way."""
+    moved = of_slide(text)
+    inner = slice(5, -5)
+    way = moved.position[inner, 0]
+    return [panel("on a slide", WAY, DISTURBANCE, [nominal(way, 0 * way), changed(way, disturbance(moved)[inner])])]
+
+
 def over_time(text: str, duration: float = 2.0) -> Panels:
     """Draw the disturbance force over time."""
     moved = of_slide(text, duration=duration)
@@ -240,6 +248,10 @@ DRAWINGS: dict[str, tuple[Callable[[str], Panels], str]] = {
         lambda text: [responses(f"extra_mode@{place}:{text}") for place in ("tool", "base")],
         "frequency=12,ratio=0.3",
     ),
+    "friction_curve": (
+        over_speed,
+        "friction_curve@motor_1:standstill=8,speed_10=2,speed_25=18,speed_50=6,speed_75=10,speed_100=12,speed=0.25",
+    ),
     "friction_drift": (lambda text: over_time(text, 12.0), "friction_drift@motor_1:coulomb=20,time_constant=4"),
     "gravity_error": (holding, "gravity_error@body_2:relative=0.2"),
     "hysteresis": (
@@ -266,6 +278,10 @@ DRAWINGS: dict[str, tuple[Callable[[str], Panels], str]] = {
         "stribeck_friction@motor_1:extra=20,velocity=0.05 coulomb_friction@motor_1:level=10",
     ),
     "torque_bias": (over_time, "torque_bias@motor_1:level=10"),
+    "torque_curve": (
+        over_way,
+        "torque_curve@motor_1:torque_1=10,torque_2=10,torque_3=-5,torque_5=15,torque_6=15,torque_8=-20,low=0,high=0.08",
+    ),
     "torque_gain_error": (over_command, "torque_gain_error@motor_1:relative=-0.2"),
     "torque_ripple": (over_rotor_angle, "torque_ripple@motor_1:amplitude=5,order=6"),
     "torque_saturation": (over_command, "torque_saturation@motor_1:limit=90"),

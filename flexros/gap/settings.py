@@ -246,6 +246,15 @@ class SearchSettings(Settings):
         description="share of the remaining gap that a step of forward selection must remove, and every effect while "
         "the search goes on [1]",
     )
+    curves: int = Field(
+        default=3, ge=0, description="most curves without a law that are added on a real machine, the best ones"
+    )
+    beyond_laws: float = Field(
+        default=1.5,
+        ge=1,
+        description="predicted gain of a curve, over that of any further law at its motor or at none, from which it is "
+        "added: less is an error of form of that law [1] (chosen)",
+    )
     regained: float = Field(
         default=0.5,
         gt=0,

@@ -39,7 +39,8 @@ class AbstractEffect(Settings, ABC):
        `harmonics` and `delays_commands`.
     5. The methods of its kind: `AbstractModelChange` returns a changed robot, `AbstractChangedValues` changed parameter
        values, `AbstractCommandLaw` the torque between command and motor, `AbstractMotorTorque` a smooth torque at a
-       motor, `AbstractDryFriction` friction with sticking, `AbstractBristleFriction` friction with presliding,
+       motor, `AbstractCurve` one without a law, `AbstractDryFriction` friction with sticking,
+       `AbstractBristleFriction` friction with presliding,
        `AbstractGearLaw` torques of a spring, `AbstractArmLaw` forces on the arm, `AbstractSensor` a changed
        measurement, `AbstractToolError` a changed tool geometry.
 
@@ -51,6 +52,8 @@ class AbstractEffect(Settings, ABC):
     stage: ClassVar[Stage]
     fingerprint: ClassVar[str] = ""
     """Observable signature of the effect: one sentence for report and guide."""
+    words: ClassVar[str] = ""
+    """Name of the effect in sentences, where it is not its `name`."""
     signatures: ClassVar[tuple[str, ...]] = ()
     """Pictures of a diagnosis in which the effect shows, by name (`flexros.gap.signatures`), the clearest first."""
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType({})

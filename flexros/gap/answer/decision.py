@@ -13,6 +13,7 @@ from flexros.gap.fit.estimates import placed_effects
 from flexros.gap.fit.unknown_numbers import UnknownNumbers
 from flexros.gap.held_out.prediction_gap import unknown_rounding
 from flexros.gap.schema import EffectLocation
+from flexros.gap.search.curves import curves_of
 from flexros.gap.search.model_probability import RANKING, ModelComparison, allowing_for_doubt, compare
 
 if TYPE_CHECKING:
@@ -122,7 +123,10 @@ def held_out_gain(fit: CandidateFit, findings: Findings) -> float:
 
 
 def verdict_of(findings: Findings) -> Verdict:
-    """Return the verdict."""
+    """Return the verdict.
+
+    A curve names where something is, but no law: what it explains is explained in part at best.
+    """
     explanations, comparison = findings.explanations, findings.explanations.comparison
     if not explanations.detected:
         fitted = allowing_for_doubt(comparison, findings.data)
@@ -130,7 +134,8 @@ def verdict_of(findings: Findings) -> Verdict:
             return "unknown_effect"
         return "explained" if findings.quantizations else "no_gap"
     confirmed = findings.held_comparison.adequate(findings.held_chosen, elsewhere=True)
-    if comparison.adequate(explanations.chosen) and confirmed:
+    lawful = not curves_of(explanations.chosen.hypothesis)
+    if comparison.adequate(explanations.chosen) and confirmed and lawful:
         return "ambiguous" if rivals_of(explanations, findings.settings, findings.elsewhere) else "explained"
     return "partly_explained" if _partly(findings) else "unknown_effect"
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects import PlacedEffect, effects
+from flexros.effects.kinds.curve import AbstractCurve
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -197,9 +198,10 @@ def below_nominal(free: FreeParameter, most: float) -> FreeParameter:
 
 
 def list_candidates(robot: Robot, scales: Scales, *, measured: bool = False) -> tuple[Candidate, ...]:
-    """List every effect at every location, but for effects without ranges and those with a harmonic.
+    """List every effect at every location, but for effects without ranges, those with a harmonic, and curves.
 
-    The orders of harmonics are found in the prediction errors, see `flexros.gap.search.harmonic_candidates`.
+    The orders of harmonics are found in the prediction errors, see `flexros.gap.search.harmonic_candidates`. Curves
+    compete in what laws leave, see `flexros.gap.search.curves`.
 
     Args:
         robot: The nominal robot.
@@ -208,7 +210,7 @@ def list_candidates(robot: Robot, scales: Scales, *, measured: bool = False) -> 
     """
     candidates: list[Candidate] = []
     for effect in effects().values():
-        if not effect.ranges or effect.harmonics:
+        if not effect.ranges or effect.harmonics or issubclass(effect, AbstractCurve):
             continue
         for location in distinct_locations(effect, robot):
             free = [

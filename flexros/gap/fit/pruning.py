@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.effects.kinds.curve import AbstractCurve
 from flexros.effects.kinds.law import AbstractLaw
 
 if TYPE_CHECKING:
@@ -48,6 +49,8 @@ def without_least_parameter(fit: CandidateFit) -> tuple[Hypothesis, FloatArray] 
 def _may_go(candidate: Candidate, index: int, values: dict[str, float]) -> bool:
     """Return whether an effect remains one with a parameter at zero."""
     name = candidate.free[index].name
+    if issubclass(candidate.effect, AbstractCurve):
+        return False  # between its knots it has no other form
     if not candidate.free[index].signed or candidate.effect.ranges[name].scale == "phase":
         return False
     without = candidate.placed({**values, name: 0.0}).effect

@@ -167,22 +167,36 @@ class Surroundings:
         Args:
             changes: Changes of the prediction errors, shape (n_rows, k).
         """
-        k = changes.shape[1]
-        slopes = np.hstack([self.slopes, changes.astype(float)])
-        nothing = np.zeros(k)
-        prior, pulled = np.append(self.prior, nothing), np.append(self.pulled, nothing)
-        return Surroundings(self.residual, slopes, prior, pulled, self.weight).least
+        return self._beside(changes).least
+
+    def sizes(self, changes: NDArray[Any]) -> FloatArray:
+        """Estimate the lengths of directions when they and all parameters are fitted together [1], shape (k,).
+
+        Args:
+            changes: Changes of the prediction errors, shape (n_rows, k).
+        """
+        beside = self._beside(changes)
+        return -beside._refitted(beside._gradient)[len(self.prior) :]
 
     @property
     def least(self) -> float:
         """Sum of squares when all parameters are fitted again, by linear theory [1]."""
-        gradient = self.weight * self.slopes.T @ self.residual + self.pulled
+        gradient = self._gradient
         return self.weight * float(self.residual @ self.residual) - float(gradient @ self._refitted(gradient))
 
+    @property
+    def _gradient(self) -> FloatArray:
+        return np.asarray(self.weight * self.slopes.T @ self.residual + self.pulled, dtype=float)
+
+    def _beside(self, changes: NDArray[Any]) -> Surroundings:
+        """Return the same fit with directions as further parameters, which have no prior."""
+        slopes, nothing = np.hstack([self.slopes, changes.astype(float)]), np.zeros(changes.shape[1])
+        prior, pulled = np.append(self.prior, nothing), np.append(self.pulled, nothing)
+        return Surroundings(self.residual, slopes, prior, pulled, self.weight)
+
     def _slope(self, changes: NDArray[Any]) -> FloatArray:
-        gradient = self.weight * self.slopes.T @ self.residual + self.pulled
         shared = self.weight * self.slopes.T @ changes
-        slope: FloatArray = -(self.weight * self.residual @ changes - self._refitted(gradient) @ shared)
+        slope: FloatArray = -(self.weight * self.residual @ changes - self._refitted(self._gradient) @ shared)
         return slope
 
     def _own_curvature(self, changes: NDArray[Any]) -> FloatArray:

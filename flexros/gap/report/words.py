@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from flexros.effects import effects
 from flexros.gap.where.base import views
 from flexros.gap.where.regimes import REGIMES
 from flexros.report.number_text import number
@@ -32,11 +33,14 @@ _NEARLY_ALL, _ALL = 0.95, 0.9995
 
 
 def effect_words(effect: str) -> str:
-    """Write the name of an effect as words, e.g. "Coulomb friction", "torque gain error".
+    """Write the name of an effect as words, e.g. "Coulomb friction", "torque gain error", "friction of unknown law".
 
     Args:
         effect: Name of the effect, e.g. "coulomb_friction".
     """
+    kind = effects().get(effect)
+    if kind is not None and kind.words:
+        return kind.words
     return " ".join(_PROPER.get(word, word) for word in effect.split("_"))
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
@@ -132,11 +133,19 @@ class Search:
         changed = effect.values(self.null.model.robot, candidate.location)
         return not changed or min(deviations.get(name, 0.0) for name in changed) < UNCERTAIN
 
-    def directions(self, candidates: Sequence[Candidate]) -> list[Directions]:
-        """Predict the log with every initial value of the candidates that the base lacks."""
-        new = [candidate for candidate in candidates if candidate.name not in self.base.names]
-        plants = self.plants(self.base, new)
-        return self.parallel("candidates", self._directions, [(one, plants[one]) for one in new])
+    def directions(self, candidates: Sequence[Candidate], fit: CandidateFit | None = None) -> list[Directions]:
+        """Predict the log with every initial value of the candidates that a fit lacks.
+
+        Args:
+            candidates: The candidates.
+            fit: The fit; default: the base.
+        """
+        around = self.base if fit is None else fit
+        residual = self.base_residual if fit is None else fit.residual(self.data)
+        new = [candidate for candidate in candidates if candidate.name not in around.names]
+        plants = self.plants(around, new)
+        work = partial(self._directions, around, residual)
+        return self.parallel("candidates", work, [(one, plants[one]) for one in new])
 
     def plants(self, fit: CandidateFit, candidates: Sequence[Candidate]) -> dict[Candidate, CompiledPlant]:
         """Compile plants of a fit with each of some candidates, several candidates at a time.
@@ -149,13 +158,11 @@ class Search:
         plants = [self.null.plant((*fit.hypothesis, *group)) for group in groups]
         return {one: plant for group, plant in zip(groups, plants, strict=True) for one in group}
 
-    def _directions(self, pair: tuple[Candidate, CompiledPlant]) -> Directions:
+    def _directions(self, fit: CandidateFit, residual: FloatArray, pair: tuple[Candidate, CompiledPlant]) -> Directions:
         candidate, plant = pair
-        of_null = self.base is self.null.fit
-        own = starts_of((candidate,), self.settings.fit.most_starts if of_null else LANES)
-        predictor = self.null.predictor((*self.base.hypothesis, candidate), plant)
-        theta, residual, stops = self.base.theta, self.base_residual, self.deadline.stops
-        return directions_of(predictor, self.data, theta, own, residual, self.rows, stops)
+        own = starts_of((candidate,), self.settings.fit.most_starts if fit is self.null.fit else LANES)
+        predictor = self.null.predictor((*fit.hypothesis, candidate), plant)
+        return directions_of(predictor, self.data, fit.theta, own, residual, self.rows, self.deadline.stops)
 
     def singles(self, directions: Sequence[Directions]) -> list[CandidateFit]:
         """Fit the candidates that promise most, each alone: all for a few iterations, the best ones to the end.

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.gap.candidates.candidate import names_of
 from flexros.gap.fit.estimates import parameters_of
+from flexros.gap.search.curves import curves_of, in_place_of_laws, with_curves
 from flexros.gap.search.worth import compared, incomplete, simple_first, simplest, worth
 
 if TYPE_CHECKING:
@@ -78,6 +80,7 @@ def explain(search: Search) -> Explanations:
     chosen = simplest(search, comparison, comparison.ranked(fits)[0], fits)
     if search.base is not null:
         chosen = _reduced(search, chosen, fits, settings.removed_by_step)
+    first = chosen
     for _ in range(settings.rounds if search.base is null else settings.rounds_after_torques):
         if len(chosen.hypothesis) >= settings.most_effects or not incomplete(search, comparison, chosen):
             break
@@ -100,6 +103,9 @@ def explain(search: Search) -> Explanations:
     elif search.deadline.over:
         chosen = search.completed(chosen)
         fits.append(chosen)
+    curved = with_curves(search, chosen, directions, fits)
+    if curved is not chosen:
+        chosen = _beside_curves(search, first, curved, directions, fits)
     comparison = compared(search, unique(fits))
     (chosen,) = (fit for fit in comparison.fits if fit.names == chosen.names)
     return _pruned(search, _explanations(search, comparison, chosen, detected=True))
@@ -168,6 +174,44 @@ def _reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], remove
             break
         fit = min(needless, key=lambda rest: rest.chi2)
     return fit
+
+
+def _beside_curves(
+    search: Search,
+    first: CandidateFit,
+    curved: CandidateFit,
+    directions: Sequence[Directions],
+    fits: list[CandidateFit],
+) -> CandidateFit:
+    """Leave out the laws that imitated what curves explain now, and add those that were hidden behind it.
+
+    Laws that were found without the curves may all be imitations of them. So the curves are also tried with the laws
+    that the search began with, less those at their motors that they do not contain.
+
+    Args:
+        search: The search.
+        first: The explanation before further effects were added.
+        curved: The explanation with curves.
+        directions: All candidates but those of harmonics.
+        fits: All fits so far; new ones are appended.
+    """
+    removed = search.settings.search.removed
+    alternatives = [(curved, directions)]
+    rest = in_place_of_laws(search, first, curved)
+    curves = names_of(tuple(curves_of(curved.hypothesis)))
+    if rest.names != curved.names - curves and not search.deadline.stops():
+        other = with_curves(search, rest, directions, fits, curves)
+        if other is not rest:
+            alternatives.append((other, search.directions(search.candidates(), other)))
+    found = []
+    for fit, candidates in alternatives:
+        small = _reduced(search, fit, fits, removed)
+        grown = None if search.deadline.stops() else _grown(search, small, candidates, fits)
+        if grown is not None and worth(search, compared(search, unique(fits)), small, grown, removed):
+            fits.append(search.completed(grown))
+            small = _reduced(search, fits[-1], fits, removed)
+        found.append(small)
+    return compared(search, unique(fits)).ranked(found)[0]
 
 
 def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed: float) -> CandidateFit:

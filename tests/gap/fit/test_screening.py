@@ -58,6 +58,15 @@ def test_of_directions_that_do_the_same_one_is_selected() -> None:
     assert around.independent(changes, most=1, kept=0.5) == [0]
 
 
+def test_directions_that_are_fitted_together_have_the_sizes_that_were_left_out() -> None:
+    rng = np.random.default_rng(3)
+    slopes, changes = rng.normal(size=(400, 2)), rng.normal(size=(400, 3))
+    residual = slopes @ [1.0, -2.0] - changes @ [0.5, 3.0, -1.0]
+    around = Surroundings(residual, slopes, np.zeros(2), np.zeros(2), 1.0)
+    np.testing.assert_allclose(around.sizes(changes), [0.5, 3.0, -1.0])
+    assert around.left(changes) == pytest.approx(0.0, abs=1e-6 * around.least)
+
+
 @pytest.mark.parametrize(("deviation", "held"), [(5.0, True), (4.0, False)])
 def test_a_candidate_gains_what_a_pinned_tolerance_cannot(deviation: float, held: bool) -> None:
     """A tolerated parameter that would go on beyond its bound must not pretend to gain what a candidate gains."""

@@ -27,6 +27,7 @@ def parameter(value: float, std: float, unit: str) -> CauseParameter:
 def test_effects_are_named_in_words() -> None:
     assert effect_words("coulomb_friction") == "Coulomb friction"
     assert effect_words("torque_gain_error") == "torque gain error"
+    assert effect_words("friction_curve") == "friction of unknown law"
 
 
 def test_locations_are_named_in_words() -> None:

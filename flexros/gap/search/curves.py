@@ -1,0 +1,173 @@
+"""Torques of unknown law: curves over speed and position that take up what no law of the library explains."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.effects import effects
+from flexros.effects.kinds.curve import AbstractCurve
+from flexros.gap.candidates.candidate import Candidate, FreeParameter, simpler
+from flexros.gap.search.candidate_fits import Addition
+from flexros.gap.search.worth import compared, worth
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Mapping, Sequence
+
+    from flexros.effects.kinds.curve import Extent
+    from flexros.gap.candidates.candidate import Hypothesis
+    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.screening import Directions, Surroundings
+    from flexros.gap.search.candidate_fits import Search
+
+TRIED = 0.05
+"""Size of a curve by which a log is predicted, over the largest torque of its motor [1] (chosen)."""
+
+
+def with_curves(
+    search: Search,
+    fit: CandidateFit,
+    directions: Sequence[Directions],
+    fits: list[CandidateFit],
+    wanted: Collection[str] = (),
+) -> CandidateFit:
+    """Add curves to an explanation of a real machine, where they explain clearly more than any further law.
+
+    All sizes of a curve are free together, and those of all laws with them: an error of form in one law, or friction of
+    a law that is not in the library, then moves no others. On a simulated robot every law is in the library.
+
+    Args:
+        search: The search.
+        fit: The explanation by laws.
+        directions: All candidates but those of harmonics.
+        fits: All fits so far; a new one is appended.
+        wanted: Names of the curves that compete, effect@location, whatever laws would explain; default: all that
+            explain clearly more.
+
+    Returns:
+        The explanation with curves, or the same fit.
+    """
+    if not search.data.record.imported or search.deadline.stops():
+        return fit
+    surroundings = search.surroundings(fit)
+    listed = [one for one in list_curves(search, fit) if not wanted or one.name in wanted]
+    curves = [one for one in search.directions(listed, fit) if one.usable.all()]
+    if not wanted:
+        curves = _beyond_laws(search, surroundings, curves, search.additions(directions, fit, surroundings))
+    group = _selected(search, fit, surroundings, curves)
+    while group and not search.deadline.stops():
+        changes = [one.changes for one in group]
+        sizes = np.split(surroundings.sizes(np.hstack(changes)), np.cumsum([one.shape[1] for one in changes])[:-1])
+        nothing = np.zeros(len(fit.predictor.tolerance.names), dtype=bool)
+        additions = [
+            Addition(one.candidate, 0.0, one.starts @ size, nothing, one.changes @ size.astype(np.float32))
+            for one, size in zip(group, sizes, strict=True)
+        ]
+        grown = search.together(fit, additions)
+        if worth(search, compared(search, [fit]), fit, grown, search.settings.search.removed_of_all):
+            fits.append(search.completed(grown))
+            return fits[-1]
+        group = group[:-1]
+    return fit
+
+
+def curves_of(hypothesis: Hypothesis) -> list[Candidate]:
+    """List the curves among the candidates of a hypothesis."""
+    return [one for one in hypothesis if issubclass(one.effect, AbstractCurve)]
+
+
+def list_curves(search: Search, fit: CandidateFit) -> list[Candidate]:
+    """List the curves that compete beside an explanation, without the sizes that they share with its laws.
+
+    Args:
+        search: The search.
+        fit: The explanation.
+    """
+    candidates = []
+    for effect in effects().values():
+        if not issubclass(effect, AbstractCurve):
+            continue
+        for motor, location in enumerate(search.null.model.robot.joint_names):
+            shared = _shared(effect, location, fit)
+            names = [name for name in effect.ranges if name not in shared]
+            torque = search.scales.of("torque", location)
+            sizes = [effect.ranges[name] for name in names]
+            starts = TRIED * torque * np.eye(len(names))
+            free = tuple(
+                FreeParameter(name, size.low * torque, size.high * torque, True, tuple(map(float, start)))
+                for name, size, start in zip(names, sizes, starts, strict=True)
+            )
+            covered = _covered(search, motor)
+            fixed = tuple((name, covered[extent]) for name, extent in effect.extent.items())
+            candidates.append(Candidate(effect, location, free, fixed, together=True))
+    return [one for one in candidates if search.competitors.contain(one) and one.name not in fit.names]
+
+
+def _shared(effect: type[AbstractCurve], location: str, fit: CandidateFit) -> frozenset[str]:
+    """Return the sizes of a curve that do the same as free parameters of laws at its motor."""
+    fitted = {(one.effect.name, free.name) for one in fit.hypothesis if one.location == location for free in one.free}
+    every = ((name, pair) for name, pairs in effect.extends.items() for pair in pairs.items())
+    return frozenset(own for name, (own, other) in every if (name, other) in fitted)
+
+
+def _covered(search: Search, motor: int) -> Mapping[Extent, float]:
+    """Return what the motion of a motor covers."""
+    record = search.data.record
+    position = record.position[record.valid, motor]
+    return {
+        "largest speed": search.scales.of("speed", search.null.model.robot.joint_names[motor]),
+        "lowest angle": float(position.min()),
+        "highest angle": float(position.max()),
+    }
+
+
+def in_place_of_laws(search: Search, fit: CandidateFit, curved: CandidateFit) -> CandidateFit:
+    """Fit an explanation without the laws at the motors of curves, but those that the curves contain.
+
+    Args:
+        search: The search.
+        fit: The explanation.
+        curved: Another one with curves.
+    """
+    curves = curves_of(curved.hypothesis)
+    places = {one.location for one in curves}
+    kept = frozenset[str]().union(*(simpler(one) for one in curves))
+    names = [one.name for one in fit.hypothesis if one.location in places and one.name not in kept]
+    return search.without(fit, *names) if names else fit
+
+
+def _beyond_laws(
+    search: Search, surroundings: Surroundings, curves: Sequence[Directions], laws: Sequence[Addition]
+) -> list[Directions]:
+    """List the curves that explain clearly more than any single law at their motor, or at none, would."""
+    motors, margin = search.null.model.robot.joint_names, search.settings.search.beyond_laws
+    found = []
+    for curve in curves:
+        place = curve.candidate.location
+        rivals = [law.gain for law in laws if law.candidate.location == place or law.candidate.location not in motors]
+        gain = surroundings.least - surroundings.left(curve.changes)
+        if gain > margin * max(rivals, default=0.0):
+            found.append(curve)
+    return found
+
+
+def _selected(
+    search: Search, fit: CandidateFit, surroundings: Surroundings, curves: Sequence[Directions]
+) -> list[Directions]:
+    """Select curves one after the other, for as long as one is worth its sizes by linear theory."""
+    n, comparison, settings = search.data.n_values, compared(search, [fit]), search.settings.search
+    group: list[Directions] = []
+    least = surroundings.least
+    while len(group) < min(len(curves), settings.curves):
+        rest = [one for one in curves if one not in group]
+        lefts = [surroundings.left(np.hstack([*(other.changes for other in group), one.changes])) for one in rest]
+        best, left = rest[int(np.argmin(lefts))], min(lefts)
+        charged = left * n ** (len(best.candidate.free) / n)  # of the same score as without its sizes
+        before, after = replace(fit, chi2=least), replace(fit, chi2=charged)
+        if not worth(search, comparison, before, after, settings.removed_of_all):
+            break
+        group.append(best)
+        least = left
+    return group

@@ -1,0 +1,139 @@
+"""What no law explains, on a machine with friction and a force that no effect of the library describes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import cache
+from typing import ClassVar
+
+import casadi as ca
+import numpy as np
+import pytest
+import yaml
+
+from flexros.effects import PlacedLaw, RobotWithEffects, parse_effect, place_effects
+from flexros.effects.kinds.base import Stage
+from flexros.effects.kinds.motor_law import AbstractMotorTorque, MotorState
+from flexros.gap.diagnose import diagnose
+from flexros.gap.result import DiagnosisResult
+from flexros.gap.settings import DiagnosisSettings
+from flexros.record.record import Record
+from flexros.robot import Robot, robot_from_data
+from flexros.robot.symbolic.kinematics import Value
+from flexros.simulate.plant import Plant
+from tests.gap.rigid_arm import ARM, INERTIA
+
+pytestmark = pytest.mark.slow
+
+T, N, NOISE = 0.005, 4000, 2e-5
+SETTINGS = DiagnosisSettings(where=None, next_experiment=None)
+FIRST = ("coulomb_friction@motor_1:level=6", "viscous_friction@motor_1:coefficient=4")
+SECOND = "coulomb_friction@motor_2:level=2"
+
+
+def friction_hump(motor: MotorState) -> ca.SX:
+    """Friction that is 1 Nm higher at one speed."""
+    speed = motor.speed
+    return -ca.tanh(speed / 0.01) * ca.exp(-(((ca.fabs(speed) - 0.6) / 0.2) ** 2))
+
+
+def cable(motor: MotorState) -> ca.SX:
+    """A cable that becomes tight from an angle on."""
+    return 60 * ca.fmax(motor.position - 0.2, 0) ** 2
+
+
+LAWS: Mapping[str, Callable[[MotorState], ca.SX]] = {"hump": friction_hump, "cable": cable}
+
+
+class Hidden(AbstractMotorTorque):
+    """A torque that is not in the library."""
+
+    name: ClassVar[str] = "hidden"
+    stage: ClassVar[Stage] = "actuator"
+    size: ClassVar[str] = "level"
+
+    law: str
+    level: float = 1.0
+
+    def added(self, motor: MotorState, values: Mapping[str, Value]) -> ca.SX:
+        return values["level"] * LAWS[self.law](motor)
+
+
+@cache
+def robot() -> Robot:
+    arm = robot_from_data({**yaml.safe_load(ARM), "sensors": {"encoder_noise": NOISE}}, "arm.yaml")
+    return arm.with_values({f"motor_{number}.inertia": value for number, value in enumerate(INERTIA, 1)})
+
+
+def measured(effects: tuple[str, ...], hidden: str = "") -> Record:
+    """Simulate 20 s of motion under a controller, as a log of a real machine."""
+    placed = place_effects(robot(), [parse_effect(text, "test") for text in effects])
+    beyond = (PlacedLaw("hidden@motor_2", Hidden(law=hidden), "motor_2"),) if hidden else ()
+    rng, time = np.random.default_rng(1), T * np.arange(N)
+    wanted = np.zeros((2, N, 2))
+    for motor in range(2):
+        for frequency, size in ((0.13, 0.5), (0.31, 0.3), (0.47, 0.15)):
+            w, phase = 2 * np.pi * frequency * rng.uniform(0.9, 1.1), rng.uniform(0, 6)
+            wanted[0, :, motor] += size * np.sin(w * time + phase)
+            wanted[1, :, motor] += size * w * np.cos(w * time + phase)
+    plant = Plant(placed.robot, T, np.concatenate(wanted[:, 0]), substeps=4, laws=(*placed.laws, *beyond))
+    position, torque = np.zeros((N, 2)), np.zeros((N, 2))
+    for k in range(N):
+        position[k], speed = np.split(plant.state, 2)
+        held = robot().holding_torque(np.concatenate([position[k], np.zeros(2)]))
+        torque[k] = held + [800, 200] * (wanted[0, k] - position[k]) + [40, 10] * (wanted[1, k] - speed)
+        plant.advance(torque[k])
+    noise = NOISE * rng.standard_normal(position.shape)
+    return Record("log", T, position + noise, torque, np.ones(N, dtype=bool), imported=True)
+
+
+@cache
+def diagnosed(effects: tuple[str, ...], hidden: str = "") -> DiagnosisResult:
+    return diagnose(measured(effects, hidden), RobotWithEffects(robot(), ()), settings=SETTINGS)
+
+
+def sizes(found: DiagnosisResult) -> dict[str, tuple[float, float]]:
+    """Return value and standard deviation of the first parameter of every cause."""
+    first = {f"{one.effect}@{one.location}": next(iter(one.parameters.values())) for one in found.diagnosis.causes}
+    return {name: (parameter.value, parameter.std) for name, parameter in first.items()}
+
+
+@pytest.mark.parametrize(("hidden", "curve"), [("hump", "friction_curve"), ("cable", "torque_curve")])
+def test_what_no_law_explains_is_named_by_class_and_joint(hidden: str, curve: str) -> None:
+    found = diagnosed((*FIRST, SECOND), hidden)
+    names = sizes(found).keys()
+    assert [name for name in names if "curve" in name] == [f"{curve}@motor_2"]
+    assert found.diagnosis.verdict == "partly_explained"
+    assert (found.diagnosis.gap.closed_fraction or 0.0) > 0.95
+
+
+@pytest.mark.parametrize("hidden", LAWS)
+def test_sizes_of_laws_are_not_moved_by_what_no_law_explains(hidden: str) -> None:
+    found = sizes(diagnosed((*FIRST, SECOND), hidden))
+    for text in (*FIRST, SECOND):
+        name, _, value = text.partition(":")
+        size, std = found[name]
+        assert abs(size - float(value.partition("=")[2])) < max(3 * std, 0.01)
+        assert std < 0.05 * size
+
+
+def test_curve_is_in_budget_and_patch() -> None:
+    found = diagnosed((*FIRST, SECOND), "hump")
+    (share,) = [one for one in found.diagnosis.budget if one.effect == "friction_curve"]
+    assert (share.joint, share.cause_class) == ("motor_2", "friction")
+    assert share.share_last is not None
+    assert share.share_last > 0
+    assert "friction_curve" in [one.effect.name for one in found.patch]
+
+
+def test_friction_of_known_laws_needs_no_curve() -> None:
+    second = (SECOND, "viscous_friction@motor_2:coefficient=1.5")
+    found = diagnosed((*FIRST, *second))
+    assert sizes(found).keys() == {text.partition(":")[0] for text in (*FIRST, *second)}
+    assert found.diagnosis.verdict == "explained"
+
+
+def test_without_gap_there_is_no_curve() -> None:
+    found = diagnosed(())
+    assert found.diagnosis.verdict == "no_gap"
+    assert not found.diagnosis.causes
