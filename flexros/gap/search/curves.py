@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.fit.screening import Directions, Surroundings
     from flexros.gap.search.candidate_fits import Search
+    from flexros.gap.search.model_probability import ModelComparison
 
 TRIED = 0.05
 """Size of a curve by which a log is predicted, over the largest torque of its motor [1] (chosen)."""
@@ -66,7 +67,7 @@ def with_curves(
             for one, size in zip(group, sizes, strict=True)
         ]
         grown = search.together(fit, additions)
-        if worth(search, compared(search, [fit]), fit, grown, search.settings.search.removed_of_all):
+        if _worth(search, compared(search, [fit]), fit, grown):
             fits.append(search.completed(grown))
             return fits[-1]
         group = group[:-1]
@@ -166,8 +167,19 @@ def _selected(
         best, left = rest[int(np.argmin(lefts))], min(lefts)
         charged = left * n ** (len(best.candidate.free) / n)  # of the same score as without its sizes
         before, after = replace(fit, chi2=least), replace(fit, chi2=charged)
-        if not worth(search, comparison, before, after, settings.removed_of_all):
+        if not _worth(search, comparison, before, after):
             break
         group.append(best)
         least = left
     return group
+
+
+def _worth(search: Search, comparison: ModelComparison, before: CandidateFit, after: CandidateFit) -> bool:
+    """Return whether curves remove a good part of all that is left, counted down to the floor.
+
+    The floor of a real machine is a stated tolerance, errors of the model included. A curve bends to these as well, and
+    what it makes of them does not hold in other motions.
+    """
+    removed = search.settings.search.removed_of_all
+    above = comparison.level(before) - max(comparison.level(after), 1.0)
+    return above >= removed * comparison.level(before) and worth(search, comparison, before, after, removed)
