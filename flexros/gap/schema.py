@@ -38,8 +38,7 @@ class Cause(EffectLocation):
     probability: float = Field(ge=0.0, le=1.0, description="that this effect is part of the truth [1]")
     parameters: dict[str, CauseParameter] = Field(description="fitted parameters of the effect")
     closed_fraction: float | None = Field(
-        description="share of the gap that it closes on held-out data, alone or, where it was not fitted alone, beside "
-        "all others [1]"
+        description="share of the gap that it alone closes on held-out data [1]: fitted alone, or else added first"
     )
 
 

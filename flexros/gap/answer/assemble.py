@@ -212,10 +212,10 @@ def _compared(findings: Findings) -> tuple[CandidateFit, ...]:
 def _causes(findings: Findings, verdict: Verdict, errors: HeldOutErrors, budget: Budget) -> tuple[Cause, ...]:
     """List the effects of the chosen explanation and of its rivals.
 
-    An effect closes what it closes alone, or where it was not fitted alone, what it closes beside all others.
+    An effect closes what it closes alone: fitted alone, or else added first as the budget has it.
     """
     explanations = findings.explanations
-    beside = {f"{one.effect}@{one.location}": one.share_last for one in budget.shares if one.effect}
+    added_first = {f"{one.effect}@{one.location}": one.share_first for one in budget.shares if one.effect}
     causes = {name: _rounding(name, findings, errors) for name in findings.quantized}
     if not explanations.detected:
         return tuple(causes.values())
@@ -230,7 +230,7 @@ def _causes(findings: Findings, verdict: Verdict, errors: HeldOutErrors, budget:
                     parameters=parameters,
                     closed_fraction=_closed(errors.alone[name], findings, errors)
                     if name in errors.alone
-                    else beside.get(name),
+                    else added_first.get(name),
                 )
     return tuple(causes[name] for name in sorted(causes, key=lambda name: rank_key(name, findings, verdict)))
 
