@@ -165,6 +165,12 @@ class FitSettings(Settings):
     null_iterations: int = Field(default=60, ge=1, description="iterations of the fit of the nominal model")
     first_iterations: int = Field(default=4, ge=1, description="iterations of the first fit of a candidate")
     joint_iterations: int = Field(default=5, ge=1, description="iterations of the first fit of several effects")
+    still_falling: float = Field(
+        default=0.8,
+        gt=0,
+        lt=1,
+        description="excess over the floor after so many iterations, over that before, up to which they go on [1]",
+    )
     final_iterations: int = Field(default=20, ge=1, description="iterations of the fits that are finished")
 
 

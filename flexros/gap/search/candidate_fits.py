@@ -266,14 +266,15 @@ class Search:
 
     def _visible(self, fits: Sequence[CandidateFit]) -> list[CandidateFit]:
         """Leave out fits of rich effects that are no more than a simpler one, which is fitted as well."""
+        return [fit for fit in fits if not self._invisible(fit)]
+
+    def _invisible(self, fit: CandidateFit) -> list[str]:
+        """List the rich effects of a fit that are no more than a simpler one."""
         robot = self.null.model.robot
         noise = dict(zip(robot.joint_names, robot.encoder_noise))
         least = float(robot.encoder_noise.min())
-        return [
-            fit
-            for fit in fits
-            if all(placed.effect.visible(noise.get(placed.location, least)) for placed in placed_effects(fit))
-        ]
+        pairs = zip(fit.hypothesis, placed_effects(fit), strict=True)
+        return [one.name for one, placed in pairs if not placed.effect.visible(noise.get(placed.location, least))]
 
     def _finished(self, fits: Sequence[CandidateFit]) -> list[CandidateFit]:
         """Carry the best fits to their end, those after the first one as long as they may still come near it."""
@@ -397,6 +398,7 @@ class Search:
         additions: Sequence[Addition],
         without: str = "",
         plant: CompiledPlant | None = None,
+        rival: float = np.inf,
     ) -> CandidateFit:
         """Fit an explanation together with further candidates.
 
@@ -405,6 +407,7 @@ class Search:
             additions: The candidates.
             without: Name of one of its own candidates that they replace, effect@location; empty for none.
             plant: A plant that may hold all of them already.
+            rival: Sum of squares of a better fit: this one ends where it has no hope to come near it.
         """
         rest = tuple(candidate for candidate in fit.hypothesis if candidate.name != without)
         own = fit.theta[: fit.predictor.n_effect][~fit.columns((without,))[: fit.predictor.n_effect]]
@@ -412,7 +415,7 @@ class Search:
         deviations = fit.predictor.tolerance.without(fit.deviations, replaced)
         theta = np.concatenate([own, *(addition.start for addition in additions), deviations])
         predictor = self.null.predictor((*rest, *(addition.candidate for addition in additions)), plant)
-        return self._fit(predictor, theta, self.settings.fit.joint_iterations, quick=True)
+        return self._joint(predictor, theta, rival=rival)
 
     def without(self, fit: CandidateFit, *names: str) -> CandidateFit:
         """Fit an explanation without some of its candidates.
@@ -423,8 +426,24 @@ class Search:
         """
         rest = tuple(candidate for candidate in fit.hypothesis if candidate.name not in names)
         predictor = self.null.predictor(rest, fit.predictor.plant)
-        theta, iterations = fit.theta[~fit.columns(names)], self.settings.fit.joint_iterations
-        return self._fit(predictor, theta, iterations, quick=True, finishing=True)
+        return self._joint(predictor, fit.theta[~fit.columns(names)], finishing=True)
+
+    def _joint(
+        self, predictor: Predictor, theta: FloatArray, *, rival: float = np.inf, finishing: bool = False
+    ) -> CandidateFit:
+        """Fit several effects for a few iterations, and on while what is left still falls."""
+        settings, n = self.settings.fit, self.data.n_values
+        few = partial(self._fit, iterations=settings.joint_iterations, quick=True, rival=rival, finishing=finishing)
+        fit = few(predictor, theta)
+        for _ in range(settings.final_iterations // settings.joint_iterations):
+            stopped = self.deadline.stops_finishing() if finishing else self.deadline.stops()
+            if fit.converged or stopped or not np.isfinite(fit.chi2):
+                break
+            before = max(fit.chi2 - n, 0.0)
+            fit = few(predictor, fit.theta)
+            if fit.chi2 - n > settings.still_falling * before:
+                break
+        return fit
 
     def _final(self, predictor: Predictor, theta: FloatArray) -> CandidateFit:
         """Fit to the end."""
@@ -441,6 +460,11 @@ class Search:
     def visible(self, fits: Sequence[CandidateFit]) -> list[CandidateFit]:
         """Sort fits, without those that are no more than a simpler one."""
         return sorted(self._visible(fits), key=lambda fit: fit.chi2)
+
+    def with_visible(self, fit: CandidateFit) -> CandidateFit:
+        """Fit again without the effects that are no more than a simpler one, which would cost the others their fit."""
+        names = self._invisible(fit)
+        return self.without(fit, *names) if 0 < len(names) < len(fit.hypothesis) else fit
 
     def parallel(
         self, step: str, work: Callable[[Item], Result], items: Sequence[Item], *, needed: int = 0

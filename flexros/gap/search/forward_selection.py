@@ -25,6 +25,10 @@ if TYPE_CHECKING:
     from flexros.gap.search.model_probability import ModelComparison
 
 
+PAIR = 2
+"""Effects up to which every explanation with fewer of them is a rival [1]."""
+
+
 @dataclass(frozen=True, eq=False)
 class Explanations:
     """All fits of a log, and the chosen one.
@@ -138,7 +142,8 @@ def _grown(
         if not group:
             return None
     trials = [group] if len(group) > 1 else [[addition] for addition in additions[: settings.added]]
-    grown = search.visible(search.parallel("effects together", lambda trial: search.together(fit, trial), trials))
+    together = search.parallel("effects together", lambda trial: search.together(fit, trial), trials)
+    grown = search.visible([search.with_visible(one) for one in together])
     fits += grown
     return grown[0] if grown else None
 
@@ -286,7 +291,7 @@ def _exchange(
 ) -> CandidateFit:
     """Fit an explanation with one candidate in place of one of its own."""
     name, addition = pair
-    return search.together(fit, [addition], without=name, plant=plants[addition.candidate])
+    return search.together(fit, [addition], without=name, plant=plants[addition.candidate], rival=fit.chi2)
 
 
 def _replacements(
@@ -329,7 +334,15 @@ def _explanations(search: Search, comparison: ModelComparison, chosen: Candidate
     """Distribute probability over all explanations with no more effects than the chosen one."""
     most = max(1, len(chosen.hypothesis))
     small = [fit for fit in comparison.fits if len(fit.hypothesis) <= most]
-    rivals = [comparison.null, *(fit for fit in small if simplest(search, comparison, fit, small) is fit)]
+    removed = search.settings.search.removed
+
+    def rivals_with(fit: CandidateFit) -> bool:
+        fewer = len(fit.hypothesis) < len(chosen.hypothesis)
+        if most > PAIR and fewer and worth(search, comparison, fit, chosen, removed):
+            return False  # the form error of the large effects of a crowd is no doubt about the small ones
+        return simplest(search, comparison, fit, small) is fit
+
+    rivals = [comparison.null, *filter(rivals_with, small)]
     probabilities = comparison.probabilities(rivals)
     order = np.argsort(-probabilities, kind="stable")
     return Explanations(comparison, chosen, tuple(rivals[index] for index in order), probabilities[order], detected)
