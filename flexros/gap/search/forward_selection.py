@@ -90,6 +90,10 @@ def explain(search: Search) -> Explanations:
             break
         if search.deadline.stops():
             break
+        quick = not chosen.converged or len(chosen.deviations)  # with the tolerance slopes of the nominal model
+        if quick and not search.data.record.imported:
+            chosen = search.completed(chosen)  # what a fit in a long valley leaves is no effect that is missing
+            fits.append(chosen)
         grown = _grown(search, chosen, directions, fits)
         comparison = compared(search, unique(fits))
         if grown is None or not worth(search, comparison, chosen, grown, settings.removed_by_step):
