@@ -239,6 +239,11 @@ class SearchSettings(Settings):
         ge=0,
         description="size of an effect that torques show, over its standard deviation, from which it stays [1]",
     )
+    clear_asymmetry: float = Field(
+        default=5.0,
+        ge=0,
+        description="asymmetry of friction that torques show, over its standard deviation, from which it stays [1]",
+    )
     hopeful: float = Field(
         default=0.5,
         ge=0,

@@ -46,12 +46,20 @@ def motion() -> FloatArray:
 
 
 @cache
-def record_of_arm(*, simulated: bool = False, imported: bool = False, seed: int = 5) -> Record:
-    """Compute the torques of that motion by inverse dynamics, with rotors and friction that the model lacks."""
+def record_of_arm(*, simulated: bool = False, imported: bool = False, seed: int = 5, asymmetry: float = 0.0) -> Record:
+    """Compute the torques of that motion by inverse dynamics, with rotors and friction that the model lacks.
+
+    Args:
+        simulated: Whether this program has simulated it.
+        imported: Whether it is of a real machine.
+        seed: Of the encoder noise.
+        asymmetry: Of the viscous friction of motor_1, (forward - backward) / mean.
+    """
     q, v, a = motion()
     model = arm().model
     rigid = np.array([np.ravel(model.arm_inverse_dynamics(*row, model.parameter_values)) for row in zip(q, v, a)])
-    torque = rigid + INERTIA * a + VISCOUS * v + COULOMB * np.sign(v)
+    uneven = 1 + 0.5 * np.array([asymmetry, 0.0]) * np.sign(v)
+    torque = rigid + INERTIA * a + VISCOUS * v * uneven + COULOMB * np.sign(v)
     noise = 1e-6 * np.random.default_rng(seed).standard_normal(q.shape)
     held = 0.5 * (torque + np.vstack([torque[1:], torque[-1:]]))
     valid = np.ones(len(q), dtype=bool)

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flexros.arrays import BoolArray, FloatArray, IntArray
-    from flexros.gap.candidates.candidate import Candidate
+    from flexros.gap.candidates.candidate import Candidate, Hypothesis
     from flexros.gap.candidates.competitors import Competitors
     from flexros.gap.candidates.scales import Scales
     from flexros.gap.fit.null_fit import NullFit
@@ -427,6 +427,21 @@ class Search:
         rest = tuple(candidate for candidate in fit.hypothesis if candidate.name not in names)
         predictor = self.null.predictor(rest, fit.predictor.plant)
         return self._joint(predictor, fit.theta[~fit.columns(names)], finishing=True)
+
+    def reshaped(self, fit: CandidateFit, hypothesis: Hypothesis) -> CandidateFit:
+        """Fit the effects of an explanation with other parameters free, from its values; new ones begin at zero.
+
+        Args:
+            fit: The explanation.
+            hypothesis: The same effects, in the same order, each with as many free parameters or other ones.
+        """
+        sizes = [
+            free.encode(values.get(free.name, 0.0))
+            for candidate, values in zip(hypothesis, fit.predictor.values(fit.theta), strict=True)
+            for free in candidate.free
+        ]
+        predictor = self.null.predictor(hypothesis, fit.predictor.plant)
+        return self._joint(predictor, np.concatenate([sizes, fit.deviations]))
 
     def _joint(
         self, predictor: Predictor, theta: FloatArray, *, rival: float = np.inf, finishing: bool = False

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from flexros.gap.search.model_probability import ModelComparison
 
 
+ASYMMETRY = "asymmetry"
+"""Parameter by which friction differs between the directions."""
 PAIR = 2
 """Effects up to which every explanation with fewer of them is a rival [1]."""
 
@@ -84,6 +86,7 @@ def explain(search: Search) -> Explanations:
     chosen = simplest(search, comparison, comparison.ranked(fits)[0], fits)
     if search.base is not null:
         chosen = _reduced(search, chosen, fits, settings.removed_by_step)
+        chosen = _with_asymmetry(search, chosen, fits)
     first = chosen
     for _ in range(settings.rounds if search.base is null else settings.rounds_after_torques):
         if len(chosen.hypothesis) >= settings.most_effects or not incomplete(search, comparison, chosen):
@@ -253,6 +256,34 @@ def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit
         return fit
     fits.append(search.without(fit, *needless))
     return fits[-1]
+
+
+def _with_asymmetry(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
+    """Free the asymmetry of friction that torques show, and keep it where it is clear.
+
+    Args:
+        search: The search.
+        fit: The effects that torques show, each with its size alone.
+        fits: All fits so far; a new one is appended.
+    """
+    whole = {candidate.name: candidate for candidate in search.candidates()}
+    every = tuple(whole.get(candidate.name, candidate) for candidate in fit.hypothesis)
+    if not any(_uneven(candidate) for candidate in every):
+        return fit
+    found = parameters_of(search.reshaped(fit, every), search.data)
+    clear = search.settings.search.clear_asymmetry
+    kept = tuple(
+        wide if _uneven(wide) and abs(sizes[ASYMMETRY].value) > clear * sizes[ASYMMETRY].std else narrow
+        for wide, narrow, sizes in zip(every, fit.hypothesis, found, strict=True)
+    )
+    if kept == fit.hypothesis:
+        return fit
+    fits.append(search.reshaped(fit, kept))
+    return fits[-1]
+
+
+def _uneven(candidate: Candidate) -> bool:
+    return any(free.name == ASYMMETRY for free in candidate.free)
 
 
 def _exchanged(

@@ -112,3 +112,13 @@ def test_a_base_that_gains_no_more_than_chance_is_none() -> None:
     assert base_fit(null(), found, DiagnosisSettings()) is not None
     strict = DiagnosisSettings().ranking.model_copy(update={"detected": 1e9})
     assert base_fit(null(), found, DiagnosisSettings(ranking=strict)) is None
+
+
+def test_clear_asymmetry_of_friction_is_found() -> None:
+    settings = DiagnosisSettings(where=None, next_experiment=None)
+    uneven = [record_of_arm(imported=True, seed=seed, asymmetry=0.4) for seed in (5, 6)]
+    found = diagnose(uneven[0], arm(), holdout=uneven[1], settings=settings).diagnosis
+    assert {f"{cause.effect}@{cause.location}" for cause in found.causes} == FRICTION
+    parameters = {f"{cause.effect}@{cause.location}": cause.parameters for cause in found.causes}
+    assert parameters["viscous_friction@motor_1"]["asymmetry"].value == pytest.approx(0.4, rel=0.1)
+    assert "asymmetry" not in parameters["viscous_friction@motor_2"]
