@@ -248,6 +248,7 @@ def row(seed: int, diagnosis: Diagnosis, differences: FloatArray) -> str:
 
 if __name__ == "__main__":
     target = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent
+    target.mkdir(parents=True, exist_ok=True)
     written = HEAD.format(rate=RATE, duration=DURATION, noise=NOISE)
     for drawn_seed in map(int, sys.argv[2:] or SEEDS):
         with tempfile.TemporaryDirectory() as made:
