@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.record.missing_samples import bridged
-from flexros.record.smoothing import smooth_motion
+from flexros.record.smoothing import motion_cutoff, smooth_motion
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
 BLOCKS = 20
 """Steps by which a part is moved along the log, in one length of it [1] (chosen)."""
-CUTOFF = 20.0
-"""Highest frequency of the motion that counts [Hz] (chosen)."""
 NOTHING = 1e-6
 """Information that is added to each part, over the mean of all, so that a motor at rest tells nothing [1]."""
 
@@ -56,7 +54,7 @@ def most_informative(record: Record, most: int) -> Record:
 
 def _information(record: Record, step: int) -> FloatArray:
     """Compute W'W of each block of `step` samples for each motor, shape (n_blocks, M, 4, 4)."""
-    cutoff = min(CUTOFF, 0.1 / record.sample_time)
+    cutoff = motion_cutoff(record.sample_time)
     n_blocks = len(record.position) // step
     result: FloatArray = np.empty((n_blocks, record.position.shape[1], 4, 4))
     for motor, position in enumerate(bridged(record.position, record.valid).T):

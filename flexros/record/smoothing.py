@@ -11,8 +11,19 @@ if TYPE_CHECKING:
 
 HIGH_DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / np.sqrt(70.0)
 """Fourth difference with the gain 1 for white noise."""
+MOTION_BAND = 20.0
+"""Highest frequency of the motion of a robot [Hz] (chosen: planned motions are slower)."""
 
 _BLOCK = 64  # samples over which noise is averaged
+
+
+def motion_cutoff(sample_time: float) -> float:
+    """Return the corner of the low-pass that passes the motion of a robot [Hz], at most a tenth of the rate.
+
+    Args:
+        sample_time: Time between two samples [s].
+    """
+    return min(MOTION_BAND, 0.1 / sample_time)
 
 
 def smooth_motion(position: FloatArray, sample_time: float, cutoff: float) -> FloatArray:

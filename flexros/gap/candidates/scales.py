@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.record.missing_samples import bridged
-from flexros.record.smoothing import smooth_motion
+from flexros.record.smoothing import motion_cutoff, smooth_motion
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from flexros.record.record import Record
     from flexros.robot import Robot
 
-CUTOFF = 20.0
-"""Highest frequency of the motion whose speeds are taken [Hz] (chosen)."""
 SMALLEST = 1e-9
 """Least size of a scale, for motors that do not move [its unit]."""
 
@@ -75,7 +73,7 @@ def scales_of_motors(robot: Robot, record: Record) -> Scales:
         record: The log.
     """
     position = bridged(record.position, record.valid)
-    speed = smooth_motion(position, record.sample_time, min(CUTOFF, 0.1 / record.sample_time))[1]
+    speed = smooth_motion(position, record.sample_time, motion_cutoff(record.sample_time))[1]
     names = robot.joint_names
     return _scales(names, record.torque, speed, position, dict.fromkeys(names, SMALLEST))
 

@@ -63,7 +63,7 @@ def fit_null(
     """Fit the nominal model, whose tolerated deviations alone are free.
 
     Of many tolerated parameters only the directions are fitted, in this and all further fits, in which the log informs:
-    a rigid arm of six joints has 54 parameters, and a log informs in about 14 directions.
+    a rigid arm of six joints has 54 parameters, and a log informs in about 20 directions.
 
     Args:
         data: Log and weights.

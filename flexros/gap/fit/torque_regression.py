@@ -23,6 +23,7 @@ from flexros.identify.rigid.regression_rows import RegressionRows
 from flexros.identify.rigid.regressor import RigidRegressor
 from flexros.identify.rigid.standard_parameters import standard_parameters
 from flexros.record.missing_samples import bridged, long_holes
+from flexros.record.smoothing import motion_cutoff
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
@@ -31,8 +32,6 @@ if TYPE_CHECKING:
     from flexros.record.record import Record
     from flexros.robot import Robot
 
-CUTOFF = 20.0
-"""Highest cut-off of positions and torques [Hz]: motions of robots are slower (chosen)."""
 ROUNDS = 8
 """Rounds in which each motor is weighted by what is left of its torque (chosen; few are needed)."""
 STEP = 1e-6
@@ -112,7 +111,7 @@ def _rows(record: Record, regressor: RigidRegressor) -> RegressionRows | None:
     robot = regressor.robot
     acting, begin = torque_as_it_acts(record, 0.0 if record.measured_torque else robot.delay)
     part = record.part(begin, record.n_samples)
-    cutoff = min(0.1 / record.sample_time, CUTOFF)
+    cutoff = motion_cutoff(record.sample_time)
     motion = estimate_motion(bridged(part.position, part.valid), part.sample_time, cutoff)
     factor = decimation(part.sample_time, cutoff)
     counts = untouched_rows(long_holes(part.valid), factor)
