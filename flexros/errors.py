@@ -61,7 +61,7 @@ class InterruptedRunError(RunError):
 
 @contextmanager
 def source_named(source: str) -> Iterator[None]:
-    """Prefix the message of an InputError that is raised inside.
+    """Prefix the message of an InputError that is raised inside, unless it begins with that source already.
 
     Args:
         source: Origin of the input, e.g. "scenario circle_pd, key start".
@@ -72,6 +72,8 @@ def source_named(source: str) -> Iterator[None]:
     try:
         yield
     except InputError as error:
+        if str(error).startswith((f"{source}: ", f"{source}, ")):
+            raise
         raise InputError(f"{source}: {error}", error.argument) from error
 
 

@@ -32,3 +32,9 @@ def test_of_many_names_the_nearest_five_are_listed():
     assert text.count("body_") == 7
     assert text.endswith("(others are named alike)")
     assert "the nearest of" not in str(unknown_name("parameter", "body_3.mas", names[:20]))
+
+
+def test_a_source_is_named_once() -> None:
+    with pytest.raises(InputError) as caught, source_named("scenario a"), source_named("scenario a"):
+        raise InputError("x is 3")
+    assert str(caught.value) == "scenario a: x is 3"

@@ -14,7 +14,7 @@ class Cascade(AbstractMotorwiseLaw):
     """Proportional position controller around a PI speed controller, as in industrial drives.
 
     The speed is estimated from the motor position by differences and a low-pass filter (for robot controllers see
-    Grotjahn and Heimann (2002), cited in Moberg (2007), section 5.4). For each motor:
+    Grotjahn and Heimann (2002), cited in Moberg (2007), section 5.5). For each motor:
 
         v_k = (tau v_{k-1} + y_k - y_{k-1}) / (tau + T)              filtered speed, backward Euler
         s_k = reference speed_k + kp (reference_k - y_k) - v_k       error of the speed loop

@@ -47,7 +47,7 @@ class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
     (a rounded corner as a polygon). With free parameters, as in a diagnosis, the same torques are a law parallel to the
     nominal spring.
 
-    Reference: Piecewise stiffness K1, K2, K3 of gear catalogues; Moberg 2007, Paper C, section 4 (nonlinear gear
+    Reference: Piecewise stiffness K1, K2, K3 of gear catalogues; Moberg 2007, Paper C, section 3.1 (nonlinear gear
     elasticity).
     """
 

@@ -19,7 +19,7 @@ NAMES = ("viscous", "coulomb", "stribeck", "stribeck_velocity", "smoothing_veloc
 def friction_torque(friction: FrictionCompensation, velocity: FloatArray) -> FloatArray:
     """Evaluate viscous, Coulomb and Stribeck friction at the reference speed.
 
-    tau_f = viscous v + (coulomb + stribeck exp(-(v / v_s)^2)) tanh(v / v_0), after Moberg (2007), section 3.2.6, with
+    tau_f = viscous v + (coulomb + stribeck exp(-(v / v_s)^2)) tanh(v / v_0), after Moberg (2007), section 3.2.3, with
     the sign smoothed (chosen): otherwise a reference at rest would switch the torque by round-off. Friction acts
     between motor and gear, so the compensation adds to the motor torque and does not change the solution of the DAE
     (Paper B, section 7).

@@ -9,6 +9,7 @@ import numpy as np
 
 from flexros.provenance import versions
 from flexros.validation.campaigns.study.choices import BEST, REASONABLE, REFERENCE
+from flexros.validation.campaigns.study.conclusions import conclusion_rows
 from flexros.validation.campaigns.study.figures import hardest_spring, shares, table_1
 from flexros.validation.campaigns.study.pictures import pictures
 from flexros.validation.campaigns.study.quasi_newton import STEPS
@@ -101,6 +102,10 @@ def page(study: Study, scenario: Scenario) -> str:
         "shares come from a general-purpose gradient search (fminunc) on a real robot. The column 'by BFGS' is such a "
         f"search (SciPy, exact gradient, at most {STEPS} steps, no bounds) from the first {_peers(study)} starts. All "
         "other columns use the search of FlexROS: Levenberg-Marquardt with limited steps and bounds. Steps are means.",
+        "",
+        "## Conclusions of the paper, and which of them this study reproduces",
+        "",
+        *conclusion_rows(study),
         "",
         f"## Parameters of the {REFERENCE} models within {BEST:g} of the lowest cost (Table 1)",
         "",
