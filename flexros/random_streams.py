@@ -16,6 +16,7 @@ class Stream(IntEnum):
     EXCITATION = 3
     BLIND_DEVELOPMENT = 4
     BLIND_EVALUATION = 5
+    FURTHER_SENSORS = 6
 
 
 def generator(seed: int, *stream: int) -> np.random.Generator:

@@ -20,10 +20,13 @@ if TYPE_CHECKING:
 Signal = TypeVar("Signal", FloatArray, ComplexArray, casadi.SX)
 """Samples, shape (..., size), or symbols, (size, 1)."""
 
-MEASUREMENTS: Mapping[str, Callable[[Robot], int]] = {
-    "motor_position": lambda robot: robot.n_motors,  # [rad or m]
+FURTHER_MEASUREMENTS: Mapping[str, str] = {
+    "link_position": "a link-side encoder (sensors.link.position)",  # [rad or m]
+    "joint_torque": "a joint torque sensor (sensors.link.torque)",  # [Nm or N]
+    "tool_acceleration": "an accelerometer of the tool (sensors.tool_imu.acceleration)",  # [m/s2]
+    "tool_turning_rate": "a gyroscope of the tool (sensors.tool_imu.turning_rate)",  # [rad/s]
 }
-"""Measured signals in the order in which the loop stacks them, each with its size."""
+"""Measured signals that a robot file may add to motor_position, each with the sensor that it takes."""
 
 REFERENCES: Mapping[str, Callable[[Robot], int]] = {
     "motor_position": lambda robot: robot.n_motors,  # [rad or m]
@@ -93,8 +96,9 @@ class SignalLayout:
 class LoopContext:
     """Context from which a control law is built.
 
-    To add a sensor or reference derivative, add it to `MEASUREMENTS` or `REFERENCES`; existing laws are unaffected. The
-    loop must supply the signal: see `flexros.scenario` and the controller node.
+    Measurements are the motor positions, then those of the sensors that the robot file states: `FURTHER_MEASUREMENTS`.
+    To add a reference, add it to `REFERENCES`; existing laws are unaffected. The loop must supply the signal: see
+    `flexros.scenario` and the controller node.
 
     Attributes:
         robot: The nominal robot: its model, linearisation, equilibria and torque limits.
@@ -119,7 +123,23 @@ class LoopContext:
     @property
     def measurements(self) -> SignalLayout:
         """Layout of the measurement vector y."""
-        return SignalLayout({name: size(self.robot) for name, size in MEASUREMENTS.items()})
+        further = {sensor.measurement: sensor.size for sensor in self.robot.further_sensors}
+        return SignalLayout({"motor_position": self.robot.n_motors, **further})
+
+    def require(self, *measurements: str) -> None:
+        """Refuse a robot without the sensors that a control law needs at all its joints.
+
+        Raises:
+            InputError: Names robot, sensor and key of the robot file.
+        """
+        for name in measurements:
+            size = self.measurements.sizes.get(name, 0)
+            full = self.n_motors if name in ("motor_position", "link_position", "joint_torque") else 1
+            if size < full:
+                raise InputError(
+                    f"the controller needs {FURTHER_MEASUREMENTS.get(name, name)}{' at every joint' * (full > 1)}, "
+                    f"but robot {self.robot.name} has {size or 'none'}; add it to the robot file"
+                )
 
     @property
     def references(self) -> SignalLayout:

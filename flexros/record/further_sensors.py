@@ -128,8 +128,9 @@ def further_sensors(
     found: list[SensorRecord] = []
     joints = tuple(log.joint_states.names[column] for column in columns)
     states = log.joint_states
-    for quantity, place, index, stamp, values in (*_of_joints(log, robot, joints, name, warnings), *_of_tool(log)):
-        finite = np.isfinite(values)
+    for quantity, place, index, sent, values in (*_of_joints(log, robot, joints, name, warnings), *_of_tool(log)):
+        late = next((entry.delay for entry in robot.further_sensors if entry.quantity == quantity), 0.0)
+        stamp, finite = sent - round(late * 1e9), np.isfinite(values)
         if not finite.any():
             continue
         motor = None

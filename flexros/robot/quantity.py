@@ -96,14 +96,33 @@ def _checked_vector(unit: str) -> Any:
     return check
 
 
+def at_least_zero(quantity: Quantity) -> Quantity:
+    """Refuse a negative quantity."""
+    if quantity.value < 0:
+        raise ValueError(f"is {quantity.value:g}, but must not be negative")
+    return quantity
+
+
+def positive(quantity: Quantity) -> Quantity:
+    """Refuse a quantity that is zero or negative."""
+    if quantity.value <= 0:
+        raise ValueError(f"is {quantity.value:g}, but must be positive")
+    return quantity
+
+
 Plain = BeforeValidator(_from_plain)
+NotNegative = Annotated[Quantity, Plain, AfterValidator(at_least_zero)]
+Positive = Annotated[Quantity, Plain, AfterValidator(positive)]
 Mass = Annotated[Quantity, Plain, AfterValidator(_Checked("kg", 0.0))]
 Inertia = Annotated[Quantity, Plain, AfterValidator(_Checked("kg m2", 0.0))]
 InertiaProduct = Annotated[Quantity, Plain, AfterValidator(_Checked("kg m2", None))]
 Length = Annotated[Quantity, Plain, AfterValidator(_Checked("m", 0.0))]
 RotaryFriction = Annotated[Quantity, Plain, AfterValidator(_Checked("Nm s/rad", 0.0))]
 Seconds = Annotated[Quantity, Plain, AfterValidator(_Checked("s", 0.0))]
+Hertz = Annotated[Quantity, Plain, AfterValidator(_Checked("Hz", None)), AfterValidator(positive)]
 Ratio = Annotated[Quantity, Plain, AfterValidator(_Checked("1", None))]
 AnyUnit = Annotated[Quantity, Plain]
 Position = Annotated[Vector, Plain, AfterValidator(_checked_vector("m"))]
+Angles = Annotated[Vector, Plain, AfterValidator(_checked_vector("rad"))]
+TurningRate = Annotated[Vector, Plain, AfterValidator(_checked_vector("rad/s"))]
 Acceleration = Annotated[Vector, Plain, AfterValidator(_checked_vector("m/s2"))]

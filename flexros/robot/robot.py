@@ -16,6 +16,7 @@ from flexros.config.yaml_file import read_yaml
 from flexros.errors import InputError, unknown_name
 from flexros.robot import equilibrium, inverse_kinematics
 from flexros.robot.equilibrium_search import EquilibriumSearch
+from flexros.robot.further_sensors import FurtherSensor, list_sensors
 from flexros.robot.motors import RobotMotor, list_motors
 from flexros.robot.parameters import Parameter, list_parameters, with_values
 from flexros.robot.physical import check_physical
@@ -158,7 +159,14 @@ class Robot:
             "tool acceleration": sensors.accelerometer_noise,
             "tool turning rate": sensors.gyroscope_noise,
         }.get(quantity)
-        return None if declared is None else declared.value
+        if declared is not None:
+            return declared.value
+        return next((sensor.noise for sensor in self.further_sensors if sensor.quantity == quantity), 0.0) or None
+
+    @cached_property
+    def further_sensors(self) -> tuple[FurtherSensor, ...]:
+        """Sensors beside the motor encoders, in the order in which the loop stacks their measurements."""
+        return list_sensors(self.spec, self.n_motors)
 
     @cached_property
     def torque_limits(self) -> FloatArray:

@@ -12,18 +12,21 @@ from flexros.robot.quantity import (
     Acceleration,
     Inertia,
     InertiaProduct,
-    Length,
     Mass,
-    Plain,
+    NotNegative,
     Position,
+    Positive,
     Quantity,
     Ratio,
     RotaryFriction,
     Seconds,
     Vector,
+    at_least_zero,
     check_unit,
+    positive,
     unit_of,
 )
+from flexros.robot.sensor_settings import Sensors
 from flexros.robot.spring import Spring
 
 Axis = Literal["rx", "ry", "rz", "tx", "ty", "tz"]
@@ -34,22 +37,8 @@ def _zero(unit: str) -> Quantity:
     return Quantity(value=0.0, unit=unit)
 
 
-def _not_negative(quantity: Quantity) -> Quantity:
-    if quantity.value < 0:
-        raise ValueError(f"is {quantity.value:g}, but must not be negative")
-    return quantity
-
-
-def _positive(quantity: Quantity) -> Quantity:
-    if quantity.value <= 0:
-        raise ValueError(f"is {quantity.value:g}, but must be positive")
-    return quantity
-
-
-NotNegative = Annotated[Quantity, Plain, AfterValidator(_not_negative)]
-Positive = Annotated[Quantity, Plain, AfterValidator(_positive)]
-PositiveRatio = Annotated[Ratio, AfterValidator(_positive)]
-NotNegativeRatio = Annotated[Ratio, AfterValidator(_not_negative)]
+PositiveRatio = Annotated[Ratio, AfterValidator(positive)]
+NotNegativeRatio = Annotated[Ratio, AfterValidator(at_least_zero)]
 
 
 class Servo(Settings):
@@ -210,25 +199,6 @@ class Output(Settings):
         return self
 
 
-class Sensors(Settings):
-    """Noise of the sensors, white, rms."""
-
-    encoder_noise: NotNegative = Field(default_factory=lambda: _zero(""), description="[rad, or m] in the coordinate")
-    tool_noise: Length = Field(default_factory=lambda: Quantity(value=20e-6, unit="m"), description="tracker [m]")
-    link_encoder_noise: Positive | None = Field(
-        None, description="link-side encoder, or strain gauge [rad, or m]; default: as the log shows it"
-    )
-    joint_torque_noise: Positive | None = Field(
-        None, description="joint torque sensor [Nm, or N]; default: as the log shows it"
-    )
-    accelerometer_noise: Positive | None = Field(
-        None, description="accelerometer of the tool [m/s2]; default: as the log shows it"
-    )
-    gyroscope_noise: Positive | None = Field(
-        None, description="gyroscope of the tool [rad/s]; default: as the log shows it"
-    )
-
-
 class Defaults(Settings):
     """Source and tolerance of all values that do not state their own."""
 
@@ -270,7 +240,7 @@ class RobotSpecification(Settings):
                     f"bodies[{index}] names parent '{body.parent}', but the chain is serial and the body before is "
                     f"'{before}': the chain is disconnected; reorder the bodies"
                 )
-        self._check_encoder_noise()
+        self._check_sensors()
         if self.sample_time.value <= 0:
             raise ValueError(f"sample_time is {self.sample_time.value:g} s, but must be positive")
         if self.controlled not in self.outputs:
@@ -286,8 +256,12 @@ class RobotSpecification(Settings):
             raise ValueError("the robot has no direction of motion; give at least one body a direction")
         return self
 
-    def _check_encoder_noise(self) -> None:
-        """Refuse a common encoder noise whose unit does not fit every motor without one of its own."""
+    def _check_sensors(self) -> None:
+        """Refuse sensors whose joints or units do not fit the motors, also a common encoder noise."""
+        directions = [entry for body in self.bodies for entry in body.directions.items()]
+        if self.sensors.link is not None:
+            turns = tuple(axis.startswith("r") for axis, direction in directions if direction.motor is not None)
+            self.sensors.link.check_joints(turns, "sensors.link")
         for index, body in enumerate(self.bodies):
             for axis, direction in body.directions.items():
                 if direction.motor is not None and direction.motor.encoder_noise is None:

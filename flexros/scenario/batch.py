@@ -105,11 +105,11 @@ def batch(
     Raises:
         InputError: Unknown names, or different numbers of values.
     """
-    model = PlantModel(experiment.plant, experiment.laws, tuple(values or ()))
+    model = PlantModel(experiment.plant, experiment.laws, tuple(values or ()), sensors=experiment.plant.further_sensors)
     sets = batch_sets(experiment, model, values or {}, gains or {}, seeds)
     lanes = min(LANES, 1 << (len(sets) - 1).bit_length())
     kernel = compile_loop(
-        model.functions(experiment.scenario.controller.function(experiment.loop_context)),
+        model.functions(experiment.control_function),
         sample_time=experiment.sample_time,
         substeps=experiment.scenario.substeps,
         delay=model.delay,
@@ -195,7 +195,7 @@ def _run_group(
 ) -> dict[int, Figure]:
     """Run one set per lane, with the last one repeated to fill the lanes."""
     members = [*group, *[group[-1]] * (kernel.lanes - len(group))]
-    n, law = experiment.n_samples, experiment.scenario.controller
+    n = experiment.n_samples
     equilibria = [sets.equilibria[run] for run in members]
     of_seed = {seed: experiment.signals(seed) for seed in dict.fromkeys(sets.seeds[run] for run in members)}
     signals = [of_seed[sets.seeds[run]] for run in members]
@@ -204,14 +204,14 @@ def _run_group(
             _lanes(
                 [model.start(rest.state, rest.torque, sets.parameters[run]) for run, rest in zip(members, equilibria)]
             ),
-            law.initial_state(experiment.loop_context),
+            experiment.control_state,
             _lanes([rest.torque for rest in equilibria]),
             kernel.line_length,
         ),
         n,
         LoopInputs(
             reference=experiment.reference_signal,
-            noise=_signal([signal.encoder_noise for signal in signals], n),
+            noise=_signal([signal.measurement_errors for signal in signals], n),
             disturbance=_signal([signal.disturbance for signal in signals], n),
             parameters=_lanes([sets.parameters[run] for run in members]),
             gains=_lanes([sets.gains[run] for run in members]),

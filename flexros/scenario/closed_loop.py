@@ -12,6 +12,7 @@ from flexros.compile.loop.kernel import compile_loop
 from flexros.errors import RunError
 from flexros.logs.stamps import stamps_ns
 from flexros.logs.time_series import BASE_FRAME, JointSeries, Log, PoseSeries
+from flexros.scenario.sensor_series import sensor_series
 from flexros.simulate.plant import delayed_start, diverged_text
 
 if TYPE_CHECKING:
@@ -50,21 +51,22 @@ def closed_loop(experiment: Experiment, progress: Callable[[int], None] | None =
         DivergedRunError: The state became infinite; names sample and time and holds the log before.
     """
     scenario, plant, n = experiment.scenario, experiment.plant, experiment.n_samples
-    law, references = scenario.controller, experiment.reference_signal
+    references = experiment.reference_signal
     signals = experiment.signals(scenario.seed)
     kernel = compile_loop(
-        experiment.plant_model.functions(law.function(experiment.loop_context)),
+        experiment.plant_model.functions(experiment.control_function),
         sample_time=experiment.sample_time,
         substeps=scenario.substeps,
         delay=experiment.plant_model.delay,
     )
     state = delayed_start(
         experiment.plant_model.start(experiment.start_state, experiment.start_torque),
-        law.initial_state(experiment.loop_context),
+        experiment.control_state,
         experiment.start_torque,
         kernel.line_length,
     )
-    encoder, command, pose = (np.full((n, width), np.nan) for width in (plant.n_motors, plant.n_motors, 7))
+    widths = (plant.n_motors, plant.n_motors, 7, experiment.sensor_timing.size)
+    encoder, command, pose, further = (np.full((n, width), np.nan) for width in widths)
     for first in range(0, n, SLICE):
         length = min(SLICE, n - first)
         rows = slice(first, first + length)
@@ -73,7 +75,7 @@ def closed_loop(experiment: Experiment, progress: Callable[[int], None] | None =
             length,
             LoopInputs(
                 reference=references[rows],
-                noise=signals.encoder_noise.rows(first, length),
+                noise=signals.measurement_errors.rows(first, length),
                 disturbance=signals.disturbance.rows(first, length),
                 gains=experiment.gains,
             ),
@@ -81,23 +83,31 @@ def closed_loop(experiment: Experiment, progress: Callable[[int], None] | None =
         )
         assert result.tool_pose is not None
         encoder[rows], command[rows], pose[rows] = result.encoder, result.command, result.tool_pose
+        further[rows] = result.further
         pose[rows, :3] += signals.tool_noise.rows(first, length)
         if result.diverged >= 0:
             end = first + int(result.diverged)
-            log = run_log(experiment, encoder[:end], command[:end], pose[:end])
+            log = run_log(experiment, encoder[:end], command[:end], pose[:end], further[:end])
             raise DivergedRunError(diverged_text(plant.name, end, experiment.sample_time), log)
         state = result.final
-    return run_log(experiment, encoder, command, pose)
+    return run_log(experiment, encoder, command, pose, further)
 
 
-def run_log(experiment: Experiment, encoder: FloatArray, command: FloatArray, pose: FloatArray) -> Log:
-    """Return the log of a run, with all five topics from sample 0 on.
+def run_log(
+    experiment: Experiment,
+    encoder: FloatArray,
+    command: FloatArray,
+    pose: FloatArray,
+    further: FloatArray | None = None,
+) -> Log:
+    """Return the log of a run, with all five topics from sample 0 on, and those of further sensors.
 
     Args:
         experiment: The experiment.
         encoder: Measured motor positions [rad or m], shape (n, M).
         command: Torque commands [Nm or N], shape (n, M).
         pose: Measured tool pose, shape (n, 7).
+        further: Values of the further sensors before delay and hold, shape (n, n_further); default: not recorded.
     """
     n, names, reference = len(encoder), experiment.plant.joint_names, experiment.reference
     stamp = stamps_ns(n, experiment.sample_time)
@@ -115,6 +125,9 @@ def run_log(experiment: Experiment, encoder: FloatArray, command: FloatArray, po
         tool_pose=PoseSeries(stamp, BASE_FRAME, pose[:, :3], pose[:, 3:]),
         tool_reference=PoseSeries(stamp, BASE_FRAME, wanted[:, :3], wanted[:, 3:]),
         provenance=experiment.provenance(),
+        other_series={}
+        if further is None
+        else sensor_series(experiment.plant, experiment.sensor_timing, further, stamp),
     )
 
 

@@ -24,10 +24,13 @@ from flexros.scenario.identification_plan import plan_of_scenario
 from flexros.scenario.models import ScenarioModels
 from flexros.simulate.plant import Plant
 from flexros.simulate.plant_model import PlantModel
+from flexros.simulate.sensor_timing import SensorTiming
 from flexros.simulate.signals import plant_signals
 from flexros.trajectory import Trajectory, build_trajectory, check_reachable, is_reachable
 
 if TYPE_CHECKING:
+    import casadi as ca
+
     from flexros.arrays import FloatArray
     from flexros.effects import PlacedLaw
     from flexros.feedforward.motion import Reference
@@ -84,7 +87,7 @@ class Experiment:
             )
         experiment = cls(scenario, models, sample_time, trajectory, n_samples, plan)
         with source_named(source):  # cheap checks come before costly computations
-            _ = experiment.gains, experiment.signals(scenario.seed)
+            _ = experiment.gains, experiment.signals(scenario.seed), experiment.sensor_timing
         return experiment
 
     @property
@@ -165,7 +168,7 @@ class Experiment:
     @cached_property
     def plant_model(self) -> PlantModel:
         """The plant with the laws of its effects."""
-        return PlantModel(self.plant, self.laws)
+        return PlantModel(self.plant, self.laws, sensors=self.plant.further_sensors)
 
     @cached_property
     def loop_context(self) -> LoopContext:
@@ -176,6 +179,22 @@ class Experiment:
     def gains(self) -> FloatArray:
         """Gains of the controller, shape (n_gains,)."""
         return self.scenario.controller.gains(self.loop_context)
+
+    @cached_property
+    def sensor_timing(self) -> SensorTiming:
+        """Delay and rate of the further sensors in samples."""
+        return SensorTiming.of(self.plant.further_sensors, self.sample_time)
+
+    @cached_property
+    def control_function(self) -> ca.Function:
+        """Update `(c, r, y, g) -> (u, c_next)` of the controller, behind delay and hold of further sensors."""
+        return self.sensor_timing.behind(self.scenario.controller.function(self.loop_context), self.nominal.n_motors)
+
+    @cached_property
+    def control_state(self) -> FloatArray:
+        """Initial state of `control_function`."""
+        state = self.scenario.controller.initial_state(self.loop_context)
+        return np.concatenate([state, np.zeros(self.sensor_timing.memory_size)])
 
     def controller(self) -> Controller:
         """Build the controller in its initial state."""

@@ -13,6 +13,7 @@ from flexros.errors import RunError
 from flexros.simulate.open_loop import feed_through
 from flexros.simulate.plant_model import PlantModel
 from flexros.simulate.sample_blocks import Zeros
+from flexros.simulate.sensor_timing import SensorMemory, SensorTiming
 from flexros.simulate.signals import plant_signals
 
 if TYPE_CHECKING:
@@ -62,9 +63,10 @@ class Plant:
         self.sample_time = sample_time
         self.sample = 0
         self._signals = plant_signals(robot, sample_time, seed, noise=noise, disturbances=disturbances)
-        model = PlantModel(robot, laws)
+        model = PlantModel(robot, laws, sensors=robot.further_sensors)
+        self.sensor_timing = SensorTiming.of(robot.further_sensors, sample_time)
         kernel = compile_loop(
-            model.functions(feed_through(robot.n_motors)),
+            model.functions(feed_through(robot.n_motors, self.sensor_timing.size)),
             sample_time=sample_time,
             substeps=substeps,
             delay=model.delay,
@@ -77,6 +79,8 @@ class Plant:
         )
         self._step = kernel.stepper(start)
         self._measured = -1
+        self._memory = SensorMemory(self.sensor_timing)
+        self._held = np.zeros(self.sensor_timing.size)
 
     @property
     def time(self) -> float:
@@ -94,6 +98,14 @@ class Plant:
         self._sense()
         encoder: FloatArray = self._step.encoder.copy()
         return encoder
+
+    def further(self) -> FloatArray:
+        """Return what the further sensors show at the present sample, with errors, delay and hold, shape (n_further,).
+
+        The channels are those of `robot.further_sensors`, in order.
+        """
+        self._sense()
+        return self._held.copy()
 
     def tool_pose(self) -> FloatArray:
         """Return the tracker's tool pose at the present sample: noisy position [m] and quaternion xyzw, shape (7,)."""
@@ -132,10 +144,12 @@ class Plant:
 
     def _sense(self) -> None:
         if self._measured != self.sample:
-            if not isinstance(self._signals.encoder_noise, Zeros):
-                self._step.noise[:] = self._signals.encoder_noise.row(self.sample)
+            if not isinstance(self._signals.measurement_errors, Zeros):
+                self._step.noise[:] = self._signals.measurement_errors.row(self.sample)
             self._step.measure()
             self._measured = self.sample
+            if self.sensor_timing.size:
+                self._held = self._memory.add(self.sample, self._step.further)
 
     def _source(self) -> str:
         return f"robot {self.robot.name} at sample {self.sample} (t = {self.time:.4f} s)"

@@ -71,11 +71,11 @@ def own_at_start(plant: PlantSymbols, command: ca.SX) -> ca.SX:
         torque[motor] = effect.passed(torque[motor], own, values)
     for law, gear_effect in plant.laws.gears:
         own = gear_effect.rest(plant.gear(law), plant.values(law))
-        x[plant.rows(law)] = ca.substitute(own, plant.own_states, x[plant.friction_end :])
+        x[plant.rows(law)] = ca.substitute(own, plant.own_states, x[plant.own_rows])
     x = ca.substitute(x, plant.v, ca.SX.zeros(plant.v.numel()))
     for law, arm_effect in plant.laws.arms:
         x[plant.rows(law)] = arm_effect.rest(plant.arm(law), plant.values(law))
-    return x[plant.friction_end :]
+    return x[plant.own_rows]
 
 
 def torque_beyond_command(plant: PlantSymbols) -> ca.Function:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
-from flexros.compile.loop.functions import LoopFunctions
+from flexros.compile.loop.functions import WRENCH_SIZE, LoopFunctions
 from flexros.effects.delay import Delay
 from flexros.errors import unknown_name
 from flexros.robot.equilibrium_search import Equilibrium, EquilibriumSearch
@@ -16,7 +16,7 @@ from flexros.robot.parameters import SERVO
 from flexros.simulate.plant_equilibrium import PlantEquilibriumSearch, own_at_start, torque_beyond_command
 from flexros.simulate.plant_symbols import PlantSymbols
 from flexros.simulate.plant_updates import motor_accelerations, own_rates, smooth_torque, step_updates
-from flexros.simulate.sensor_outputs import sensor_outputs
+from flexros.simulate.sensor_outputs import feels_input, measured_sensors, sensor_outputs
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.effects.patching.placement import PlacedLaw
     from flexros.robot import Robot
+    from flexros.robot.further_sensors import FurtherSensor
     from flexros.robot.symbolic.kinematics import Value
 
 
@@ -36,13 +37,22 @@ class PlantModel:
         robot: The robot.
         laws: Laws of effects at its locations.
         parameters: Names of the free parameters, of the robot or of laws, e.g. "coulomb_friction@motor_1.level".
+        sensors: Sensors beside the motor encoders that the loop measures; default: none.
 
     Raises:
         InputError: A name is not a parameter of robot or laws.
     """
 
-    def __init__(self, robot: Robot, laws: Sequence[PlacedLaw] = (), parameters: Sequence[str] = ()) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        laws: Sequence[PlacedLaw] = (),
+        parameters: Sequence[str] = (),
+        *,
+        sensors: Sequence[FurtherSensor] = (),
+    ) -> None:
         self.robot = robot
+        self.sensors = tuple(sensors)
         self.parameter_names = tuple(parameters)
         known = {name for law in laws for name in law.parameters}
         of_robot = [name for name in parameters if name not in known]
@@ -54,7 +64,8 @@ class PlantModel:
         self.laws = tuple(law for law in acting if not isinstance(law.effect, Delay))
         of_model = [name for name in of_robot if f".{SERVO}" not in name]
         self.model = robot.symbolic(of_model) if of_model else robot.model
-        self._plant = PlantSymbols(robot, self.model, self.laws, self.parameter_names)
+        felt = feels_input(robot, self.sensors)
+        self._plant = PlantSymbols(robot, self.model, self.laws, self.parameter_names, holds_input=felt)
         self.robot_columns = self._plant.robot_columns
 
     @property
@@ -133,16 +144,20 @@ class PlantModel:
             State of the plant, shape (n_states,).
         """
         extended = np.concatenate([state, np.zeros(self.n_states - len(state))])
-        if not self._plant.own_states.numel():
+        holds_input = self._plant.input_rows.start < self.n_states
+        if not self._plant.own_states.numel() and not holds_input:
             return extended
         values = self.nominal_values if parameters is None else np.asarray(parameters, dtype=float)
         if torque is None:
             torque = np.zeros(self.robot.n_motors)
-            if self._plant.laws.commands:
+            if self._plant.laws.commands or holds_input:
                 wanted = values if self.moves_rest else values[self.robot_columns]
                 held = self._equilibrium_search.holding_torque(np.asarray(state[: self.model.n_coordinates]), wanted)
                 torque = self.command_at_rest(state, held, values)
-        extended[self._plant.friction_end :] = self._own_at_start(extended, torque, values).full().ravel()
+        if self._plant.own_states.numel():
+            extended[self._plant.own_rows] = self._own_at_start(extended, torque, values).full().ravel()
+        if holds_input:
+            extended[self._plant.input_rows] = [*torque, *np.zeros(WRENCH_SIZE)]
         for law in self.laws:
             begin, timed = self._plant.rows(law).start, law.effect.states_of_time(time)
             extended[begin : begin + len(timed)] = timed
@@ -201,6 +216,7 @@ class PlantModel:
             tool_pose=self._tool_pose,
             controller=controller,
             sensor=self._sensor,
+            further=measured_sensors(self._plant, self.derivative, self.sensors) if self.sensors else None,
             before_step=before,
             after_step=after,
         )
@@ -208,9 +224,9 @@ class PlantModel:
     @cached_property
     def derivative(self) -> ca.Function:
         """State derivative from (x, u, w, p)."""
-        if not self.laws and self.robot.commands == "torque":
-            return self.model.derivative
         plant = self._plant
+        if not self.laws and self.robot.commands == "torque" and plant.x.numel() == 2 * self.model.n_coordinates:
+            return self.model.derivative
         passed = plant.torques(plant.u)
         torque = passed + smooth_torque(plant, passed)
         for row, motor in enumerate(plant.sticking_motors):
@@ -222,7 +238,8 @@ class PlantModel:
             robot = self.model.derivative(plant.x[:n], torque, plant.w, plant.robot_parameters)
         else:
             robot = ca.vertcat(plant.v, motor_accelerations(plant, torque))
-        rates = ca.vertcat(robot, ca.SX.zeros(len(plant.sticking_motors)), own_rates(plant, passed))
+        held = ca.SX.zeros(plant.input_rows.stop - plant.input_rows.start)
+        rates = ca.vertcat(robot, ca.SX.zeros(len(plant.sticking_motors)), own_rates(plant, passed), held)
         arguments = [plant.x, plant.u, plant.w, plant.p]
         return ca.Function("derivative", arguments, [ca.densify(rates)], {"cse": True})
 

@@ -35,6 +35,7 @@ class PlantSymbols:
         model: Its symbolic model.
         laws: Laws of effects.
         names: Names of all free parameters, of the robot and of the laws.
+        holds_input: Whether the last states are the motor torques and the wrench that act, for sensors that feel them.
 
     Attributes:
         laws: Laws by kind.
@@ -44,9 +45,19 @@ class PlantSymbols:
         p: Free parameters.
         sticking_motors: Indices of the motors with dry friction.
         robot_columns: Indices of the robot's free parameters in `p`.
+        own_rows: Rows of the own states of all laws.
+        input_rows: Rows of the input that is held; none without `holds_input`.
     """
 
-    def __init__(self, robot: Robot, model: SymbolicModel, laws: Sequence[PlacedLaw], names: Sequence[str]) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        model: SymbolicModel,
+        laws: Sequence[PlacedLaw],
+        names: Sequence[str],
+        *,
+        holds_input: bool = False,
+    ) -> None:
         self.robot, self.model, self.laws = robot, model, LawsByKind(tuple(laws))
         self.robot_columns = [names.index(name) for name in model.parameter_names]
         self.sticking_motors = tuple(sorted({law.motor for law, _ in self.laws.frictions}))
@@ -55,7 +66,9 @@ class PlantSymbols:
         for law in self.laws.all:
             self._rows[law.name] = slice(end, end + law.effect.n_states)
             end += law.effect.n_states
-        self.x = ca.SX.sym("x", end)
+        self.own_rows = slice(self.friction_end, end)
+        self.input_rows = slice(end, end + (robot.n_motors + WRENCH_SIZE if holds_input else 0))
+        self.x = ca.SX.sym("x", self.input_rows.stop)
         self.u, self.w = ca.SX.sym("u", robot.n_motors), ca.SX.sym("w", WRENCH_SIZE)
         self.p = ca.SX.sym("p", len(names))
         self._free = {name: self.p[index] for index, name in enumerate(names)}
@@ -78,7 +91,7 @@ class PlantSymbols:
     @property
     def own_states(self) -> ca.SX:
         """States of all laws."""
-        return self.x[self.friction_end :]
+        return self.x[self.own_rows]
 
     @property
     def robot_parameters(self) -> ca.SX:

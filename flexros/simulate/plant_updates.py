@@ -57,7 +57,7 @@ def own_rates(plant: PlantSymbols, torque: ca.SX) -> ca.SX:
             rates[smooth] = effect.rates(plant.gear(law), values)
         elif isinstance(effect, AbstractArmLaw):
             rates[smooth] = effect.rates(plant.arm(law), values)
-    return rates[plant.friction_end :]
+    return rates[plant.own_rows]
 
 
 def step_updates(plant: PlantSymbols) -> tuple[ca.Function | None, ca.Function | None]:
@@ -70,6 +70,8 @@ def step_updates(plant: PlantSymbols) -> tuple[ca.Function | None, ca.Function |
         before[rows] = effect.before_step(plant.gear(law), plant.values(law), step)
         after[rows] = effect.after_step(plant.gear(law), plant.values(law), step)
     _update_friction(plant, before, step)
+    if plant.input_rows.stop > plant.input_rows.start:
+        before[plant.input_rows] = ca.vertcat(plant.u, plant.w)
     arguments = [plant.x, plant.u, plant.w, plant.p, step]
 
     def function(name: str, changed: ca.SX) -> ca.Function | None:
@@ -151,8 +153,8 @@ def _accelerations(plant: PlantSymbols, x: ca.SX, motors: list[int], step: ca.SX
         slope = ca.jtimes(free, plant.q, plant.v)
         if own.numel():
             slope = slope + ca.jtimes(free, own, own_rates(plant, passed))
-    if own.numel() and not ca.is_equal(x[plant.friction_end :], own):
-        free, slope = (ca.substitute(value, own, x[plant.friction_end :]) for value in (free, slope))
+    if own.numel() and not ca.is_equal(x[plant.own_rows], own):
+        free, slope = (ca.substitute(value, own, x[plant.own_rows]) for value in (free, slope))
     return free, slope, mobility
 
 

@@ -5,10 +5,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import casadi as ca
+from scipy.spatial.transform import Rotation
+
+from flexros.compile.loop.functions import WRENCH_SIZE
+from flexros.robot.further_sensors import mounting
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from flexros.robot import Robot
+    from flexros.robot.further_sensors import FurtherSensor
     from flexros.simulate.plant_symbols import PlantSymbols
 
 
@@ -18,7 +24,8 @@ def sensor_outputs(plant: PlantSymbols, derivative: ca.Function, wanted: Sequenc
     The link position is the arm coordinate q_a behind the gear, the link speed its rate. The joint torque is the one
     from the gear to the arm, on the side of the gear that the robot file states, with all effects in the gear: torque
     of spring and damper, f(q_m - q_a) + d (v_m - v_a); behind a rigid gear the torque M_a a - c - g that moves the arm.
-    The accelerometer shows R' (a - g) at the tool, the gyroscope the turning rate of the tool, both in its own frame.
+    The accelerometer shows R' (a - g) at the tool, the gyroscope the turning rate of the tool, both in the frame of the
+    sensor, which is that of the tool unless the robot file mounts it otherwise.
 
     Args:
         plant: Symbols of the plant.
@@ -28,8 +35,43 @@ def sensor_outputs(plant: PlantSymbols, derivative: ca.Function, wanted: Sequenc
     Returns:
         Outputs in the order of `wanted`, SX (n_sensors, 1).
     """
+    found = _outputs(plant, derivative, wanted, plant.u, ca.SX.zeros(WRENCH_SIZE))
+    return ca.Function("sensors", [plant.x, plant.u, plant.p], [ca.densify(found)], {"cse": True})
+
+
+def measured_sensors(plant: PlantSymbols, derivative: ca.Function, sensors: Sequence[FurtherSensor]) -> ca.Function:
+    """Build the outputs of the sensors of a robot as a function (x, p) -> y, under the input that acts.
+
+    A jump of torque or wrench at a sampling instant shows one sample later: the sensor has seen what acted before.
+
+    Args:
+        plant: Symbols of the plant; it holds its input where `feels_input`.
+        derivative: Its state derivative from (x, u, w, p).
+        sensors: Sensors, all their channels in order.
+    """
+    wanted = [(sensor.quantity, index) for sensor in sensors for index in sensor.indices]
+    acting = plant.x[plant.input_rows]
+    m = plant.robot.n_motors if acting.numel() else 0
+    torque, wrench = (acting[:m], acting[m:]) if m else (ca.SX.zeros(plant.u.numel()), ca.SX.zeros(WRENCH_SIZE))
+    found = _outputs(plant, derivative, wanted, torque, wrench)
+    return ca.Function("further", [plant.x, plant.p], [ca.densify(found)], {"cse": True})
+
+
+def feels_input(robot: Robot, sensors: Sequence[FurtherSensor]) -> bool:
+    """Return whether a sensor depends on accelerations, and so on motor torques and wrench that act."""
+    stiff = set(robot.stiff_motors)
+    return any(
+        sensor.quantity == "tool acceleration" or (sensor.quantity == "joint torque" and stiff & set(sensor.indices))
+        for sensor in sensors
+    )
+
+
+def _outputs(
+    plant: PlantSymbols, derivative: ca.Function, wanted: Sequence[tuple[str, int]], torque: ca.SX, wrench: ca.SX
+) -> ca.SX:
+    """Return the outputs in the order of `wanted`, SX (n_sensors, 1), under motor torques and a wrench at the tool."""
     n, nq = plant.model.n_arm, plant.model.n_coordinates
-    acceleration = derivative(plant.x, plant.u, ca.SX.zeros(plant.w.numel()), plant.p)[nq : nq + n]
+    acceleration = derivative(plant.x, torque, wrench, plant.p)[nq : nq + n]
     found = []
     for quantity, index in wanted:
         row = 0 if quantity.startswith("tool") else plant.robot.gear_rows[index]
@@ -39,15 +81,15 @@ def sensor_outputs(plant: PlantSymbols, derivative: ca.Function, wanted: Sequenc
             case "link speed":
                 found.append(plant.v[row])
             case "joint torque":
-                found.append(_joint_torque(plant, index, acceleration))
+                found.append(_joint_torque(plant, index, acceleration, wrench))
             case "tool acceleration":
                 found.append(_tool_acceleration(plant, acceleration)[index])
             case _:
                 found.append(_turning_rate(plant)[index])
-    return ca.Function("sensors", [plant.x, plant.u, plant.p], [ca.densify(ca.vertcat(*found))], {"cse": True})
+    return ca.vertcat(*found)
 
 
-def _joint_torque(plant: PlantSymbols, motor: int, acceleration: ca.SX) -> ca.SX:
+def _joint_torque(plant: PlantSymbols, motor: int, acceleration: ca.SX, wrench: ca.SX) -> ca.SX:
     """Return the torque from the gear of a motor to the arm."""
     row, n = plant.robot.gear_rows[motor], plant.model.n_arm
     if plant.robot.motors[motor].flexible:
@@ -57,9 +99,18 @@ def _joint_torque(plant: PlantSymbols, motor: int, acceleration: ca.SX) -> ca.SX
                 torque += effect.added(plant.gear(law), plant.values(law)).arm
         return torque
     torque = plant.model.arm_inverse_dynamics(plant.q[:n], plant.v[:n], acceleration, plant.robot_parameters)[row]
+    if not wrench.is_zero():
+        torque -= _felt_wrench(plant, wrench)[row]
     for law, arm_effect in plant.laws.arms:
         torque -= arm_effect.force(plant.arm(law), plant.values(law))[row]
     return torque
+
+
+def _felt_wrench(plant: PlantSymbols, wrench: ca.SX) -> ca.SX:
+    """Return the forces of a wrench at the tool on the coordinates, SX (nq, 1)."""
+    force, still = plant.model.force, ca.SX.zeros(plant.u.numel())
+    loaded, free = (force(plant.q, plant.v, still, w, plant.robot_parameters) for w in (wrench, 0 * wrench))
+    return loaded - free
 
 
 def _pose(plant: PlantSymbols) -> ca.SX:
@@ -70,10 +121,14 @@ def _tool_acceleration(plant: PlantSymbols, acceleration: ca.SX) -> ca.SX:
     """Return the acceleration of the tool with gravity, in its own frame [m/s2], SX (3, 1)."""
     n = plant.model.n_arm
     pose, q, v = _pose(plant), plant.q[:n], plant.v[:n]
-    speed = ca.jtimes(pose[:3], q, v)
-    moved = ca.jtimes(speed, q, v) + ca.jtimes(pose[:3], q, acceleration)
+    turned = _rotation(pose[3:])
+    place, position = mounting(plant.robot.spec).position, pose[:3]
+    if any(place):
+        position = position + turned @ ca.DM(place)
+    speed = ca.jtimes(position, q, v)
+    moved = ca.jtimes(speed, q, v) + ca.jtimes(position, q, acceleration)
     gravity = ca.vertcat(*[ca.SX(plant.robot_value(f"gravity.{axis}")) for axis in "xyz"])
-    return _rotation(pose[3:]).T @ (moved - gravity)
+    return _in_sensor(plant, turned.T @ (moved - gravity))
 
 
 def _turning_rate(plant: PlantSymbols) -> ca.SX:
@@ -82,7 +137,15 @@ def _turning_rate(plant: PlantSymbols) -> ca.SX:
     quaternion = _pose(plant)[3:]
     rate = ca.jtimes(quaternion, plant.q[:n], plant.v[:n])
     vector, scalar = quaternion[:3], quaternion[3]
-    return 2 * (scalar * rate[:3] - rate[3] * vector - ca.cross(vector, rate[:3]))
+    return _in_sensor(plant, 2 * (scalar * rate[:3] - rate[3] * vector - ca.cross(vector, rate[:3])))
+
+
+def _in_sensor(plant: PlantSymbols, vector: ca.SX) -> ca.SX:
+    """Turn a vector from the frame of the tool into that of the sensor, SX (3, 1)."""
+    angles = mounting(plant.robot.spec).orientation
+    if not any(angles):
+        return vector
+    return ca.DM(Rotation.from_euler("xyz", angles).as_matrix()).T @ vector
 
 
 def _rotation(quaternion: ca.SX) -> ca.SX:

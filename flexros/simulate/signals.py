@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,11 +28,25 @@ class PlantSignals:
         encoder_noise: Added to the motor positions [rad or m], width M.
         tool_noise: Added to the tool position [m], width 3.
         disturbance: Torque at the motors [Nm or N] (M), then wrench at the tool [N, Nm] (6), width M + 6.
+        sensor_errors: Noise and bias added to the values of the further sensors, width n_further.
     """
 
     encoder_noise: SampleBlocks
     tool_noise: SampleBlocks
     disturbance: SampleBlocks
+    sensor_errors: SampleBlocks
+
+    @cached_property
+    def measurement_errors(self) -> SampleBlocks:
+        """Added to all measurements, encoder values first, width M + n_further."""
+        encoder, further = self.encoder_noise, self.sensor_errors
+        if not further.width:
+            return encoder
+        if isinstance(encoder, Zeros) and isinstance(further, Zeros):
+            return Zeros(encoder.width + further.width)
+        return SampleBlocks(
+            lambda number: np.hstack([encoder.block(number), further.block(number)]), encoder.width + further.width
+        )
 
 
 def plant_signals(
@@ -54,7 +69,19 @@ def plant_signals(
         encoder_noise=white_noise(scale * robot.encoder_noise, seed, Stream.ENCODER),
         tool_noise=white_noise(np.full(3, scale * robot.tool_noise), seed, Stream.TOOL),
         disturbance=disturbance_signal(disturbances, robot.n_motors, sample_time, seed),
+        sensor_errors=_sensor_errors(robot, scale, seed),
     )
+
+
+def _sensor_errors(robot: Robot, scale: float, seed: int) -> SampleBlocks:
+    """Generate noise and bias of the further sensors; the bias stays where the noise is off."""
+    sensors = robot.further_sensors
+    rms = np.array([scale * sensor.noise for sensor in sensors for _ in sensor.indices])
+    bias = np.array([offset for sensor in sensors for offset in sensor.bias])
+    noise = white_noise(rms, seed, Stream.FURTHER_SENSORS)
+    if not np.any(bias):
+        return noise
+    return SampleBlocks(lambda number: noise.block(number) + bias, len(bias))
 
 
 def white_noise(rms: FloatArray, seed: int, stream: Stream) -> SampleBlocks:

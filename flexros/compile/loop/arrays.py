@@ -38,7 +38,8 @@ class LoopInputs:
 
     Attributes:
         reference: r, shape (n, n_reference), shared by all lanes, or (n, n_reference, lanes).
-        noise: Added to the encoder values [rad], shape (n, M) or (n, M, lanes).
+        noise: Added to the encoder values [rad], then to those of the further sensors, shape (n, n_measured) or
+            (n, n_measured, lanes).
         disturbance: Motor torque [Nm] and tool wrench [N, Nm], shape (n, M + 6) or (n, M + 6, lanes).
         parameters: Plant parameters p, shape (n_parameters,) or (n_parameters, lanes).
         gains: Controller parameters g, shape (n_gains,) or (n_gains, lanes).
@@ -63,6 +64,7 @@ class LoopResult:
         final: State after the last sample; a further run can continue from it.
         diverged: First sample whose state is not finite, -1 if there is none, shape () or (lanes,); counted from the
             start of the run, so it is n if the last step failed.
+        further: Values of the further sensors, shape (n, n_further) or (n, n_further, lanes).
     """
 
     encoder: FloatArray
@@ -71,6 +73,7 @@ class LoopResult:
     states: FloatArray | None
     final: LoopState
     diverged: IntArray
+    further: FloatArray
 
 
 @dataclass
@@ -86,7 +89,7 @@ class LoopJob:
         reference: Signal of n or 1 rows.
         noise: Signal of n or 1 rows.
         disturbance: Signal of n or 1 rows.
-        encoder: Output.
+        measured: Output: encoder values, then those of the further sensors.
         command: Output.
         tool_pose: Output, None if not recorded.
         states: Output, None if not recorded.
@@ -101,7 +104,7 @@ class LoopJob:
     reference: FloatArray
     noise: FloatArray
     disturbance: FloatArray
-    encoder: FloatArray
+    measured: FloatArray
     command: FloatArray
     tool_pose: FloatArray | None
     states: FloatArray | None
@@ -115,13 +118,13 @@ class LoopJob:
     @property
     def samples(self) -> int:
         """Number of samples."""
-        return int(self.encoder.shape[0])
+        return int(self.measured.shape[0])
 
     def part(self, start: int, stop: int) -> LoopJob:
         """Return the job for samples start to stop - 1, on the same memory."""
         cut = {
             name: value[start:stop]
-            for name in ("reference", "noise", "disturbance", "encoder", "command", "tool_pose", "states")
+            for name in ("reference", "noise", "disturbance", "measured", "command", "tool_pose", "states")
             if (value := getattr(self, name)) is not None and value.shape[0] == self.samples
         }
         return replace(self, diverged=np.full(self.lanes, -1), **cut)
@@ -147,9 +150,9 @@ def make_job(
         parameters=_held("parameters", inputs.parameters, (sizes.parameters,), lanes),
         gains=_held("gains", inputs.gains, (sizes.gains,), lanes),
         reference=_signal("reference", inputs.reference, samples, sizes.reference, lanes),
-        noise=_signal("noise", inputs.noise, samples, sizes.motors, lanes),
+        noise=_signal("noise", inputs.noise, samples, sizes.measured, lanes),
         disturbance=_signal("disturbance", inputs.disturbance, samples, sizes.disturbance, lanes),
-        encoder=output(sizes.motors),
+        measured=output(sizes.measured),
         command=output(sizes.motors),
         tool_pose=output(sizes.pose) if record_pose else None,
         states=output(sizes.state) if record_states else None,
@@ -159,16 +162,18 @@ def make_job(
 
 def loop_result(job: LoopJob) -> LoopResult:
     """Return the arrays of a finished job, without the axis of lanes if there is one lane."""
+    motors = job.command.shape[1]
     arrays = {field.name: getattr(job, field.name) for field in fields(job)}
     if job.lanes == 1:
         arrays = {name: None if array is None else array[..., 0] for name, array in arrays.items()}
     return LoopResult(
-        encoder=arrays["encoder"],
+        encoder=arrays["measured"][:, :motors],
         command=arrays["command"],
         tool_pose=arrays["tool_pose"],
         states=arrays["states"],
         final=LoopState(arrays["plant"], arrays["controller"], arrays["line"]),
         diverged=np.asarray(arrays["diverged"]),
+        further=arrays["measured"][:, motors:],
     )
 
 

@@ -28,7 +28,7 @@ JOB_FIELDS = (
     "reference", "reference_stride", "reference_shared",
     "noise", "noise_stride", "noise_shared",
     "disturbance", "disturbance_stride", "disturbance_shared",
-    "encoder", "command", "tool_pose", "states", "diverged",
+    "measured", "command", "tool_pose", "states", "diverged",
 )  # fmt: skip
 """Entries of the job of `loop.run`, 64 bits each: numbers, addresses (0: not recorded), strides in doubles, flags."""
 
@@ -49,6 +49,7 @@ class LoopSymbols:
     exact_update: str | None
     before_step: str | None = None
     after_step: str | None = None
+    further: str | None = None
 
 
 @dataclass(frozen=True)
@@ -126,11 +127,19 @@ class LoopDriver:
         return _definition(f"internal void @loop.step({_STEP_PARAMETERS})", block)
 
     def _measure(self) -> str:
-        """Write y = sensor(encoder(x) + noise), and the tool pose if its address is not null."""
+        """Write y = [sensor(encoder(x) + noise), further + noise], and the tool pose if its address is not null."""
         block = IrBlock(self.lanes)
         motors = self.sizes.motors
         clean = self._scratch(block, motors) if self.symbols.sensor else "%y"
         block.emit(f"call void @{self.symbols.encoder}(ptr %x, ptr {clean})")
+        if self.symbols.further:
+            further, noise = block.pointer("%y", motors), block.pointer("%noise", motors)
+            block.emit(f"call void @{self.symbols.further}(ptr %x, ptr %p, ptr {further})")
+
+            def add_further_noise(part: IrBlock, i: str) -> None:
+                set_element(part, part.add(element(part, further, i), element(part, noise, i)), further, i)
+
+            element_wise(block, self.sizes.further * self.lanes, add_further_noise)
 
         def add_noise(part: IrBlock, i: str) -> None:
             set_element(part, part.add(element(part, clean, i), element(part, "%noise", i)), clean, i)
@@ -207,11 +216,11 @@ class LoopDriver:
         sizes = self.sizes
         job = {name: self._job_entry(block, k) for k, name in enumerate(JOB_FIELDS)}
         next_controller = self._scratch(block, sizes.controller)
-        widths = {"reference": sizes.reference, "noise": sizes.motors, "disturbance": sizes.disturbance}
+        widths = {"reference": sizes.reference, "noise": sizes.measured, "disturbance": sizes.disturbance}
         buffers = {name: self._scratch(block, width) for name, width in widths.items()}
         with block.loop(0, job["samples"]) as k:
             signals = {name: self._signal(block, job, name, k.index, buffers[name], widths[name]) for name in widths}
-            y = self._row(block, job["encoder"], k.index, sizes.motors)
+            y = self._row(block, job["measured"], k.index, sizes.measured)
             u = self._row(block, job["command"], k.index, sizes.motors)
             pose = self._row(block, job["tool_pose"], k.index, sizes.pose)
             wanted = block.value(f"icmp ne ptr {job['tool_pose']}, null")

@@ -24,8 +24,9 @@ class LoopFunctions:
         derivative: (x, u, w, p) -> dx/dt; u (M,) motor torque [Nm], w (6,) wrench at the tool [N, Nm].
         encoder: (leading part of x) -> (M,) motor positions [rad].
         tool_pose: (leading part of x, p) -> (7,) position [m] and quaternion xyzw.
-        controller: (c, r, y, g) -> (u, c_next).
+        controller: (c, r, y, g) -> (u, c_next), where y are the encoder values, then those of the further sensors.
         sensor: (y, x, p) -> y, acting on the noisy encoder values: quantisation, periodic errors. None: no change.
+        further: (x, p) -> (n_further,) values of sensors beside the encoders. None: there are none.
         exact_update: (x, u, w, p, h) -> x after time h [s] by the dynamics that `derivative` omits, solved exactly:
             stiff bristles, stick and slip. Applied for h/2 before and after every Runge-Kutta step (Strang 1968,
             second order). None: nothing is omitted.
@@ -40,6 +41,7 @@ class LoopFunctions:
     tool_pose: ca.Function
     controller: ca.Function
     sensor: ca.Function | None = None
+    further: ca.Function | None = None
     exact_update: ca.Function | None = None
     before_step: ca.Function | None = None
     after_step: ca.Function | None = None
@@ -57,6 +59,7 @@ class LoopSizes:
         gains: Controller parameters g.
         parameters: Plant parameters p.
         pose: Tool pose.
+        further: Values of sensors beside the encoders.
     """
 
     state: int
@@ -66,6 +69,12 @@ class LoopSizes:
     gains: int
     parameters: int
     pose: int
+    further: int = 0
+
+    @property
+    def measured(self) -> int:
+        """Measurement y: encoder values, then those of the further sensors."""
+        return self.motors + self.further
 
     @property
     def disturbance(self) -> int:
@@ -90,10 +99,16 @@ def loop_sizes(functions: LoopFunctions) -> LoopSizes:
         gains=controller.numel_in(3),
         parameters=derivative.numel_in(3),
         pose=functions.tool_pose.numel_out(0),
+        further=0 if functions.further is None else functions.further.numel_out(0),
     )
     x, m, p = sizes.state, sizes.motors, sizes.parameters
     _check_sizes("derivative", derivative, (x, m, WRENCH_SIZE, p), (x,))
-    _check_sizes("controller", controller, (sizes.controller, sizes.reference, m, sizes.gains), (m, sizes.controller))
+    _check_sizes(
+        "controller",
+        controller,
+        (sizes.controller, sizes.reference, sizes.measured, sizes.gains),
+        (m, sizes.controller),
+    )
     _check_counts("encoder", functions.encoder, 1, 1)
     _check_sizes("encoder", functions.encoder, (min(x, functions.encoder.numel_in(0)),), (m,))
     _check_counts("tool_pose", functions.tool_pose, 2, 1)
@@ -101,6 +116,9 @@ def loop_sizes(functions: LoopFunctions) -> LoopSizes:
     if functions.sensor is not None:
         _check_counts("sensor", functions.sensor, 3, 1)
         _check_sizes("sensor", functions.sensor, (m, x, p), (m,))
+    if functions.further is not None:
+        _check_counts("further", functions.further, 2, 1)
+        _check_sizes("further", functions.further, (x, p), (sizes.further,))
     for name in ("exact_update", "before_step", "after_step"):
         update: ca.Function | None = getattr(functions, name)
         if update is not None:

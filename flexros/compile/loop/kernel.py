@@ -2,7 +2,7 @@
 
 At every sampling instant t_k = k T:
 
-    y_k = sensor(encoder(x_k) + noise_k),   z_k = tool pose of x_k
+    y_k = [sensor(encoder(x_k) + noise_k), further sensors(x_k) + noise_k],   z_k = tool pose of x_k
     u_k, c_k+1 = controller(c_k, r_k, y_k, g)
     x_k+1: fourth-order Runge-Kutta steps under the delayed command plus disturbance torque, and tool wrench,
            both held from t_k to t_k+1; the command of t_k acts from t_k + delay on.
@@ -51,9 +51,9 @@ class LoopEngine(Protocol):
         ...
 
     def measure(
-        self, plant: FloatArray, noise: FloatArray, parameters: FloatArray, encoder: FloatArray, tool_pose: FloatArray
+        self, plant: FloatArray, noise: FloatArray, parameters: FloatArray, measured: FloatArray, tool_pose: FloatArray
     ) -> Callable[[], None]:
-        """Prepare the measurement of encoders and tool pose."""
+        """Prepare the measurement of all sensors and of the tool pose."""
         ...
 
     def advance(
@@ -156,15 +156,16 @@ class LoopKernel:
 class LoopStepper:
     """The plant of a loop, one sample at a time; bit-equal to the run over many samples.
 
-    Write `noise`, `disturbance` and `command` in place, call `measure` then `advance`, read `encoder`, `tool_pose` and
-    `plant`. All arrays have the shapes of one sample of the kernel: (width,), or (width, lanes).
+    Write `noise`, `disturbance` and `command` in place, call `measure` then `advance`, read `encoder`, `further`,
+    `tool_pose` and `plant`. All arrays have the shapes of one sample of the kernel: (width,), or (width, lanes).
 
     Attributes:
         plant: State x.
-        noise: Encoder noise [rad], added by the next `measure`.
+        noise: Noise of the encoders [rad], then of the further sensors, added by the next `measure`.
         disturbance: Motor torque [Nm] and tool wrench [N, Nm] during the next `advance`.
         command: Torque command of this sample [Nm].
         encoder: Motor positions of the last `measure` [rad].
+        further: Values of the further sensors of the last `measure`.
         tool_pose: Position [m] and quaternion xyzw of the last `measure`.
         measure: Reads encoders and tool pose of the present state.
         advance: Moves the state one sample on.
@@ -173,17 +174,19 @@ class LoopStepper:
     def __init__(self, kernel: LoopKernel, plant: FloatArray, line: FloatArray, parameters: FloatArray) -> None:
         """Bind a kernel's halves to fresh arrays; see `LoopKernel.stepper`."""
         sizes, lanes = kernel.sizes, kernel.lanes
-        noise, command, encoder = (np.zeros((sizes.motors, lanes)) for _ in range(3))
+        noise, measured = (np.zeros((sizes.measured, lanes)) for _ in range(2))
+        command = np.zeros((sizes.motors, lanes))
         disturbance = np.zeros((sizes.disturbance, lanes))
         tool_pose = np.zeros((sizes.pose, lanes))
-        self.measure = kernel.engine.measure(plant, noise, parameters, encoder, tool_pose)
+        self.measure = kernel.engine.measure(plant, noise, parameters, measured, tool_pose)
         self.advance = kernel.engine.advance(plant, line, command, disturbance, parameters)
 
         def outside(array: FloatArray) -> FloatArray:
             return array[..., 0] if lanes == 1 else array
 
         self.plant, self.noise, self.disturbance = outside(plant), outside(noise), outside(disturbance)
-        self.command, self.encoder, self.tool_pose = outside(command), outside(encoder), outside(tool_pose)
+        self.command, self.tool_pose = outside(command), outside(tool_pose)
+        self.encoder, self.further = outside(measured[: sizes.motors]), outside(measured[sizes.motors :])
         self._line = outside(line)
 
     @property

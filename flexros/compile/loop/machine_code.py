@@ -55,10 +55,10 @@ class MachineCodeLoop:
         return int(self._run(values.ctypes.data))
 
     def measure(
-        self, plant: FloatArray, noise: FloatArray, parameters: FloatArray, encoder: FloatArray, tool_pose: FloatArray
+        self, plant: FloatArray, noise: FloatArray, parameters: FloatArray, measured: FloatArray, tool_pose: FloatArray
     ) -> Callable[[], None]:
-        """Prepare the measurement of encoders and tool pose."""
-        return self._bind(self._measure, plant, noise, parameters, encoder, tool_pose)
+        """Prepare the measurement of all sensors and of the tool pose."""
+        return self._bind(self._measure, plant, noise, parameters, measured, tool_pose)
 
     def advance(
         self, plant: FloatArray, line: FloatArray, command: FloatArray, disturbance: FloatArray, parameters: FloatArray
@@ -90,6 +90,7 @@ def add_functions(builder: ModuleBuilder, functions: LoopFunctions, lanes: int) 
         exact_update=None if exact_update is None else add("exact_update", exact_update),
         before_step=None if functions.before_step is None else add("before_step", functions.before_step),
         after_step=None if functions.after_step is None else add("after_step", functions.after_step),
+        further=None if functions.further is None else add("further", functions.further),
     )
 
 

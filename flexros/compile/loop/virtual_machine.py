@@ -53,14 +53,14 @@ class VirtualMachineLoop:
         return int(job.diverged.max()) if (job.diverged >= 0).all() else job.samples
 
     def measure(
-        self, plant: FloatArray, noise: FloatArray, parameters: FloatArray, encoder: FloatArray, tool_pose: FloatArray
+        self, plant: FloatArray, noise: FloatArray, parameters: FloatArray, measured: FloatArray, tool_pose: FloatArray
     ) -> Callable[[], None]:
-        """Prepare the measurement of encoders and tool pose."""
+        """Prepare the measurement of all sensors and of the tool pose."""
 
         def call() -> None:
             for lane in range(plant.shape[1]):
                 y, pose = self._measure(plant[:, lane], noise[:, lane], parameters[:, lane])
-                encoder[:, lane], tool_pose[:, lane] = _matrix(y)[:, 0], _matrix(pose)[:, 0]
+                measured[:, lane], tool_pose[:, lane] = _matrix(y)[:, 0], _matrix(pose)[:, 0]
 
         return call
 
@@ -96,7 +96,7 @@ class VirtualMachineLoop:
             before = np.column_stack([state, states[:, :-1]])
             finite = np.isfinite(states[: sizes.state]).all(axis=0)
             done = stop - start if finite.all() else int(np.argmin(finite)) + 1
-            outputs = ((job.encoder, y), (job.command, u), (job.tool_pose, pose), (job.states, before[: sizes.state]))
+            outputs = ((job.measured, y), (job.command, u), (job.tool_pose, pose), (job.states, before[: sizes.state]))
             for target, numbers in outputs:
                 if target is not None:
                     target[start : start + done, :, lane] = numbers[:, :done].T
@@ -131,10 +131,12 @@ def _leading(function: ca.Function, x: ca.MX) -> ca.MX:
 
 
 def _measure_function(functions: LoopFunctions, sizes: LoopSizes) -> ca.Function:
-    x, noise, p = _symbols(sizes.state, sizes.motors, sizes.parameters)
-    y = functions.encoder(_leading(functions.encoder, x)) + noise
+    x, noise, p = _symbols(sizes.state, sizes.measured, sizes.parameters)
+    y = functions.encoder(_leading(functions.encoder, x)) + noise[: sizes.motors]
     if functions.sensor is not None:
         y = functions.sensor(y, x, p)
+    if functions.further is not None:
+        y = ca.vertcat(y, functions.further(x, p) + noise[sizes.motors :])
     return ca.Function("measure", [x, noise, p], [y, functions.tool_pose(_leading(functions.tool_pose, x), p)])
 
 
@@ -173,7 +175,7 @@ def _sample_function(
     """Build one sample: (state, r, noise, d, [p, g]) -> (next state, y, u, pose), state = [x, c, line]."""
     state_sizes: Sequence[int] = (sizes.state, sizes.controller, advance.numel_in(1))
     state = ca.MX.sym("state", sum(state_sizes))
-    r, noise, d = _symbols(sizes.reference, sizes.motors, sizes.disturbance)
+    r, noise, d = _symbols(sizes.reference, sizes.measured, sizes.disturbance)
     constants = ca.MX.sym("constants", sizes.parameters + sizes.gains)
     x, c, line = ca.vertsplit(state, [0, *np.cumsum(state_sizes).tolist()])
     p, g = ca.vertsplit(constants, [0, sizes.parameters, constants.numel()])

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
+from flexros.errors import InputError
 from flexros.robot.linear.linearise import linear_model
 
 if TYPE_CHECKING:
@@ -22,8 +23,7 @@ class LinearController:
     """A sampled feedback controller about rest, away from its limits; m is the number of its states.
 
     u = from_state c + from_reference r + from_measured y, next c = state_step c + state_reference r + state_measured y,
-    with r in the order of
-    `LoopContext.references` and y in that of `LoopContext.measurements`.
+    with r in the order of `LoopContext.references` and y the measured motor positions.
 
     Attributes:
         from_state: Shape (M, m).
@@ -77,6 +77,9 @@ def linear_controller(law: AbstractControlLaw, context: LoopContext) -> LinearCo
 
     Returns:
         Its matrices.
+
+    Raises:
+        InputError: It uses other sensors than the motor encoders.
     """
     function = law.function(context)
     c, r, y = (ca.SX.sym(name, function.size1_in(index)) for index, name in enumerate("cry"))
@@ -87,7 +90,13 @@ def linear_controller(law: AbstractControlLaw, context: LoopContext) -> LinearCo
     started = function(law.initial_state(context), *rest, gains)[1]
     evaluate = ca.Function("linearised", [c, r, y], parts)
     from_c, from_r, from_y, of_c, of_r, of_y = (np.asarray(part, float) for part in evaluate(started, *rest))
-    return LinearController(from_c, from_r, from_y, of_c, of_r, of_y)
+    motors = context.measurements.rows("motor_position")
+    if np.any(np.delete(np.vstack([from_y, of_y]), motors, axis=1)):
+        raise InputError(
+            f"the linear loop of controller {law.kind} is computed from the motor encoders alone, but it uses other "
+            "sensors too; choose a controller of the motor positions"
+        )
+    return LinearController(from_c, from_r, from_y[:, motors], of_c, of_r, of_y[:, motors])
 
 
 def controller_response(law: AbstractControlLaw, context: LoopContext, frequency: FloatArray) -> ControllerResponse:
@@ -108,13 +117,11 @@ def controller_response(law: AbstractControlLaw, context: LoopContext, frequency
         z * np.eye(len(linear.state_step)) - linear.state_step, np.broadcast_to(entry, (len(z), *entry.shape))
     )
     whole: ComplexArray = linear.from_state @ memory + np.hstack([linear.from_reference, linear.from_measured])
-    references, measurements = context.references, context.measurements
+    references = context.references
     to_reference = [
         references.part(whole[:, :, : references.size], name) for name in ("motor_position", "motor_velocity")
     ]
-    return ControllerResponse(
-        np.concatenate(to_reference, axis=-1), measurements.part(whole[:, :, references.size :], "motor_position")
-    )
+    return ControllerResponse(np.concatenate(to_reference, axis=-1), whole[:, :, references.size :])
 
 
 @dataclass(frozen=True, eq=False)
