@@ -87,6 +87,8 @@ def explain(search: Search) -> Explanations:
     if search.base is not null:
         chosen = _reduced(search, chosen, fits, settings.removed_by_step)
         chosen = _with_asymmetry(search, chosen, fits)
+        dropped = [one for one in search.candidates() if one.name in search.base.names - chosen.names]
+        directions += search.directions(dropped, chosen)  # beside another effect they may be needed
     first = chosen
     for _ in range(settings.rounds if search.base is null else settings.rounds_after_torques):
         if len(chosen.hypothesis) >= settings.most_effects or not incomplete(search, comparison, chosen):

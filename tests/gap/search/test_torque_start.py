@@ -7,6 +7,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+import yaml
 
 from flexros.effects import RobotWithEffects
 from flexros.gap.candidates.tolerance import Tolerance, tolerance_of
@@ -18,7 +19,8 @@ from flexros.gap.residuals.fit_data import FitData, fit_data
 from flexros.gap.result import DiagnosisResult
 from flexros.gap.search.torque_start import TorqueStart, base_fit, first_values, torque_start
 from flexros.gap.settings import DiagnosisSettings, SearchSettings
-from tests.gap.rigid_arm import COULOMB, INERTIA, VISCOUS, arm, record_of_arm
+from flexros.robot import robot_from_data
+from tests.gap.rigid_arm import ARM, COULOMB, INERTIA, VISCOUS, arm, record_of_arm
 
 FRICTION = {f"{effect}@motor_{motor}" for effect in ("coulomb_friction", "viscous_friction") for motor in (1, 2)}
 
@@ -122,3 +124,16 @@ def test_clear_asymmetry_of_friction_is_found() -> None:
     parameters = {f"{cause.effect}@{cause.location}": cause.parameters for cause in found.causes}
     assert parameters["viscous_friction@motor_1"]["asymmetry"].value == pytest.approx(0.4, rel=0.1)
     assert "asymmetry" not in parameters["viscous_friction@motor_2"]
+
+
+def test_friction_whose_mean_is_nominal_returns_for_its_asymmetry() -> None:
+    """The torques show no viscous friction beyond the nominal one, so it is left out at first."""
+    data = yaml.safe_load(ARM)
+    for body, inertia, viscous in zip(data["bodies"], INERTIA, VISCOUS, strict=True):
+        body["directions"]["ry"]["motor"] = {"inertia": float(inertia), "viscous_friction": float(viscous)}
+    settings = DiagnosisSettings(where=None, next_experiment=None)
+    uneven = [record_of_arm(imported=True, seed=seed, asymmetry=1.0) for seed in (5, 6)]
+    found = diagnose(uneven[0], robot_from_data(data, "arm.yaml"), holdout=uneven[1], settings=settings).diagnosis
+    parameters = {f"{cause.effect}@{cause.location}": cause.parameters for cause in found.causes}
+    assert parameters.keys() == FRICTION - {"viscous_friction@motor_2"}
+    assert parameters["viscous_friction@motor_1"]["asymmetry"].value == pytest.approx(1.0, rel=0.1)
