@@ -392,6 +392,11 @@ class RankingSettings(Settings):
         lt=1,
         description="the same in a log that was not fitted, where effects of another form leave up to 0.025 [1]",
     )
+    floors: float = Field(
+        default=2.0,
+        ge=1,
+        description="floors that an explanation may leave in the held-out log, or it is one in part [1]",
+    )
     confirmed_share: float = Field(
         default=0.2,
         gt=0,

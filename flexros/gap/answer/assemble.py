@@ -91,8 +91,8 @@ def result_of(
         deadline: What the search was cut short by; without time no next experiment is chosen.
     """
     explanations, model = findings.explanations, findings.model
-    chosen, rival, verdict = explanations.chosen, best_rival(explanations), verdict_of(findings)
-    errors = _held_out_errors(findings)
+    chosen, rival, errors = explanations.chosen, best_rival(explanations), _held_out_errors(findings)
+    verdict = verdict_of(findings, (errors.after or errors.before).mean)
     patch = () if _worse(errors) else repair_of(findings)
     names, covariance = covariance_of(chosen, findings.data)
     tolerated = chosen.predictor.tolerance

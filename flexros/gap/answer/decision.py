@@ -122,10 +122,16 @@ def held_out_gain(fit: CandidateFit, findings: Findings) -> float:
     return findings.held_comparison.gain(held) if np.isfinite(held.chi2) else -np.inf
 
 
-def verdict_of(findings: Findings) -> Verdict:
+def verdict_of(findings: Findings, left: float = 1.0) -> Verdict:
     """Return the verdict.
 
-    A curve names where something is, but no law: what it explains is explained in part at best.
+    A curve names where something is, but no law: what it explains is explained in part at best. An explanation may be
+    as good as its form allows and still leave much more than noise: then it is one in part as well.
+
+    Args:
+        findings: Fits of one log, and what the held-out log says of them.
+        left: Mean squared prediction error 0.1 s ahead that the chosen explanation leaves in the held-out log, over its
+            floor [1].
     """
     explanations, comparison = findings.explanations, findings.explanations.comparison
     if not explanations.detected:
@@ -136,8 +142,18 @@ def verdict_of(findings: Findings) -> Verdict:
     confirmed = findings.held_comparison.adequate(findings.held_chosen, elsewhere=True)
     lawful = not curves_of(explanations.chosen.hypothesis)
     if comparison.adequate(explanations.chosen) and confirmed and lawful:
-        return "ambiguous" if rivals_of(explanations, findings.settings, findings.elsewhere) else "explained"
+        if rivals_of(explanations, findings.settings, findings.elsewhere):
+            return "ambiguous"
+        return "explained" if _within_floor(findings, left) else "partly_explained"
     return "partly_explained" if _partly(findings) else "unknown_effect"
+
+
+def _within_floor(findings: Findings, left: float) -> bool:
+    """Return whether the chosen explanation leaves about the floor: on a real machine, of noise and tolerance."""
+    if findings.data.record.imported:
+        fitted = findings.explanations.comparison.level(findings.explanations.chosen)
+        left = max(fitted, findings.held_comparison.level(findings.held_chosen))
+    return left <= findings.settings.floors
 
 
 def _partly(findings: Findings) -> bool:

@@ -183,3 +183,18 @@ def test_rounding_that_the_model_has_is_no_cause() -> None:
 def test_locations_are_split_from_names() -> None:
     split = effect_location("extra_mode@body_1.rz")
     assert (split.effect, split.location) == ("extra_mode", "body_1.rz")
+
+
+def test_an_explanation_that_leaves_more_than_two_floors_is_one_in_part() -> None:
+    """It is as good as its form allows, and confirmed, but something is left."""
+    found = findings(fitted(1.0, COULOMB), [], [1.0], TRUTH)
+    assert verdict_of(found, left=1.9) == "explained"
+    assert verdict_of(found, left=2.1) == "partly_explained"
+
+
+def test_on_a_real_machine_the_floor_contains_the_tolerance() -> None:
+    found = findings(fitted(1.0, COULOMB), [], [1.0], TRUTH)
+    real = replace(found, data=replace(found.data, record=replace(found.data.record, imported=True)))
+    assert verdict_of(real, left=50.0) == "explained"
+    far = replace(real, held_chosen=replace(real.held_chosen, chi2=2.1 * found.held.n_values))
+    assert verdict_of(far, left=1.0) == "partly_explained"
