@@ -13,6 +13,7 @@ from tests.control.loop_contexts import loop_context
 SETTINGS = {
     "cascade": {"position_gain": 3.0, "speed_gain": 2.0, "integral_gain": 1.0},
     "pid": {"kp": 3.0, "ki": 2.0, "kd": 1.0},
+    "state_space": {"A": [[0.5]], "B": [[1.0]], "C": [[2.0]], "D": [[3.0]]},
 }
 """Settings with which the laws below are tried; a new law without an entry fails here."""
 

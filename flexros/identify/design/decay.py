@@ -9,7 +9,7 @@ from scipy.linalg import expm
 
 from flexros.compile.command_delay import split_delay
 from flexros.control.context import LoopContext
-from flexros.identify.experiment.closed_loop_response import linear_controller
+from flexros.control.linear_controller import encoder_controller
 from flexros.robot.linear.positions import linearise_positions
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.compile.command_delay import CommandDelay
     from flexros.control.base import AbstractControlLaw
-    from flexros.identify.experiment.closed_loop_response import LinearController
+    from flexros.control.linear_controller import LinearController
     from flexros.robot import Robot
     from flexros.robot.linear.linearise import LinearModel
 
@@ -42,7 +42,7 @@ def slowest_decay(linear: LinearModel, law: AbstractControlLaw, context: LoopCon
     """
     A, B, C, _ = linear.matrices()
     motors = B.shape[1]
-    controller = linear_controller(law, context)
+    controller = encoder_controller(law, context)
     return float(_decays(A[None], B[None], C[:motors], controller, split_delay(delay, context.sample_time))[0])
 
 
@@ -65,7 +65,7 @@ def decays_at(
     Returns:
         Decay of the slowest motion of each [1/s], shape (Q,); negative where the loop is unstable.
     """
-    controller = linear_controller(law, LoopContext(robot, sample_time))
+    controller = encoder_controller(law, LoopContext(robot, sample_time))
     delay = split_delay(robot.delay, sample_time)
     parts = []
     for begin in range(0, len(motor_positions), _CHUNK):

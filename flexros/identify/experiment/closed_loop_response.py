@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import casadi as ca
 import numpy as np
 
-from flexros.errors import InputError
+from flexros.control.linear_controller import encoder_controller
 from flexros.robot.linear.linearise import linear_model
 
 if TYPE_CHECKING:
@@ -16,30 +15,6 @@ if TYPE_CHECKING:
     from flexros.control.base import AbstractControlLaw
     from flexros.control.context import LoopContext
     from flexros.robot import Robot
-
-
-@dataclass(frozen=True, eq=False)
-class LinearController:
-    """A sampled feedback controller about rest, away from its limits; m is the number of its states.
-
-    u = from_state c + from_reference r + from_measured y, next c = state_step c + state_reference r + state_measured y,
-    with r in the order of `LoopContext.references` and y the measured motor positions.
-
-    Attributes:
-        from_state: Shape (M, m).
-        from_reference: Shape (M, 3 M).
-        from_measured: Shape (M, M).
-        state_step: Shape (m, m).
-        state_reference: Shape (m, 3 M).
-        state_measured: Shape (m, M).
-    """
-
-    from_state: FloatArray
-    from_reference: FloatArray
-    from_measured: FloatArray
-    state_step: FloatArray
-    state_reference: FloatArray
-    state_measured: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,37 +43,6 @@ class ControllerResponse:
         return np.asarray(np.linalg.solve(loop, reference), dtype=np.complex128)
 
 
-def linear_controller(law: AbstractControlLaw, context: LoopContext) -> LinearController:
-    """Linearise a controller away from its limits; exact for a sampled linear law.
-
-    Args:
-        law: The controller.
-        context: Robot, sample time and signals of the loop.
-
-    Returns:
-        Its matrices.
-
-    Raises:
-        InputError: It uses other sensors than the motor encoders.
-    """
-    function = law.function(context)
-    c, r, y = (ca.SX.sym(name, function.size1_in(index)) for index, name in enumerate("cry"))
-    gains = law.gains(context)
-    u, after = function(c, r, y, gains)
-    parts = [ca.densify(ca.jacobian(out, part)) for out in (u, after) for part in (c, r, y)]
-    rest = [np.zeros(function.size1_in(1)), np.zeros(function.size1_in(2))]
-    started = function(law.initial_state(context), *rest, gains)[1]
-    evaluate = ca.Function("linearised", [c, r, y], parts)
-    from_c, from_r, from_y, of_c, of_r, of_y = (np.asarray(part, float) for part in evaluate(started, *rest))
-    motors = context.measurements.rows("motor_position")
-    if np.any(np.delete(np.vstack([from_y, of_y]), motors, axis=1)):
-        raise InputError(
-            f"the linear loop of controller {law.kind} is computed from the motor encoders alone, but it uses other "
-            "sensors too; choose a controller of the motor positions"
-        )
-    return LinearController(from_c, from_r, from_y[:, motors], of_c, of_r, of_y[:, motors])
-
-
 def controller_response(law: AbstractControlLaw, context: LoopContext, frequency: FloatArray) -> ControllerResponse:
     """Return the frequency responses of a controller away from its limits.
 
@@ -110,7 +54,7 @@ def controller_response(law: AbstractControlLaw, context: LoopContext, frequency
     Returns:
         Its responses.
     """
-    linear = linear_controller(law, context)
+    linear = encoder_controller(law, context)
     z = np.exp(2j * np.pi * frequency * context.sample_time)[:, None, None]
     entry = np.hstack([linear.state_reference, linear.state_measured])
     memory: ComplexArray = np.linalg.solve(

@@ -1,0 +1,1 @@
+"""Report of benchmark results: one HTML page that opens offline."""

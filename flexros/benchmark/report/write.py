@@ -1,0 +1,166 @@
+"""Write the report of controllers on the feedback benchmark."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.atomic_file import write_result
+from flexros.benchmark.models import NOMINAL, RULES, set_values
+from flexros.benchmark.published import PUBLISHED, PUBLISHED_V1, SOLUTIONS
+from flexros.benchmark.tables import MEASURE_NAMES, Row, cost_rows, demand_rows, measure_rows
+from flexros.control.linear_controller import linear_controller
+from flexros.report.base import Paragraph, Picture, TextTable
+from flexros.report.page import Chapter, page_html
+from flexros.report.theme import curve, run_colour, stacked
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from flexros.arrays import FloatArray
+    from flexros.benchmark.controllers import BenchmarkController
+    from flexros.benchmark.evaluate import BenchmarkResult, FeedbackBenchmark
+    from flexros.control.context import LoopContext
+
+SCALE = (
+    "Plant, kinds of disturbances, measures and demands are those of Moberg (2007), Paper C. Its model sets, noise, "
+    "and times and sizes of the disturbances are not public: those here were chosen, and the weights inferred from its "
+    "tables. The published figures are on the same scale and are not reproduced here."
+)
+
+
+@dataclass(frozen=True, eq=False)
+class NominalRun:
+    """Signals of the nominal model with a controller.
+
+    Attributes:
+        name: Name of the controller.
+        deflection: Tool deflection [mm], shape (n,).
+        command: Torque command [Nm], shape (n,).
+    """
+
+    name: str
+    deflection: FloatArray
+    command: FloatArray
+
+
+def write_report(
+    benchmark: FeedbackBenchmark,
+    controllers: Sequence[BenchmarkController],
+    results: Sequence[BenchmarkResult],
+    file: Path,
+) -> None:
+    """Write tables of cost, measures and demands, runs of the nominal model and frequency responses.
+
+    Args:
+        benchmark: The benchmark.
+        controllers: The controllers.
+        results: Their results, in the same order.
+        file: The HTML file; an existing one is replaced when the new one is complete.
+
+    Raises:
+        InputError: The file cannot be written.
+    """
+    names = tuple(result.name for result in results)
+    runs = [_nominal_run(benchmark, one, result) for one, result in zip(controllers, results, strict=True)]
+    chapters = [
+        Chapter("Cost", (Paragraph(SCALE), _table(cost_rows(results), names, "Cost V and its parts."), _published())),
+        Chapter("Demands", (_table(demand_rows(results), names, "Demands; eigenvalues are those of the worst loop."),)),
+        Chapter("Nominal model in time", (_run_picture(runs, benchmark.robot.sample_time),)),
+        Chapter(
+            "Measures",
+            (
+                *(
+                    _table(measure_rows(results, name), names, f"Worst measures of {name}, mean over the seeds.")
+                    for name in RULES
+                ),
+                _published_measures(),
+            ),
+        ),
+        Chapter("Frequency responses", (_response_picture(controllers, benchmark.context),)),
+    ]
+    noise = f"noise {results[0].noise:g} rad, seeds {', '.join(map(str, results[0].seeds))}"
+    write_result(file, page_html("Feedback benchmark", f"{', '.join(names)}; {noise}", chapters), "report")
+
+
+def _nominal_run(benchmark: FeedbackBenchmark, controller: BenchmarkController, result: BenchmarkResult) -> NominalRun:
+    deflection, command = benchmark.simulation.run(
+        controller.nominal,
+        set_values(benchmark.robot, NOMINAL),
+        lambda _, z, u: (z.copy(), u.copy()),
+        noise=result.noise,
+        seeds=result.seeds[:1],
+    )[0][0]
+    return NominalRun(controller.name, deflection, command)
+
+
+def _table(rows: Sequence[Row], names: tuple[str, ...], caption: str) -> TextTable:
+    return TextTable(
+        ("Measure", "Unit", *names), tuple((row.name, row.unit, *row.values) for row in rows), caption, left=2
+    )
+
+
+def _published() -> TextTable:
+    rows = tuple(
+        (name, *(f"{PUBLISHED[solution][index]:g}" for solution in PUBLISHED))
+        for index, name in enumerate(("V of nominal", "V of M1", "V of M2", "V"))
+    )
+    header = ("Measure", *(f"{solution}: {SOLUTIONS[solution]}" for solution in PUBLISHED))
+    return TextTable(header, rows, "Published costs (Paper C, Table 2), on the same scale, with other model sets.")
+
+
+def _published_measures() -> TextTable:
+    rows = tuple(
+        (name, unit, *(f"{PUBLISHED_V1[solution][index]:g}" for solution in PUBLISHED_V1))
+        for index, (name, unit) in enumerate(MEASURE_NAMES)
+    )
+    return TextTable(
+        ("Measure", "Unit", *PUBLISHED_V1),
+        rows,
+        "Published measures of M1 (Paper C, Table 1), other model sets.",
+        left=2,
+    )
+
+
+def _run_picture(runs: Sequence[NominalRun], sample_time: float) -> Picture:
+    figure = stacked(("Tool deflection", "Motor torque"), height=260)
+    for index, run in enumerate(runs):
+        time = np.arange(len(run.deflection)) * sample_time
+        for row, (values, unit) in enumerate(((run.deflection, "mm"), (run.command, "Nm")), start=1):
+            line = curve(
+                time, values, run.name, run_colour(index), hover=f"%{{x:.3f}} s: %{{y:.4g}} {unit}", legend=row == 1
+            )
+            figure.add_trace(line, row=row, col=1)
+    figure.update_yaxes(title_text="deflection [mm]", row=1, col=1)
+    figure.update_yaxes(title_text="torque [Nm]", row=2, col=1)
+    figure.update_xaxes(title_text="time [s]", row=2, col=1)
+    return Picture(figure, "The nominal model under all disturbances; compare Figures 9 and 10 of Paper C.")
+
+
+def _response_picture(controllers: Sequence[BenchmarkController], context: LoopContext) -> Picture:
+    frequency = np.geomspace(0.05, 0.499 / context.sample_time, 600)
+    figure = stacked(("Magnitude", "Phase"), height=240)
+    z = np.exp(2j * np.pi * frequency * context.sample_time)
+    for index, controller in enumerate(controllers):
+        linear = linear_controller(controller.perturbed, context)
+        entry = linear.state_measured[:, 0]
+        memory = np.linalg.solve(
+            z[:, None, None] * np.eye(len(entry)) - linear.state_step,
+            np.broadcast_to(entry[:, None], (len(z), len(entry), 1)),
+        )
+        response = -(linear.from_state[0] @ memory[..., 0].T + linear.from_measured[0, 0])
+        magnitude, phase = 20 * np.log10(np.abs(response)), np.degrees(np.unwrap(np.angle(response)))
+        for row, (values, unit) in enumerate(((magnitude, "dB"), (phase, "degrees")), start=1):
+            line = curve(
+                frequency, values, controller.name, run_colour(index), hover=f"%{{x:.4g}} Hz: %{{y:.4g}} {unit}",
+                legend=row == 1,
+            )  # fmt: skip
+            figure.add_trace(line, row=row, col=1)
+    figure.update_xaxes(type="log")
+    figure.update_yaxes(title_text="dB of Nm/rad", row=1, col=1)
+    figure.update_yaxes(title_text="degrees", row=2, col=1)
+    figure.update_xaxes(title_text="frequency [Hz]", row=2, col=1)
+    return Picture(figure, "Controllers C2, from motor position error to torque; compare Figures 15 and 16 of Paper C.")

@@ -1,0 +1,123 @@
+"""Command that evaluates controllers on the feedback benchmark."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+from rich.table import Table
+
+from flexros.cli.output import console, print_json, progress_bar, say
+from flexros.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.benchmark.controllers import BenchmarkController
+    from flexros.benchmark.evaluate import BenchmarkResult, FeedbackBenchmark
+    from flexros.benchmark.tables import Row
+
+
+def benchmark(
+    controller: list[str] = typer.Argument(
+        None, help="Built-in controllers, or YAML or Python files; without one, the built-in ones are listed."
+    ),
+    noise: float = typer.Option(3e-4, "--noise", help="Standard deviation of the measurement noise [rad]; 0 for none."),
+    seeds: str = typer.Option("1,2,3,4,5", "--seeds", help="Seeds of the noise, over which the measures are averaged."),
+    report: Path = typer.Option(None, "--report", help="Write an HTML report that opens offline."),
+    out: Path = typer.Option(None, "--out", help="Write the results to this JSON file."),
+    as_json: bool = typer.Option(False, "--json", help="Print JSON."),
+) -> None:
+    """Evaluate controllers on the feedback benchmark of Paper C: cost V, measures and demands of 21 models."""
+    from flexros.benchmark.controllers import load_controller
+    from flexros.benchmark.evaluate import FeedbackBenchmark, check_noise
+
+    if not controller:
+        _list_controllers(as_json)
+        return
+    numbers = _seeds(seeds)
+    check_noise(noise, numbers)
+    loaded = [load_controller(name) for name in controller]
+    names = [one.name for one in loaded]
+    if len(set(names)) < len(names):
+        raise InputError(f"controllers {', '.join(names)} do not all have names of their own; rename a file")
+    bench = FeedbackBenchmark()
+    results = _evaluated(bench, loaded, noise, numbers)
+    content = [result.as_dict() for result in results]
+    if report:
+        from flexros.benchmark.report.write import write_report
+
+        write_report(bench, loaded, results, report)
+    if out:
+        from flexros.atomic_file import write_result
+        from flexros.json_text import json_text
+
+        write_result(out, json_text(content[0] if len(content) == 1 else content), "results")
+    if as_json:
+        print_json(content[0] if len(content) == 1 else content)
+        return
+    _print_results(results)
+    for file, what in ((report, "report"), (out, "results")):
+        if file:
+            say(f"{what}: {file}")
+
+
+def _evaluated(
+    bench: FeedbackBenchmark, loaded: Sequence[BenchmarkController], noise: float, seeds: tuple[int, ...]
+) -> list[BenchmarkResult]:
+    results = []
+    with progress_bar() as bar:
+        task = bar.add_task("", total=len(loaded))
+        for one in loaded:
+            result = bench.evaluate(
+                one,
+                noise=noise,
+                seeds=seeds,
+                progress=lambda step, name=one.name: bar.update(task, description=f"{name}: {step}"),  # type: ignore[misc]
+            )
+            results.append(result)
+            bar.advance(task)
+    return results
+
+
+def _list_controllers(as_json: bool) -> None:
+    from flexros.benchmark.controllers import controller_names, load_controller
+
+    loaded = [load_controller(name) for name in controller_names()]
+    if as_json:
+        print_json([{"name": one.name, "description": one.description} for one in loaded])
+        return
+    table = Table("controller", "description")
+    for one in loaded:
+        table.add_row(one.name, one.description)
+    console.print(table)
+
+
+def _print_results(results: Sequence[BenchmarkResult]) -> None:
+    from flexros.benchmark.models import RULES
+    from flexros.benchmark.tables import cost_rows, demand_rows, measure_rows
+
+    names = [result.name for result in results]
+    console.print(_table("cost", names, cost_rows(results)))
+    for name in RULES:
+        console.print(_table(f"worst of {name}", names, measure_rows(results, name)))
+    console.print(_table("demand", names, demand_rows(results)))
+
+
+def _table(heading: str, names: Sequence[str], rows: Sequence[Row]) -> Table:
+    table = Table(heading, "unit")
+    for name in names:
+        table.add_column(name, justify="right")
+    for row in rows:
+        table.add_row(row.name, row.unit, *row.values)
+    return table
+
+
+def _seeds(text: str) -> tuple[int, ...]:
+    try:
+        return tuple(int(part) for part in text.split(","))
+    except ValueError:
+        raise InputError(
+            f"the seeds are '{text}', allowed are whole numbers with commas, e.g. 1,2,3", "seeds"
+        ) from None

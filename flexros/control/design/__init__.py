@@ -1,0 +1,1 @@
+"""Linear control design: plants with delay and sampling, margins, and methods that make controllers."""

@@ -1,0 +1,192 @@
+"""Linear models of a robot over its spring range and parameter sets, continuous and sampled with delay."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise, product
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+from scipy.linalg import expm
+
+from flexros.compile.command_delay import split_delay
+from flexros.robot.spring import Spring
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.arrays import FloatArray
+    from flexros.robot import Robot
+
+
+@dataclass(frozen=True, eq=False)
+class LinearPlants:
+    """Continuous linear models x' = A x + B u + E w, y = C x, z = F x of Q models.
+
+    Attributes:
+        labels: Name of each model, length Q.
+        A: Shape (Q, n, n).
+        B: From the motor torques [Nm or N], shape (Q, n, M).
+        C: To the motor positions [rad or m], shape (Q, M, n).
+        E: From the wrench at the tool [N, Nm], shape (Q, n, 6).
+        F: To the position of the tool [m], shape (Q, 3, n).
+    """
+
+    labels: tuple[str, ...]
+    A: FloatArray
+    B: FloatArray
+    C: FloatArray
+    E: FloatArray
+    F: FloatArray
+
+    def __len__(self) -> int:
+        return len(self.labels)
+
+
+@dataclass(frozen=True, eq=False)
+class SampledPlants:
+    """Sampled linear models x+ = A x + B u + G d, y = C x, z = F x; past commands are states.
+
+    The command u of a sample acts after the delay; the disturbance d = [torque at the motors (M), wrench at the tool
+    (6)] is held from its sample to the next.
+
+    Attributes:
+        labels: Name of each model, length Q.
+        A: Shape (Q, n, n), with the states of the delay last, newest command first.
+        B: From the commands, shape (Q, n, M).
+        C: To the motor positions, shape (Q, M, n).
+        G: From the disturbances, shape (Q, n, M + 6).
+        F: To the position of the tool, shape (Q, 3, n).
+        sample_time: Time between two samples [s].
+    """
+
+    labels: tuple[str, ...]
+    A: FloatArray
+    B: FloatArray
+    C: FloatArray
+    G: FloatArray
+    F: FloatArray
+    sample_time: float
+
+    def __len__(self) -> int:
+        return len(self.labels)
+
+
+def linear_plants(
+    robot: Robot,
+    *,
+    names: Sequence[str] = (),
+    values: FloatArray | None = None,
+    pose: FloatArray | None = None,
+    label: str = "",
+) -> LinearPlants:
+    """Linearise a robot in every segment of its piecewise linear springs, for every set of parameters.
+
+    Args:
+        robot: The robot.
+        names: Parameters that differ between the models.
+        values: Their values (SI), shape (n_sets, n_parameters); default: those of the robot, one set.
+        pose: Arm coordinates [rad or m], shape (N,); default: home of the robot.
+        label: Beginning of the names of the models.
+
+    Returns:
+        The models, sets outside, spring segments inside.
+    """
+    sets = np.array([[robot.parameters[name].value for name in names]]) if values is None else np.asarray(values)
+    evaluate = _slopes(robot, tuple(names))
+    wrench = np.zeros(6)
+    labels, matrices = [], []
+    arm = robot.home if pose is None else np.asarray(pose, dtype=float)
+    for number, parameters in enumerate(sets):
+        rest = robot.equilibrium(arm)
+        torque = robot.holding_torque(rest)
+        for text, deflection in _segments(robot):
+            state = rest.copy()
+            state[: robot.n_arm] += deflection
+            result = evaluate(state, torque, wrench, parameters)
+            matrices.append([np.asarray(part, dtype=float) for part in result])
+            which = f" set {number + 1}" if len(sets) > 1 else ""
+            labels.append(f"{label}{which}{text}".strip() or robot.name)
+    A, B, C, E, F = (np.array(part) for part in zip(*matrices, strict=True))
+    return LinearPlants(tuple(labels), A, B, C, E, F)
+
+
+def sampled_plants(plants: LinearPlants, sample_time: float, delay: float) -> SampledPlants:
+    """Sample linear models with held commands and disturbances; exact, also for a delay of a fraction of a sample.
+
+    Args:
+        plants: The continuous models.
+        sample_time: Time between two samples [s].
+        delay: Delay of the command at the plant input [s].
+    """
+    split = split_delay(delay, sample_time)
+    count, n, motors = plants.B.shape
+    past = split.line_length * motors
+    both = np.concatenate([plants.B, plants.E], axis=2)
+    step, held = _held(plants.A, both, sample_time)
+    A, B = np.zeros((count, n + past, n + past)), np.zeros((count, n + past, motors))
+    A[:, :n, :n] = step
+    carried = np.broadcast_to(np.eye(n), (count, n, n))
+    for piece in reversed(split.pieces):  # the last part of the sample reaches its end first
+        part, entry = _held(plants.A, plants.B, piece.duration)
+        entry = carried @ entry
+        if piece.age == 0:
+            B[:, :n] += entry
+        else:
+            first = n + (piece.age - 1) * motors
+            A[:, :n, first : first + motors] += entry
+        carried = carried @ part
+    if past:
+        B[:, n : n + motors] = np.eye(motors)
+        A[:, n + motors :, n : n + past - motors] = np.eye(past - motors)
+    outputs = [np.concatenate([part, np.zeros((count, part.shape[1], past))], axis=2) for part in (plants.C, plants.F)]
+    G = np.concatenate([held, np.zeros((count, past, held.shape[2]))], axis=1)
+    return SampledPlants(plants.labels, A, B, outputs[0], G, outputs[1], sample_time)
+
+
+def _held(A: FloatArray, B: FloatArray, time: float) -> tuple[FloatArray, FloatArray]:
+    """Return state transitions and input matrices of a constant input over a time."""
+    n, m = B.shape[-2:]
+    whole = np.zeros((len(A), n + m, n + m))
+    whole[:, :n, :n], whole[:, :n, n:] = A, B
+    whole = expm(whole * time)
+    return whole[:, :n, :n], whole[:, :n, n:]
+
+
+@lru_cache(maxsize=8)
+def _slopes(robot: Robot, names: tuple[str, ...]) -> ca.Function:
+    """Return A, B, C, E, F as a function of state, torque, wrench and parameters."""
+    model = robot.symbolic(names) if names else robot.model
+    x, u = ca.SX.sym("x", 2 * robot.n_coordinates), ca.SX.sym("u", robot.n_motors)
+    w, p = ca.SX.sym("w", 6), ca.SX.sym("p", len(names))
+    rate = model.derivative(x, u, w, p)
+    leading = x[: model.encoder.numel_in(0)]
+    position = model.tool_pose(x[: model.tool_pose.numel_in(0)], p)[:3]
+    parts = [
+        ca.jacobian(rate, x),
+        ca.jacobian(rate, u),
+        ca.jacobian(model.encoder(leading), x),
+        ca.jacobian(rate, w),
+        ca.jacobian(position, x),
+    ]
+    return ca.Function("slopes", [x, u, w, p], [ca.densify(part) for part in parts])
+
+
+def _segments(robot: Robot) -> list[tuple[str, FloatArray]]:
+    """Return text and arm deflection [rad or m], shape (N,), inside every segment of piecewise linear springs."""
+    ranges = []
+    for row, joint in enumerate(robot.joints):
+        spring = joint.direction.spring
+        law = spring.piecewise_linear if isinstance(spring, Spring) else None
+        if law is None:
+            continue
+        ends = (0.0, *law.knots, 2.0 * law.knots[-1])
+        middles = [0.5 * (low + high) * np.eye(robot.n_arm)[row] for low, high in pairwise(ends)]
+        unit = "Nm/rad" if joint.rotary else "N/m"
+        ranges.append([(f" {joint.name} {slope:g} {unit}", at) for slope, at in zip(law.slopes, middles)])
+    return [
+        (",".join(text for text, _ in chosen), sum((at for _, at in chosen), start=np.zeros(robot.n_arm)))
+        for chosen in product(*ranges)
+    ]

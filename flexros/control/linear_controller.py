@@ -1,0 +1,88 @@
+"""A control law linearised about rest, away from its limits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+
+from flexros.errors import InputError
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+    from flexros.control.base import AbstractControlLaw
+    from flexros.control.context import LoopContext
+
+
+@dataclass(frozen=True, eq=False)
+class LinearController:
+    """A sampled feedback controller about rest, away from its limits; m is the number of its states.
+
+    u = from_state c + from_reference r + from_measured y, next c = state_step c + state_reference r + state_measured y,
+    with r in the order
+    of `LoopContext.references` and y in that of `LoopContext.measurements`.
+
+    Attributes:
+        from_state: Shape (M, m).
+        from_reference: Shape (M, 3 M).
+        from_measured: Shape (M, n_measured).
+        state_step: Shape (m, m).
+        state_reference: Shape (m, 3 M).
+        state_measured: Shape (m, n_measured).
+    """
+
+    from_state: FloatArray
+    from_reference: FloatArray
+    from_measured: FloatArray
+    state_step: FloatArray
+    state_reference: FloatArray
+    state_measured: FloatArray
+
+
+def linear_controller(law: AbstractControlLaw, context: LoopContext) -> LinearController:
+    """Linearise a controller away from its limits; exact for a sampled linear law.
+
+    Args:
+        law: The controller.
+        context: Robot, sample time and signals of the loop.
+
+    Returns:
+        Its matrices.
+    """
+    function = law.function(context)
+    c, r, y = (ca.SX.sym(name, function.size1_in(index)) for index, name in enumerate("cry"))
+    gains = law.gains(context)
+    u, after = function(c, r, y, gains)
+    parts = [ca.densify(ca.jacobian(out, part)) for out in (u, after) for part in (c, r, y)]
+    rest = [np.zeros(function.size1_in(1)), np.zeros(function.size1_in(2))]
+    started = function(law.initial_state(context), *rest, gains)[1]
+    evaluate = ca.Function("linearised", [c, r, y], parts)
+    from_c, from_r, from_y, of_c, of_r, of_y = (np.asarray(part, float) for part in evaluate(started, *rest))
+    return LinearController(from_c, from_r, from_y, of_c, of_r, of_y)
+
+
+def encoder_controller(law: AbstractControlLaw, context: LoopContext) -> LinearController:
+    """Linearise a controller that uses the motor encoders alone; its y are the motor positions.
+
+    Args:
+        law: The controller.
+        context: Robot, sample time and signals of the loop.
+
+    Returns:
+        Its matrices.
+
+    Raises:
+        InputError: It uses other sensors than the motor encoders.
+    """
+    whole = linear_controller(law, context)
+    motors = context.measurements.rows("motor_position")
+    if np.any(np.delete(np.vstack([whole.from_measured, whole.state_measured]), motors, axis=1)):
+        raise InputError(
+            f"the linear loop of controller {law.kind} is computed from the motor encoders alone, but it uses other "
+            "sensors too; choose a controller of the motor positions"
+        )
+    return replace(
+        whole, from_measured=whole.from_measured[:, motors], state_measured=whole.state_measured[:, motors]
+    )

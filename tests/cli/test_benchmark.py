@@ -1,0 +1,43 @@
+"""The command of the feedback benchmark."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.slow
+
+Flexros = Callable[..., "object"]
+
+
+def test_json_without_noise_has_the_cost_of_the_check(flexros: Flexros) -> None:
+    ended = flexros("benchmark", "pid_check", "--noise", "0", "--json")
+    assert ended.code == 0
+    content = json.loads(ended.out)
+    assert content["V"] == pytest.approx(138.903095, abs=1e-6)
+    assert all(demand["passed"] for demand in content["demands"])
+
+
+def test_two_controllers_side_by_side_with_report_and_file(flexros: Flexros, tmp_path: Path) -> None:
+    (tmp_path / "soft.yaml").write_text("{kind: pid, kp: 10, ki: 20, kd: 1}")
+    report, out = tmp_path / "r.html", tmp_path / "r.json"
+    given = ("--seeds", "2", "--report", str(report), "--out", str(out))
+    ended = flexros("benchmark", "pid_check", str(tmp_path / "soft.yaml"), *given)
+    assert ended.code == 0
+    assert "T_NOISE" in ended.out
+    assert [row["controller"] for row in json.loads(out.read_text())] == ["pid_check", "soft"]
+    assert "not reproduced" in report.read_text()
+
+
+def test_without_a_controller_the_built_in_ones_are_listed(flexros: Flexros) -> None:
+    assert "pid_check" in {row["name"] for row in json.loads(flexros("benchmark", "--json").out)}
+
+
+@pytest.mark.parametrize(("option", "value"), [("--noise", "-1"), ("--seeds", "a"), ("--seeds", "1,1")])
+def test_wrong_options_are_named(flexros: Flexros, option: str, value: str) -> None:
+    ended = flexros("benchmark", "pid_check", option, value)
+    assert ended.code == 2
+    assert option in ended.err
