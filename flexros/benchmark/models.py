@@ -98,7 +98,7 @@ def set_values(robot: Robot, name: str) -> FloatArray:
     deviation = np.array([*(rules.stiffness,) * 3, *(rules.inertia,) * 3, rules.losses, rules.losses])
     signs = np.array([[1.0 if sign == "+" else -1.0 for sign in row] for row in SIGNS])
     repeats = [len(group) for group in GROUPS]
-    return nominal * np.repeat(1.0 + signs * deviation, repeats, axis=1)
+    return np.asarray(nominal * np.repeat(1.0 + signs * deviation, repeats, axis=1))
 
 
 def model_names(name: str) -> tuple[str, ...]:

@@ -83,6 +83,4 @@ def encoder_controller(law: AbstractControlLaw, context: LoopContext) -> LinearC
             f"the linear loop of controller {law.kind} is computed from the motor encoders alone, but it uses other "
             "sensors too; choose a controller of the motor positions"
         )
-    return replace(
-        whole, from_measured=whole.from_measured[:, motors], state_measured=whole.state_measured[:, motors]
-    )
+    return replace(whole, from_measured=whole.from_measured[:, motors], state_measured=whole.state_measured[:, motors])

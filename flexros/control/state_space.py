@@ -47,22 +47,20 @@ class StateSpace(AbstractControlLaw):
 
     kind: ClassVar[str] = "state_space"
 
-    A: Matrix = Field(description="system matrix, rows of n numbers; n = 0, [], for a gain D alone")
-    B: Matrix = Field(description="input matrix, n rows, one column per input")
+    A: Matrix = Field(description="system matrix, rows of n numbers; n = 0, [], for a gain D alone [1]")
+    B: Matrix = Field(description="input matrix, n rows, one column per input [1 per unit of the input]")
     C: Matrix = Field(description="output matrix [Nm, or N], one row per motor, n columns")
-    D: Matrix = Field(
-        description="direct gain [Nm or N per unit of the input], one row per motor, one column per input"
-    )
+    D: Matrix = Field(description="direct gain [Nm or N per unit of the input], a row per motor, a column per input")
     inputs: tuple[str, ...] = Field(
         default=("motor_position_error",),
         min_length=1,
-        description="signals that enter, in order, each with all its elements: a measurement such as motor_position, "
-        "or its name with _error for reference less measurement or with _reference for the reference",
+        description="signals that enter [name], in order, each with all its elements: a measurement such as "
+        "motor_position, or its name with _error for reference less measurement or with _reference for the reference",
     )
     anti_windup: Matrix | None = Field(
         default=None,
-        description="gain L of the torque lost in the limit, n rows, one column per motor; default: Kalman gain of "
-        "the controller with white inputs",
+        description="gain L of the torque lost in the limit [1/Nm or 1/N], n rows, one column per motor; "
+        "default: Kalman gain of the controller with white inputs",
     )
     matrices_sample_time: float | None = Field(
         default=None, gt=0.0, description="sample time of the matrices [s], compared with that of the loop"
@@ -72,8 +70,8 @@ class StateSpace(AbstractControlLaw):
     )
     file: str = Field(
         default="",
-        description="file that holds A, B, C, D instead, and anti_windup and sample_time if needed: .npz, .mat, .json "
-        "or .yaml; relative to the current folder, in a controller file of the benchmark to that file",
+        description="file [path] that holds A, B, C, D instead, and anti_windup and sample_time if needed: .npz, .mat, "
+        ".json or .yaml; relative to the current folder, in a controller file of the benchmark to that file",
     )
 
     @model_validator(mode="before")
@@ -115,34 +113,57 @@ class StateSpace(AbstractControlLaw):
 
     def state_size(self, context: LoopContext) -> int:
         """Return the number of states, n."""
-        return len(self.A)
+        return len(self.A) * self._copies(context)
 
     def gain_names(self, context: LoopContext) -> tuple[str, ...]:
         """Return the names of all entries by rows, e.g. "A.1.2", of A, B, C, D and L, then "motor_1.torque_limit"."""
-        n, (motors, columns) = len(self.A), (len(self.D), len(self.D[0]))
-        shapes = {"A": (n, n), "B": (n, columns), "C": (motors, n), "D": (motors, columns), "L": (n, motors)}
         entries = [
             f"{name}.{row + 1}.{column + 1}"
-            for name, (rows, width) in shapes.items()
+            for name, (rows, width) in zip("ABCDL", self._shapes(context), strict=True)
             for row in range(rows)
             for column in range(width)
         ]
-        return (*entries, *(f"motor_{motor}.torque_limit" for motor in range(1, motors + 1)))
+        return (*entries, *(f"motor_{motor}.torque_limit" for motor in range(1, context.n_motors + 1)))
 
     def gains(self, context: LoopContext) -> FloatArray:
         """Return all entries of A, B, C, D and L, then the torque limits, shape (n_gains,)."""
-        self._check(context)
-        matrices = self.matrices()
-        return np.concatenate([*(matrix.ravel() for matrix in matrices), self.command_limits(context.robot)])
+        return np.concatenate(
+            [*(matrix.ravel() for matrix in self.matrices(context)), self.command_limits(context.robot)]
+        )
 
-    def matrices(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Return A, B, C, D and the anti-windup gain L as arrays."""
+    def matrices(self, context: LoopContext) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Return A, B, C, D and the anti-windup gain L as arrays, of all motors.
+
+        Raises:
+            InputError: The matrices do not fit the loop.
+        """
+        self._check(context)
         n, motors, columns = len(self.A), len(self.D), len(self.D[0])
         A, B = np.reshape(self.A, (n, n)).astype(float), np.reshape(self.B, (n, columns)).astype(float)
         C, D = np.reshape(self.C, (motors, n)).astype(float), np.reshape(self.D, (motors, columns)).astype(float)
         given = self.anti_windup
         L = anti_windup_gain(A, B, C, D) if given is None else np.reshape(given, (n, motors)).astype(float)
-        return A, B, C, D, L
+        copies = self._copies(context)
+        if copies == 1:
+            return A, B, C, D, L
+        each = np.eye(copies)
+        entry, direct = np.zeros((copies * n, copies * columns)), np.zeros((copies, copies * columns))
+        for motor in range(copies):  # the inputs are stacked signal by signal, each with all motors
+            entry[motor * n : (motor + 1) * n, motor::copies] = B
+            direct[motor, motor::copies] = D
+        return np.kron(each, A), entry, np.kron(each, C), direct, np.kron(each, L)
+
+    def _shapes(self, context: LoopContext) -> tuple[tuple[int, int], ...]:
+        """Return the shapes of A, B, C, D and L of all motors."""
+        n, copies = self.state_size(context), self._copies(context)
+        columns, motors = copies * len(self.D[0]), context.n_motors
+        return (n, n), (n, columns), (motors, n), (motors, columns), (n, motors)
+
+    def _copies(self, context: LoopContext) -> int:
+        """Return the number of motors that get a controller of their own, 1 for one controller of all."""
+        per_motor = all(size == context.n_motors for size in self._input_sizes(context))
+        one = (len(self.D), len(self.D[0])) == (1, len(self.inputs))
+        return context.n_motors if per_motor and one else 1
 
     def command_limits(self, robot: Robot) -> FloatArray:
         """Return the lower of the controller's and the robot's torque limit [Nm or N], shape (M,)."""
@@ -153,21 +174,15 @@ class StateSpace(AbstractControlLaw):
     def function(self, context: LoopContext) -> ca.Function:
         """Build the update `(c, r, y, g) -> (u, c_next)` as a CasADi SX function; all matrices are gains."""
         self._check(context)
-        n, motors, columns = len(self.A), len(self.D), len(self.D[0])
-        state, gains = ca.SX.sym("c", n), ca.SX.sym("g", len(self.gain_names(context)))
+        shapes = self._shapes(context)
+        state, gains = ca.SX.sym("c", shapes[0][0]), ca.SX.sym("g", len(self.gain_names(context)))
         reference = ca.SX.sym("r", context.references.size)
         measured = ca.SX.sym("y", context.measurements.size)
-        taken = 0
-
-        def matrix(rows: int, width: int) -> ca.SX:
-            nonlocal taken
-            part = ca.reshape(gains[taken : taken + rows * width], width, rows).T
+        parts, taken = [], 0
+        for rows, width in shapes:
+            parts.append(ca.reshape(gains[taken : taken + rows * width], width, rows).T)
             taken += rows * width
-            return part
-
-        A, B, C, D, L = (
-            matrix(*shape) for shape in ((n, n), (n, columns), (motors, n), (motors, columns), (n, motors))
-        )
+        A, B, C, D, L = parts
         limit = gains[taken:]
         entering = ca.vertcat(*(self._input(name, reference, measured, context) for name in self.inputs))
         feedforward = context.references.part(reference, "feedforward_torque")
@@ -200,17 +215,8 @@ class StateSpace(AbstractControlLaw):
         Raises:
             InputError: Unknown input, wrong numbers of inputs or motors, or another sample time.
         """
-        measurements, references = context.measurements.sizes, context.references.sizes
-        allowed = {
-            **measurements,
-            **{f"{name}{ERROR}": size for name, size in measurements.items() if name in references},
-            **{f"{name}{REFERENCE}": size for name, size in references.items()},
-        }
-        for name in self.inputs:
-            if name not in allowed:
-                raise unknown_name("input", name, allowed, "controller.inputs")
-        width = sum(allowed[name] for name in self.inputs)
-        if (len(self.D), len(self.D[0])) != (context.n_motors, width):
+        width = sum(self._input_sizes(context))
+        if self._copies(context) == 1 and (len(self.D), len(self.D[0])) != (context.n_motors, width):
             raise InputError(
                 f"controller.D has {len(self.D)} rows of {len(self.D[0])} numbers, but robot {context.robot.name} has "
                 f"{context.n_motors} motors and the inputs {', '.join(self.inputs)} have {width} elements; correct it"
@@ -221,6 +227,23 @@ class StateSpace(AbstractControlLaw):
                 f"controller.matrices_sample_time is {given:g} s, but the loop has {context.sample_time:g} s; give "
                 "matrices for the sample time of the loop"
             )
+
+    def _input_sizes(self, context: LoopContext) -> list[int]:
+        """Return the number of elements of each input.
+
+        Raises:
+            InputError: Unknown input.
+        """
+        measurements, references = context.measurements.sizes, context.references.sizes
+        allowed = {
+            **measurements,
+            **{f"{name}{ERROR}": size for name, size in measurements.items() if name in references},
+            **{f"{name}{REFERENCE}": size for name, size in references.items()},
+        }
+        for name in self.inputs:
+            if name not in allowed:
+                raise unknown_name("input", name, allowed, "controller.inputs")
+        return [allowed[name] for name in self.inputs]
 
 
 def _limited(torque: ca.SX, limit: ca.SX) -> ca.SX:

@@ -18,6 +18,14 @@ if TYPE_CHECKING:
 SERVO = "servo_"
 """Beginning of the names of a motor's servo gains, after the name of the motor, e.g. "motor_1.servo_stiffness"."""
 
+OTHER_VALUES = {
+    "sample_time": ("sample_time",),
+    "delay": ("delay",),
+    "encoder_noise": ("sensors", "encoder_noise"),
+    "tool_noise": ("sensors", "tool_noise"),
+}
+"""Values [s, s, rad or m, m] beside the equations of motion that can be replaced, with their keys in the robot file."""
+
 INERTIA_COMPONENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
 
 
@@ -126,7 +134,7 @@ def with_values(
     Args:
         data: Robot file as dumped by `RobotSpecification.model_dump`.
         specification: The same, validated.
-        values: New values by parameter name (SI); also "sample_time" and "delay" [s].
+        values: New values by parameter name (SI); also of `OTHER_VALUES`.
         source: Origin of the change; prefix of the error message.
 
     Raises:
@@ -135,13 +143,15 @@ def with_values(
     known = list_parameters(specification)
     changed = copy.deepcopy(dict(data))
     for name, value in values.items():
-        if name in ("sample_time", "delay"):
-            changed[name]["value"] = value
+        if name in OTHER_VALUES:
+            *way, last = OTHER_VALUES[name]
+            here = changed
+            for step in way:
+                here = here[step]
+            here[last]["value"] = value
             continue
         if name not in known:
-            raise unknown_name(
-                f"parameter of robot {specification.name}", name, [*known, "sample_time", "delay"], source
-            )
+            raise unknown_name(f"parameter of robot {specification.name}", name, [*known, *OTHER_VALUES], source)
         _set(changed, known[name], value)
     return changed
 

@@ -226,7 +226,8 @@ class Robot:
         """Return a robot with some values replaced.
 
         Args:
-            values: New values (SI) by parameter name, also "sample_time" and "delay" [s].
+            values: New values (SI) by parameter name, also "sample_time" and "delay" [s], "encoder_noise" and
+                "tool_noise" [rad or m, m].
             source: Origin of the change; prefix of error messages.
 
         Raises:

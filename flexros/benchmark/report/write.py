@@ -141,7 +141,7 @@ def _run_picture(runs: Sequence[NominalRun], sample_time: float) -> Picture:
 
 
 def _response_picture(controllers: Sequence[BenchmarkController], context: LoopContext) -> Picture:
-    frequency = np.geomspace(0.05, 0.499 / context.sample_time, 600)
+    frequency: FloatArray = np.geomspace(0.05, 0.499 / context.sample_time, 600)
     figure = stacked(("Magnitude", "Phase"), height=240)
     z = np.exp(2j * np.pi * frequency * context.sample_time)
     for index, controller in enumerate(controllers):
