@@ -128,7 +128,7 @@ def _published_measures() -> TextTable:
 def _run_picture(runs: Sequence[NominalRun], sample_time: float) -> Picture:
     figure = stacked(("Tool deflection", "Motor torque"), height=260)
     for index, run in enumerate(runs):
-        time: FloatArray = np.arange(len(run.deflection)) * sample_time
+        time = np.asarray(np.arange(len(run.deflection)) * sample_time, dtype=float)
         for row, (values, unit) in enumerate(((run.deflection, "mm"), (run.command, "Nm")), start=1):
             line = curve(
                 time, values, run.name, run_colour(index), hover=f"%{{x:.3f}} s: %{{y:.4g}} {unit}", legend=row == 1
