@@ -15,6 +15,7 @@ from flexros.logs.stamps import NANOSECONDS, stamp_of
 from flexros.logs.writer import LogWriter
 from flexros_nodes.protocol.experiment_state import read_experiment_state
 from flexros_nodes.protocol.recorder.recording import ArrivalTime, EventRecording, TopicRecording
+from flexros_nodes.protocol.sensor_messages import sensor_topics
 from flexros_nodes.shell.executable import run_node
 from flexros_nodes.shell.node_base import FlexrosNode
 from flexros_nodes.shell.prepared_run import prepared_run
@@ -67,6 +68,10 @@ class RecorderNode(FlexrosNode):
         self._events: dict[str, EventRecording] = {}
         self._writer = writer = self._open(list(self._topics.values()))
         self._closed = False
+        sensors = sensor_topics(run.plant, run.sensor_timing)
+        self._gaps = dict.fromkeys(sampled_topics(), 0) | {
+            sensor.topic: round((sensor.period - 1) * self._sample_time * 1e9) for sensor in sensors
+        }
         self._progress = self.announce("recorder_progress")
         for number, (name, row) in enumerate(self._topics.items(), 1):
             self._record(writer, name, row, number)
@@ -82,13 +87,15 @@ class RecorderNode(FlexrosNode):
             raise
 
     def _record(self, writer: LogWriter, name: str, row: Topic, number: int) -> None:
-        if name not in sampled_topics():
+        if name not in self._gaps:
             present = self._present
             read_stamp = present if name == MARKERS else stamp_of  # the headers of markers are in a list
             self._events[name] = EventRecording(writer, number, self._arrival, present, read_stamp)
             self.listen(name, self._events[name].take, recorder=True)
             return
-        recording = self._samples[name] = TopicRecording(writer, number, self._arrival, self._confirm_each)
+        recording = self._samples[name] = TopicRecording(
+            writer, number, self._arrival, self._confirm_each, self._gaps[name]
+        )
         if row.producer in LOOP_PRODUCERS:
             self._in_loop.append(recording)
         take = partial(self._take_and_confirm, recording) if name == "joint_states" else recording.take
@@ -108,7 +115,7 @@ class RecorderNode(FlexrosNode):
     def _confirm(self) -> bool:
         """Confirm the stamp up to which all active topics of the loop are recorded; return whether it has advanced."""
         self._since_confirmed = 0
-        until = min((recording.last for recording in self._in_loop if recording.count), default=-1)
+        until = min((recording.until for recording in self._in_loop if recording.count), default=-1)
         if until <= self._all_confirmed:
             return False
         self.stamp = self._all_confirmed = until
@@ -119,10 +126,10 @@ class RecorderNode(FlexrosNode):
         """Confirm the recorded stamp of each topic that has advanced; return whether any has."""
         advanced = self._confirm()
         for name, recording in self._samples.items():
-            if recording.last > self._confirmed.get(name, -1):
+            if recording.until > self._confirmed.get(name, -1):
                 advanced = True
-                self._confirmed[name] = recording.last
-                self.publish_progress(name, recording.last)
+                self._confirmed[name] = recording.until
+                self.publish_progress(name, recording.until)
         return advanced
 
     def _confirm_periodically(self) -> None:

@@ -64,6 +64,7 @@ class Topic(Settings):
         producer: Node that publishes it, "user" for any node of the user.
         consumers: Nodes that subscribe to it.
         fields: Unit and meaning by field.
+        needs_sensor: Whether it is published only where the robot file states its sensors.
     """
 
     name: str = Field(pattern=r"^/?[a-z][a-z0-9_]*$")
@@ -77,6 +78,7 @@ class Topic(Settings):
     producer: Literal["plant", "controller", "feedforward", "identification", "recorder", "user"]
     consumers: tuple[Literal["plant", "controller", "feedforward", "identification", "recorder", "gap_monitor"], ...]
     fields: dict[str, FieldUnit] = Field(min_length=1)
+    needs_sensor: bool = False
 
 
 def read_qos(path: Path) -> dict[str, QosProfile]:

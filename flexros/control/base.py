@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from flexros.config.settings import Settings, validate
+from flexros.control.context import LoopContext
 from flexros.discovery import members
 from flexros.errors import unknown_name
 
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     import casadi
 
     from flexros.arrays import FloatArray
-    from flexros.control.context import LoopContext
     from flexros.robot import Robot
 
 
@@ -37,6 +37,9 @@ class AbstractControlLaw(Settings, ABC):
        references r (context.references.size,), measurements y (context.measurements.size,) and gains g (n_gains,),
        with the torque command u (M,). No clock, no randomness.
 
+    6. `follows_link_motion`, true if its references include the motion of the links and its derivatives, and `check`,
+       if it does not fit every robot.
+
     Each method gets a `LoopContext`: the nominal robot, the sample time and the layout of r and y by name, e.g.
     `context.references.part(r, "motor_velocity")`. An observer or state feedback designs its matrices from
     `linear_model(context.robot)`; a computed-torque law evaluates `context.robot.model`.
@@ -48,6 +51,28 @@ class AbstractControlLaw(Settings, ABC):
     kind: ClassVar[str]
     lowest_gain: ClassVar[float] = -math.inf
     """Lower bound of all gains at run time."""
+
+    @property
+    def follows_link_motion(self) -> bool:
+        """Whether the references include the motion of the links, `flexros.control.context.LINK_MOTION`."""
+        return False
+
+    def context(self, robot: Robot, sample_time: float) -> LoopContext:
+        """Return the context of this law in a loop.
+
+        Args:
+            robot: The nominal robot.
+            sample_time: Time between two samples [s].
+        """
+        return LoopContext(robot, sample_time, self.follows_link_motion)
+
+    def check(self, context: LoopContext) -> None:
+        """Refuse a robot that this law does not fit.
+
+        Raises:
+            InputError: Names law, robot and what is missing.
+        """
+        del context
 
     @abstractmethod
     def state_size(self, context: LoopContext) -> int:

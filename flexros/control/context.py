@@ -36,6 +36,10 @@ REFERENCES: Mapping[str, Callable[[Robot], int]] = {
 """Reference signals in the order in which the loop stacks them, each with its size."""
 
 
+LINK_MOTION = ("link_position", "link_velocity", "link_acceleration", "link_jerk", "link_snap")
+"""Further references of controllers that follow the motion of the links, M each [rad or m, per s^k]."""
+
+
 @dataclass(frozen=True)
 class SignalLayout:
     """Named signals stacked in one vector.
@@ -103,6 +107,7 @@ class LoopContext:
     Attributes:
         robot: The nominal robot: its model, linearisation, equilibria and torque limits.
         sample_time: Time between two samples [s].
+        link_motion: Whether the references hold the motion of the links, `LINK_MOTION`.
 
     Raises:
         InputError: The sample time is not positive.
@@ -110,6 +115,7 @@ class LoopContext:
 
     robot: Robot
     sample_time: float
+    link_motion: bool = False
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.sample_time) and self.sample_time > 0.0):
@@ -144,4 +150,5 @@ class LoopContext:
     @property
     def references(self) -> SignalLayout:
         """Layout of the reference vector r."""
-        return SignalLayout({name: size(self.robot) for name, size in REFERENCES.items()})
+        links = dict.fromkeys(LINK_MOTION if self.link_motion else (), self.n_motors)
+        return SignalLayout({name: size(self.robot) for name, size in REFERENCES.items()} | links)

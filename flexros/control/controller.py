@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import casadi
@@ -40,7 +41,8 @@ class Controller:
         self._measured = np.zeros(context.measurements.size)
         self._command = np.zeros(context.n_motors)
         self._sum = np.zeros(1)
-        self._update = compile_function(_with_sum(law.function(context))).bind(
+        self._function = law.function(context)
+        self._update = compile_function(_with_sum(self._function)).bind(
             self._state,
             self._reference,
             self._measured,
@@ -80,6 +82,14 @@ class Controller:
     def reset(self) -> None:
         """Restore the state before the first sample."""
         self._state[:] = self.law.initial_state(self.context)
+
+    @cached_property
+    def uses_further(self) -> bool:
+        """Whether the command or the next state depends on sensors beside the motor encoders."""
+        arguments = self._function.sx_in()
+        further = arguments[2][self.context.n_motors :]
+        outputs = casadi.vertcat(*self._function(*arguments))
+        return bool(further.numel()) and any(casadi.which_depends(outputs, further, 1, False))
 
     @property
     def gain_names(self) -> tuple[str, ...]:

@@ -74,8 +74,13 @@ def encoder_controller(law: AbstractControlLaw, context: LoopContext) -> LinearC
         Its matrices.
 
     Raises:
-        InputError: It uses other sensors than the motor encoders.
+        InputError: It uses other sensors than the motor encoders, or follows the motion of the links.
     """
+    if law.follows_link_motion:
+        raise InputError(
+            f"the linear loop of controller {law.kind} is not known, because it follows the motion of the links; "
+            "choose a controller of the motor positions"
+        )
     whole = linear_controller(law, context)
     motors = context.measurements.rows("motor_position")
     if np.any(np.delete(np.vstack([whole.from_measured, whole.state_measured]), motors, axis=1)):

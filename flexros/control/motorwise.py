@@ -3,37 +3,26 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import TYPE_CHECKING, ClassVar, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import casadi
-import numpy as np
-from pydantic import Field
 
-from flexros.config.per_motor import NotNegativePerMotor, PositivePerMotor, per_motor
-from flexros.control.base import AbstractControlLaw
+from flexros.config.per_motor import NotNegativePerMotor
+from flexros.control.limited import AbstractLimitedLaw
 
 if TYPE_CHECKING:
-    from flexros.arrays import FloatArray
     from flexros.control.context import LoopContext
-    from flexros.robot import Robot
 
 Gain: TypeAlias = NotNegativePerMotor
 """A gain, one for all motors or one per motor."""
 
 
-class AbstractMotorwiseLaw(AbstractControlLaw):
+class AbstractMotorwiseLaw(AbstractLimitedLaw):
     """A decentralised law with gains per motor, an integral part and a limited command.
 
     How to add one: list the fields that are gains in `gain_keys` and write `update`. The state is
     [previous value (M), filtered rate (M), integral part (M), started]; all arithmetic is elementwise.
     """
-
-    gain_keys: ClassVar[tuple[str, ...]]
-    lowest_gain: ClassVar[float] = 0.0
-
-    torque_limit: PositivePerMotor | None = Field(
-        default=None, description="limit of the command [Nm], one or one per motor; default: the limits of the robot"
-    )
 
     @abstractmethod
     def update(
@@ -60,22 +49,6 @@ class AbstractMotorwiseLaw(AbstractControlLaw):
     def state_size(self, context: LoopContext) -> int:
         """Return the number of states, 3 M + 1."""
         return 3 * context.n_motors + 1
-
-    def gain_names(self, context: LoopContext) -> tuple[str, ...]:
-        """Return the names of `gain_keys`, then torque_limit, each for all motors, e.g. "motor_1.kp"."""
-        keys = (*self.gain_keys, "torque_limit")
-        return tuple(f"motor_{motor}.{key}" for key in keys for motor in range(1, context.n_motors + 1))
-
-    def gains(self, context: LoopContext) -> FloatArray:
-        """Return the gain vector; the torque limit is the lower of the setting and the robot's."""
-        gains = (per_motor(f"controller.{key}", getattr(self, key), context.n_motors) for key in self.gain_keys)
-        return np.concatenate([*gains, self.command_limits(context.robot)])
-
-    def command_limits(self, robot: Robot) -> FloatArray:
-        """Return the lower of the controller's and the robot's torque limit [Nm or N], shape (M,)."""
-        if self.torque_limit is None:
-            return robot.torque_limits
-        return np.minimum(robot.torque_limits, per_motor("controller.torque_limit", self.torque_limit, robot.n_motors))
 
     def function(self, context: LoopContext) -> casadi.Function:
         """Build the update `(c, r, y, g) -> (u, c_next)` as a CasADi SX function."""

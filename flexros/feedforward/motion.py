@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -53,7 +53,7 @@ class Motion:
 
     def rows(self, first: int, stop: int) -> Motion:
         """Return the samples first, ..., stop - 1."""
-        return Motion(*(getattr(self, field.name)[first:stop] for field in fields(self)))
+        return Motion(*(getattr(self, entry.name)[first:stop] for entry in fields(self)))
 
     def joined(self, after: Motion) -> Motion:
         """Return this motion followed by another one."""
@@ -76,6 +76,8 @@ class Reference:
         torque: Motor torque to add to the feedback, held from its instant to the next [Nm or N], shape (n, M).
         output: Commanded value of the controlled output [m or rad], shape (n, n_out).
         tool_pose: Commanded tool pose: x, y, z [m] and quaternion x, y, z, w, shape (n, 7).
+        link_motion: Position of the links behind the gears, as of the rigid arm on the trajectory, and its first four
+            derivatives [rad or m, per s^k], shape (n, 5, M), for controllers that follow it; else empty, (n, 0, 0).
     """
 
     time: FloatArray
@@ -84,9 +86,12 @@ class Reference:
     torque: FloatArray
     output: FloatArray
     tool_pose: FloatArray
+    link_motion: FloatArray = field(default_factory=lambda: np.zeros((0, 0, 0)))
 
     def __post_init__(self) -> None:
-        lengths = {field.name: len(getattr(self, field.name)) for field in fields(self)}
+        if not self.link_motion.size:
+            object.__setattr__(self, "link_motion", np.zeros((len(self.time), 0, 0)))
+        lengths = {entry.name: len(getattr(self, entry.name)) for entry in fields(self)}
         if len(set(lengths.values())) != 1:
             raise ValueError(f"the arrays of a reference need the same number of rows, but have {lengths}")
 

@@ -32,6 +32,8 @@ def compute_reference(
     duration: float,
     near: FloatArray | None = None,
     laws: Sequence[PlacedLaw] = (),
+    *,
+    link_motion: bool = False,
 ) -> Reference:
     """Compute references and feedforward torques of all samples.
 
@@ -43,6 +45,7 @@ def compute_reference(
         duration: Time to cover [s]; the samples are 0, T, 2 T, ... up to and including `duration`.
         near: Arm coordinates near which the initial pose is sought [rad or m], shape (N,); default: the home pose.
         laws: Laws of effects to compensate, see `flexros.feedforward.compensation.compensation`.
+        link_motion: Whether the motion of the links is needed too.
 
     Returns:
         The reference, floor(duration / T) + 1 samples.
@@ -51,7 +54,9 @@ def compute_reference(
         InputError: Settings, trajectory and robot are inconsistent.
         RunError: The method aborted at a sample.
     """
-    chunks = reference_chunks(robot, trajectory, specification, sample_time, duration, near=near, laws=laws)
+    chunks = reference_chunks(
+        robot, trajectory, specification, sample_time, duration, near=near, laws=laws, link_motion=link_motion
+    )
     return Reference.concatenate(list(chunks))
 
 
@@ -64,6 +69,8 @@ def reference_chunks(
     chunk: int = 4096,
     near: FloatArray | None = None,
     laws: Sequence[PlacedLaw] = (),
+    *,
+    link_motion: bool = False,
 ) -> Iterator[Reference]:
     """Compute references chunk by chunk, for streaming; joined they equal `compute_reference` bit for bit.
 
@@ -76,6 +83,7 @@ def reference_chunks(
         chunk: Largest number of samples per chunk.
         near: Arm coordinates near which the initial pose is sought [rad or m], shape (N,); default: the home pose.
         laws: Laws of effects to compensate, see `flexros.feedforward.compensation.compensation`.
+        link_motion: Whether the motion of the links is needed too.
 
     Yields:
         Successive parts of the reference.
@@ -101,6 +109,7 @@ def reference_chunks(
     motions = _with_friction(method.motions(problem, chunk), specification)
     if laws and specification.method != "none":
         motions = compensated(Motion.concatenate(list(motions)), robot, laws, sample_time).chunks(chunk)
+    links = problem.gear_motion(4).swapaxes(0, 1) if link_motion else np.zeros((n_samples + ahead, 0, 0))
     done = 0
     for motion, n in _with_samples_ahead(motions, ahead):
         now, rows = motion.rows(0, n), slice(done, done + n)
@@ -111,6 +120,7 @@ def reference_chunks(
             torque=_held(motion, n, sample_time, delays) if hold else now.torque,
             output=problem.desired[rows],
             tool_pose=problem.commanded_pose[rows],
+            link_motion=links[rows],
         )
         done += n
 

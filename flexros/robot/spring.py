@@ -97,6 +97,32 @@ class Spring(Settings):
             return scale * (self.cubic.linear + self.cubic.cubic * deflection**2) * deflection
         return scale * deflection
 
+    def deflection(self, force: ca.SX, scale: ca.SX | float) -> ca.SX:
+        """Return the deflection [rad or m] at a transmitted torque or force, the inverse of `force`.
+
+        Args:
+            force: Transmitted torque or force [Nm or N].
+            scale: As for `force`.
+
+        Raises:
+            ValueError: The law has a segment without stiffness, where the deflection is not unique.
+        """
+        if self.at_zero <= 0 or (self.piecewise_linear is not None and min(self.piecewise_linear.slopes) <= 0):
+            raise ValueError("a spring law with a segment of zero stiffness has no inverse")
+        value = force / scale
+        if self.piecewise_linear is not None:
+            law, reached, below_knot = self.piecewise_linear, 0.0, 0.0
+            found = value / law.slopes[0]
+            for knot, below, above in zip(law.knots, law.slopes, law.slopes[1:]):
+                reached, below_knot = reached + below * (knot - below_knot), knot
+                beyond = ca.fmax(value - reached, 0) + ca.fmin(value + reached, 0)
+                found = found + (1 / above - 1 / below) * beyond
+            return found
+        if self.cubic is not None and self.cubic.cubic > 0:  # the one real root of the cubic equation
+            p, q = self.cubic.linear / self.cubic.cubic, value / self.cubic.cubic
+            return 2 * (p / 3) ** 0.5 * ca.sinh(ca.asinh(1.5 * q / p * (3 / p) ** 0.5) / 3)
+        return value if self.cubic is None else value / self.cubic.linear  # a linear spring has its stiffness as scale
+
     def energy(self, deflection: ca.SX, scale: ca.SX | float) -> ca.SX:
         """Return the potential energy [J], the integral of `force` from zero deflection; arguments as for `force`."""
         if self.piecewise_linear is not None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexros.control.context import LoopContext
+from flexros.control.context import LINK_MOTION
 from flexros.control.controller import Controller
 from flexros.errors import InputError, source_named
 from flexros.feedforward.compensation.encoder_reading import position_of_reading
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     import casadi as ca
 
     from flexros.arrays import FloatArray
+    from flexros.control.context import LoopContext
     from flexros.effects import PlacedLaw
     from flexros.feedforward.motion import Reference
     from flexros.identify.experiment.plan import ExperimentPlan
@@ -74,6 +75,12 @@ class Experiment:
         models = ScenarioModels.of(scenario)
         nominal = models.nominal.robot
         sample_time = nominal.sample_time if scenario.sample_time is None else scenario.sample_time
+        law = scenario.controller
+        if law.follows_link_motion and scenario.identification is not None:
+            raise InputError(
+                f"{source}: controller {law.kind} follows the motion of the links, which an identification does not "
+                "plan; choose a controller of the motor positions, such as pid"
+            )
         plan = None if scenario.identification is None else plan_of_scenario(scenario)
         trajectory = _trajectory(scenario, nominal, source, sample_time) if plan is None else moves_of(plan)
         duration = trajectory.duration if scenario.duration is None else scenario.duration
@@ -87,6 +94,7 @@ class Experiment:
             )
         experiment = cls(scenario, models, sample_time, trajectory, n_samples, plan)
         with source_named(source):  # cheap checks come before costly computations
+            scenario.controller.check(experiment.loop_context)
             _ = experiment.gains, experiment.signals(scenario.seed), experiment.sensor_timing
         return experiment
 
@@ -135,13 +143,19 @@ class Experiment:
 
     @cached_property
     def reference_signal(self) -> FloatArray:
-        """References of the controller in the order of `loop_context.references`, shape (n, 3 M)."""
+        """References of the controller in the order of `loop_context.references`, shape (n, 3 M or 8 M)."""
         reference = self.reference
+        links = {
+            name: reference.link_motion[:, order]
+            for order, name in enumerate(LINK_MOTION)
+            if self.loop_context.link_motion
+        }
         return self.loop_context.references.stack(
             {
                 "motor_position": reference.motor_position,
                 "motor_velocity": reference.motor_velocity,
                 "feedforward_torque": reference.torque,
+                **links,
             }
         )
 
@@ -173,7 +187,7 @@ class Experiment:
     @cached_property
     def loop_context(self) -> LoopContext:
         """Context of the control law: the nominal robot, not the simulated one."""
-        return LoopContext(self.nominal, self.sample_time)
+        return self.scenario.controller.context(self.nominal, self.sample_time)
 
     @cached_property
     def gains(self) -> FloatArray:
@@ -252,6 +266,7 @@ class Experiment:
                 duration,
                 self.start,
                 known.laws,
+                link_motion=self.loop_context.link_motion,
             )
         return self._with_torque(reference)
 

@@ -9,7 +9,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from flexros.control.context import LoopContext
 from flexros.effects.patching.patched_robot import load_model
 from flexros.errors import InputError, unknown_name
 from flexros.scenario.scenario import Scenario, load_scenario
@@ -100,8 +99,8 @@ def _checked(node: str, values: Mapping[str, Value], scenario: Scenario) -> dict
     specifications = node_parameters(node)
     if node == "controller":
         robot = load_model(scenario.robot).robot
-        context = LoopContext(robot, scenario.sample_time or robot.sample_time)
         law = scenario.controller
+        context = law.context(robot, scenario.sample_time or robot.sample_time)
         specifications |= gain_parameters(law, law.gain_names(context), law.gains(context))
     for name in values:
         if name in SET_BY_THE_RUN:

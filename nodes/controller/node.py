@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import TYPE_CHECKING
 
 from std_msgs.msg import Header
@@ -10,13 +11,15 @@ from std_msgs.msg import Header
 from flexros.errors import FlexrosError, RunError
 from flexros.logs.messages.joint_state import JointStateTemplate, JointStateView
 from flexros.logs.messages.joint_trajectory import read_joint_trajectory
-from flexros.logs.stamps import NANOSECONDS
+from flexros.logs.stamps import NANOSECONDS, sample_number
 from flexros_nodes.controller.follow_trajectory import FollowTrajectory, installed_action
 from flexros_nodes.protocol.loop.lockstep import Arrival, ControllerLockStep
 from flexros_nodes.protocol.loop.message_loss import MessageLoss
 from flexros_nodes.protocol.parameters import gain_parameters
+from flexros_nodes.protocol.reference.link_columns import names_with_links
 from flexros_nodes.protocol.reference.reference_buffer import ReferenceBuffer
 from flexros_nodes.protocol.reference.trajectory_request import in_joint_order
+from flexros_nodes.protocol.sensor_messages import SensorReader, sensor_topics
 from flexros_nodes.shell.node_base import FlexrosNode
 from flexros_nodes.shell.prepared_run import prepared_run
 
@@ -56,6 +59,12 @@ class ControllerNode(FlexrosNode):
         self._names = run.nominal.joint_names
         self._n_motors = len(self._names)
         self.controller = run.controller()
+        self._follows_links = run.loop_context.link_motion
+        self._chunk_names = names_with_links(self._names) if self._follows_links else self._names
+        size = run.sensor_timing.size if self.controller.uses_further else 0
+        sensors = sensor_topics(run.nominal, run.sensor_timing) if size else ()
+        self._sensors = SensorReader(sensors, size)
+        self._unused = [0.0] * (run.sensor_timing.size - size)
         self._declare_gains()
         self._sample_time = run.sample_time
         self._view = JointStateView(self._names)
@@ -66,6 +75,8 @@ class ControllerNode(FlexrosNode):
         self._commands = self.announce("joint_commands")
         self._references = self.announce("joint_reference")
         self._received = self.announce("reference_received")
+        for sensor in sensors:
+            self.listen(sensor.topic, partial(self._on_sensor, sensor.topic))
         self.listen("joint_states", self._on_state)
         self.listen("joint_reference_ahead", self._on_chunk)
         self.listen("joint_trajectory", self._on_trajectory)
@@ -83,11 +94,13 @@ class ControllerNode(FlexrosNode):
         if self.follower is not None:
             self.follower.abort("the loop restarts")
         self.controller.reset()
-        self.buffer = ReferenceBuffer(self._n_motors, self._sample_time)
+        self._sensors.begin()
+        self.buffer = ReferenceBuffer(self._n_motors, self._sample_time, link_motion=self._follows_links)
         self._lockstep = ControllerLockStep(self._sample_time)
         self._loss = MessageLoss(self.value("drop_fraction"), self.value("drop_seed"))
         self._drops: Callable[[], bool] | None = self._loss.drops if self.value("drop_fraction") else None
         self._pending: tuple[float, ...] | None = None
+        self._further: list[float] | None = None
         self._reply: tuple[bytes, bytes] | None = None
         self._partners_found = False
         self._answered = self._waits = self._rejected = 0
@@ -156,7 +169,7 @@ class ControllerNode(FlexrosNode):
                     f"{'empty' if sample.position is None else list(sample.position)}, required is one finite "
                     f"number for each of {', '.join(self._names)}"
                 )
-            self._pending = sample.position
+            self._pending, self._further = sample.position, None
             self._answer()
         elif arrival is Arrival.REPEATED and self._pending is None and self._reply is not None:
             self.publish_reply(*self._reply)
@@ -164,6 +177,13 @@ class ControllerNode(FlexrosNode):
             self.get_logger().info("the plant has restarted, and so does the controller")
             self._begin()
             self._on_state(message)
+
+    def _on_sensor(self, name: str, message: bytes) -> None:
+        if self._drops is not None and self._drops():
+            return
+        self._sensors.take(name, message)
+        if self._pending is not None:
+            self._answer()
 
     def find_partners(self) -> bool:
         """Return whether plant and recorders would receive a reply; until then the plant repeats its first state."""
@@ -182,11 +202,16 @@ class ControllerNode(FlexrosNode):
         if position is None:
             return
         stamp = self._lockstep.last
+        further = self._further
+        if further is None:
+            further = self._further = self._sensors.values(sample_number(stamp, self._sample_time), stamp)
+        if further is None:
+            return  # the messages of the other sensors are on their way
         reference = self.buffer.take(stamp, position)
         if reference is None:
             self._waits += 1
             return
-        command = self.controller.step(position, reference)
+        command = self.controller.step([*position, *further, *self._unused], reference)
         self._pending = None
         self._read_budget = min(self._read_budget + READS_PER_SAMPLE, READ_BUDGET)
         self.stamp = stamp
@@ -195,7 +220,7 @@ class ControllerNode(FlexrosNode):
         values = reference.tolist()
         self._reply = (
             self._command_message.fill(stamp, effort=command),
-            self._reference_message.fill(stamp, values[:n], values[n : 2 * n], values[2 * n :]),
+            self._reference_message.fill(stamp, values[:n], values[n : 2 * n], values[2 * n : 3 * n]),
         )
         self.publish_reply(*self._reply)
         if self.follower is not None:
@@ -212,7 +237,7 @@ class ControllerNode(FlexrosNode):
         if self._drops is not None and self._drops():
             return
         try:
-            chunk = read_joint_trajectory(message).in_order(self._names)
+            chunk = read_joint_trajectory(message).in_order(self._chunk_names)
         except FlexrosError as error:
             raise RunError(f"a message on joint_reference_ahead is rejected: {error}") from error
         self.buffer.append(chunk)

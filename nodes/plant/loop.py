@@ -57,7 +57,7 @@ class PlantLoop:
         self._on_end = on_end
         self._sample_time = run.sample_time
         self._real_time = bool(node.value("real_time"))
-        self.messages = PlantMessages(node, run.nominal.joint_names, run.sample_time)
+        self.messages = PlantMessages(node, run)
         self.pause = Pause(False, 0.0)
         self._commands = node.listen("joint_commands", self._on_command)
         node.listen("recorder_progress", self._on_recorded)
@@ -83,7 +83,10 @@ class PlantLoop:
         timeouts = (value(f"{name}_timeout") for name in ("resend", "partner", "start"))
         self.lockstep = PlantLockStep(FASTEST_RESEND, *timeouts)
         self.window = recorder_window(
-            value("recorder_window") if value("observers") else 0, self._sample_time, self._real_time
+            value("recorder_window") if value("observers") else 0,
+            self._sample_time,
+            self._real_time,
+            self.messages.own_topics,
         )
 
     def send_first(self) -> None:
@@ -163,7 +166,7 @@ class PlantLoop:
     def next_sample(self) -> None:
         """Measure sample k + 1 and publish it, unless the recorder is too far behind."""
         self.sample += 1
-        stamp = self.messages.fill(self.sample, self.plant.measure(), self.plant.tool_pose())
+        stamp = self.messages.fill(self.sample, self.plant.measure(), self.plant.tool_pose(), self.plant.further())
         self._node.stamp = self.stamp = stamp
         self.lockstep.sent(stamp)
         if self.window.admits(stamp):

@@ -12,16 +12,18 @@ from flexros.logs.messages.pose_stamped import PoseStampedTemplate
 from flexros.logs.stamps import NANOSECONDS, stamp_ns, stamp_of
 from flexros.logs.time_series import BASE_FRAME
 from flexros_nodes.protocol.recorder.recorder_window import RecorderWindow
+from flexros_nodes.protocol.sensor_messages import SensorWriter, sensor_topics
 from flexros_nodes.shell.topic_interface import period, sampled_topics, topic
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from flexros.arrays import FloatArray
+    from flexros.scenario.experiment import Experiment
     from flexros_nodes.shell.node_base import FlexrosNode
 
 OWN_TOPICS = ("joint_states", "tool_pose")
-"""Recorded topics of the plant."""
+"""Recorded topics of every plant; those of further sensors follow."""
 
 
 class PlantMessages:
@@ -29,18 +31,25 @@ class PlantMessages:
 
     Args:
         node: The plant node.
-        names: Joint names.
-        sample_time: Time between two samples [s].
+        run: The run.
+
+    Attributes:
+        own_topics: Recorded topics of the plant in this run.
     """
 
-    def __init__(self, node: FlexrosNode, names: Sequence[str], sample_time: float) -> None:
+    def __init__(self, node: FlexrosNode, run: Experiment) -> None:
         self._node = node
-        self._sample_time = sample_time
+        self._sample_time = sample_time = run.sample_time
+        sensors = sensor_topics(run.plant, run.sensor_timing)
+        self.own_topics = (*OWN_TOPICS, *(sensor.topic for sensor in sensors))
+        self._sensors = {sensor.topic: node.announce(sensor.topic) for sensor in sensors}
+        self._sensor_writer = SensorWriter(sensors)
+        self._sensor_messages: dict[str, bytes] = {}
         self._states = node.announce("joint_states")
         self._poses = node.announce("tool_pose")
         self._clock = node.announce("clock")
         self._clock_every = max(round(period("clock") / sample_time), 1)
-        self._state_template = JointStateTemplate(names, position=True)
+        self._state_template = JointStateTemplate(run.nominal.joint_names, position=True)
         self._pose_template = PoseStampedTemplate(BASE_FRAME)
         self._clock_message: Clock | None = None
 
@@ -64,13 +73,14 @@ class PlantMessages:
     def _publishers(self, name: str) -> int:
         return int(self._node.count_publishers(self._node.resolve_topic_name(topic(name).name)))
 
-    def fill(self, k: int, position: FloatArray, pose: FloatArray) -> int:
+    def fill(self, k: int, position: FloatArray, pose: FloatArray, further: FloatArray) -> int:
         """Fill the messages of a sample.
 
         Args:
             k: Sample.
             position: Measured motor positions [rad or m], shape (M,).
             pose: Tool pose x, y, z [m], quaternion x, y, z, w, shape (7,).
+            further: Values of the further sensors, shape (n_further,).
 
         Returns:
             The stamp [ns].
@@ -79,6 +89,8 @@ class PlantMessages:
         values = pose.tolist()
         self._state = self._state_template.fill(stamp, position=position)
         self._pose = self._pose_template.fill(stamp, values[:3], values[3:])
+        if self._sensors:
+            self._sensor_messages = self._sensor_writer.fill(k, stamp, further)
         self._clock_message = None
         if k % self._clock_every == 0:
             self._clock_message = Clock()
@@ -87,25 +99,28 @@ class PlantMessages:
 
     def publish(self) -> None:
         """Publish the messages of the sample, also repeatedly."""
+        for name, message in self._sensor_messages.items():
+            self._sensors[name].publish(message)
         self._states.publish(self._state)
         self._poses.publish(self._pose)
         if self._clock_message is not None:
             self._clock.publish(self._clock_message)
 
 
-def recorder_window(samples: int, sample_time: float, real_time: bool) -> RecorderWindow:
+def recorder_window(samples: int, sample_time: float, real_time: bool, own: Sequence[str]) -> RecorderWindow:
     """Create the flow control between plant and recorder.
 
     Args:
         samples: Samples that the loop may run ahead of the recorder; 0 disables all waits, also at the start.
         sample_time: Time between two samples [s].
         real_time: Whether the loop waits only at the start.
+        own: Recorded topics of the plant.
     """
     if not samples:
         return RecorderWindow(0)
     width = 0 if real_time else stamp_ns(samples, sample_time) - stamp_ns(0, sample_time)
-    others = [name for name in sampled_topics() if name not in OWN_TOPICS]
-    return RecorderWindow(width, OWN_TOPICS, others)
+    others = [name for name in sampled_topics() if name not in own]
+    return RecorderWindow(width, own, others)
 
 
 def read_recorder_progress(message: bytes) -> tuple[str, int]:

@@ -9,7 +9,6 @@ from diagnostic_msgs.msg import DiagnosticStatus
 
 from flexros.errors import FlexrosError, RunError
 from flexros_nodes.plant.loop import PlantLoop
-from flexros_nodes.plant.messages import OWN_TOPICS
 from flexros_nodes.plant.services import PlantServices
 from flexros_nodes.plant.view import MARKER_PERIOD, PlantView
 from flexros_nodes.protocol.loop.abort_messages import missing_partners_message, partner_exited_message
@@ -150,7 +149,7 @@ class PlantNode(FlexrosNode):
         n_brake = 0 if error is None else round(self.value("brake_duration") / self._sample_time)
         self._shutdown = Shutdown(error, n_brake)
         if error is not None:
-            self.loop.window.follow(OWN_TOPICS)
+            self.loop.window.follow(self.loop.messages.own_topics)
             self.loop.go_on()
         self._continue_shutdown(self._shutdown)
 
@@ -160,8 +159,8 @@ class PlantNode(FlexrosNode):
             self._brake(shutdown)
         else:
             self.announce_end(shutdown.failure)
-            window = self.loop.window
-            topics = OWN_TOPICS if shutdown.failure else window.by_topic.keys() | set(OWN_TOPICS)
+            window, own = self.loop.window, self.loop.messages.own_topics
+            topics = own if shutdown.failure else window.by_topic.keys() | set(own)
             if not self.value("observers") or window.holds(topics, self.loop.stamp):
                 super().end(shutdown.failure)
                 return

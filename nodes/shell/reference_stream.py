@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from flexros.logs.messages.joint_trajectory import JointTrajectoryChunk, serialise_joint_trajectory
 from flexros.logs.messages.pose_stamped import PoseStampedTemplate
 from flexros.logs.stamps import START_NS, sample_number, stamp_of, stamps_ns
 from flexros.logs.time_series import BASE_FRAME
 from flexros_nodes.protocol.loop.lockstep import RestartDetector
 from flexros_nodes.protocol.reference.chunk_stream import ChunkStream
+from flexros_nodes.protocol.reference.link_columns import names_with_links, with_links
 from flexros_nodes.protocol.reference.reference_rows import PlannedRows
 from flexros_nodes.shell.topic_interface import period
 
@@ -153,13 +156,14 @@ class ReferenceStream:
     def _send(self, samples: range) -> None:
         reference = self._rows.rows(samples)
         stamps = self._stamps[samples.start : samples.stop]
+        position, velocity, effort = reference.motor_position, reference.motor_velocity, reference.torque
+        names = self._names
+        if (links := reference.link_motion).size:
+            names = names_with_links(names)
+            position, velocity = with_links(position, links, 0), with_links(velocity, links, 1)
+            effort = np.pad(effort, ((0, 0), (0, len(names) - len(self._names))))
         chunk = JointTrajectoryChunk(
-            int(stamps[0]),
-            self._names,
-            stamps - stamps[0],
-            positions=reference.motor_position,
-            velocities=reference.motor_velocity,
-            effort=reference.torque,
+            int(stamps[0]), names, stamps - stamps[0], positions=position, velocities=velocity, effort=effort
         )
         self._chunks.publish(serialise_joint_trajectory(chunk))
 

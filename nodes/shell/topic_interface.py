@@ -36,10 +36,10 @@ def period(name: str) -> float:
 def sampled_topics() -> tuple[str, ...]:
     """Return the recorded topics with one message per sampling instant of the loop, in the order of `topics.yaml`.
 
-    Sensors of the user may have any rate, or none.
+    Sensors beside the motor encoders may have any rate, or be missing.
     """
     rows = load_topics().items()
-    return tuple(name for name, row in rows if row.recorded and row.producer != "user" and codec_of(row.type).sampled)
+    return tuple(name for name, row in rows if row.recorded and not row.needs_sensor and codec_of(row.type).sampled)
 
 
 @cache

@@ -8,12 +8,19 @@ import pytest
 from flexros.control.base import AbstractControlLaw, control_law, control_laws
 from flexros.control.pid import Pid
 from flexros.errors import InputError
-from tests.control.loop_contexts import loop_context
+from tests.control.loop_contexts import loop_of
 
 SETTINGS = {
     "cascade": {"position_gain": 3.0, "speed_gain": 2.0, "integral_gain": 1.0},
     "pid": {"kp": 3.0, "ki": 2.0, "kd": 1.0},
     "state_space": {"A": [[0.5]], "B": [[1.0]], "C": [[2.0]], "D": [[3.0]]},
+}
+SETTINGS |= {
+    "computed_torque": {"kp": 3.0, "kd": 1.0},
+    "feedback_linearisation": {"bandwidth": 3.0},
+    "gravity_pd": {"kp": 3.0, "kd": 1.0},
+    "quasi_static_linearisation": {"bandwidth": 3.0, "motor_bandwidth": 5.0},
+    "state_feedback": {"motor_position": 3.0, "motor_speed": 1.0, "link_position": 1.0, "link_speed": 0.5},
 }
 """Settings with which the laws below are tried; a new law without an entry fails here."""
 
@@ -30,9 +37,11 @@ def test_pid_is_found_by_its_name() -> None:
 
 @pytest.mark.parametrize("n_motors", [1, 3])
 def test_function_has_the_shapes_of_the_contract(law: AbstractControlLaw, n_motors: int) -> None:
-    context = loop_context(n_motors, 1e-3)
+    context = loop_of(law, n_motors, 1e-3)
     update = law.function(context)
-    sizes = [law.state_size(context), 3 * n_motors, n_motors, len(law.gain_names(context))]
+    per_motor = 8 if law.follows_link_motion else 3
+    measured = context.measurements.size
+    sizes = [law.state_size(context), per_motor * n_motors, measured, len(law.gain_names(context))]
     assert [update.numel_in(i) for i in range(4)] == sizes
     assert [update.numel_out(i) for i in range(2)] == [n_motors, law.state_size(context)]
     assert law.gains(context).shape == (sizes[3],)
@@ -45,9 +54,15 @@ def test_every_setting_is_described(law: AbstractControlLaw) -> None:
 
 
 def test_commands_stay_within_the_robot_limits(law: AbstractControlLaw) -> None:
-    context = loop_context(2, 1e-3, [5.0, np.inf])
+    context = loop_of(law, 2, 1e-3, [5.0, np.inf])
     update, gains = law.function(context), law.gains(context)
-    command = np.asarray(update(law.initial_state(context), [9.0, 9.0, 0, 0, 50.0, 50.0], [0.0, 0.0], gains)[0]).ravel()
+    reference = np.zeros(context.references.size)
+    wanted = {"motor_position": 9.0, "link_position": 9.0, "feedforward_torque": 50.0}
+    for name, value in wanted.items():
+        if name in context.references.sizes:
+            reference[context.references.rows(name)] = value
+    measured = np.zeros(context.measurements.size)
+    command = np.asarray(update(law.initial_state(context), reference, measured, gains)[0]).ravel()
     assert command[0] == 5.0
     assert command[1] > 5.0
 

@@ -10,7 +10,7 @@ from flexros.logs.messages.cdr_cursor import CdrBuilder, CdrCursor
 from flexros.logs.messages.codec import AbstractSeriesCodec
 from flexros.logs.messages.layout import MessageLayout, Span
 from flexros.logs.messages.series_assembly import majority, sorted_rows
-from flexros.logs.stamps import stamp_of_message
+from flexros.logs.stamps import NANOSECONDS, stamp_of_message
 from flexros.logs.time_series import ImuSeries
 
 if TYPE_CHECKING:
@@ -66,6 +66,81 @@ def read_imu_layout(payload: bytes | memoryview) -> ImuLayout:
     return ImuLayout(
         MessageLayout(bytes(payload[: cursor.position]), (span,), tuple(cursor.padding), cursor.order), frame_id
     )
+
+
+class ImuSample(NamedTuple):
+    """One decoded message; a quantity is None where its covariance marks it as not measured.
+
+    Attributes:
+        stamp_ns: header.stamp [ns].
+        acceleration: Acceleration with gravity along x, y, z [m/s^2], NaN along axes that are not measured.
+        turning_rate: Turning rate about x, y, z [rad/s], likewise.
+    """
+
+    stamp_ns: int
+    acceleration: tuple[float, ...] | None
+    turning_rate: tuple[float, ...] | None
+
+
+class ImuTemplate:
+    """A serialised Imu in which stamp and numbers are set: the hot path of the nodes.
+
+    Args:
+        frame_id: header.frame_id.
+        acceleration: Whether the messages have accelerations.
+        turning_rate: Whether they have turning rates.
+    """
+
+    def __init__(self, frame_id: str, *, acceleration: bool = False, turning_rate: bool = False) -> None:
+        layout = imu_layout(frame_id).message
+        self._pack, (self._start, self._before) = layout.packer.pack, layout.constants
+        self._numbers = [0.0] * _N_IMU
+        for present, first in ((False, _ORIENTATION + 1), (turning_rate, _RATE), (acceleration, _ACCELERATION)):
+            if not present:
+                self._numbers[first + 3] = _UNKNOWN
+
+    def fill(self, stamp_ns: int, acceleration: Sequence[float] = (), turning_rate: Sequence[float] = ()) -> bytes:
+        """Serialise one message.
+
+        Args:
+            stamp_ns: header.stamp [ns].
+            acceleration: Along x, y, z [m/s^2]; empty if the template has none.
+            turning_rate: About x, y, z [rad/s], likewise.
+
+        Returns:
+            The message, byte for byte as ROS 2 serialises it.
+        """
+        sec, nanosec = divmod(stamp_ns, NANOSECONDS)
+        for values, first in ((turning_rate, _RATE), (acceleration, _ACCELERATION)):
+            if len(values):
+                self._numbers[first : first + 3] = values
+        return self._pack(self._start, sec, nanosec, self._before, *self._numbers)
+
+
+class ImuView:
+    """Parser of Imu messages of any sender; the layout of the last message is cached."""
+
+    def __init__(self) -> None:
+        self._learn(imu_layout(""))
+
+    def _learn(self, layout: ImuLayout) -> None:
+        self._unpack, self._known, self._pick, self._stamp, (self._numbers,) = layout.message.unpacking
+
+    def unpack(self, payload: bytes | memoryview) -> ImuSample:
+        """Decode a message.
+
+        Raises:
+            MessageError: The bytes are not an Imu.
+        """
+        values = self._unpack.unpack_from(payload) if len(payload) >= self._unpack.size else None
+        if values is None or self._pick(values) != self._known:
+            self._learn(read_imu_layout(payload))
+            values = self._unpack.unpack_from(payload)
+        numbers = values[self._numbers]
+        rate, acceleration = (
+            None if numbers[first + 3] == _UNKNOWN else numbers[first : first + 3] for first in (_RATE, _ACCELERATION)
+        )
+        return ImuSample(values[self._stamp] * NANOSECONDS + values[self._stamp + 1], acceleration, rate)
 
 
 @final

@@ -43,13 +43,14 @@ class ArrivalTime:
 
 
 class TopicRecording:
-    """Records a topic that carries one message per sampling instant.
+    """Records a topic that carries one message per sampling instant, or every so many of them.
 
     Args:
         sink: Destination of the messages.
         topic_id: Number of the topic in the sink.
         arrival: Returns the log time [ns]; the stamp is used if None.
         on_first: Called after the first message is written.
+        gap: Time after a message within which none is due [ns]: 0 for one message per sampling instant.
 
     Attributes:
         first: Stamp of the first message [ns], -1 before.
@@ -65,9 +66,11 @@ class TopicRecording:
         topic_id: int,
         arrival: Callable[[], int] | None = None,
         on_first: Callable[[], object] = lambda: None,
+        gap: int = 0,
     ) -> None:
         self.first = -1
         self.last = -1
+        self._gap = gap
         self.count = 0
         self.repeated = 0
         self.doubted = 0
@@ -114,11 +117,20 @@ class TopicRecording:
             self.first = stamp
             self._on_first()
 
+    @property
+    def until(self) -> int:
+        """Stamp up to which no message is missing at the end [ns], -1 before the first."""
+        return self.last + self._gap if self.count else -1
+
     def missing(self, sample_time: float) -> int:
-        """Count the sampling instants between the first and the last message without a message, sample time in [s]."""
+        """Count the instants between the first and the last message at which one was due and is missing.
+
+        Args:
+            sample_time: Time between two samples [s].
+        """
         if self.count == 0:
             return 0
-        return round((self.last - self.first) / (sample_time * 1e9)) + 1 - self.count
+        return round((self.last - self.first) / (sample_time * 1e9 + self._gap)) + 1 - self.count
 
 
 class EventRecording:

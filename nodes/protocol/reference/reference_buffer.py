@@ -10,8 +10,14 @@ import numpy as np
 from flexros.errors import RunError
 from flexros.logs.messages.joint_trajectory import JointTrajectoryChunk
 from flexros.logs.stamps import START_NS
+from flexros_nodes.protocol.reference.link_columns import links_of
 from flexros_nodes.protocol.reference.point_trajectory import PointTrajectory
-from flexros_nodes.protocol.reference.trajectory_request import check_points, rest_row
+from flexros_nodes.protocol.reference.trajectory_request import (
+    RejectedTrajectoryError,
+    Rejection,
+    check_points,
+    rest_row,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,20 +29,22 @@ MOST_ROWS = 500_000
 
 
 class ReferenceBuffer:
-    """Reference by stamp; a row is [motor position (M), velocity (M), feedforward torque (M)].
+    """Reference by stamp; a row is [motor position (M), velocity (M), feedforward torque (M)], then the links (5 M).
 
     Args:
         n_motors: Number of motors M.
         sample_time: Time between two samples [s].
+        link_motion: Whether the rows hold the motion of the links, which only chunks have.
 
     Attributes:
-        current: Reference used last, shape (3 M,); None before the first sample.
+        current: Reference used last, shape (3 M or 8 M,); None before the first sample.
         pending: Trajectory to follow from the next sample on; None where there is none.
         ignored: Chunks dropped because a replacing trajectory is active.
     """
 
-    def __init__(self, n_motors: int, sample_time: float) -> None:
+    def __init__(self, n_motors: int, sample_time: float, *, link_motion: bool = False) -> None:
         self.ignored = 0
+        self._link_motion = link_motion
         self._n_motors = n_motors
         self._sample_time = sample_time
         self._rows: dict[int, FloatArray] = {}
@@ -94,13 +102,19 @@ class ReferenceBuffer:
         Raises:
             RejectedTrajectoryError: The trajectory is invalid; the held samples remain.
         """
-        check_points(trajectory, self._used, position_limit)
+        self.check(trajectory, position_limit)
         self._rows.clear()
         self._order.clear()
         self.pending = trajectory
 
     def check(self, trajectory: JointTrajectoryChunk, position_limit: float) -> None:
         """Raise RejectedTrajectoryError where `replace` would."""
+        if self._link_motion:
+            raise RejectedTrajectoryError(
+                "the controller follows the motion of the links and its derivatives, which a trajectory does not hold; "
+                "use a controller of the motor positions, such as pid",
+                Rejection.POINTS,
+            )
         check_points(trajectory, self._used, position_limit)
 
     @property
@@ -114,14 +128,14 @@ class ReferenceBuffer:
         Args:
             time: Time in which the reference comes to rest [s].
         """
-        if self.current is not None:
+        if self.current is not None and not self._link_motion:
             n = self._n_motors
             position, velocity, effort = rest_row(self.current, time).reshape(3, 1, n)
             duration = np.array([round(time * 1e9)])
             self.replace(JointTrajectoryChunk(0, ("",) * n, duration, position, velocity, None, effort))
 
     def take(self, stamp: int, measured: Sequence[float] | None = None) -> FloatArray | None:
-        """Return the reference of a stamp [ns], shape (3 M,); None if it is not held.
+        """Return the reference of a stamp [ns], shape (3 M or 8 M,); None if it is not held.
 
         Older samples are dropped, also those that a real-time loop has skipped.
 
@@ -165,7 +179,11 @@ class ReferenceBuffer:
         zeros = np.zeros_like(chunk.positions)
         velocities = zeros if chunk.velocities is None else chunk.velocities
         effort = zeros if chunk.effort is None else chunk.effort
-        rows = np.hstack([chunk.positions, velocities, effort])
+        m = self._n_motors
+        parts = [chunk.positions[:, :m], velocities[:, :m], effort[:, :m]]
+        if self._link_motion:
+            parts.append(links_of(chunk.positions, velocities, m))
+        rows = np.hstack(parts)
         if not np.isfinite(rows).all():
             raise RunError("a reference trajectory has a value that is not a finite number; correct its sender")
         return rows
