@@ -41,7 +41,7 @@ class GravityPd(AbstractSignalLaw):
         default=0.0, description="time constant of the filter of the rate [s], 0 for none, one or one per motor"
     )
     at: Literal["reference", "measured"] = Field(
-        default="reference", description="where gravity is taken: desired or measured position of the links"
+        default="reference", description="where gravity is taken: desired or measured position of the links [rad or m]"
     )
 
     @property

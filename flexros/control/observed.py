@@ -29,7 +29,7 @@ class AbstractObservedLaw(AbstractSignalLaw):
 
     observer: Observer = Field(
         default_factory=Differences,
-        description="how positions and speeds of motors and links are found: kind differences, kalman, "
+        description="how positions [rad or m] and speeds of motors and links are found: kind differences, kalman, "
         "extended_kalman or accelerometer with its settings",
     )
 

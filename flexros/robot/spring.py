@@ -120,7 +120,7 @@ class Spring(Settings):
             return found
         if self.cubic is not None and self.cubic.cubic > 0:  # the one real root of the cubic equation
             p, q = self.cubic.linear / self.cubic.cubic, value / self.cubic.cubic
-            return 2 * (p / 3) ** 0.5 * ca.sinh(ca.asinh(1.5 * q / p * (3 / p) ** 0.5) / 3)
+            return ca.SX(2 * (p / 3) ** 0.5 * ca.sinh(ca.asinh(1.5 * q / p * (3 / p) ** 0.5) / 3))
         return value if self.cubic is None else value / self.cubic.linear  # a linear spring has its stiffness as scale
 
     def energy(self, deflection: ca.SX, scale: ca.SX | float) -> ca.SX:

@@ -1,4 +1,4 @@
-"""Messages of the sensors beside the motor encoders, link_states and tool_imu: written by a plant, read by a controller.
+"""Messages of the sensors beside the motor encoders, written by a plant and read by a controller.
 
 A message is sent at every sample at which its sensor has a new value; a reader holds the last one.
 """
@@ -72,9 +72,13 @@ class SensorWriter:
         self._topics = tuple(topics)
         self._templates: dict[str, JointStateTemplate | ImuTemplate] = {}
         for topic in topics:
-            filled = {FIELDS[sensor.measurement]: True for sensor in topic.sensors}
+            filled = {FIELDS[sensor.measurement] for sensor in topic.sensors}
             self._templates[topic.topic] = (
-                JointStateTemplate(topic.joints, **filled) if topic.joints else ImuTemplate(TOOL_FRAME, **filled)
+                JointStateTemplate(topic.joints, position="position" in filled, effort="effort" in filled)
+                if topic.joints
+                else ImuTemplate(
+                    TOOL_FRAME, acceleration="acceleration" in filled, turning_rate="turning_rate" in filled
+                )
             )
 
     def fill(self, sample: int, stamp: int, values: FloatArray) -> dict[str, bytes]:

@@ -37,7 +37,7 @@ def loop_context(n_motors: int, sample_time: float, limits: Sequence[float] | No
 def loop_of(
     law: AbstractControlLaw, n_motors: int, sample_time: float, limits: Sequence[float] | None = None
 ) -> LoopContext:
-    """Build the loop of a law: of stiff joints, or of undamped flexible joints with all sensors if the law needs them."""
+    """Build the loop of a law: stiff joints, or flexible joints with all sensors if the law needs them."""
     robot = loop_context(n_motors, sample_time, limits).robot
     if isinstance(law, AbstractObservedLaw):
         data = robot.spec.model_dump()

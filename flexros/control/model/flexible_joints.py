@@ -52,7 +52,8 @@ class FlexibleJointModel:
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
         self._check()
-        self._springs = [robot.joints[row].direction.spring for row in robot.gear_rows]
+        laws = [robot.joints[row].direction.spring for row in robot.gear_rows]
+        self._springs = [law for law in laws if isinstance(law, Spring)]
         self._scales = [robot.parameters[f"{robot.joints[row].name}.stiffness"].value for row in robot.gear_rows]
         self._q, self._v, self._a, self._j, self._s = (casadi.SX.sym(name, robot.n_arm) for name in "qvajs")
 

@@ -89,6 +89,7 @@ def test_there_is_a_launch_file_for_every_experiment() -> None:
         "diagnosis",
         "identification",
         "joint_moves",
+        "model_based_control",
         "regulator",
         "several_robots",
     ]
