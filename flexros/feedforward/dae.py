@@ -10,6 +10,7 @@ from flexros.feedforward.base import AbstractFeedforward
 from flexros.feedforward.compensation.arm_forces import arm_forces
 from flexros.feedforward.minimum_phase import require_minimum_phase
 from flexros.feedforward.motion import Motion
+from flexros.feedforward.stable_inversion import StableInversion, inverts_stably
 from flexros.feedforward.time_stepping.compiled import CompiledStepper
 from flexros.feedforward.time_stepping.dae_equations import DaeEquations, build_equations
 from flexros.feedforward.time_stepping.initial_values import consistent_initial_values
@@ -32,7 +33,8 @@ class DaeFeedforward(AbstractFeedforward):
 
     Order 1 is backward Euler as published. Order 2 is the two-step formula with the torque averaged over the time in
     which it is held: either alone leaves an error of first order in the sample time (see docs/decisions). Each step
-    solves the constraint Z = Gamma(q_a) itself, so there is no constraint drift.
+    solves the constraint Z = Gamma(q_a) itself, so there is no constraint drift. Where the zero dynamics are unstable,
+    `StableInversion` takes its place, or the problem is refused, as its settings say.
     """
 
     name: ClassVar[str] = "dae"
@@ -45,6 +47,9 @@ class DaeFeedforward(AbstractFeedforward):
         """Solve the samples in order; see `AbstractFeedforward.motions`."""
         robot, settings = problem.robot, problem.specification
         problem.require_square(problem.output)
+        if inverts_stably(problem):
+            yield from StableInversion().motions(problem, chunk)
+            return
         require_minimum_phase(problem)
         equations, gamma, stepper = dae_stepper(
             robot, problem.output, settings.order, problem.sample_time, settings.compiled, problem.laws

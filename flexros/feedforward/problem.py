@@ -69,10 +69,7 @@ class FeedforwardProblem:
         Raises:
             InputError: The trajectory does not start at rest.
         """
-        if self.output == self.trajectory.output and not self.trajectory.joints:
-            motion = self.trajectory.evaluate(self.time, 2)
-        else:
-            motion = rigid_kinematics(self.tool, self.output).along(self.gear_motion(2))
+        motion = self.output_motion(2)
         for order, word in ((1, "speed"), (2, "acceleration")):
             initial, largest = np.abs(motion[order, 0]).max(), np.abs(motion[order]).max()
             if initial > REST_TOLERANCE * max(largest, 1.0):
@@ -81,6 +78,20 @@ class FeedforwardProblem:
                     "from rest; give it zero initial speed and acceleration"
                 )
         return np.asarray(motion[0])
+
+    def output_motion(self, derivatives: int, time: FloatArray | None = None) -> FloatArray:
+        """Compute the desired output and its time derivatives.
+
+        Args:
+            derivatives: Highest time derivative, 0 to 2.
+            time: Times [s], shape (n,); default: the sampling instants.
+
+        Returns:
+            Output and derivatives [m or rad, per s^k], shape (derivatives + 1, n, n_out).
+        """
+        if self.output == self.trajectory.output and not self.trajectory.joints:
+            return self.trajectory.evaluate(self.time if time is None else time, derivatives)
+        return rigid_kinematics(self.tool, self.output).along(self.gear_motion(derivatives, time))
 
     def gear_motion(self, derivatives: int, time: FloatArray | None = None) -> FloatArray:
         """Compute the motion of the gears of the rigid arm.

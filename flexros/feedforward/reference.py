@@ -10,9 +10,12 @@ from flexros.errors import InputError
 from flexros.feedforward.base import feedforward_method
 from flexros.feedforward.compensation.compensation import compensated, laws_of_the_arm, motor_delays
 from flexros.feedforward.compensation.friction import friction_torque
+from flexros.feedforward.dae import DaeFeedforward
 from flexros.feedforward.hold import held_torque, samples_ahead
+from flexros.feedforward.minimum_phase import actuation_time
 from flexros.feedforward.motion import Motion, Reference
 from flexros.feedforward.problem import FeedforwardProblem
+from flexros.feedforward.stable_inversion import StableInversion, inverts_stably
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -58,6 +61,41 @@ def compute_reference(
         robot, trajectory, specification, sample_time, duration, near=near, laws=laws, link_motion=link_motion
     )
     return Reference.concatenate(list(chunks))
+
+
+def pre_actuation(
+    robot: Robot,
+    trajectory: Trajectory,
+    specification: FeedforwardSpecification,
+    sample_time: float,
+    near: FloatArray | None = None,
+    laws: Sequence[PlacedLaw] = (),
+) -> float:
+    """Return the time for which the trajectory must rest at its start, so that the motors can move before the tool.
+
+    Args:
+        robot: The model that the feedforward uses.
+        trajectory: Desired motion.
+        specification: Method and its settings.
+        sample_time: Sample time of the feedback [s].
+        near: Arm coordinates near which the initial pose is sought [rad or m], shape (N,); default: the home pose.
+        laws: Laws of effects to compensate.
+
+    Returns:
+        Whole samples of rest [s]; 0 for methods and paths without stable inversion.
+
+    Raises:
+        InputError: The output cannot be inverted, or the time would be too long.
+    """
+    if specification.method not in (DaeFeedforward.name, StableInversion.name):
+        return 0.0
+    n_samples = int(trajectory.duration / sample_time) + 1
+    arm_laws = laws_of_the_arm(laws)
+    problem = FeedforwardProblem(robot, trajectory, specification, sample_time, n_samples, near, arm_laws)
+    problem.require_square(problem.output)
+    if not inverts_stably(problem):
+        return 0.0
+    return float(np.ceil(actuation_time(problem) / sample_time)) * sample_time
 
 
 def reference_chunks(

@@ -27,8 +27,14 @@ class FrictionCompensation(Settings):
 class FeedforwardSpecification(Settings):
     """Method that computes motor references and torques from the desired output."""
 
-    method: Literal["none", "rigid", "flexible_joint", "dae"] = Field(
-        "dae", description="none (feedback alone), rigid, flexible_joint (Moberg 2007, eq. 5.5) or dae (Paper B)"
+    method: Literal["none", "rigid", "flexible_joint", "dae", "stable_inversion"] = Field(
+        "dae",
+        description="none (feedback alone), rigid, flexible_joint (Moberg 2007, eq. 5.5), dae (Paper B) or "
+        "stable_inversion (bounded inverse where the zero dynamics are unstable, with motion before that of the tool)",
+    )
+    non_minimum_phase: Literal["stable_inversion", "refuse"] = Field(
+        "stable_inversion",
+        description="what dae does where the zero dynamics are unstable: stable inversion, or a refusal",
     )
     order: Literal[1, 2] = Field(
         2, description="order of the DAE method: 1 = backward Euler as published, 2 = second order; dae only"
@@ -45,7 +51,8 @@ class FeedforwardSpecification(Settings):
         "instant; default: true, except for dae of order 1, which is as published",
     )
     zero_dynamics_poses: Annotated[int, Field(ge=1)] = Field(
-        5, description="number of poses along the path at which the zero dynamics are checked; dae only"
+        5,
+        description="number of poses along the path at which the zero dynamics are checked; dae, stable_inversion only",
     )
     compiled: bool = Field(
         True, description="time stepping in machine code; false: in the CasADi virtual machine; dae only"

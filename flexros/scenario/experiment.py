@@ -14,7 +14,7 @@ from flexros.errors import InputError, source_named
 from flexros.feedforward.compensation.encoder_reading import position_of_reading
 from flexros.feedforward.compensation.uncompensated import uncompensated
 from flexros.feedforward.problem import rigid_kinematics
-from flexros.feedforward.reference import compute_reference
+from flexros.feedforward.reference import compute_reference, pre_actuation
 from flexros.feedforward.tool_geometry import ToolGeometry
 from flexros.identify.diagnosis_experiment.course import diagnosis_course
 from flexros.identify.experiment.limits import check_limits
@@ -55,6 +55,8 @@ class Experiment:
         trajectory: Desired motion; a hold if the scenario has none, the moves alone for an identification.
         n_samples: Number of samples, the first at 0 and the last at or just before the end.
         plan: Plan of the identification experiment; None for other scenarios.
+        pre_actuation: Time for which the motors move before the tool [s]; 0 without stable inversion. The trajectory
+            rests at least so long at its start.
     """
 
     scenario: Scenario
@@ -63,6 +65,7 @@ class Experiment:
     trajectory: Trajectory
     n_samples: int
     plan: ExperimentPlan | None = None
+    pre_actuation: float = 0.0
 
     @classmethod
     def prepare(cls, scenario: Scenario) -> Experiment:
@@ -83,6 +86,9 @@ class Experiment:
             )
         plan = None if scenario.identification is None else plan_of_scenario(scenario)
         trajectory = _trajectory(scenario, nominal, source, sample_time) if plan is None else moves_of(plan)
+        lead = 0.0 if plan is not None else _pre_actuation(scenario, models, trajectory, sample_time)
+        if lead > trajectory.rest_before:
+            trajectory = trajectory.delayed(lead - trajectory.rest_before)
         duration = trajectory.duration if scenario.duration is None else scenario.duration
         n_samples = int(np.floor(duration / sample_time + 1e-6)) + 1 if plan is None else plan.n_samples
         needed = n_samples * bytes_per_sample(nominal, trajectory.n_out, planned=plan is not None)
@@ -92,7 +98,7 @@ class Experiment:
                 f"samples, which need some {needed / 1e9:.2g} GB of memory with robot {nominal.name}, allowed are "
                 f"{MOST_BYTES / 1e9:g} GB; shorten the duration or raise the sample time"
             )
-        experiment = cls(scenario, models, sample_time, trajectory, n_samples, plan)
+        experiment = cls(scenario, models, sample_time, trajectory, n_samples, plan, lead)
         with source_named(source):  # cheap checks come before costly computations
             scenario.controller.check(experiment.loop_context)
             _ = experiment.gains, experiment.signals(scenario.seed), experiment.sensor_timing
@@ -237,9 +243,16 @@ class Experiment:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Effects known to the feedforward that it cannot compensate, one sentence each."""
-        known = self.models.known
-        return uncompensated(known.robot, known.laws, self.scenario.feedforward)
+        """What the feedforward does otherwise than asked: stable inversion, effects it cannot compensate."""
+        known, settings = self.models.known, self.scenario.feedforward
+        notes = uncompensated(known.robot, known.laws, settings)
+        if self.pre_actuation and settings.method == "dae":
+            notes += (
+                f"the path is non-minimum phase for robot {known.robot.name}, so the dae feedforward uses stable "
+                f"inversion: the motors move {self.pre_actuation:.4g} s before the tool "
+                "(feedforward.non_minimum_phase)",
+            )
+        return notes
 
     def provenance(self) -> dict[str, Any]:
         """Return the provenance of the run for the log's side-car: scenario, hashes, versions."""
@@ -321,6 +334,16 @@ def _trajectory(scenario: Scenario, robot: Robot, source: str, sample_time: floa
         n_position=len([component for component in pose if component in ("x", "y", "z")]) or None,
         source=f"{source}, key trajectory",
     )
+
+
+def _pre_actuation(scenario: Scenario, models: ScenarioModels, trajectory: Trajectory, sample_time: float) -> float:
+    """Return the time for which the motors move before the tool [s]."""
+    known = models.known
+    near = None if scenario.start is None else np.array(scenario.start, dtype=float)
+    try:
+        return pre_actuation(known.robot, trajectory, scenario.feedforward, sample_time, near, known.laws)
+    except InputError:
+        return 0.0  # the reference reports it, after a path out of reach, whose message names the point
 
 
 def _check_reachable(trajectory: Trajectory, robot: Robot, near: FloatArray) -> None:

@@ -47,6 +47,12 @@ class TimeLaw:
         """Time from the first to the last knot [s]."""
         return float(self.knots[-1])
 
+    @property
+    def rest_before(self) -> float:
+        """Time for which the law rests at its start [s]; the whole duration if it never moves."""
+        moving = np.flatnonzero(np.any(self.coefficients[:, 1:] != 0.0, axis=1))
+        return float(self.knots[moving[0]]) if moving.size else self.duration
+
     def evaluate(self, t: FloatArray, derivatives: int = 4) -> FloatArray:
         """Return the path parameter and its time derivatives, without a check that they are bounded.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -151,6 +151,28 @@ class Trajectory:
     def duration(self) -> float:
         """Time from the start to the end of the last hold [s]."""
         return float(self.begins[-1])
+
+    @property
+    def rest_before(self) -> float:
+        """Time for which the trajectory rests at its start [s]; the whole duration if it never moves."""
+        resting = 0.0
+        for move in self.moves:
+            resting += move.law.rest_before
+            if move.law.rest_before < move.law.duration:
+                break
+        return resting
+
+    def delayed(self, time: float) -> Trajectory:
+        """Return the trajectory with a longer rest at its start.
+
+        Args:
+            time: Additional rest [s].
+
+        Raises:
+            InputError: The time is negative or not finite.
+        """
+        first = self.moves[0]
+        return replace(self, moves=(Move(first.path, first.law.held(before=time)), *self.moves[1:]))
 
     @property
     def bounded_derivatives(self) -> int:

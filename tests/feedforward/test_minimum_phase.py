@@ -1,15 +1,17 @@
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from flexros.errors import InputError
-from flexros.feedforward.minimum_phase import require_minimum_phase
+from flexros.feedforward import minimum_phase
+from flexros.feedforward.minimum_phase import actuation_time, require_minimum_phase
 from flexros.feedforward.reference import compute_reference
 from flexros.feedforward.specification import FeedforwardSpecification
 from flexros.robot import Robot, load_robot
 from flexros.robot.linear.zeros import zero_dynamics
 from flexros.trajectory import Trajectory
-from tests.feedforward.cases import edited_robot, joint_trajectory, problem_of
+from tests.feedforward.cases import CIRCLE, SMOOTH, edited_robot, joint_trajectory, problem_of, tool_trajectory
 
 pytestmark = pytest.mark.slow
 
@@ -27,7 +29,7 @@ def test_six_axis_pose_is_refused_before_time_stepping() -> None:
         r"its zero dynamics have the unstable zero 5\d\d\.\d 1/s, .* choose another output"
     )
     with pytest.raises(InputError, match=sentence):
-        compute_reference(robot, path, FeedforwardSpecification(output="tool"), 5e-4, 1.1)
+        compute_reference(robot, path, FeedforwardSpecification(output="tool", non_minimum_phase="refuse"), 5e-4, 1.1)
 
 
 def test_complex_zeros_are_written_as_a_pair() -> None:
@@ -48,3 +50,20 @@ def test_output_that_the_motors_do_not_move_is_refused(e12: Robot) -> None:
     robot = edited_robot("e12", sideways)
     with pytest.raises(InputError, match=r"cannot be inverted: the motors do not move all components of the output"):
         require_minimum_phase(problem_of(robot, joint_trajectory(robot, [0.1, 0.1], 0.5), 1e-3, 0.6, output="tool"))
+
+
+def test_motors_move_before_the_tool_by_the_slowest_unstable_zero() -> None:
+    robot = load_robot("e12_long_tool")
+    problem = problem_of(robot, tool_trajectory(robot, CIRCLE, SMOOTH), 5e-4, 0.9)
+    assert actuation_time(problem) == pytest.approx(np.log(1e6) / 187.06423, rel=1e-5)
+
+
+def test_nothing_moves_before_the_tool_of_a_minimum_phase_robot(e12: Robot, smooth: Trajectory) -> None:
+    assert actuation_time(problem_of(e12, smooth, 5e-4, 0.9)) == 0.0
+
+
+def test_a_slow_unstable_zero_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(minimum_phase, "LONGEST", 0.01)
+    robot = load_robot("e12_long_tool")
+    with pytest.raises(InputError, match=r"unstable zero of only 187.1 1/s, .* 0.07385 s before the tool"):
+        actuation_time(problem_of(robot, tool_trajectory(robot, CIRCLE, SMOOTH), 5e-4, 0.9))

@@ -132,3 +132,14 @@ def test_joint_trajectories_are_labelled() -> None:
 def test_checks_look_at_repeated_moves_once() -> None:
     move = Move(circle(np.zeros(2), 1.0), ninth_degree(2 * np.pi, 1.0))
     assert Trajectory((move,) * 50, "tool").sample_times(100).size == 100
+
+
+def test_delayed_trajectory_rests_longer_and_moves_alike() -> None:
+    path = JointMove(np.array([0.1]), np.array([0.6]))
+    move = Trajectory((Move(path, ninth_degree(path.extent, 0.8).held(before=0.25)),), JOINTS)
+    later = move.delayed(0.5)
+    assert (move.rest_before, later.rest_before) == pytest.approx((0.25, 0.75))
+    assert later.duration == pytest.approx(move.duration + 0.5)
+    t = np.linspace(0.0, 1.2, 7)
+    np.testing.assert_allclose(later.evaluate(t + 0.5, 4), move.evaluate(t, 4), atol=1e-9)
+    assert Trajectory.at_rest(np.zeros(1)).rest_before == 1.0

@@ -147,11 +147,11 @@ def build_equations(
         exact=exact,
         residual=_function("residual", [x, z_0, v_0, a_0, gamma, weight, Z], [residual]),
         newton_matrix=_function("newton_matrix", [x, z_0, v_0, a_0, gamma, weight], [matrix]),
-        motion=_function("motion", [x, z_0, v_0, a_0, gamma], [v, *_motor_motion(model, q, v, a, u)]),
+        motion=_function("motion", [x, z_0, v_0, a_0, gamma], [v, *motor_motion(model, q, v, a, u)]),
     )
 
 
-def _motor_motion(model: SymbolicModel, q: ca.SX, v: ca.SX, a: ca.SX, u: ca.SX) -> list[ca.SX]:
+def motor_motion(model: SymbolicModel, q: ca.SX, v: ca.SX, a: ca.SX, u: ca.SX) -> list[ca.SX]:
     """Compute torque, load, momentum, encoder position and rate of all motors; u holds the torque of stiff gears."""
     n = model.n_arm
     torque, load, momentum = ca.SX(u), ca.SX(u), ca.SX.zeros(model.n_motors)
