@@ -19,6 +19,7 @@ LARGEST_ERROR = {
     "circle_dae2": 1e-4,
     "circle_fj": 3e-3,
     "circle_pd": 0.053,
+    "circle_stable_inversion": 3e-7,
     "diagnosis": 0.15,
     "elbow_computed_torque": 5.7e-4,
     "elbow_feedback_linearisation": 6.3e-4,

@@ -35,7 +35,7 @@ def direct(name: str) -> Log:
     return closed_loop(Experiment.prepare(load_scenario(name)))
 
 
-@pytest.mark.parametrize("scenario", ["circle_dae", "two_mass_step"])
+@pytest.mark.parametrize("scenario", ["circle_dae", "circle_stable_inversion", "two_mass_step"])
 def test_log_equals_the_direct_simulation(scenario: str, tmp_path: Path, log_differences: Differences) -> None:
     summary = run_scenario(scenario, tmp_path / "log")
     assert (summary.exit_code, summary.message, summary.missing) == (0, "", 0)
