@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, TypeAlias
 
 import casadi
 import numpy as np
 from pydantic import Field
 
-from flexros.config.per_motor import PositivePerMotor, per_motor
+from flexros.config.per_motor import NotNegativePerMotor, PositivePerMotor, per_motor
 from flexros.control.base import AbstractControlLaw
 
 if TYPE_CHECKING:
@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.control.context import LoopContext
     from flexros.robot import Robot
+
+
+Gain: TypeAlias = NotNegativePerMotor
+"""A gain, one for all motors or one per motor."""
 
 
 class AbstractLimitedLaw(AbstractControlLaw):

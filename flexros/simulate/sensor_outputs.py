@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import casadi as ca
-from scipy.spatial.transform import Rotation
 
 from flexros.compile.loop.functions import WRENCH_SIZE
-from flexros.robot.further_sensors import mounting
+from flexros.robot.symbolic.tool_sensors import tool_acceleration, turning_rate
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -83,9 +82,11 @@ def _outputs(
             case "joint torque":
                 found.append(_joint_torque(plant, index, acceleration, wrench))
             case "tool acceleration":
-                found.append(_tool_acceleration(plant, acceleration)[index])
+                gravity = ca.vertcat(*[ca.SX(plant.robot_value(f"gravity.{axis}")) for axis in "xyz"])
+                arm, p = (plant.q[:n], plant.v[:n]), plant.robot_parameters
+                found.append(tool_acceleration(plant.model, *arm, acceleration, gravity, p)[index])
             case _:
-                found.append(_turning_rate(plant)[index])
+                found.append(turning_rate(plant.model, plant.q[:n], plant.v[:n], plant.robot_parameters)[index])
     return ca.vertcat(*found)
 
 
@@ -111,45 +112,3 @@ def _felt_wrench(plant: PlantSymbols, wrench: ca.SX) -> ca.SX:
     force, still = plant.model.force, ca.SX.zeros(plant.u.numel())
     loaded, free = (force(plant.q, plant.v, still, w, plant.robot_parameters) for w in (wrench, 0 * wrench))
     return loaded - free
-
-
-def _pose(plant: PlantSymbols) -> ca.SX:
-    return plant.model.tool_pose(plant.q[: plant.model.n_arm], plant.robot_parameters)
-
-
-def _tool_acceleration(plant: PlantSymbols, acceleration: ca.SX) -> ca.SX:
-    """Return the acceleration of the tool with gravity, in its own frame [m/s2], SX (3, 1)."""
-    n = plant.model.n_arm
-    pose, q, v = _pose(plant), plant.q[:n], plant.v[:n]
-    turned = _rotation(pose[3:])
-    place, position = mounting(plant.robot.spec).position, pose[:3]
-    if any(place):
-        position = position + turned @ ca.DM(place)
-    speed = ca.jtimes(position, q, v)
-    moved = ca.jtimes(speed, q, v) + ca.jtimes(position, q, acceleration)
-    gravity = ca.vertcat(*[ca.SX(plant.robot_value(f"gravity.{axis}")) for axis in "xyz"])
-    return _in_sensor(plant, turned.T @ (moved - gravity))
-
-
-def _turning_rate(plant: PlantSymbols) -> ca.SX:
-    """Return the turning rate of the tool in its own frame [rad/s], SX (3, 1): twice conj(Q) Q' of quaternions."""
-    n = plant.model.n_arm
-    quaternion = _pose(plant)[3:]
-    rate = ca.jtimes(quaternion, plant.q[:n], plant.v[:n])
-    vector, scalar = quaternion[:3], quaternion[3]
-    return _in_sensor(plant, 2 * (scalar * rate[:3] - rate[3] * vector - ca.cross(vector, rate[:3])))
-
-
-def _in_sensor(plant: PlantSymbols, vector: ca.SX) -> ca.SX:
-    """Turn a vector from the frame of the tool into that of the sensor, SX (3, 1)."""
-    angles = mounting(plant.robot.spec).orientation
-    if not any(angles):
-        return vector
-    return ca.DM(Rotation.from_euler("xyz", angles).as_matrix()).T @ vector
-
-
-def _rotation(quaternion: ca.SX) -> ca.SX:
-    """Return the rotation matrix of a unit quaternion x, y, z, w, SX (3, 3)."""
-    vector, scalar = quaternion[:3], quaternion[3]
-    cross = ca.skew(vector)
-    return ca.SX.eye(3) + 2 * scalar * cross + 2 * cross @ cross

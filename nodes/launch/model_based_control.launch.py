@@ -16,6 +16,11 @@ def generate_launch_description() -> LaunchDescription:
         "elbow_feedback_linearisation",
         "elbow_quasi_static",
         "elbow_state_feedback",
+        "elbow_kalman",
+        "elbow_extended_kalman",
+        "elbow_accelerometer",
+        "elbow_torque_feedback",
+        "four_mass_lqg",
         "elbow_computed_torque",
         "elbow_gravity_pd",
     )

@@ -9,8 +9,10 @@ import numpy as np
 
 from flexros.control.context import LoopContext
 from flexros.control.limited import LoopSignals
+from flexros.control.lqg import Lqg
 from flexros.control.observed import AbstractObservedLaw
 from flexros.control.observers.base import Estimate
+from flexros.control.torque_feedback import TorqueFeedback
 from flexros.robot import load_robot
 from flexros.robot.robot import Robot, robot_from_data
 
@@ -39,12 +41,13 @@ def loop_of(
 ) -> LoopContext:
     """Build the loop of a law: stiff joints, or flexible joints with all sensors if the law needs them."""
     robot = loop_context(n_motors, sample_time, limits).robot
-    if isinstance(law, AbstractObservedLaw):
+    if isinstance(law, AbstractObservedLaw | TorqueFeedback | Lqg):
         data = robot.spec.model_dump()
+        data["sensors"]["encoder_noise"]["value"] = 1e-5
         for body in data["bodies"]:
             body["directions"]["rz"] |= {"spring": 100.0}
         link, imu = {"position": {}, "torque": {}}, {"acceleration": {}, "turning_rate": {}}
-        robot = robot_from_data({**data, "sensors": {"link": link, "tool_imu": imu}}, "test")
+        robot = robot_from_data({**data, "sensors": {**data["sensors"], "link": link, "tool_imu": imu}}, "test")
     context = law.context(robot, sample_time)
     law.check(context)
     return context

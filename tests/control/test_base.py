@@ -18,6 +18,8 @@ SETTINGS = {
 SETTINGS |= {
     "computed_torque": {"kp": 3.0, "kd": 1.0},
     "feedback_linearisation": {"bandwidth": 3.0},
+    "lqg": {"effort": 1.0, "torque_noise": 1.0, "motor_accuracy": 1e-3, "loop_gain": 3.0},
+    "torque_feedback": {"kp": 3.0, "kd": 1.0, "kt": 0.5},
     "gravity_pd": {"kp": 3.0, "kd": 1.0},
     "quasi_static_linearisation": {"bandwidth": 3.0, "motor_bandwidth": 5.0},
     "state_feedback": {"motor_position": 3.0, "motor_speed": 1.0, "link_position": 1.0, "link_speed": 0.5},

@@ -30,6 +30,11 @@ LAWS = (
     "elbow_feedback_linearisation",
     "elbow_quasi_static",
     "elbow_state_feedback",
+    "elbow_kalman",
+    "elbow_extended_kalman",
+    "elbow_accelerometer",
+    "elbow_torque_feedback",
+    "four_mass_lqg",
 )
 
 
