@@ -17,6 +17,7 @@ from flexros.logs.stamps import START_NS
 from flexros.record.even_grid import even_grid
 from flexros.record.further_sensors import further_sensors
 from flexros.record.joint_columns import motor_columns
+from flexros.record.polled_source import recovered
 from flexros.record.quantization import resolution_of
 from flexros.record.record import Record, ToolRecord
 from flexros.record.servo_torque import servo_torque
@@ -62,10 +63,12 @@ def read_record(
     Raises:
         InputError: There is no usable position or torque, or the joints do not fit the robot.
     """
-    states = log.joint_states
-    if states.position is None:
+    if log.joint_states.position is None:
         raise InputError(f"{name}: joint_states has no positions; record them")
     warnings = list(log.warnings)
+    if log.provenance.get("import"):
+        log = recovered(log, warnings)
+    states = log.joint_states
     servos = positions and has_position_commands(log)
     source = "command" if servos else torque_source(log, torque, name, warnings)
     reader = _Reader(log, robot, name, warnings)

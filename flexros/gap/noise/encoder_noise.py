@@ -100,8 +100,10 @@ def measure_noise(record: Record, robot: Robot, settings: DiagnosisSettings) -> 
             elif rest[1].size:
                 continue
             deviation[motor], source[motor] = rest[0], "standstill"
-        elif not deviation[motor] > 0:
+        elif not deviation[motor] > 0 and (robot.encoder_noise[motor] > 0 or not record.imported):
             deviation[motor], source[motor] = robot.encoder_noise[motor], "robot file"
+        elif not deviation[motor] > 0:
+            deviation[motor] = _usual_above_band(position[:, motor])
     kept = _kept_as_stated(deviation, source, robot, numbers) if record.imported else ()
     warnings = (*kept, *_warnings(deviation, colours, jitter, source, robot, numbers))
     order = max(len(colour) for colour in colours)
@@ -199,6 +201,14 @@ def _above_band(position: FloatArray, speed: FloatArray, record: Record) -> tupl
     weight = 1 / np.maximum(np.array(spreads), 1e-300) ** 2
     jitter = float(np.sqrt(max(float(weight @ np.array(slopes) / weight.sum()), 0.0)))
     return variance, jitter
+
+
+def _usual_above_band(position: FloatArray) -> float:
+    """Return the noise in the middle one of all blocks in which the motor moves [rad or m]."""
+    high = np.convolve(position, HIGH_DIFFERENCE, mode="valid")
+    power = np.mean(high[: len(high) // _BLOCK * _BLOCK].reshape(-1, _BLOCK) ** 2, axis=1)
+    moving = power[power > 0]
+    return float(np.sqrt(np.median(moving))) if len(moving) else 0.0
 
 
 def _line(square: FloatArray, power: FloatArray) -> tuple[float, float, float]:

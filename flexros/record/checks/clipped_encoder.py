@@ -77,12 +77,14 @@ def _wraps(steps: FloatArray, span: float, step: float) -> bool:
 def _flat_tops(values: FloatArray, step: float, valid: BoolArray) -> BoolArray:
     """Mark the samples in which the position is cut off at its largest or smallest value.
 
-    At a turning point and at rest an encoder without noise repeats its value too, but comes there slowly.
+    At a turning point and at rest an encoder without noise repeats its value too, but comes there slowly. A log that
+    begins or ends at the extreme begins or ends at rest.
     """
     rows, spoilt = np.flatnonzero(valid), np.zeros(len(valid), dtype=bool)
     slow = slow_change(values, step)
     for level in (values.max(), values.min()):
         for begin, length in zip(*runs(values == level), strict=True):
-            if length >= PLATEAU and change_beside(values, int(begin), int(length)) > slow:
+            inside = begin > 0 and begin + length < len(values)
+            if inside and length >= PLATEAU and change_beside(values, int(begin), int(length)) > slow:
                 spoilt[rows[begin : begin + length]] = True
     return spoilt

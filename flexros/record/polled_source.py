@@ -1,0 +1,166 @@
+"""Instants of a source that a recorder polled: values that it took twice or missed, found by the motion.
+
+A recorder that reads the latest values of a controller with a period of its own gets some of them twice and misses
+others. Its stamps are those of the reading. The positions tell how far the motion went from one value to the next, a
+whole number of periods of the controller.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from flexros.arrays import BoolArray, FloatArray, IntArray
+    from flexros.logs.time_series import JointSeries, Log
+
+NEAR = 0.15
+"""Largest distance of an interval from a whole number of periods to count as one [1] (chosen)."""
+WHOLE = 0.95
+"""Share of intervals near a whole number of periods from which a source was polled [1] (chosen)."""
+LEAST_SHARE = 0.005
+"""Share of intervals other than one period from which the stamps are corrected [1] (chosen)."""
+FAST = 0.5
+"""Share of the intervals, the fastest ones, that show whether a source was polled [1] (chosen)."""
+CLEAR = 0.05
+"""Speed over that of the fastest intervals from which the motion tells the periods of an interval [1] (chosen)."""
+LONGEST = 4
+"""Periods up to which values that were missed are interpolated [1] (chosen)."""
+SPAN = 8
+"""Intervals to each side over which speeds are taken [1] (chosen)."""
+FEWEST = 200
+"""Fewest intervals that show it [1] (chosen)."""
+
+
+@dataclass(frozen=True, eq=False)
+class PolledSource:
+    """Periods of a source from value to value of a log.
+
+    Attributes:
+        period: Time between two values of the source [s].
+        steps: Periods from each value of the log to the next one; 0 where it was taken twice, shape (n - 1,).
+    """
+
+    period: float
+    steps: IntArray
+
+    @property
+    def repeated(self) -> float:
+        """Share of values that were taken twice [1]."""
+        return float(np.mean(self.steps == 0))
+
+    @property
+    def missed(self) -> float:
+        """Share of values of the source that the log lacks [1]."""
+        return float(np.maximum(self.steps - 1, 0).sum() / max(int(self.steps.sum()), 1))
+
+    def evened(self, series: JointSeries) -> JointSeries:
+        """Put a series of the same messages on the periods of the source; short holes are interpolated linearly.
+
+        Args:
+            series: The series, n messages.
+        """
+        kept = np.concatenate([[True], self.steps > 0])
+        number = np.concatenate([[0], np.cumsum(self.steps)])[kept]
+        slots = np.arange(number[-1] + 1)
+        after = np.searchsorted(number, slots)
+        hole = number[after] - number[np.maximum(after - 1, 0)]
+        slots = slots[(number[after] == slots) | (hole <= LONGEST)]
+
+        def filled(values: FloatArray | None) -> FloatArray | None:
+            if values is None:
+                return None
+            return np.column_stack([np.interp(slots, number, column) for column in values[kept].T])
+
+        stamp = series.stamp[0] + np.rint(slots * self.period * 1e9).astype(np.int64)
+        return replace(
+            series,
+            stamp=stamp,
+            position=filled(series.position),
+            velocity=filled(series.velocity),
+            effort=filled(series.effort),
+            received=None,
+        )
+
+
+def polled_source(stamp: IntArray, position: FloatArray) -> PolledSource | None:
+    """Recognize a polled source by its positions.
+
+    Args:
+        stamp: Stamps of the messages [ns], shape (n,).
+        position: Positions [rad or m], shape (n, M).
+
+    Returns:
+        The source; None where the intervals are no whole numbers of a period, all are one, or too little moves.
+    """
+    time = (stamp - stamp[0]) * 1e-9
+    if len(time) < 2 * SPAN + FEWEST or not np.all(np.isfinite(position)):
+        return None
+    elapsed, speed = _elapsed(time, position)
+    fast = speed > max(float(np.quantile(speed, 1 - FAST)), 1e-150)
+    usual = elapsed[fast & (elapsed > 0)]
+    if len(usual) < FEWEST:
+        return None
+    period = float(np.median(usual))
+    shown = elapsed[fast] / period
+    whole = np.rint(shown)
+    if np.mean(np.abs(shown - whole) < NEAR) < WHOLE or np.mean(whole != 1) < LEAST_SHARE:
+        return None
+    by_stamps = np.diff(time)[fast] / period
+    if np.mean(np.abs(shown - by_stamps) < NEAR) > np.mean(np.abs(shown - whole) < NEAR) - LEAST_SHARE:
+        return None  # the stamps say the same
+    clear = speed > CLEAR * float(np.quantile(speed, 0.99))
+    steps = _steps(time, elapsed / period, clear, period)
+    exact = (time[-1] - time[0]) / max(int(steps.sum()), 1)
+    return PolledSource(exact if abs(exact / period - 1) < NEAR else period, steps)
+
+
+def recovered(log: Log, warnings: list[str]) -> Log:
+    """Put the joint states of a polled source on its periods, and commands that were taken together with them.
+
+    Args:
+        log: The log.
+        warnings: Receives what was repaired.
+
+    Returns:
+        The log, the same one where nothing was to be repaired.
+    """
+    states, commands = log.joint_states, log.joint_commands
+    source = None if states.position is None else polled_source(states.stamp, states.position)
+    together = commands is not None and np.array_equal(commands.stamp, states.stamp)
+    if source is None or (commands is not None and not together):
+        return log
+    warnings.append(
+        f"the recorder polled joint_states: {100 * source.repeated:.2g} % of the values were taken twice and "
+        f"{100 * source.missed:.2g} % missed; by the motion they are {1e3 * source.period:.4g} ms apart, and the stamps "
+        "were corrected"
+    )
+    return replace(
+        log,
+        joint_states=source.evened(states),
+        joint_commands=None if commands is None else source.evened(commands),
+    )
+
+
+def _elapsed(time: FloatArray, position: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the time from message to message by the motion [s], and the speed of all motors, each shape (n - 1,)."""
+    n = len(time)
+    before, behind = np.maximum(np.arange(n) - SPAN, 0), np.minimum(np.arange(n) + SPAN, n - 1)
+    speed = (position[behind] - position[before]) / np.maximum(time[behind] - time[before], 1e-12)[:, None]
+    between = 0.5 * (speed[1:] + speed[:-1])
+    square = np.sum(between**2, axis=1)
+    elapsed = np.sum(np.diff(position, axis=0) * between, axis=1) / np.maximum(square, 1e-300)
+    return elapsed, np.sqrt(square)
+
+
+def _steps(time: FloatArray, shown: FloatArray, clear: BoolArray, period: float) -> IntArray:
+    """Count the periods of every interval: by the motion where it is clear, else so that they keep up with stamps."""
+    steps = np.zeros(len(shown), dtype=np.int64)
+    reached = 0
+    for index in range(len(steps)):
+        behind = (time[index + 1] - time[0]) / period - reached
+        steps[index] = max(round(float(shown[index] if clear[index] else behind)), 0)
+        reached += int(steps[index])
+    return steps

@@ -1,0 +1,79 @@
+"""A recorder that polls a controller takes some values twice and misses others; the motion tells which."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexros.arrays import FloatArray, IntArray
+from flexros.logs.time_series import JointSeries, Log
+from flexros.record.polled_source import polled_source, recovered
+
+PERIOD = 1e-3
+N = 8000
+
+
+def motion(time: FloatArray) -> FloatArray:
+    return np.stack([np.sin(2.0 * time), 0.6 * np.sin(3.1 * time + 1.0)], axis=1)
+
+
+def polls(spread: float) -> tuple[IntArray, IntArray]:
+    """Return the stamps of the polls [ns], and the number of the value that each of them takes."""
+    random = np.random.default_rng(3)
+    time = np.cumsum(PERIOD * np.maximum(1.02 + spread * random.standard_normal(N), 0.5))
+    return np.rint(1e9 * time).astype(np.int64), np.floor(time / PERIOD).astype(np.int64)
+
+
+def log_of(spread: float = 0.25) -> tuple[Log, IntArray]:
+    stamp, number = polls(spread)
+    position = np.round(motion(number * PERIOD), 6)
+    states = JointSeries(stamp, ("motor_1", "motor_2"), position=position, effort=np.cos(position))
+    return Log(joint_states=states, provenance={"import": {}}), number
+
+
+def test_periods_between_values_are_found() -> None:
+    log, number = log_of()
+    states = log.joint_states
+    assert states.position is not None
+    source = polled_source(states.stamp, states.position)
+    assert source is not None
+    assert source.period == pytest.approx(PERIOD, rel=1e-3)
+    assert np.mean(source.steps == np.diff(number)) > 0.99
+    assert source.repeated == pytest.approx(np.mean(np.diff(number) == 0), abs=0.01)
+    assert source.missed == pytest.approx(1 - len(np.unique(number)) / (number[-1] - number[0] + 1), abs=0.01)
+
+
+def test_the_log_becomes_even_with_positions_at_their_instants() -> None:
+    log, number = log_of()
+    warnings: list[str] = []
+    states = recovered(log, warnings).joint_states
+    assert len(warnings) == 1
+    assert np.ptp(np.diff(states.stamp)) < 1e-3 * 1e9 * PERIOD
+    assert states.position is not None
+    assert states.effort is not None
+    assert states.effort.shape == states.position.shape
+    true = motion((number[0] + np.arange(len(states.stamp))) * PERIOD)
+    assert np.abs(states.position - true).max() < 5 * PERIOD  # one value at a turn may be a period off
+    assert np.median(np.abs(states.position - true)) < 1e-6
+
+
+def test_commands_taken_together_are_evened_alike() -> None:
+    log, _ = log_of()
+    states = log.joint_states
+    commands = JointSeries(states.stamp, states.names, effort=states.effort)
+    both = recovered(Log(joint_states=states, joint_commands=commands, provenance=log.provenance), [])
+    assert both.joint_commands is not None
+    assert both.joint_commands.effort is not None
+    assert both.joint_states.effort is not None
+    np.testing.assert_array_equal(both.joint_commands.effort, both.joint_states.effort)
+
+
+def test_other_logs_stay_as_they_are() -> None:
+    time = PERIOD * np.arange(N)
+    stamp = np.rint(1e9 * time).astype(np.int64)
+    jittering = time + 0.1 * PERIOD * np.random.default_rng(4).standard_normal(N)
+    assert polled_source(stamp, motion(time)) is None  # even
+    assert polled_source(stamp, motion(jittering)) is None  # jitter of the clock is no whole period
+    kept = np.sort(np.random.default_rng(5).choice(N, 9 * N // 10, replace=False))
+    assert polled_source(stamp[kept], motion(time[kept])) is None  # lost messages: the stamps say so
+    assert polled_source(stamp, np.zeros((N, 2))) is None  # standing still
