@@ -66,9 +66,11 @@ def read_record(
     if log.joint_states.position is None:
         raise InputError(f"{name}: joint_states has no positions; record them")
     warnings = list(log.warnings)
+    recorded = log.joint_states.position
     if log.provenance.get("import"):
         log = recovered(log, warnings)
     states = log.joint_states
+    assert states.position is not None
     servos = positions and has_position_commands(log)
     source = "command" if servos else torque_source(log, torque, name, warnings)
     reader = _Reader(log, robot, name, warnings)
@@ -101,7 +103,7 @@ def read_record(
         command_rate=reader.commanded_rate(grid, rows, instants) if servos else None,
         simulated=bool(log.provenance.get("scenario")),
         imported=bool(log.provenance.get("import")),
-        encoder_steps=_steps(states.position[:, reader.columns]) if instants else (),
+        encoder_steps=_steps(recorded[:, reader.columns]) if instants or states.position is not recorded else (),
         first=begin + rows.start,
         warnings=tuple(dict.fromkeys(warnings)),
     )

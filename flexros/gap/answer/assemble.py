@@ -94,7 +94,7 @@ def result_of(
     chosen, rival, errors = explanations.chosen, best_rival(explanations), _held_out_errors(findings)
     verdict = verdict_of(findings, (errors.after or errors.before).mean)
     patch = () if _worse(errors) else repair_of(findings)
-    names, covariance = covariance_of(chosen, findings.data)
+    names, covariance = covariance_of(chosen, findings.data, findings.settings)
     tolerated = chosen.predictor.tolerance
     before = _explanation(explanations.null, findings, null_prediction)
     after = _explanation(chosen, findings) if patch else None
@@ -220,7 +220,7 @@ def _causes(findings: Findings, verdict: Verdict, errors: HeldOutErrors, budget:
     if not explanations.detected:
         return tuple(causes.values())
     for fit in _compared(findings):
-        for candidate, parameters in zip(fit.hypothesis, parameters_of(fit, findings.data)):
+        for candidate, parameters in zip(fit.hypothesis, parameters_of(fit, findings.data, findings.settings)):
             name = candidate.name
             if name not in causes:
                 causes[name] = Cause(
@@ -277,7 +277,7 @@ def _candidates(findings: Findings, verdict: Verdict) -> list[tuple[RankedCandid
         if fit.names <= best.keys():
             continue
         exact = probability > findings.settings.likely
-        for candidate, parameters in zip(fit.hypothesis, parameters_of(fit, findings.data if exact else None)):
+        for candidate, parameters in zip(fit.hypothesis, parameters_of(fit, findings.data if exact else None, findings.settings)):
             if candidate.name in best:
                 continue
             others = (other.name for other in fit.hypothesis if other is not candidate)

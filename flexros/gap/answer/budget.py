@@ -138,7 +138,7 @@ def _model_numbers(findings: Findings) -> tuple[ModelNumber, ...]:
     """List the parameters of the robot that effects of the chosen explanation correct."""
     chosen, robot = findings.explanations.chosen, findings.model.robot
     numbers = []
-    for candidate, parameters in zip(chosen.hypothesis, parameters_of(chosen, findings.data)):
+    for candidate, parameters in zip(chosen.hypothesis, parameters_of(chosen, findings.data, findings.settings)):
         placed = candidate.placed({name: parameter.value for name, parameter in parameters.items()})
         if class_of(candidate.effect) != MODEL_NUMBERS:
             continue
@@ -165,7 +165,7 @@ def _estimated(findings: Findings) -> list[ModelNumber]:
     chosen, robot = findings.explanations.chosen, findings.model.robot
     tolerance = chosen.predictor.tolerance
     n = chosen.predictor.n_effect
-    covariance = fit_covariance(chosen, findings.data)[n:, n:]
+    covariance = fit_covariance(chosen, findings.data, findings.settings)[n:, n:]
     if tolerance.directions is not None:
         covariance = tolerance.directions @ covariance @ tolerance.directions.T
     relative = dict(zip(tolerance.names, np.array(tolerance.deviations) * np.sqrt(np.maximum(np.diag(covariance), 0))))

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from flexros.gap.fit.least_squares import linearise
+from flexros.gap.fit.screening import switched_off
 from flexros.gap.schema import CauseParameter
 
 if TYPE_CHECKING:
@@ -18,14 +19,15 @@ if TYPE_CHECKING:
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.residuals.fit_data import FitData
+    from flexros.gap.settings import RankingSettings
     from flexros.robot import Robot
 
 FEWEST_LINES = 12
 """Least number of lines of a periodogram that are averaged, half of them to each side [1]."""
 BANDS = 12
 """Frequency bands with windows of their own, each up to twice the frequency of the last [1]."""
-_KNOWN: WeakKeyDictionary[FitData, WeakKeyDictionary[CandidateFit, FloatArray]] = WeakKeyDictionary()
-"""Covariances that were computed already."""
+_KNOWN: WeakKeyDictionary[FitData, WeakKeyDictionary[CandidateFit, dict[bool, FloatArray]]] = WeakKeyDictionary()
+"""Covariances that were computed already, with and without model-form errors."""
 _UNIT = re.compile(r"\[([^\]]+)\]")
 
 
@@ -35,9 +37,11 @@ def placed_effects(fit: CandidateFit) -> tuple[PlacedEffect, ...]:
     return tuple(candidate.placed(parameters) for candidate, parameters in zip(fit.hypothesis, values))
 
 
-def parameters_of(fit: CandidateFit, data: FitData | None = None) -> list[dict[str, CauseParameter]]:
+def parameters_of(
+    fit: CandidateFit, data: FitData | None = None, form: RankingSettings | None = None
+) -> list[dict[str, CauseParameter]]:
     """Return the parameters of every effect of a fit with their standard deviations; arguments as `covariance_of`."""
-    _, covariance = covariance_of(fit, data)
+    _, covariance = covariance_of(fit, data, form)
     deviations = iter(np.sqrt(np.maximum(np.diag(covariance), 0.0)))
     values = fit.predictor.values(fit.theta)
     return [
@@ -54,24 +58,27 @@ def parameters_of(fit: CandidateFit, data: FitData | None = None) -> list[dict[s
     ]
 
 
-def covariance_of(fit: CandidateFit, data: FitData | None = None) -> tuple[tuple[str, ...], FloatArray]:
+def covariance_of(
+    fit: CandidateFit, data: FitData | None = None, form: RankingSettings | None = None
+) -> tuple[tuple[str, ...], FloatArray]:
     """Compute the covariance of the parameters of the effects, in their units.
 
     Args:
         fit: The fit.
         data: The log that it was fitted to; None for the quick covariance, which holds for white residuals.
+        form: Settings with the model-form errors of effects; None for what the residuals show alone.
 
     Returns:
         Names, e.g. "coulomb_friction@motor_1.level", and covariance, shape (p, p).
     """
     n_effect = fit.predictor.n_effect
-    whole = np.linalg.pinv(fit.information) if data is None else fit_covariance(fit, data)
+    whole = np.linalg.pinv(fit.information) if data is None else fit_covariance(fit, data, form)
     slopes = fit.predictor.slopes(fit.theta)
     names = tuple(f"{candidate.name}.{free.name}" for candidate in fit.hypothesis for free in candidate.free)
     return names, whole[:n_effect, :n_effect] * np.outer(slopes, slopes)
 
 
-def fit_covariance(fit: CandidateFit, data: FitData) -> FloatArray:
+def fit_covariance(fit: CandidateFit, data: FitData, form: RankingSettings | None = None) -> FloatArray:
     """Compute the covariance of all parameters of a fit (White 1980, Huber 1967: the sandwich).
 
     The predictor of constant gain whitens neither the noise nor what a model leaves: the residuals r have a spectrum S,
@@ -80,30 +87,35 @@ def fit_covariance(fit: CandidateFit, data: FitData) -> FloatArray:
 
         cov = H^-1 (sum_f J(f)^* S(f) J(f) / n + P) H^-1,    H = J'J + P,
 
-    with the prior P of the tolerated deviations. With S = 1 this is H^-1. It is computed once for a fit and a log.
+    with the prior P of the tolerated deviations. With S = 1 this is H^-1. No law of a machine has exactly the form of
+    the library's, and what differs is fitted by the sizes of all effects: the share `plain_form` or `shaped_form` of
+    the spectrum of what each effect changes is added to S. It is computed once for a fit and a log.
 
     Args:
         fit: The fit, at its minimum.
         data: The log that it was fitted to.
+        form: Settings with the model-form errors of effects; None for what the residuals show alone.
 
     Returns:
         Covariance in the units of the fit, shape (n_fitted, n_fitted).
     """
-    of_log = _KNOWN.setdefault(data, WeakKeyDictionary())
-    if fit not in of_log:
-        of_log[fit] = _sandwich(fit, data)
-    return of_log[fit]
+    of_fit = _KNOWN.setdefault(data, WeakKeyDictionary()).setdefault(fit, {})
+    if (form is not None) not in of_fit:
+        of_fit[form is not None] = _sandwich(fit, data, form)
+    return of_fit[form is not None]
 
 
-def _sandwich(fit: CandidateFit, data: FitData) -> FloatArray:
+def _sandwich(fit: CandidateFit, data: FitData, form: RankingSettings | None) -> FloatArray:
     line = linearise(fit.predictor, data, fit.theta)
     J, r = line.slopes, line.residual
     meat = line.information - J.T @ J  # the prior
     n, M = data.spread.shape
+    left = r[: M * n, None] if form is None else np.column_stack([r[: M * n], _form_errors(fit, data, r, form)])
     for motor in range(M):
         rows = slice(motor * n, (motor + 1) * n)
         transform = np.fft.rfft(J[rows], axis=0)
-        spectrum = smoothed(np.abs(np.fft.rfft(r[rows])) ** 2) / max(int(np.isfinite(data.spread[:, motor]).sum()), 1)
+        power = sum(smoothed(np.abs(np.fft.rfft(column)) ** 2) for column in left[rows].T)
+        spectrum = power / max(int(np.isfinite(data.spread[:, motor]).sum()), 1)
         weight = np.full(len(spectrum), 2.0)
         weight[0] = 1.0
         weight[-1] = 1.0 if n % 2 == 0 else 2.0
@@ -112,6 +124,17 @@ def _sandwich(fit: CandidateFit, data: FitData) -> FloatArray:
     inverse = np.linalg.pinv(line.information)
     covariance: FloatArray = inverse @ meat @ inverse
     return covariance
+
+
+def _form_errors(fit: CandidateFit, data: FitData, residual: FloatArray, form: RankingSettings) -> FloatArray:
+    """Return what each effect changes in the prediction errors of the motors, times its model-form error."""
+    if not fit.hypothesis:
+        return np.zeros((data.spread.size, 0))
+    plain = np.array([candidate.effect.plain for candidate in fit.hypothesis])
+    errors = np.sqrt(np.where(plain, form.plain_form, form.shaped_form))
+    rows = np.arange(data.spread.size)
+    changes: FloatArray = np.nan_to_num(switched_off(fit, data, residual, rows)) * errors
+    return changes
 
 
 def smoothed(periodogram: FloatArray) -> FloatArray:
