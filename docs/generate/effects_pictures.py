@@ -272,6 +272,11 @@ DRAWINGS: dict[str, tuple[Callable[[str], Panels], str]] = {
     ),
     "servo_damping_error": (servo_step, "servo_damping_error@motor_1:relative=-0.4"),
     "servo_stiffness_error": (servo_step, "servo_stiffness_error@motor_1:relative=-0.4"),
+    "spring_curve": (
+        lambda text: [gear_loop(text, (60.0, 25.0), "slow swing, two amplitudes")],
+        "spring_curve@body_1.rz:positive_50=5,positive_75=15,positive_100=30,negative_25=-8,negative_50=-5,"
+        "negative_75=5,negative_100=5,low=-1e-3,high=1e-3",
+    ),
     "stiffness_error": (lambda text: [responses(text)], "stiffness_error@body_1.rz:relative=-0.3"),
     "stribeck_friction": (
         over_speed,
@@ -281,6 +286,10 @@ DRAWINGS: dict[str, tuple[Callable[[str], Panels], str]] = {
     "torque_curve": (
         over_way,
         "torque_curve@motor_1:torque_1=10,torque_2=10,torque_3=-5,torque_5=15,torque_6=15,torque_8=-20,low=0,high=0.08",
+    ),
+    "torque_drift": (
+        lambda text: over_time(text, 12.0),
+        "torque_drift@motor_1:torque_1=2,torque_2=10,torque_3=14,torque_4=12,torque_5=12,torque_6=20,end=10",
     ),
     "torque_gain_error": (over_command, "torque_gain_error@motor_1:relative=-0.2"),
     "torque_ripple": (over_rotor_angle, "torque_ripple@motor_1:amplitude=5,order=6"),

@@ -10,6 +10,7 @@ from pydantic import Field
 
 from flexros.effects.kinds.curve import SMALLEST, AbstractCurve, Extent, piecewise_linear, torques
 from flexros.effects.kinds.dry_friction import AbstractDryFriction, FrictionLevels
+from flexros.effects.kinds.motor_law import AbstractMotorTorque
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -23,7 +24,7 @@ _EVEN = (0.0, 0.5, 1.0)
 _ODD = (0.0, 0.1, 0.25, 0.5, 0.75, 1.0)
 
 
-class FrictionCurve(AbstractCurve, AbstractDryFriction):
+class FrictionCurve(AbstractCurve, AbstractMotorTorque, AbstractDryFriction):
     """Friction torque at a motor as a function of speed that follows no law of the other effects.
 
     With level F and the piecewise linear curves f (`speed_...`) and g (`uneven_...`), zero at standstill, the torque

@@ -9,6 +9,7 @@ import casadi as ca
 from pydantic import Field
 
 from flexros.effects.kinds.curve import SMALLEST, AbstractCurve, Extent, piecewise_linear, torques
+from flexros.effects.kinds.motor_law import AbstractMotorTorque
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 _KNOTS = tuple(number / 7 for number in range(8))
 
 
-class TorqueCurve(AbstractCurve):
+class TorqueCurve(AbstractCurve, AbstractMotorTorque):
     """Torque at a motor as a function of its position that follows no law of the other effects.
 
     Cables and hoses, balancing springs, gravity of what the model lacks. The torque is piecewise linear between eight

@@ -39,10 +39,10 @@ class AbstractEffect(Settings, ABC):
        `harmonics` and `delays_commands`.
     5. The methods of its kind: `AbstractModelChange` returns a changed robot, `AbstractChangedValues` changed parameter
        values, `AbstractCommandLaw` the torque between command and motor, `AbstractMotorTorque` a smooth torque at a
-       motor, `AbstractCurve` one without a law, `AbstractDryFriction` friction with sticking,
-       `AbstractBristleFriction` friction with presliding,
-       `AbstractGearLaw` torques of a spring, `AbstractArmLaw` forces on the arm, `AbstractSensor` a changed
-       measurement, `AbstractToolError` a changed tool geometry.
+       motor, `AbstractDryFriction` friction with sticking, `AbstractBristleFriction` friction with presliding,
+       `AbstractGearLaw` torques of a spring, `AbstractCurve` torques at a motor or spring without a law,
+       `AbstractArmLaw` forces on the arm, `AbstractSensor` a changed measurement, `AbstractToolError` a changed tool
+       geometry.
 
     Any number of effects combine at any locations. The reference shows each with a picture: a row in
     `docs/generate/effects_pictures.py`, then `python docs/generate/effects_page.py`.

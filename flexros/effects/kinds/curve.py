@@ -1,4 +1,4 @@
-"""Curves: torques at a motor without a law, given at knots; what no law of the other effects explains."""
+"""Curves: torques without a law, given at knots; what no law of the other effects explains."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 
 import casadi as ca
 
-from flexros.effects.kinds.motor_law import AbstractMotorTorque
+from flexros.effects.kinds.law import AbstractLaw
 from flexros.effects.kinds.ranges import Range
 
 if TYPE_CHECKING:
@@ -16,22 +16,39 @@ if TYPE_CHECKING:
 
     from flexros.robot.symbolic.kinematics import Value
 
-Extent = Literal["largest speed", "lowest angle", "highest angle"]
-"""What the motion of a motor in a log covers [rad/s or m/s; rad or m]."""
+Extent = Literal[
+    "largest speed",
+    "lowest angle",
+    "highest angle",
+    "lowest deflection",
+    "highest deflection",
+    "first time",
+    "last time",
+]
+"""What a log covers at a motor or spring [rad/s or m/s; rad or m; s since its begin]."""
 SMALLEST = 1e-12
 """Smallest range of a curve [unit of its argument]."""
 
 
-class AbstractCurve(AbstractMotorTorque):
-    """A torque at a motor that is piecewise linear between knots, constant beyond them, and linear in its sizes.
+class AbstractCurve(AbstractLaw):
+    """A torque that is piecewise linear between knots, constant beyond them, and linear in its sizes.
 
-    A diagnosis adds one where the laws at a motor leave much that a curve explains and no further law does. Beside the
-    laws that it `extends`, the sizes that it shares with them are zero, so that theirs stay determined. A member
-    provides `name`, `stage`, `size`, `words`, `extent`, its parameters, `ranges` of all sizes (`torques`) and `added`.
+    A diagnosis adds one where the laws at a motor or spring leave much that a curve explains and no further law does.
+    Beside the laws that it `extends`, the sizes that it shares with them are zero, so that theirs stay determined. A
+    member is also an `AbstractMotorTorque` or an `AbstractGearLaw`, and provides `name`, `stage`, `size`, `words`,
+    `extent`, its parameters, `ranges` of all sizes (`torques`) and `added`.
     """
 
     extent: ClassVar[Mapping[str, Extent]]
-    """Parameters that are set to what the motion of a log covers."""
+    """Parameters that are set to what a log covers."""
+    intervals: ClassVar[int] = 0
+    """Of a curve over time, the number of intervals between its knots. It is told from torques that depend on the
+    motion only where the motion repeats in each of them."""
+
+    @property
+    def shown(self) -> tuple[str, ...]:
+        """Sizes that a log shows which covers what the parameters in `extent` say; default: all."""
+        return tuple(self.ranges)
 
     @property
     def neutral(self) -> bool:
@@ -39,9 +56,9 @@ class AbstractCurve(AbstractMotorTorque):
         return not any(getattr(self, name) for name in self.ranges)
 
 
-def torques(names: Iterable[str]) -> Mapping[str, Range]:
-    """Return the ranges of sizes that are torques of both signs, by name."""
-    return MappingProxyType(dict.fromkeys(names, Range("torque", 1e-3, 1.0, starts=1, signed=True)))
+def torques(names: Iterable[str], source: str = "chosen") -> Mapping[str, Range]:
+    """Return the ranges of sizes that are torques of both signs, by name; at a spring multiples of its own torque."""
+    return MappingProxyType(dict.fromkeys(names, Range("torque", 1e-3, 1.0, starts=1, signed=True, source=source)))
 
 
 def piecewise_linear(argument: ca.SX, knots: Sequence[float], values: Sequence[Value]) -> ca.SX:

@@ -17,6 +17,7 @@ from flexros.gap.answer.decision import (
     rivals_of,
     verdict_of,
 )
+from flexros.gap.answer.drifts import drift_warnings
 from flexros.gap.answer.limits import identifiability_limits
 from flexros.gap.candidates.candidate import name_of
 from flexros.gap.fit.estimates import covariance_of, parameters_of, placed_effects
@@ -346,4 +347,4 @@ def _answer_warnings(findings: Findings, gap: GapNumbers) -> list[str]:
             f"on held-out data the explanation closes only {100 * gap.closed_fraction:.0f} % of the gap: it may not "
             "hold beyond the fitted log"
         )
-    return warnings
+    return [*warnings, *drift_warnings(findings)]

@@ -1,4 +1,4 @@
-"""Torques of unknown law: curves over speed and position that take up what no law of the library explains."""
+"""Torques of unknown law: curves over speed, position, time and deflection for what no law of the library explains."""
 
 from __future__ import annotations
 
@@ -7,24 +7,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.effects import effects
 from flexros.effects.kinds.curve import AbstractCurve
-from flexros.gap.candidates.candidate import Candidate, FreeParameter, simpler
+from flexros.gap.candidates.candidate import simpler
+from flexros.gap.fit.screening import Directions
 from flexros.gap.search.candidate_fits import Addition
+from flexros.gap.search.curve_candidates import list_curves, within_motion
 from flexros.gap.search.worth import compared, worth
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping, Sequence
+    from collections.abc import Collection, Sequence
 
-    from flexros.effects.kinds.curve import Extent
-    from flexros.gap.candidates.candidate import Hypothesis
+    from flexros.gap.candidates.candidate import Candidate, Hypothesis
     from flexros.gap.fit.least_squares import CandidateFit
-    from flexros.gap.fit.screening import Directions, Surroundings
+    from flexros.gap.fit.screening import Surroundings
     from flexros.gap.search.candidate_fits import Search
     from flexros.gap.search.model_probability import ModelComparison
-
-TRIED = 0.05
-"""Size of a curve by which a log is predicted, over the largest torque of its motor [1] (chosen)."""
 
 
 def with_curves(
@@ -68,7 +65,7 @@ def with_curves(
         ]
         grown = search.together(fit, additions)
         if _worth(search, compared(search, [fit]), fit, grown):
-            fits.append(search.completed(grown))
+            fits.append(search.completed(within_motion(search, grown)))
             return fits[-1]
         group = group[:-1]
     return fit
@@ -77,51 +74,6 @@ def with_curves(
 def curves_of(hypothesis: Hypothesis) -> list[Candidate]:
     """List the curves among the candidates of a hypothesis."""
     return [one for one in hypothesis if issubclass(one.effect, AbstractCurve)]
-
-
-def list_curves(search: Search, fit: CandidateFit) -> list[Candidate]:
-    """List the curves that compete beside an explanation, without the sizes that they share with its laws.
-
-    Args:
-        search: The search.
-        fit: The explanation.
-    """
-    candidates = []
-    for effect in effects().values():
-        if not issubclass(effect, AbstractCurve):
-            continue
-        for motor, location in enumerate(search.null.model.robot.joint_names):
-            shared = _shared(effect, location, fit)
-            names = [name for name in effect.ranges if name not in shared]
-            torque = search.scales.of("torque", location)
-            sizes = [effect.ranges[name] for name in names]
-            starts = TRIED * torque * np.eye(len(names))
-            free = tuple(
-                FreeParameter(name, size.low * torque, size.high * torque, True, tuple(map(float, start)))
-                for name, size, start in zip(names, sizes, starts, strict=True)
-            )
-            covered = _covered(search, motor)
-            fixed = tuple((name, covered[extent]) for name, extent in effect.extent.items())
-            candidates.append(Candidate(effect, location, free, fixed, together=True))
-    return [one for one in candidates if search.competitors.contain(one) and one.name not in fit.names]
-
-
-def _shared(effect: type[AbstractCurve], location: str, fit: CandidateFit) -> frozenset[str]:
-    """Return the sizes of a curve that do the same as free parameters of laws at its motor."""
-    fitted = {(one.effect.name, free.name) for one in fit.hypothesis if one.location == location for free in one.free}
-    every = ((name, pair) for name, pairs in effect.extends.items() for pair in pairs.items())
-    return frozenset(own for name, (own, other) in every if (name, other) in fitted)
-
-
-def _covered(search: Search, motor: int) -> Mapping[Extent, float]:
-    """Return what the motion of a motor covers."""
-    record = search.data.record
-    position = record.position[record.valid, motor]
-    return {
-        "largest speed": search.scales.of("speed", search.null.model.robot.joint_names[motor]),
-        "lowest angle": float(position.min()),
-        "highest angle": float(position.max()),
-    }
 
 
 def in_place_of_laws(search: Search, fit: CandidateFit, curved: CandidateFit) -> CandidateFit:
@@ -142,12 +94,13 @@ def in_place_of_laws(search: Search, fit: CandidateFit, curved: CandidateFit) ->
 def _beyond_laws(
     search: Search, surroundings: Surroundings, curves: Sequence[Directions], laws: Sequence[Addition]
 ) -> list[Directions]:
-    """List the curves that explain clearly more than any single law at their motor, or at none, would."""
-    motors, margin = search.null.model.robot.joint_names, search.settings.search.beyond_laws
+    """List the curves that explain clearly more than any single law at their motor or gear, or at none, would."""
+    robot, margin = search.null.model.robot, search.settings.search.beyond_laws
     found = []
     for curve in curves:
         place = curve.candidate.location
-        rivals = [law.gain for law in laws if law.candidate.location == place or law.candidate.location not in motors]
+        others = {motor.name for motor in robot.motors if place not in (motor.name, motor.joint.name)}
+        rivals = [law.gain for law in laws if law.candidate.location not in others]
         gain = surroundings.least - surroundings.left(curve.changes)
         if gain > margin * max(rivals, default=0.0):
             found.append(curve)
@@ -162,7 +115,8 @@ def _selected(
     group: list[Directions] = []
     least = surroundings.least
     while len(group) < min(len(curves), settings.curves):
-        rest = [one for one in curves if one not in group]
+        chosen = [one.candidate.name for one in group]
+        rest = [_beside(one, group) for one in curves if one.candidate.name not in chosen]
         lefts = [surroundings.left(np.hstack([*(other.changes for other in group), one.changes])) for one in rest]
         best, left = rest[int(np.argmin(lefts))], min(lefts)
         charged = left * n ** (len(best.candidate.free) / n)  # of the same score as without its sizes
@@ -172,6 +126,30 @@ def _selected(
         group.append(best)
         least = left
     return group
+
+
+def _beside(curve: Directions, others: Sequence[Directions]) -> Directions:
+    """Return a curve without the sizes that do the same as those of other curves at its motor."""
+    extends = curve.candidate.effect.extends
+    own = {name: (law, other) for law, pairs in extends.items() for name, other in pairs.items()}
+    taken = {
+        (law, pairs[free.name])
+        for one in others
+        if one.candidate.location == curve.candidate.location
+        for law, pairs in one.candidate.effect.extends.items()
+        for free in one.candidate.free
+        if free.name in pairs
+    }
+    kept = np.array([own.get(free.name) not in taken for free in curve.candidate.free], dtype=bool)
+    if kept.all():
+        return curve
+    free = tuple(
+        replace(one, starts=tuple(np.array(one.starts)[kept]))
+        for one, keeps in zip(curve.candidate.free, kept, strict=True)
+        if keeps
+    )
+    candidate, starts = replace(curve.candidate, free=free), curve.starts[np.ix_(kept, kept)]
+    return Directions(candidate, starts, curve.changes[:, kept], curve.usable[kept])
 
 
 def _worth(search: Search, comparison: ModelComparison, before: CandidateFit, after: CandidateFit) -> bool:

@@ -10,6 +10,7 @@ import numpy as np
 
 from flexros.gap.candidates.candidate import names_of
 from flexros.gap.fit.estimates import parameters_of
+from flexros.gap.search.curve_candidates import within_motion
 from flexros.gap.search.curves import curves_of, in_place_of_laws, with_curves
 from flexros.gap.search.worth import compared, incomplete, simple_first, simplest, worth
 
@@ -200,7 +201,8 @@ def _beside_curves(
     """Leave out the laws that imitated what curves explain now, and add those that were hidden behind it.
 
     Laws that were found without the curves may all be imitations of them. So the curves are also tried with the laws
-    that the search began with, less those at their motors that they do not contain.
+    that the search began with, less those at their motors that they do not contain. Of two explanations of which one
+    has all effects of the other, the larger one must be worth them.
 
     Args:
         search: The search.
@@ -220,12 +222,21 @@ def _beside_curves(
     found = []
     for fit, candidates in alternatives:
         small = _reduced(search, fit, fits, removed)
-        grown = None if search.deadline.stops() else _grown(search, small, candidates, fits)
-        if grown is not None and worth(search, compared(search, unique(fits)), small, grown, removed):
-            fits.append(search.completed(grown))
-            small = _reduced(search, fits[-1], fits, removed)
+        for _ in range(search.settings.search.rounds):
+            grown = None if search.deadline.stops() else _grown(search, small, candidates, [])
+            if grown is None or not worth(search, compared(search, unique(fits)), small, grown, removed):
+                break
+            fits.append(search.completed(within_motion(search, grown)))
+            before, small = small, _reduced(search, fits[-1], fits, removed)
+            if small.names == before.names:
+                break
         found.append(small)
-    return compared(search, unique(fits)).ranked(found)[0]
+    comparison = compared(search, unique(fits))
+    best, *others = comparison.ranked(found)
+    for fewer in others:
+        if fewer.names < best.names and not worth(search, comparison, fewer, best, removed):
+            best = fewer
+    return best
 
 
 def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed: float) -> CandidateFit:

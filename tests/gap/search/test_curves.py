@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 import yaml
 
-from flexros.effects import PlacedLaw, RobotWithEffects, parse_effect, place_effects
+from flexros.effects import PlacedLaw, RobotWithEffects, effects, parse_effect, place_effects
 from flexros.effects.kinds.base import Stage
 from flexros.effects.kinds.motor_law import AbstractMotorTorque, MotorState
+from flexros.effects.torque_drift import TorqueDrift
 from flexros.gap.diagnose import diagnose
 from flexros.gap.result import DiagnosisResult
 from flexros.gap.settings import DiagnosisSettings
@@ -29,6 +30,8 @@ T, N, NOISE = 0.005, 4000, 2e-5
 SETTINGS = DiagnosisSettings(where=None, next_experiment=None)
 FIRST = ("coulomb_friction@motor_1:level=6", "viscous_friction@motor_1:coefficient=4")
 SECOND = "coulomb_friction@motor_2:level=2"
+FASTER = 2.0
+"""How much faster the motion is where it is to repeat between the knots of a curve over time [1]."""
 
 
 def friction_hump(motor: MotorState) -> ca.SX:
@@ -42,7 +45,12 @@ def cable(motor: MotorState) -> ca.SX:
     return 60 * ca.fmax(motor.position - 0.2, 0) ** 2
 
 
-LAWS: Mapping[str, Callable[[MotorState], ca.SX]] = {"hump": friction_hump, "cable": cable}
+def load(motor: MotorState) -> ca.SX:
+    """A load that grows and falls again slowly."""
+    return 1.5 * ca.exp(-(((motor.own[0] - 6) / 5) ** 2))
+
+
+LAWS: Mapping[str, Callable[[MotorState], ca.SX]] = {"hump": friction_hump, "cable": cable, "load": load}
 
 
 class Hidden(AbstractMotorTorque):
@@ -51,9 +59,13 @@ class Hidden(AbstractMotorTorque):
     name: ClassVar[str] = "hidden"
     stage: ClassVar[Stage] = "actuator"
     size: ClassVar[str] = "level"
+    smooth_states = 1
 
     law: str
     level: float = 1.0
+
+    def rates(self, motor: MotorState, values: Mapping[str, Value]) -> ca.SX:
+        return ca.SX(1)
 
     def added(self, motor: MotorState, values: Mapping[str, Value]) -> ca.SX:
         return values["level"] * LAWS[self.law](motor)
@@ -65,7 +77,7 @@ def robot() -> Robot:
     return arm.with_values({f"motor_{number}.inertia": value for number, value in enumerate(INERTIA, 1)})
 
 
-def measured(effects: tuple[str, ...], hidden: str = "") -> Record:
+def measured(effects: tuple[str, ...], hidden: str = "", faster: float = 1.0) -> Record:
     """Simulate 20 s of motion under a controller, as a log of a real machine."""
     placed = place_effects(robot(), [parse_effect(text, "test") for text in effects])
     beyond = (PlacedLaw("hidden@motor_2", Hidden(law=hidden), "motor_2"),) if hidden else ()
@@ -73,7 +85,7 @@ def measured(effects: tuple[str, ...], hidden: str = "") -> Record:
     wanted = np.zeros((2, N, 2))
     for motor in range(2):
         for frequency, size in ((0.13, 0.5), (0.31, 0.3), (0.47, 0.15)):
-            w, phase = 2 * np.pi * frequency * rng.uniform(0.9, 1.1), rng.uniform(0, 6)
+            w, phase = 2 * np.pi * faster * frequency * rng.uniform(0.9, 1.1), rng.uniform(0, 6)
             wanted[0, :, motor] += size * np.sin(w * time + phase)
             wanted[1, :, motor] += size * w * np.cos(w * time + phase)
     plant = Plant(placed.robot, T, np.concatenate(wanted[:, 0]), substeps=4, laws=(*placed.laws, *beyond))
@@ -88,8 +100,8 @@ def measured(effects: tuple[str, ...], hidden: str = "") -> Record:
 
 
 @cache
-def diagnosed(effects: tuple[str, ...], hidden: str = "") -> DiagnosisResult:
-    return diagnose(measured(effects, hidden), RobotWithEffects(robot(), ()), settings=SETTINGS)
+def diagnosed(effects: tuple[str, ...], hidden: str = "", faster: float = 1.0) -> DiagnosisResult:
+    return diagnose(measured(effects, hidden, faster), RobotWithEffects(robot(), ()), settings=SETTINGS)
 
 
 def sizes(found: DiagnosisResult) -> dict[str, tuple[float, float]]:
@@ -98,18 +110,25 @@ def sizes(found: DiagnosisResult) -> dict[str, tuple[float, float]]:
     return {name: (parameter.value, parameter.std) for name, parameter in first.items()}
 
 
-@pytest.mark.parametrize(("hidden", "curve"), [("hump", "friction_curve"), ("cable", "torque_curve")])
-def test_what_no_law_explains_is_named_by_class_and_joint(hidden: str, curve: str) -> None:
-    found = diagnosed((*FIRST, SECOND), hidden)
-    names = sizes(found).keys()
-    assert [name for name in names if "curve" in name] == [f"{curve}@motor_2"]
+def curves_in(found: DiagnosisResult) -> list[str]:
+    """Return the names of the curves without a law."""
+    return [name for name in sizes(found) if effects()[name.partition("@")[0]].words]
+
+
+@pytest.mark.parametrize(
+    ("hidden", "curve", "faster"),
+    [("hump", "friction_curve", 1.0), ("cable", "torque_curve", 1.0), ("load", "torque_drift", FASTER)],
+)
+def test_what_no_law_explains_is_named_by_class_and_joint(hidden: str, curve: str, faster: float) -> None:
+    found = diagnosed((*FIRST, SECOND), hidden, faster)
+    assert curves_in(found) == [f"{curve}@motor_2"]
     assert found.diagnosis.verdict == "partly_explained"
     assert (found.diagnosis.gap.closed_fraction or 0.0) > 0.95
 
 
-@pytest.mark.parametrize("hidden", LAWS)
-def test_sizes_of_laws_are_not_moved_by_what_no_law_explains(hidden: str) -> None:
-    found = sizes(diagnosed((*FIRST, SECOND), hidden))
+@pytest.mark.parametrize(("hidden", "faster"), [("hump", 1.0), ("cable", 1.0), ("load", FASTER)])
+def test_sizes_of_laws_are_not_moved_by_what_no_law_explains(hidden: str, faster: float) -> None:
+    found = sizes(diagnosed((*FIRST, SECOND), hidden, faster))
     for text in (*FIRST, SECOND):
         name, _, value = text.partition(":")
         size, std = found[name]
@@ -137,3 +156,22 @@ def test_without_gap_there_is_no_curve() -> None:
     found = diagnosed(())
     assert found.diagnosis.verdict == "no_gap"
     assert not found.diagnosis.causes
+
+
+def test_load_over_time_is_that_of_the_log_and_keeps_its_last_value() -> None:
+    found = diagnosed((*FIRST, SECOND), "load", FASTER)
+    (drift,) = [one.effect for one in found.patch if isinstance(one.effect, TorqueDrift)]
+    assert drift.begin < 0.5
+    assert drift.end == pytest.approx(2 / 3 * N * T, abs=0.02)
+    fitted = [getattr(drift, f"torque_{number}") for number in range(1, 7)]
+    time = np.linspace(drift.begin, drift.end, 6)
+    true = 1.5 * np.exp(-(((time - 6) / 5) ** 2))
+    np.testing.assert_allclose(fitted, true, atol=0.15)  # the true one is curved between the knots
+    assert any(f"{drift.end:.3g} s" in text and drift.words in text for text in found.diagnosis.warnings)
+
+
+def test_friction_that_drifts_by_a_law_needs_no_curve_over_time() -> None:
+    drift = "friction_drift@motor_2:coulomb=2,time_constant=4"
+    found = diagnosed((*FIRST, SECOND, drift), "", FASTER)
+    assert "friction_drift@motor_2" in sizes(found)
+    assert not curves_in(found)

@@ -144,5 +144,15 @@ def test_torque_over_position_separates_bias_from_friction(friction: SignatureDa
     assert series["before, forward"].y.mean() == pytest.approx(-series["before, backward"].y.mean(), abs=0.03)
 
 
+def test_torque_over_time_is_that_of_equal_times(friction: SignatureData) -> None:
+    curve = picture("torque_over_time", friction).series["before"]
+    time = friction.rows * friction.record.sample_time
+    whole = friction.disturbance[friction.rows, 0]
+    middle = len(curve.x) // 2
+    near = np.abs(time - curve.x[middle]) < 0.5 * np.diff(curve.x).mean()
+    assert curve.y[middle] == pytest.approx(whole[near].mean(), abs=0.03)
+    assert curve.x[-1] > 0.9 * time[-1]
+
+
 def test_locations_are_assigned_to_motors(friction: SignatureData) -> None:
     assert friction.motor_of("motor_1") == friction.motor_of("body_2.rz") == friction.motor_of("tool") == 0
