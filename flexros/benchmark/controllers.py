@@ -31,12 +31,14 @@ class BenchmarkController:
         nominal: Control law C1 of the nominal model.
         perturbed: Control law C2 of the model sets M1 and M2; one set of values for all of them.
         description: What it is and where it comes from.
+        sensors: Sensors that it uses beside the motor encoder.
     """
 
     name: str
     nominal: AbstractControlLaw
     perturbed: AbstractControlLaw
     description: str = ""
+    sensors: tuple[str, ...] = ()
 
 
 class ControllerFile(Settings):
@@ -44,6 +46,10 @@ class ControllerFile(Settings):
 
     description: str = Field(default="", description="what the design is and where it comes from")
     made_by: str = Field(default="", description="command that reproduces the file")
+    parameters: dict[str, dict[str, float]] = Field(
+        default_factory=dict, description="numbers from which the laws were made, by nominal and perturbed"
+    )
+    sensors: tuple[str, ...] = Field(default=(), description="sensors beside the motor encoder: tool_acceleration")
     controller: dict[str, Any] | None = Field(default=None, description="kind and settings for all models")
     nominal: dict[str, Any] | None = Field(default=None, description="kind and settings for the nominal model (C1)")
     perturbed: dict[str, Any] | None = Field(default=None, description="kind and settings for the sets M1 and M2 (C2)")
@@ -76,10 +82,25 @@ def load_controller(name_or_path: str | Path) -> BenchmarkController:
     raise unknown_name("controller", text, controller_names(), other="or the path of a .yaml or .py file")
 
 
+def read_parameters(name_or_path: str | Path) -> dict[str, dict[str, float]]:
+    """Return the numbers from which the laws of a controller file were made, by nominal and perturbed.
+
+    Args:
+        name_or_path: Built-in name, or path of a controller file.
+
+    Raises:
+        InputError: The file cannot be read.
+    """
+    text = str(name_or_path)
+    path = _FOLDER / f"{text}.yaml" if text in controller_names() else Path(name_or_path)
+    return validate(ControllerFile, read_yaml(path), str(path)).parameters
+
+
 def _from_yaml(path: Path) -> BenchmarkController:
     content = read_yaml(path)
     if "kind" in content or "python" in content:
-        content = {"controller": content}
+        sensors = content.pop("sensors", ())
+        content = {"controller": content, "sensors": sensors}
     file = validate(ControllerFile, content, str(path))
     if (file.controller is None) == (file.nominal is None) or (file.nominal is None) != (file.perturbed is None):
         given = [key for key in ("controller", "nominal", "perturbed") if getattr(file, key) is not None]
@@ -97,7 +118,7 @@ def _from_yaml(path: Path) -> BenchmarkController:
         if value is not None
     }
     laws = {key: _law(value, path, key if file.controller is None else "controller") for key, value in settings.items()}
-    return BenchmarkController(path.stem, laws["nominal"], laws["perturbed"], file.description)
+    return BenchmarkController(path.stem, laws["nominal"], laws["perturbed"], file.description, file.sensors)
 
 
 def _law(settings: Mapping[str, Any], path: Path, key: str) -> AbstractControlLaw:

@@ -14,6 +14,7 @@ from flexros.control.context import LoopContext
 from flexros.control.design.closed_loop import largest_eigenvalues
 from flexros.control.design.plants import linear_plants, sampled_plants
 from flexros.control.linear_controller import linear_controller
+from flexros.simulate.plant_model import PlantModel
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -75,15 +76,20 @@ class StabilityDemands:
 
     def __init__(self, robot: Robot) -> None:
         self._context = LoopContext(robot, robot.sample_time)
+        sensors = robot.further_sensors
+        further = PlantModel(robot, (), PARAMETERS, sensors=sensors).further if sensors else None
         self._plants = {
             name: sampled_plants(
-                linear_plants(robot, names=PARAMETERS, values=set_values(robot, name), label=name),
+                linear_plants(robot, names=PARAMETERS, values=set_values(robot, name), label=name, further=further),
                 robot.sample_time,
                 robot.delay,
             )
             for name in RULES
         }
-        self._delayed = sampled_plants(linear_plants(robot, label=NOMINAL), robot.sample_time, LONG_DELAY)
+        nominal = linear_plants(
+            robot, names=PARAMETERS, values=set_values(robot, NOMINAL), label=NOMINAL, further=further
+        )
+        self._delayed = sampled_plants(nominal, robot.sample_time, LONG_DELAY)
 
     @property
     def nominal(self) -> SampledPlants:

@@ -10,10 +10,9 @@ import numpy as np
 
 from flexros.benchmark.demands import LimitCycles, StabilityDemands, demands
 from flexros.benchmark.measures import Measures, mean, measures_of_run, worst
-from flexros.benchmark.models import NOMINAL, ROBOT, RULES, set_values
-from flexros.benchmark.simulation import RegulatorSimulation
+from flexros.benchmark.models import NOMINAL, RULES, benchmark_robot, set_values
+from flexros.benchmark.simulation import NOISE, RegulatorSimulation
 from flexros.errors import InputError
-from flexros.robot import load_robot
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -23,8 +22,6 @@ if TYPE_CHECKING:
     from flexros.benchmark.demands import Demand
     from flexros.control.base import AbstractControlLaw
 
-NOISE = 3e-4
-"""Standard deviation of the white measurement noise [rad], chosen."""
 SEEDS = (1, 2, 3, 4, 5)
 """Seeds of the noise over which the measures are averaged."""
 
@@ -85,11 +82,16 @@ class FeedbackBenchmark:
     the disturbances are not public and were chosen, weights of the cost inferred from its Tables 1 and 2.
 
     Args:
+        sensors: Sensors beside the motor encoder, see `SENSORS`.
         threads: Number of threads; default: one per processor.
+
+    Raises:
+        InputError: Unknown sensor.
     """
 
-    def __init__(self, threads: int | None = None) -> None:
-        self.robot = load_robot(ROBOT)
+    def __init__(self, sensors: Sequence[str] = (), threads: int | None = None) -> None:
+        self.sensors = tuple(sensors)
+        self.robot = benchmark_robot(sensors)
         self._threads = threads
         self.simulation = RegulatorSimulation(self.robot)
         self.context = self.simulation.context

@@ -7,12 +7,25 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.errors import unknown_name
+from flexros.robot import load_robot
+from flexros.robot.robot import robot_from_data
+
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from flexros.arrays import FloatArray
     from flexros.robot import Robot
 
 ROBOT = "four_mass"
 """Robot of the benchmark."""
+
+SENSORS = {
+    "tool_acceleration": {
+        "tool_imu": {"acceleration": {"noise": {"value": 0.02, "unit": "m/s2", "source": "chosen"}, "axes": ["x"]}}
+    }
+}
+"""Sensors that a design may use beside the motor encoder, as keys of the robot file; their noise is chosen."""
 
 GROUPS: tuple[tuple[str, ...], ...] = (
     ("body_1.rz.stiffness",),
@@ -79,6 +92,25 @@ RULES = {
 
 NOMINAL = "nominal"
 """Set of the nominal model, which the first controller regulates; the second one regulates the other sets."""
+
+
+def benchmark_robot(sensors: Sequence[str] = ()) -> Robot:
+    """Return the robot of the benchmark.
+
+    Args:
+        sensors: Names of sensors beside the motor encoder, keys of `SENSORS`.
+
+    Raises:
+        InputError: Unknown sensor.
+    """
+    if not sensors:
+        return load_robot(ROBOT)
+    data = load_robot(ROBOT).spec.model_dump()
+    for name in sensors:
+        if name not in SENSORS:
+            raise unknown_name("sensor of the benchmark", name, SENSORS)
+        data["sensors"].update(SENSORS[name])
+    return robot_from_data(data, f"{ROBOT} with {', '.join(sensors)}")
 
 
 def set_values(robot: Robot, name: str) -> FloatArray:

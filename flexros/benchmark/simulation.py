@@ -31,6 +31,9 @@ if TYPE_CHECKING:
 LANES = 8
 """Runs side by side in one thread [1]."""
 
+NOISE = 3e-4
+"""Standard deviation of the white noise of the motor encoder [rad], chosen."""
+
 QUIET = 4.0
 """Time after the disturbances in which a limit cycle is looked for [s], chosen."""
 
@@ -56,7 +59,7 @@ class RegulatorSimulation:
 
     @cached_property
     def _plant(self) -> PlantModel:
-        return PlantModel(self.robot, (), PARAMETERS)
+        return PlantModel(self.robot, (), PARAMETERS, sensors=self.robot.further_sensors)
 
     @cached_property
     def _disturbance(self) -> FloatArray:
@@ -136,10 +139,17 @@ class RegulatorSimulation:
         return [flat[first : first + len(values)] for first in range(0, len(flat), len(values))]
 
     def _noise_rows(self, noise: float, seed: int) -> FloatArray:
-        """Return the measurement noise of a seed [rad], shape (n, M); the same as of a run over topics."""
+        """Return the measurement noise of a seed, shape (n, n_measured); the same as of a run over topics.
+
+        Noise of further sensors is changed in the proportion of that of the encoder.
+        """
         if (noise, seed) not in self._noise:
-            rms = np.full(self.robot.n_motors, noise)
-            self._noise[noise, seed] = white_noise(rms, seed, Stream.ENCODER).rows(0, self.n_samples)
+            share = noise / NOISE
+            further = np.array([share * sensor.noise for sensor in self.robot.further_sensors for _ in sensor.indices])
+            parts = [white_noise(np.full(self.robot.n_motors, noise), seed, Stream.ENCODER)]
+            if further.size:
+                parts.append(white_noise(further, seed, Stream.FURTHER_SENSORS))
+            self._noise[noise, seed] = np.hstack([part.rows(0, self.n_samples) for part in parts])
         return self._noise[noise, seed]
 
 

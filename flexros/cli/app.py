@@ -13,7 +13,20 @@ from typing import TYPE_CHECKING, Any, get_type_hints
 import typer
 from typer.models import OptionInfo
 
-from flexros.cli import analyze, benchmark, demo, diagnose, exchange, gap, import_log, monitor, replay, robots, run
+from flexros.cli import (
+    analyze,
+    benchmark,
+    demo,
+    design,
+    diagnose,
+    exchange,
+    gap,
+    import_log,
+    monitor,
+    replay,
+    robots,
+    run,
+)
 from flexros.cli.identify import procedure as identify
 from flexros.errors import INTERNAL_ERROR, INTERRUPTED, FlexrosError, InputError
 
@@ -109,6 +122,7 @@ COMMANDS: dict[str, Callable[..., Any]] = {
     "replay": replay.replay,
     "analyze": analyze.analyze,
     "benchmark": benchmark.benchmark,
+    "design": design.design,
     "diagnose": diagnose.diagnose,
     "gap": gap.gap,
     "monitor": monitor.monitor,

@@ -12,7 +12,7 @@ from flexros.cli.output import console, print_json, progress_bar, say
 from flexros.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from flexros.benchmark.controllers import BenchmarkController
     from flexros.benchmark.evaluate import BenchmarkResult, FeedbackBenchmark
@@ -42,13 +42,13 @@ def benchmark(
     names = [one.name for one in loaded]
     if len(set(names)) < len(names):
         raise InputError(f"controllers {', '.join(names)} do not all have names of their own; rename a file")
-    bench = FeedbackBenchmark()
-    results = _evaluated(bench, loaded, noise, numbers)
+    benches = {one.sensors: FeedbackBenchmark(one.sensors) for one in loaded}
+    results = _evaluated(benches, loaded, noise, numbers)
     content = [result.as_dict() for result in results]
     if report:
         from flexros.benchmark.report.write import write_report
 
-        write_report(bench, loaded, results, report)
+        write_report([benches[one.sensors] for one in loaded], loaded, results, report)
     if out:
         from flexros.atomic_file import write_result
         from flexros.json_text import json_text
@@ -64,13 +64,16 @@ def benchmark(
 
 
 def _evaluated(
-    bench: FeedbackBenchmark, loaded: Sequence[BenchmarkController], noise: float, seeds: tuple[int, ...]
+    benches: Mapping[tuple[str, ...], FeedbackBenchmark],
+    loaded: Sequence[BenchmarkController],
+    noise: float,
+    seeds: tuple[int, ...],
 ) -> list[BenchmarkResult]:
     results = []
     with progress_bar() as bar:
         task = bar.add_task("", total=len(loaded))
         for one in loaded:
-            result = bench.evaluate(
+            result = benches[one.sensors].evaluate(
                 one,
                 noise=noise,
                 seeds=seeds,

@@ -63,6 +63,28 @@ def linear_controller(law: AbstractControlLaw, context: LoopContext) -> LinearCo
     return LinearController(from_c, from_r, from_y, of_c, of_r, of_y)
 
 
+def connected(controller: LinearController) -> LinearController:
+    """Return a controller without states that measurements cannot move or that the torques do not show.
+
+    Such states, e.g. the integral part of a PID with ki = 0, have eigenvalues that say nothing of the loop.
+
+    Args:
+        controller: The controller.
+    """
+    moves = controller.state_step != 0.0
+    moved, shown = np.any(controller.state_measured != 0.0, axis=1), np.any(controller.from_state != 0.0, axis=0)
+    for _ in range(len(moves)):
+        moved, shown = moved | (moves @ moved), shown | (moves.T @ shown)
+    kept = moved & shown
+    return replace(
+        controller,
+        from_state=controller.from_state[:, kept],
+        state_step=controller.state_step[np.ix_(kept, kept)],
+        state_reference=controller.state_reference[kept],
+        state_measured=controller.state_measured[kept],
+    )
+
+
 def encoder_controller(law: AbstractControlLaw, context: LoopContext) -> LinearController:
     """Linearise a controller that uses the motor encoders alone; its y are the motor positions.
 

@@ -216,10 +216,15 @@ class PlantModel:
             tool_pose=self._tool_pose,
             controller=controller,
             sensor=self._sensor,
-            further=measured_sensors(self._plant, self.derivative, self.sensors) if self.sensors else None,
+            further=self.further if self.sensors else None,
             before_step=before,
             after_step=after,
         )
+
+    @cached_property
+    def further(self) -> ca.Function:
+        """Values of the sensors beside the encoders from (x, p), without noise."""
+        return measured_sensors(self._plant, self.derivative, self.sensors)
 
     @cached_property
     def derivative(self) -> ca.Function:

@@ -48,7 +48,7 @@ class NominalRun:
 
 
 def write_report(
-    benchmark: FeedbackBenchmark,
+    benchmarks: Sequence[FeedbackBenchmark],
     controllers: Sequence[BenchmarkController],
     results: Sequence[BenchmarkResult],
     file: Path,
@@ -56,7 +56,7 @@ def write_report(
     """Write tables of cost, measures and demands, runs of the nominal model and frequency responses.
 
     Args:
-        benchmark: The benchmark.
+        benchmarks: The benchmark with the sensors of each controller.
         controllers: The controllers.
         results: Their results, in the same order.
         file: The HTML file; an existing one is replaced when the new one is complete.
@@ -65,11 +65,12 @@ def write_report(
         InputError: The file cannot be written.
     """
     names = tuple(result.name for result in results)
-    runs = [_nominal_run(benchmark, one, result) for one, result in zip(controllers, results, strict=True)]
+    runs = [_nominal_run(*all_of) for all_of in zip(benchmarks, controllers, results, strict=True)]
+    contexts = [benchmark.context for benchmark in benchmarks]
     chapters = [
         Chapter("Cost", (Paragraph(SCALE), _table(cost_rows(results), names, "Cost V and its parts."), _published())),
         Chapter("Demands", (_table(demand_rows(results), names, "Demands; eigenvalues are those of the worst loop."),)),
-        Chapter("Nominal model in time", (_run_picture(runs, benchmark.robot.sample_time),)),
+        Chapter("Nominal model in time", (_run_picture(runs, contexts[0].sample_time),)),
         Chapter(
             "Measures",
             (
@@ -80,7 +81,7 @@ def write_report(
                 _published_measures(),
             ),
         ),
-        Chapter("Frequency responses", (_response_picture(controllers, benchmark.context),)),
+        Chapter("Frequency responses", (_response_picture(controllers, contexts),)),
     ]
     noise = f"noise {results[0].noise:g} rad, seeds {', '.join(map(str, results[0].seeds))}"
     write_result(file, page_html("Feedback benchmark", f"{', '.join(names)}; {noise}", chapters), "report")
@@ -140,11 +141,11 @@ def _run_picture(runs: Sequence[NominalRun], sample_time: float) -> Picture:
     return Picture(figure, "The nominal model under all disturbances; compare Figures 9 and 10 of Paper C.")
 
 
-def _response_picture(controllers: Sequence[BenchmarkController], context: LoopContext) -> Picture:
-    frequency: FloatArray = np.geomspace(0.05, 0.499 / context.sample_time, 600)
+def _response_picture(controllers: Sequence[BenchmarkController], contexts: Sequence[LoopContext]) -> Picture:
+    frequency: FloatArray = np.geomspace(0.05, 0.499 / contexts[0].sample_time, 600)
     figure = stacked(("Magnitude", "Phase"), height=240)
-    z = np.exp(2j * np.pi * frequency * context.sample_time)
-    for index, controller in enumerate(controllers):
+    z = np.exp(2j * np.pi * frequency * contexts[0].sample_time)
+    for index, (controller, context) in enumerate(zip(controllers, contexts, strict=True)):
         linear = linear_controller(controller.perturbed, context)
         entry = linear.state_measured[:, 0]
         memory = np.linalg.solve(

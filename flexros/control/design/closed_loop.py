@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.control.linear_controller import connected
+
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.control.design.plants import SampledPlants
@@ -13,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def closed_loops(plants: SampledPlants, controller: LinearController, gain: float = 1.0) -> FloatArray:
-    """Close the loop of every plant from its motor positions to its commands.
+    """Close the loop of every plant from its measurements to its commands.
 
     Args:
         plants: Q sampled plants.
@@ -21,14 +23,14 @@ def closed_loops(plants: SampledPlants, controller: LinearController, gain: floa
         gain: Factor on the loop gain [1].
 
     Returns:
-        System matrices of the states of plant and controller, shape (Q, n + m, n + m).
+        System matrices of the states of plant and controller (those of `connected`), shape (Q, n + m, n + m).
     """
-    measured = controller.from_measured[:, : plants.C.shape[1]]
+    controller = connected(controller)
     n, m = plants.A.shape[-1], len(controller.state_step)
     loops = np.empty((len(plants), n + m, n + m))
-    loops[:, :n, :n] = plants.A + gain * plants.B @ measured @ plants.C
+    loops[:, :n, :n] = plants.A + gain * plants.B @ controller.from_measured @ plants.C
     loops[:, :n, n:] = gain * plants.B @ controller.from_state
-    loops[:, n:, :n] = controller.state_measured[:, : plants.C.shape[1]] @ plants.C
+    loops[:, n:, :n] = controller.state_measured @ plants.C
     loops[:, n:, n:] = controller.state_step
     return loops
 

@@ -96,3 +96,37 @@ def biquad_system(
     A = np.array([[-below[1], 1.0], [-below[2], 0.0]])
     B = (above[1:] - below[1:] * above[0])[:, None]
     return DiscreteSystem(A, B, np.array([[1.0, 0.0]]), np.array([[above[0]]]))
+
+
+def lead_lag_system(zero: float, pole: float, sample_time: float) -> DiscreteSystem:
+    """Return (s / zero + 1) / (s / pole + 1), discretised with the bilinear transform.
+
+    Args:
+        zero: Corner of the zero [rad/s].
+        pole: Corner of the pole [rad/s].
+        sample_time: Time between two samples [s].
+    """
+    k = 2.0 / sample_time
+    above, below = (np.array([k / corner + 1.0, 1.0 - k / corner]) for corner in (zero, pole))
+    above, below = above / below[0], below / below[0]
+    B = np.array([[above[1] - below[1] * above[0]]])
+    return DiscreteSystem(np.array([[-below[1]]]), B, np.array([[1.0]]), np.array([[above[0]]]))
+
+
+def lag_system(gain: float, high_pass: float, low_pass: float, sample_time: float) -> DiscreteSystem:
+    """Return gain s / (s + high_pass) / (low_pass s + 1), discretised with the bilinear transform.
+
+    Args:
+        gain: Gain between the corners.
+        high_pass: Corner of the high-pass [rad/s].
+        low_pass: Time constant of the low-pass [s].
+        sample_time: Time between two samples [s].
+    """
+    k = 2.0 / sample_time
+    pole, scale = (k - high_pass) / (k + high_pass), k / (k + high_pass)
+    high = DiscreteSystem(
+        np.array([[pole]]), np.array([[scale * (pole - 1.0)]]), np.array([[gain]]), np.array([[gain * scale]])
+    )
+    pole, scale = (k * low_pass - 1.0) / (k * low_pass + 1.0), 1.0 / (k * low_pass + 1.0)
+    low = DiscreteSystem(np.array([[pole]]), np.array([[scale * (1.0 + pole)]]), np.array([[1.0]]), np.array([[scale]]))
+    return high.then(low)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 from itertools import pairwise, product
 from typing import TYPE_CHECKING
 
@@ -29,7 +28,7 @@ class LinearPlants:
         labels: Name of each model, length Q.
         A: Shape (Q, n, n).
         B: From the motor torques [Nm or N], shape (Q, n, M).
-        C: To the motor positions [rad or m], shape (Q, M, n).
+        C: To the measurements: motor positions [rad or m], then those of further sensors, shape (Q, n_measured, n).
         E: From the wrench at the tool [N, Nm], shape (Q, n, 6).
         F: To the position of the tool [m], shape (Q, 3, n).
     """
@@ -56,7 +55,7 @@ class SampledPlants:
         labels: Name of each model, length Q.
         A: Shape (Q, n, n), with the states of the delay last, newest command first.
         B: From the commands, shape (Q, n, M).
-        C: To the motor positions, shape (Q, M, n).
+        C: To the measurements, shape (Q, n_measured, n).
         G: From the disturbances, shape (Q, n, M + 6).
         F: To the position of the tool, shape (Q, 3, n).
         sample_time: Time between two samples [s].
@@ -81,6 +80,7 @@ def linear_plants(
     values: FloatArray | None = None,
     pose: FloatArray | None = None,
     label: str = "",
+    further: ca.Function | None = None,
 ) -> LinearPlants:
     """Linearise a robot in every segment of its piecewise linear springs, for every set of parameters.
 
@@ -90,12 +90,14 @@ def linear_plants(
         values: Their values (SI), shape (n_sets, n_parameters); default: those of the robot, one set.
         pose: Arm coordinates [rad or m], shape (N,); default: home of the robot.
         label: Beginning of the names of the models.
+        further: Values of sensors beside the encoders from (x, p), see `PlantModel.further`; the inputs that act are
+            held at rest, so it must not depend on the motor torques.
 
     Returns:
         The models, sets outside, spring segments inside.
     """
     sets = np.array([[robot.parameters[name].value for name in names]]) if values is None else np.asarray(values)
-    evaluate = _slopes(robot, tuple(names))
+    evaluate = _slopes(robot, tuple(names), further)
     wrench = np.zeros(6)
     labels, matrices = [], []
     arm = robot.home if pose is None else np.asarray(pose, dtype=float)
@@ -155,19 +157,21 @@ def _held(A: FloatArray, B: FloatArray, time: float) -> tuple[FloatArray, FloatA
     return whole[:, :n, :n], whole[:, :n, n:]
 
 
-@lru_cache(maxsize=8)
-def _slopes(robot: Robot, names: tuple[str, ...]) -> ca.Function:
+def _slopes(robot: Robot, names: tuple[str, ...], further: ca.Function | None) -> ca.Function:
     """Return A, B, C, E, F as a function of state, torque, wrench and parameters."""
     model = robot.symbolic(names) if names else robot.model
     x, u = ca.SX.sym("x", 2 * robot.n_coordinates), ca.SX.sym("u", robot.n_motors)
     w, p = ca.SX.sym("w", 6), ca.SX.sym("p", len(names))
     rate = model.derivative(x, u, w, p)
-    leading = x[: model.encoder.numel_in(0)]
     position = model.tool_pose(x[: model.tool_pose.numel_in(0)], p)[:3]
+    measured = model.encoder(x[: model.encoder.numel_in(0)])
+    if further is not None:
+        inputs = ca.SX.zeros(further.numel_in(0) - x.numel())
+        measured = ca.vertcat(measured, further(ca.vertcat(x, inputs), p))
     parts = [
         ca.jacobian(rate, x),
         ca.jacobian(rate, u),
-        ca.jacobian(model.encoder(leading), x),
+        ca.jacobian(measured, x),
         ca.jacobian(rate, w),
         ca.jacobian(position, x),
     ]

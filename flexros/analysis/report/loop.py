@@ -1,0 +1,148 @@
+"""Report of the loops of a controller: margins, Bode, Nyquist, sensitivity and steps over all plants."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexros.atomic_file import write_result
+from flexros.control.design.margins import frequency_grid, loop_response, step_response
+from flexros.report.base import Paragraph, Picture, TextTable
+from flexros.report.number_text import number
+from flexros.report.page import Chapter, page_html
+from flexros.report.theme import curve, run_colour, stacked
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from pathlib import Path
+
+    from flexros.arrays import FloatArray
+    from flexros.control.design.margins import LoopMargins, LoopResponse
+    from flexros.control.design.plants import SampledPlants
+    from flexros.control.linear_controller import LinearController
+
+_STEP = 1.0
+"""Length of the step responses [s] (chosen)."""
+_NYQUIST = 3.0
+"""Half the side of the Nyquist picture [1] (chosen)."""
+_MOST_POINTS = 700
+"""Frequencies of a curve [1] (chosen)."""
+
+
+def write_loop_report(
+    plants: SampledPlants,
+    controllers: Mapping[str, LinearController],
+    margins: Mapping[str, Sequence[LoopMargins]],
+    file: Path,
+    *,
+    title: str,
+) -> None:
+    """Write margins and pictures of the loops of one or more controllers.
+
+    Args:
+        plants: All sampled plants.
+        controllers: Controllers by name.
+        margins: Their margins by the same names.
+        file: The HTML file; an existing one is replaced when the new one is complete.
+        title: Heading.
+
+    Raises:
+        InputError: The file cannot be written.
+    """
+    whole = frequency_grid(plants.sample_time)
+    frequency = whole[:: max(1, len(whole) // _MOST_POINTS)]
+    chapters = []
+    for name, controller in controllers.items():
+        response = loop_response(plants, controller, frequency)
+        motors = plants.B.shape[-1]
+        pictures = [picture for motor in range(motors) for picture in _pictures(plants, controller, response, motor)]
+        heading = name if len(controllers) > 1 else "Loops"
+        chapters.append(Chapter(heading, (_sentence(margins[name]), _table(margins[name]), *pictures)))
+    subtitle = f"{len(plants)} plants, sample time {1e3 * plants.sample_time:g} ms"
+    write_result(file, page_html(title, subtitle, chapters), "report")
+
+
+def _sentence(entries: Sequence[LoopMargins]) -> Paragraph:
+    stable = all(entry.largest_eigenvalue < 1.0 for entry in entries)
+    if not stable:
+        bad = next(entry for entry in entries if entry.largest_eigenvalue >= 1.0)
+        return Paragraph(f"The loop is unstable with {bad.plant}.", "lead")
+    text = (
+        f"All loops are stable. Smallest margins: gain {number(min(e.gain_up for e in entries), 3)}, phase "
+        f"{number(float(np.degrees(min(e.phase for e in entries))), 3)} degrees, delay "
+        f"{number(1e3 * min(e.delay for e in entries), 3)} ms; largest sensitivity "
+        f"{number(max(e.sensitivity for e in entries), 3)}."
+    )
+    return Paragraph(text, "lead")
+
+
+def _table(entries: Sequence[LoopMargins]) -> TextTable:
+    header = ("Plant", "Motor", "Eigenvalue", "Gain margin", "Phase [deg]", "Delay [ms]", "Crossover [Hz]", "max |S|",
+              "max |T|", "Overshoot [%]", "Settling [s]")  # fmt: skip
+    rows = tuple(
+        (
+            entry.plant,
+            f"motor_{entry.motor + 1}",
+            f"{entry.largest_eigenvalue:.5f}",
+            f"{number(entry.gain_down, 3)} to {number(entry.gain_up, 3)}",
+            number(float(np.degrees(entry.phase)), 3),
+            number(1e3 * entry.delay, 3),
+            number(entry.crossover_hz, 3),
+            number(entry.sensitivity, 3),
+            number(entry.complementary, 3),
+            number(100 * entry.overshoot, 3),
+            number(entry.settling, 3),
+        )
+        for entry in entries
+    )
+    return TextTable(header, rows, "Margins of each loop with the others closed.", left=2)
+
+
+def _pictures(
+    plants: SampledPlants, controller: LinearController, response: LoopResponse, motor: int
+) -> tuple[Picture, ...]:
+    """Return Bode, Nyquist, sensitivity and step pictures of the loop at one motor."""
+    bode = stacked(
+        ("Loop gain, magnitude", "Loop gain, phase", "Sensitivity and complementary sensitivity"), height=210
+    )
+    nyquist, steps = stacked(("Nyquist",), height=520), stacked(("Step of the reference",), height=240)
+    samples = round(_STEP / plants.sample_time)
+    time = np.asarray(np.arange(samples) * plants.sample_time, dtype=float)
+    for number_, label in enumerate(plants.labels):
+        L, colour = response.loop[number_, :, motor], run_colour(number_)
+        _draw(bode, response.frequency, _decibel(L), label, colour, 1, "Hz", "dB", legend=True)
+        _draw(bode, response.frequency, np.degrees(np.unwrap(np.angle(L))), label, colour, 2, "Hz", "degrees")
+        _draw(bode, response.frequency, _decibel(1.0 / (1.0 + L)), label, colour, 3, "Hz", "dB")
+        _draw(bode, response.frequency, _decibel(L / (1.0 + L)), label, colour, 3, "Hz", "dB", dash="dot")
+        _draw(nyquist, L.real, L.imag, label, colour, 1, "", "", legend=True)
+        values = np.clip(step_response(plants, controller, number_, motor, samples), -10.0, 10.0)
+        _draw(steps, time, values, label, colour, 1, "s", "1", legend=True)
+    bode.update_xaxes(type="log")
+    bode.update_xaxes(title_text="frequency [Hz]", row=3, col=1)
+    for row, text in enumerate(("dB", "degrees", "dB, T dotted"), start=1):
+        bode.update_yaxes(title_text=text, row=row, col=1)
+    nyquist.add_scatter(x=[-1.0], y=[0.0], mode="markers", marker={"symbol": "x", "size": 9}, showlegend=False)
+    nyquist.update_xaxes(range=[-_NYQUIST, _NYQUIST], title_text="real part")
+    nyquist.update_yaxes(range=[-_NYQUIST, _NYQUIST], title_text="imaginary part", scaleanchor="x")
+    steps.update_xaxes(title_text="time [s]")
+    name = f"motor_{motor + 1}"
+    return (
+        Picture(bode, f"Bode picture of the loop at {name}, and its sensitivities."),
+        Picture(nyquist, f"Nyquist picture of the loop at {name}; the cross is -1."),
+        Picture(steps, f"Position of {name} after a unit step of its reference in the linear loop."),
+    )
+
+
+def _decibel(values: FloatArray) -> FloatArray:
+    return np.asarray(20 * np.log10(np.maximum(np.abs(values), 1e-12)))
+
+
+def _draw(
+    figure: Any, x: FloatArray, y: FloatArray, label: str, colour: str, row: int, x_unit: str, y_unit: str, *,
+    legend: bool = False, dash: str = "solid",
+) -> None:  # fmt: skip
+    line = curve(
+        x, y, label, colour, hover=f"%{{x:.4g}} {x_unit}: %{{y:.4g}} {y_unit}", legend=legend, dash=dash, group=label
+    )
+    figure.add_trace(line, row=row, col=1)

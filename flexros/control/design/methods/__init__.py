@@ -1,0 +1,1 @@
+"""Design methods, one per file; `base.py` is their contract."""
