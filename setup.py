@@ -13,7 +13,9 @@ ROS_WHEELS = [
     "ros-jazzy-common-interfaces==5.3.6",
     "ros-jazzy-rmw-fastrtps-cpp==8.4.3",
 ]
+DESIGN = ["cma>=4", "slycot>=0.6"]
 TEST = [
+    *DESIGN,
     "pytest>=8",
     "pytest-xdist>=3.5",
     "hypothesis>=6.100",
@@ -72,6 +74,7 @@ setup(
     extras_require={
         "ros": ROS_WHEELS,
         "mujoco": ["mujoco>=3.3"],
+        "design": DESIGN,
         "test": TEST,
         "docs": ["mkdocs>=1.6,<2", "mkdocs-material>=9.6", "mkdocstrings[python]>=0.29"],
         "dev": [*TEST, "ruff>=0.12", "mypy>=1.15", "import-linter>=2.5", "colcon-common-extensions>=0.3"],

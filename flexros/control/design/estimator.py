@@ -14,16 +14,16 @@ if TYPE_CHECKING:
 
 
 def disturbance_plant(plant: SampledPlants) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Append the disturbance torque at each motor, which adds to the command, as a state that does not change.
+    """Append a disturbance torque at each motor, which does not change, as states.
 
     Args:
         plant: One sampled plant.
 
     Returns:
-        A, B, C of the states [plant, disturbance (M)].
+        A, B, C of the states [plant with its delay, disturbance (M)].
     """
     n, motors = plant.B.shape[1:]
-    A = np.block([[plant.A[0], plant.B[0]], [np.zeros((motors, n)), np.eye(motors)]])
+    A = np.block([[plant.A[0], plant.G[0][:, :motors]], [np.zeros((motors, n)), np.eye(motors)]])
     B = np.vstack([plant.B[0], np.zeros((motors, motors))])
     return A, B, np.hstack([plant.C[0], np.zeros((len(plant.C[0]), motors))])
 
@@ -33,7 +33,7 @@ def estimator_controller(
 ) -> DiscreteSystem:
     """Return the controller u = -K xc with the estimate xc = x + M (y - C x), x+ = A xc + B u.
 
-    The estimate uses the present measurement. Its input is the error e = -y of a regulator at rest.
+    The estimate uses the present measurement. The input is the error e = -y of a regulator at rest.
 
     Args:
         A: System matrix of the estimator's plant, shape (n, n).

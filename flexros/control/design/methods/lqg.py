@@ -39,13 +39,13 @@ class Lqg(AbstractDesignMethod):
         "stiffness_share",
     )
 
-    torque_weight: float = Field(default=0.05, gt=0.0, description="weight of the torque [mm/Nm]")
-    rate_time: float = Field(default=0.01, ge=0.0, description="weight of the speed of the tool [s]")
-    motor_weight: float = Field(default=1.0, ge=0.0, description="weight of the motor position [mm/rad]")
-    motor_torque: float = Field(default=1.0, ge=0.0, description="white torque at the motors, rms [Nm or N]")
-    tool_torque: float = Field(default=1.0, ge=0.0, description="white force or torque at the tool, rms [N or Nm]")
-    walk: float = Field(default=0.02, gt=0.0, description="step of the disturbance torque in a sample, rms [Nm or N]")
-    encoder_noise: float = Field(default=3e-4, gt=0.0, description="white noise of the encoders, rms [rad or m]")
+    torque_weight: float = Field(default=0.1, gt=0.0, description="weight of the torque [mm/Nm]")
+    rate_time: float = Field(default=0.15, ge=0.0, description="weight of the speed of the tool [s]")
+    motor_weight: float = Field(default=15.0, ge=0.0, description="weight of the motor position [mm/rad]")
+    motor_torque: float = Field(default=1.2, ge=0.0, description="white torque at the motors, rms [Nm or N]")
+    tool_torque: float = Field(default=0.57, ge=0.0, description="white force or torque at the tool, rms [N or Nm]")
+    walk: float = Field(default=3.6e-3, gt=0.0, description="step of the disturbance torque in a sample, rms [Nm or N]")
+    encoder_noise: float = Field(default=7e-4, gt=0.0, description="white noise of the encoders, rms [rad or m]")
     stiffness_share: float = Field(
         default=0.5, ge=0.0, le=1.0, description="design model between softest (0) and stiffest (1) spring segment [1]"
     )
