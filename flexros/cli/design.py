@@ -53,15 +53,15 @@ def design(
     if method not in (*methods, STRUCTURE, MARGINS):
         raise unknown_name("method", method, (*methods, STRUCTURE, MARGINS))
     settings = _choices(choice)
+    figures: dict[str, float] = {}
     if method == MARGINS:
-        laws, problem, figures = *_given(controller, model, q), {}
+        laws, problem = _given(controller, model, q)
     else:
         robot = linear_robot(model)
         problem = DesignProblem.of(robot, [parse_numbers(text, "--q") for text in q])
         if method == STRUCTURE or tune:
             made_by = _command(method, model, choice, q, tune, step, seed, start)
             laws, text = _tuned(method, settings, problem, tune, step, seed, start, made_by)
-            figures = {}
         else:
             chosen = validate(methods[method], settings, f"method {method}")
             found = chosen.design(problem)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from pathlib import Path
 
-    from flexros.arrays import FloatArray
+    from flexros.arrays import ComplexArray, FloatArray
     from flexros.control.design.margins import LoopMargins, LoopResponse
     from flexros.control.design.plants import SampledPlants
     from flexros.control.linear_controller import LinearController
@@ -134,7 +134,7 @@ def _pictures(
     )
 
 
-def _decibel(values: FloatArray) -> FloatArray:
+def _decibel(values: ComplexArray) -> FloatArray:
     return np.asarray(20 * np.log10(np.maximum(np.abs(values), 1e-12)))
 
 

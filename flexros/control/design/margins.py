@@ -115,7 +115,7 @@ def loop_response(plants: SampledPlants, controller: LinearController, frequency
         plant = C @ np.linalg.solve(z * np.eye(n) - A, np.broadcast_to(B, (len(z), n, motors)))
         sensitivity = np.linalg.inv(np.eye(motors) + feedback @ plant)
         loops.append(1.0 / np.diagonal(sensitivity, axis1=1, axis2=2) - 1.0)
-    return LoopResponse(frequency, np.array(loops), feedback)
+    return LoopResponse(frequency, np.array(loops), np.asarray(feedback, dtype=complex))
 
 
 def loop_margins(plants: SampledPlants, controller: LinearController) -> tuple[LoopMargins, ...]:

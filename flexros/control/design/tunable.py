@@ -12,6 +12,8 @@ from flexros.control.pid import Pid
 from flexros.control.state_space import StateSpace
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from flexros.arrays import FloatArray
     from flexros.control.base import AbstractControlLaw
     from flexros.control.design.fixed_structure import DiscreteSystem
@@ -119,19 +121,22 @@ class TunableStructure:
 
     def system(self, values: dict[str, float], sample_time: float) -> DiscreteSystem:
         """Return the controller from [position error, tool acceleration] to the torque."""
-        series = pid_system(*(values[key] for key in PID), sample_time)
+
+        def part(prefix: str, keys: Iterable[str]) -> dict[str, float]:
+            return {key: values[prefix + key] for key in keys}
+
+        series = pid_system(**part("", PID), sample_time=sample_time)
         for number in range(1, self.lead_lags + 1):
-            corners = (values[f"lead_lag_{number}.{key}"] for key in ("zero", "pole"))
-            series = series.then(lead_lag_system(*corners, sample_time))
+            corners = part(f"lead_lag_{number}.", ("zero", "pole"))
+            series = series.then(lead_lag_system(**corners, sample_time=sample_time))
         for number in range(1, self.sections + 1):
-            series = series.then(biquad_system(*(values[f"section_{number}.{key}"] for key in BIQUAD), sample_time))
+            series = series.then(biquad_system(**part(f"section_{number}.", BIQUAD), sample_time=sample_time))
         if not self.acceleration:
             return series
-        path = lag_system(*(values[f"acceleration.{key}"] for key in ("gain", *ACCELERATION)), sample_time)
+        path = lag_system(**part("acceleration.", ("gain", *ACCELERATION)), sample_time=sample_time)
         for number in range(1, self.acceleration_sections + 1):
-            path = path.then(
-                biquad_system(*(values[f"acceleration.section_{number}.{key}"] for key in BIQUAD), sample_time)
-            )
+            own = part(f"acceleration.section_{number}.", BIQUAD)
+            path = path.then(biquad_system(**own, sample_time=sample_time))
         return series.beside(path)
 
     def law(self, values: dict[str, float], sample_time: float, *, anti_windup: bool = True) -> AbstractControlLaw:
