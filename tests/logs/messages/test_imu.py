@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexros.logs.messages.cdr_cursor import MessageError
-from flexros.logs.messages.imu import ImuCodec, read_imu_layout
+from flexros.logs.messages.imu import ImuCodec, ImuTemplate, ImuView, read_imu_layout
 from flexros.logs.reader import read_log
 from flexros.logs.time_series import ImuSeries, JointSeries
 from flexros.logs.write_log import write_log
@@ -56,3 +56,24 @@ def test_turning_rate_alone():
     _, numbers = ImuCodec().columns(ImuSeries(STAMP, "tool", None, RATE))
     np.testing.assert_array_equal(numbers[0][:, 13:16], RATE)
     assert (numbers[0][:, 28] == -1).all()
+
+
+def test_template_and_view_agree_with_the_codec() -> None:
+    template = ImuTemplate("tool", acceleration=True)
+    message = template.fill(1_000_500_000, [1.0, np.nan, 3.0])
+    sample = ImuView().unpack(message)
+    assert (sample.stamp_ns, sample.turning_rate) == (1_000_500_000, None)
+    assert sample.acceleration is not None
+    assert np.array_equal(sample.acceleration, [1.0, np.nan, 3.0], equal_nan=True)
+    series = ImuSeries(np.array([1_000_500_000]), "tool", np.array([[1.0, np.nan, 3.0]]))
+    layout, columns = ImuCodec().columns(series)
+    assert layout.serialise(series.stamp, columns)[0].tobytes() == message
+
+
+def test_view_reads_messages_of_other_frames() -> None:
+    view = ImuView()
+    for frame in ("a", "another_frame", "a"):
+        message = ImuTemplate(frame, acceleration=True, turning_rate=True).fill(7, [1.0, 2.0, 3.0], [4.0, 5.0, 6.0])
+        assert view.unpack(message) == (7, (1.0, 2.0, 3.0), (4.0, 5.0, 6.0))
+    with pytest.raises(MessageError):
+        view.unpack(b"\0" * 20)

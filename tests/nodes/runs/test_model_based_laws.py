@@ -84,3 +84,23 @@ def test_lost_messages_change_nothing(tmp_path: Path, log_differences: Differenc
     summary = run_scenario(scenario, tmp_path / "log", parameters={"plant": loss, "controller": loss})
     assert summary.exit_code == 0
     assert log_differences(closed_loop(Experiment.prepare(scenario)), read_log(tmp_path / "log")) == []
+
+
+def test_gains_of_the_node_are_those_of_the_law(tmp_path: Path, log_differences: Differences) -> None:
+    scenario = load_scenario("elbow_quasi_static").with_values({"duration": 0.3})
+    gains = {"motor_1.bandwidth": 20.0, "motor_2.motor_bandwidth": 80.0, "observer.speed_filter": 2e-3}
+    summary = run_scenario(scenario, tmp_path / "log", parameters={"controller": gains})
+    assert summary.exit_code == 0
+    wanted = scenario.with_values(
+        {
+            "controller.bandwidth": [20.0, 30.0],
+            "controller.motor_bandwidth": [60.0, 80.0],
+            "controller.observer.speed_filter": 2e-3,
+        }
+    )
+    recorded = read_log(tmp_path / "log")
+    assert log_differences(closed_loop(Experiment.prepare(wanted)), recorded) == []
+    before = closed_loop(Experiment.prepare(scenario)).joint_commands
+    assert before is not None
+    assert recorded.joint_commands is not None
+    assert not np.array_equal(before.effort, recorded.joint_commands.effort)  # type: ignore[arg-type]
