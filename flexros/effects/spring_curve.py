@@ -40,7 +40,7 @@ class SpringCurve(AbstractCurve, AbstractGearLaw):
     name: ClassVar[str] = "spring_curve"
     stage: ClassVar[Stage] = "gear"
     size: ClassVar[str] = "positive_100"
-    words: ClassVar[str] = "spring of unknown law"
+    words: ClassVar[str] = "stiffness of unknown law"
     rank: ClassVar[int] = 1
     signatures: ClassVar[tuple[str, ...]] = ("torsion_over_torque", "frequency_response", "detection_lines")
     fingerprint: ClassVar[str] = (

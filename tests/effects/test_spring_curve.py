@@ -67,6 +67,21 @@ def test_curve_through_a_straight_line_is_an_error_of_the_stiffness() -> None:
     assert np.max(np.abs(with_curve - run(TWO_MASS, (), 200, twisted))) > 1e-5
 
 
+def test_curve_of_a_passive_spring_acts_on_the_arm() -> None:
+    robot = load_robot("four_mass_linear")
+    sizes = ",".join(f"positive_{part}={0.04 * part},negative_{part}={-0.04 * part}" for part in (25, 50, 75, 100))
+    laws = laws_of(robot, f"spring_curve@body_2.rz:{sizes},low=-0.2,high=0.2")  # 20 Nm/rad
+
+    def twisted(time: float) -> np.ndarray:
+        return np.array([5.0 * np.sin(60 * time)])
+
+    softer = run(robot, (), 200, twisted)
+    stiffer = run(robot.with_values({"body_2.rz.stiffness": 130.0}), (), 200, twisted)
+    assert 1e-3 < np.max(np.abs(stiffer[:, 1])) < 0.2
+    np.testing.assert_allclose(run(robot, laws, 200, twisted), stiffer, atol=1e-10)
+    assert np.max(np.abs(stiffer - softer)) > 1e-4
+
+
 def test_gap_of_a_backlash_counts_before_the_curve() -> None:
     def arm_torque(*texts: str, motor: float) -> float:
         model = PlantModel(TWO_MASS, laws_of(TWO_MASS, *texts))

@@ -25,7 +25,7 @@ def drift_warnings(findings: Findings) -> list[str]:
     how = "the held-out part is predicted with its last value" if continues else "the held-out log as if it repeated"
     drifts = [one for one in placed_effects(findings.explanations.chosen) if isinstance(one.effect, TorqueDrift)]
     return [
-        f"{one.effect.words} at {one.location} is that of the fitted log, {one.effect.begin:.3g} to "
+        f"the {one.effect.words} at {one.location} is that of the fitted log, {one.effect.begin:.3g} to "
         f"{one.effect.end:.3g} s after its start; {how}. Of another start it says nothing: where it does not repeat, "
         f"put torque_bias@{one.location} into the patch instead"
         for one in drifts

@@ -11,9 +11,12 @@ import numpy as np
 from flexros.effects import effects
 from flexros.effects.kinds.curve import AbstractCurve
 from flexros.gap.candidates.candidate import Candidate, FreeParameter
+from flexros.gap.fit.screening import Directions
 from flexros.robot.spring import Spring
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from flexros.arrays import FloatArray
     from flexros.effects.kinds.curve import Extent
     from flexros.gap.fit.least_squares import CandidateFit
@@ -59,6 +62,35 @@ def list_curves(search: Search, fit: CandidateFit) -> list[Candidate]:
             )
             candidates.append(Candidate(effect, location, free, fixed, together=True))
     return [one for one in candidates if search.competitors.contain(one) and one.name not in fit.names]
+
+
+def without_shared(curve: Directions, others: Sequence[Directions]) -> Directions:
+    """Return a curve without the sizes that do the same as those of other curves at its place.
+
+    Args:
+        curve: The curve.
+        others: Other curves, at any places.
+    """
+    extends = curve.candidate.effect.extends
+    own = {name: (law, other) for law, pairs in extends.items() for name, other in pairs.items()}
+    taken = {
+        (law, pairs[free.name])
+        for one in others
+        if one.candidate.location == curve.candidate.location
+        for law, pairs in one.candidate.effect.extends.items()
+        for free in one.candidate.free
+        if free.name in pairs
+    }
+    kept = np.array([own.get(free.name) not in taken for free in curve.candidate.free], dtype=bool)
+    if kept.all():
+        return curve
+    free = tuple(
+        replace(one, starts=tuple(np.array(one.starts)[kept]))
+        for one, keeps in zip(curve.candidate.free, kept, strict=True)
+        if keeps
+    )
+    candidate, starts = replace(curve.candidate, free=free), curve.starts[np.ix_(kept, kept)]
+    return Directions(candidate, starts, curve.changes[:, kept], curve.usable[kept])
 
 
 def within_motion(search: Search, fit: CandidateFit) -> CandidateFit:

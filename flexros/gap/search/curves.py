@@ -9,9 +9,8 @@ import numpy as np
 
 from flexros.effects.kinds.curve import AbstractCurve
 from flexros.gap.candidates.candidate import simpler
-from flexros.gap.fit.screening import Directions
 from flexros.gap.search.candidate_fits import Addition
-from flexros.gap.search.curve_candidates import list_curves, within_motion
+from flexros.gap.search.curve_candidates import list_curves, within_motion, without_shared
 from flexros.gap.search.worth import compared, worth
 
 if TYPE_CHECKING:
@@ -19,7 +18,7 @@ if TYPE_CHECKING:
 
     from flexros.gap.candidates.candidate import Candidate, Hypothesis
     from flexros.gap.fit.least_squares import CandidateFit
-    from flexros.gap.fit.screening import Surroundings
+    from flexros.gap.fit.screening import Directions, Surroundings
     from flexros.gap.search.candidate_fits import Search
     from flexros.gap.search.model_probability import ModelComparison
 
@@ -116,7 +115,7 @@ def _selected(
     least = surroundings.least
     while len(group) < min(len(curves), settings.curves):
         chosen = [one.candidate.name for one in group]
-        rest = [_beside(one, group) for one in curves if one.candidate.name not in chosen]
+        rest = [without_shared(one, group) for one in curves if one.candidate.name not in chosen]
         lefts = [surroundings.left(np.hstack([*(other.changes for other in group), one.changes])) for one in rest]
         best, left = rest[int(np.argmin(lefts))], min(lefts)
         charged = left * n ** (len(best.candidate.free) / n)  # of the same score as without its sizes
@@ -126,30 +125,6 @@ def _selected(
         group.append(best)
         least = left
     return group
-
-
-def _beside(curve: Directions, others: Sequence[Directions]) -> Directions:
-    """Return a curve without the sizes that do the same as those of other curves at its motor."""
-    extends = curve.candidate.effect.extends
-    own = {name: (law, other) for law, pairs in extends.items() for name, other in pairs.items()}
-    taken = {
-        (law, pairs[free.name])
-        for one in others
-        if one.candidate.location == curve.candidate.location
-        for law, pairs in one.candidate.effect.extends.items()
-        for free in one.candidate.free
-        if free.name in pairs
-    }
-    kept = np.array([own.get(free.name) not in taken for free in curve.candidate.free], dtype=bool)
-    if kept.all():
-        return curve
-    free = tuple(
-        replace(one, starts=tuple(np.array(one.starts)[kept]))
-        for one, keeps in zip(curve.candidate.free, kept, strict=True)
-        if keeps
-    )
-    candidate, starts = replace(curve.candidate, free=free), curve.starts[np.ix_(kept, kept)]
-    return Directions(candidate, starts, curve.changes[:, kept], curve.usable[kept])
 
 
 def _worth(search: Search, comparison: ModelComparison, before: CandidateFit, after: CandidateFit) -> bool:

@@ -18,10 +18,12 @@ from flexros.effects.spring_curve import SpringCurve
 from flexros.gap.candidates.candidate import Candidate
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.diagnose import diagnose
+from flexros.gap.fit.least_squares import starts_of
 from flexros.gap.fit.null_fit import fit_null
+from flexros.gap.fit.screening import Directions
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.result import DiagnosisResult
-from flexros.gap.search.curve_candidates import list_curves
+from flexros.gap.search.curve_candidates import list_curves, without_shared
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.settings import DiagnosisSettings
 from flexros.record.record import Record
@@ -181,3 +183,20 @@ def test_curve_over_time_competes_only_where_the_motion_repeats() -> None:
     names = curves_of(measured(*TEXTS, samples=3000, swing=0.2)).keys()
     assert "torque_drift@motor_1" not in names
     assert "torque_curve@motor_1" in names
+
+
+def directions(candidate: Candidate) -> Directions:
+    starts = starts_of((candidate,))
+    n = starts.shape[1]
+    changes = np.arange(5.0 * n).reshape(5, n).astype(np.float32)
+    return Directions(candidate, starts, changes, np.ones(n, dtype=bool))
+
+
+def test_of_two_curves_at_a_motor_one_has_the_size_of_a_bias() -> None:
+    curves = curves_of(short())
+    over_time, over_position = (directions(curves[f"{name}@motor_1"]) for name in ("torque_drift", "torque_curve"))
+    beside = without_shared(over_time, [over_position])
+    assert free_of(over_time.candidate) - free_of(beside.candidate) == {"torque_1"}
+    np.testing.assert_array_equal(beside.changes, over_time.changes[:, 1:])
+    np.testing.assert_array_equal(starts_of((beside.candidate,)), beside.starts)
+    assert without_shared(over_time, [directions(curves["friction_curve@motor_1"])]) is over_time
