@@ -278,7 +278,9 @@ def _candidates(findings: Findings, verdict: Verdict) -> list[tuple[RankedCandid
         if fit.names <= best.keys():
             continue
         exact = probability > findings.settings.likely
-        for candidate, parameters in zip(fit.hypothesis, parameters_of(fit, findings.data if exact else None, findings.settings)):
+        for candidate, parameters in zip(
+            fit.hypothesis, parameters_of(fit, findings.data if exact else None, findings.settings)
+        ):
             if candidate.name in best:
                 continue
             others = (other.name for other in fit.hypothesis if other is not candidate)

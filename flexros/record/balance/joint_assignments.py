@@ -25,6 +25,12 @@ GAIN, REST = 0.1, 0.4
 """Least gain of the mean agreement, and largest remaining share of the disagreement, of an assignment that is accepted
 (chosen)."""
 
+LEAST = 0.01
+"""Least gain of the mean agreement by the inversion of a further axis (chosen)."""
+
+HINT = 0.2
+"""Least gain of the mean agreement, and more than twice it, from which an assignment is worth a warning (chosen)."""
+
 LONG = 16.0
 """Length of the part of a record by which the assignments of many motors are compared [s] (chosen)."""
 
@@ -41,11 +47,13 @@ class JointAssignment:
         agreement: Mean agreement of torques and inverse-dynamics torques.
         opposite: Whether torque and position of a joint have opposite directions otherwise, which no parameters of a
             robot explain.
+        clear: Whether it fits so much better that no effect explains the difference.
     """
 
     text: str
     agreement: float
     opposite: bool
+    clear: bool = True
 
 
 def own_fits(balance: TorqueBalance | None, n_motors: int) -> tuple[BalanceFit | None, ...]:
@@ -95,15 +103,22 @@ def best_assignment(record: Record, robot: Robot, current: float | None) -> Join
         current: Mean agreement of the record as it is.
 
     Returns:
-        The best one; None where the record fits well, or none fits clearly better.
+        The best one that fits clearly better, else one that fits much better than badly; None where the record fits
+        well, or there is none.
     """
     if current is None or current > DOUBTFUL:
         return None
     if robot.n_motors > FEW and record.duration > LONG:
         record = _most_active_part(record, round(LONG / record.sample_time))
         current = score(own_fits(torque_balance(record, robot), robot.n_motors))
-    better = [other for other in _assignments(record, robot) if clearly_better(other.agreement, current)]
-    return max(better, key=lambda other: other.agreement) if better else None
+    others = [*_assignments(record, robot), *_axes_inverted(record, robot)]
+    better = [other for other in others if clearly_better(other.agreement, current)]
+    if better:
+        return max(better, key=lambda other: other.agreement)
+    best = max(others, key=lambda other: other.agreement, default=None)
+    if best is None or current is None or best.agreement < max(current + HINT, 2 * current):
+        return None
+    return replace(best, clear=False)
 
 
 def _most_active_part(record: Record, length: int) -> Record:
@@ -130,6 +145,29 @@ def _assignments(record: Record, robot: Robot) -> Iterator[JointAssignment]:
         order = np.arange(M)
         order[[i, j]] = order[[j, i]]
         yield from _both(record, robot, order, np.ones(M), f"of {names[i]} and {names[j]} exchanged")
+
+
+def _axes_inverted(record: Record, robot: Robot) -> Iterator[JointAssignment]:
+    """Invert torque and position of one joint after the other, each time that of the joint that improves most.
+
+    Axes of other models of the same robot count the other way at several joints.
+    """
+    M, sign, reached = robot.n_motors, np.ones(robot.n_motors), -np.inf
+    while np.any(sign > 0):
+        trials = []
+        for k in np.flatnonzero(sign > 0):
+            other = np.where(np.arange(M) == k, -1.0, sign)
+            changed = replace(record, position=other * record.position, torque=other * record.torque)
+            balance = torque_balance(changed, robot)
+            agreement = None if balance is None else score(own_fits(balance, M))
+            if agreement is not None:
+                trials.append((agreement, int(k)))
+        if not trials or max(trials)[0] <= reached + LEAST:
+            return
+        reached, best = max(trials)
+        sign[best] = -1.0
+        names = ", ".join(name for name, one in zip(robot.joint_names, sign, strict=True) if one < 0)
+        yield JointAssignment(f"torque and position of {names} inverted", reached, opposite=False)
 
 
 def _both(record: Record, robot: Robot, order: np.ndarray, sign: FloatArray, change: str) -> Iterator[JointAssignment]:

@@ -101,10 +101,15 @@ class CheckedRecord:
 
     @cached_property
     def assignment(self) -> JointAssignment | None:
-        """Assignment with a joint inverted or two exchanged that fits far better; None without one."""
+        """Assignment with joints inverted or two exchanged that fits better; None without one."""
         if self.order_is_wrong or self.fits_nominal_rate:
             return None
         return best_assignment(self.record, self.robot, score(self.own))
+
+    @property
+    def wrongly_assigned(self) -> bool:
+        """Whether another assignment fits so much better that no effect explains the difference."""
+        return self.assignment is not None and self.assignment.clear
 
     @cached_property
     def fits_nominal_rate(self) -> bool:

@@ -17,9 +17,15 @@ class JointAssignmentCheck(AbstractCheck):
     stage: ClassVar[int] = 2
 
     def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
-        """Try the log with each joint inverted and each pair exchanged."""
+        """Try the log with joints inverted and each pair exchanged."""
         if checked.assignment is None:
             return ()
+        if not checked.assignment.clear:
+            text = (
+                f"torques and motions fit robot {checked.robot.name} badly, and better with {checked.assignment.text} "
+                f"(agreement {checked.assignment.agreement:.2f} of 1): check the signs of the mapping"
+            )
+            return (Finding(text, hopeless=False),)
         text = (
             f"torques and motions fit robot {checked.robot.name} far better with {checked.assignment.text} (agreement "
             f"{checked.assignment.agreement:.2f} of 1): correct sign or names when importing, or give the right robot"

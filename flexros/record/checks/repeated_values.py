@@ -25,8 +25,8 @@ SLOW = 0.02
 """The same over the largest change within as many samples, for a signal without noise, as a simulator writes it
 (chosen)."""
 
-NOISELESS = 1e-6
-"""Noise over that largest change below which there is none (chosen)."""
+NOISELESS = 1e-4
+"""Noise over that largest change below which a filtered signal has practically none (chosen)."""
 
 
 def slow_change(values: FloatArray, step: float) -> float:

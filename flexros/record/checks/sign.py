@@ -21,7 +21,7 @@ class Sign(AbstractCheck):
 
     def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
         """Find negative factors between torque and inverse-dynamics torque."""
-        if checked.order_is_wrong or checked.assignment:
+        if checked.order_is_wrong or checked.wrongly_assigned:
             return ()
         inverted = [
             checked.robot.joint_names[motor]

@@ -30,7 +30,7 @@ class TimeOffset(AbstractCheck):
 
     def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
         """Find the shift in time at which torques and inverse-dynamics torques agree best."""
-        if checked.order_is_wrong or checked.fits_nominal_rate or checked.assignment or checked.balance is None:
+        if checked.order_is_wrong or checked.fits_nominal_rate or checked.wrongly_assigned or checked.balance is None:
             return ()
         tau, T = checked.delay.time, checked.record.sample_time
         if abs(tau) < SIGNIFICANT * checked.delay.deviation:

@@ -37,7 +37,7 @@ class Unit(AbstractCheck):
 
     def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
         """Compare the level of the torques with that of the inverse-dynamics torques."""
-        if checked.order_is_wrong or checked.fits_nominal_rate or checked.assignment:
+        if checked.order_is_wrong or checked.fits_nominal_rate or checked.wrongly_assigned:
             return ()
         robot = checked.robot
         off = {

@@ -1,0 +1,51 @@
+"""Several axes that count the other way are found one after the other."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexros.arrays import FloatArray
+from flexros.record.balance import joint_assignments
+from flexros.record.balance.joint_assignments import best_assignment
+from flexros.record.record import Record
+from flexros.robot import load_robot
+
+RIGHT = np.array([1.0, 1.0, -1.0, -1.0, 1.0, -1.0])
+
+
+@pytest.fixture
+def record(monkeypatch: pytest.MonkeyPatch) -> Record:
+    """A record whose positions are one where their sign is right and whose agreement is the share of right signs."""
+
+    def share(fits: FloatArray) -> float:
+        return float(0.5 * np.mean(fits > 0))
+
+    monkeypatch.setattr(joint_assignments, "torque_balance", lambda record, robot: _Balance(record.position[0]))
+    monkeypatch.setattr(joint_assignments, "own_fits", lambda balance, n_motors: balance.position)
+    monkeypatch.setattr(joint_assignments, "score", share)
+    ones = np.ones((8, 6))
+    return Record("log", 1e-3, RIGHT * ones, ones, np.ones(8, dtype=bool))
+
+
+class _Balance:
+    def __init__(self, position: FloatArray) -> None:
+        self.position = position
+        self.given = np.ones((1, len(position)))
+
+
+def test_all_inverted_axes_are_named_as_a_hint(record: Record, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(joint_assignments, "_assignments", lambda record, robot: iter(()))
+    found = best_assignment(record, load_robot("six_axis"), 0.2)
+    assert found is not None
+    assert not found.clear  # an agreement of a half may have other reasons
+    assert [name in found.text for name in load_robot("six_axis").joint_names] == (RIGHT < 0).tolist()
+
+
+def test_a_small_gain_is_no_hint(record: Record, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(joint_assignments, "_assignments", lambda record, robot: iter(()))
+    assert best_assignment(record, load_robot("six_axis"), 0.45) is None
+    right = replace(record, position=RIGHT * record.position)
+    assert best_assignment(right, load_robot("six_axis"), 0.4) is None
