@@ -134,8 +134,8 @@ def recovered(log: Log, warnings: list[str]) -> Log:
         return log
     warnings.append(
         f"the recorder polled joint_states: {100 * source.repeated:.2g} % of the values were taken twice and "
-        f"{100 * source.missed:.2g} % missed; by the motion they are {1e3 * source.period:.4g} ms apart, and the stamps "
-        "were corrected"
+        f"{100 * source.missed:.2g} % missed; by the motion they are {1e3 * source.period:.4g} ms apart, and the "
+        "stamps were corrected"
     )
     return replace(
         log,

@@ -114,7 +114,7 @@ def _sandwich(fit: CandidateFit, data: FitData, form: RankingSettings | None) ->
     for motor in range(M):
         rows = slice(motor * n, (motor + 1) * n)
         transform = np.fft.rfft(J[rows], axis=0)
-        power = sum(smoothed(np.abs(np.fft.rfft(column)) ** 2) for column in left[rows].T)
+        power = np.array([smoothed(np.abs(np.fft.rfft(column)) ** 2) for column in left[rows].T]).sum(axis=0)
         spectrum = power / max(int(np.isfinite(data.spread[:, motor]).sum()), 1)
         weight = np.full(len(spectrum), 2.0)
         weight[0] = 1.0
