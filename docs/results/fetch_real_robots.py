@@ -1,6 +1,7 @@
 """Fetch public logs of robots: python docs/results/fetch_real_robots.py FOLDER [--from PATH]...
 
-The logs of two public repositories without a licence for copies are brought into FOLDER, at the commits below and with
+The logs of three public repositories, without a licence for copies or with one that does not fit, are brought into
+FOLDER, at the commits below and with
 their checksums; they are not part of this repository. `--from` names a clone, a bare clone or a plain folder of one of
 them that is there already. What cannot be reached is skipped with its reason, and the exit code is then 1.
 """
@@ -22,6 +23,10 @@ if TYPE_CHECKING:
 
 TIMEOUT = 30.0
 """Longest wait for an answer of the server [s]."""
+
+
+PANDA_LOG = "matlab/data/Exciting_Traj/Trajectory_1/rbt_log/exciting_traj"
+"""Begin of the names of the files of the Panda: one value per line, seven of each sample."""
 
 
 @dataclass(frozen=True)
@@ -81,6 +86,16 @@ REPOSITORIES = (
             "Data/data_vm.mat": ("b0657ef64eefa83955009884994049786cc8294b6b5fb6b3628d45928ecd21b9"),
         },
     ),
+    Repository(
+        "marcocognetti",
+        "FrankaEmikaPandaDynModel",
+        "24d85ce4e648e2e894c832bfeee9b16711eb1a1a",
+        {
+            f"{PANDA_LOG}_positions.txt": ("50bf82a082c439aff8220e8142985c8dd783f7ddc1415987cd75c9efb88bcf69"),
+            f"{PANDA_LOG}_torques.txt": ("11fda32785bb29ce444e14e0f45f4893aab7142dc6ee29576d828ab154852f9c"),
+            f"{PANDA_LOG}_time.txt": ("031063612f297011dc005ab29830903e36f4bfeba77bce59c0fbde13620fb20d"),
+        },
+    ),
 )
 """The files that docs/results/real_robots.py reads."""
 
@@ -120,6 +135,27 @@ def fetch(
             part.write_bytes(content)
             part.replace(target)
     return tuple(skipped)
+
+
+def assemble_panda(folder: Path) -> None:
+    """Put positions and torques of the Panda into a CSV file with a row per sample, where they are there.
+
+    Args:
+        folder: The folder of the files of all repositories.
+    """
+    here = folder / "FrankaEmikaPandaDynModel"
+    files = [here / f"{PANDA_LOG}_{name}.txt" for name in ("time", "positions", "torques")]
+    if not all(file.is_file() for file in files):
+        return
+    time, position, torque = (file.read_text().split() for file in files)
+    names = [f"{quantity}_{joint}" for quantity in ("position", "torque") for joint in range(1, 8)]
+    rows = [
+        ",".join((instant, *position[7 * row : 7 * row + 7], *torque[7 * row : 7 * row + 7]))
+        for row, instant in enumerate(time)
+    ]
+    part = here / ".panda.csv.part"
+    part.write_text("\n".join((",".join(("time", *names)), *rows)) + "\n")
+    part.replace(part.with_name("panda.csv"))
 
 
 def _checksum(content: bytes) -> str:
@@ -167,6 +203,7 @@ def main() -> int:
     )
     given = parser.parse_args()
     skipped = fetch(given.folder, given.sources)
+    assemble_panda(given.folder)
     for reason in skipped:
         print(f"skipped: {reason}", file=sys.stderr)
     here = sum(

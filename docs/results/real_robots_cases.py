@@ -109,6 +109,16 @@ _UR = (
 )
 _UR_FRICTION = ((21.256, 12.548), (20.221, 13.266), (10.378, 4.994), (3.575, 1.998), (2.491, 2.690), (3.026, 2.298))
 """Published viscous and Coulomb friction of the six joints [Nm s/rad, Nm]."""
+_PANDA_FRICTION = (
+    (0.244, 0.273),
+    (0.181, 0.436),
+    (0.222, 0.320),
+    (0.442, 0.640),
+    (0.286, 0.420),
+    (0.135, 0.152),
+    (0.240, 0.282),
+)
+"""Coulomb friction of the seven joints: by least squares of the log, and published (Gaz 2019, supplement) [Nm]."""
 _UR_LOGS = "dataset_ur10e/identification_data"
 
 CASES = (
@@ -240,6 +250,25 @@ CASES = (
             f"motor_{joint}.inertia": value
             for joint, value in enumerate((4.36, 6.79, 1.28, 0.206, 0.356, 0.472), start=1)
         },
+        fetched=True,
+    ),
+    Case(
+        name="panda",
+        title="Seven axes of a Franka Emika Panda",
+        about="Gaz, Cognetti, Oliva, Robuffo Giordano and De Luca (2019), [github.com/marcocognetti/"
+        "FrankaEmikaPandaDynModel](https://github.com/marcocognetti/FrankaEmikaPandaDynModel), GPL-3: fetched by "
+        "`fetch_real_robots.py`. 1 kHz, 21 s, torques by the joint sensors; the recorder polled the controller. "
+        "Nominal: the published rigid model without its friction, tolerance 3 %. A single log: its last third is not fitted.",
+        folder="FrankaEmikaPandaDynModel",
+        robot="panda_robot.yaml",
+        mapping="panda.yaml",
+        fitted=("panda.csv",),
+        known=tuple(_coulomb(joint, low, high) for joint, (low, high) in enumerate(_PANDA_FRICTION, start=1)),
+        source="least squares of the torque of this log, with viscous friction beside it, and half of the step of the "
+        "published sigmoids, which have none",
+        by_hand=tuple(
+            f"coulomb_friction@motor_{joint}:level={high}" for joint, (_, high) in enumerate(_PANDA_FRICTION, start=1)
+        ),
         fetched=True,
     ),
     Case(

@@ -12,7 +12,7 @@ from flexros.gap.candidates.candidate import Candidate
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.estimates import covariance_of, parameters_of, placed_effects, smoothed, unit_of_parameter
 from flexros.gap.fit.least_squares import CandidateFit, chi2_of, fit, initial_values
-from flexros.gap.settings import FitSettings
+from flexros.gap.settings import FitSettings, RankingSettings
 from flexros.random_streams import generator
 from flexros.robot import load_robot
 from tests.gap.diagnosis_logs import candidates_of, data_of, encoded, predictor_of
@@ -106,3 +106,20 @@ def test_spread_of_estimates_is_as_stated() -> None:
         found = parameters_of(fit(predictor, data, best, 20, enough=FitSettings().exactly), data)[0]["level"]
         off.append((found.value - LEVEL) / found.std)
     assert 0.5 < np.sqrt(np.mean(np.square(off))) < 1.8
+
+
+def test_model_form_errors_of_effects_widen_the_deviations_of_all_sizes() -> None:
+    """A large effect of slightly other form than the true one moves the small one that is fitted beside it."""
+    large = [f"coulomb_friction@motor_1:level={LEVEL}", "torque_bias@motor_1:level=0.001"]
+    among = candidates_of(*large)
+    pair = [among["coulomb_friction@motor_1"], among["torque_bias@motor_1"]]
+    data = data_of(*large, length=10.0)
+    predictor = predictor_of(*pair)
+    start = np.array([*encoded(pair[0], level=LEVEL), *encoded(pair[1], level=0.001)])
+    found = fit(predictor, data, start, 20, enough=FitSettings().exactly)
+    alone = [next(iter(one.values())).std for one in parameters_of(found, data)]
+    exact = RankingSettings(plain_form=0.0, shaped_form=0.0)
+    with_form = [next(iter(one.values())).std for one in parameters_of(found, data, RankingSettings())]
+    assert np.all(np.array(with_form) > alone)
+    again = fit(predictor, data, start, 20, enough=FitSettings().exactly)
+    np.testing.assert_allclose([next(iter(one.values())).std for one in parameters_of(again, data, exact)], alone)
