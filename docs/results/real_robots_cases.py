@@ -258,7 +258,8 @@ CASES = (
         about="Gaz, Cognetti, Oliva, Robuffo Giordano and De Luca (2019), [github.com/marcocognetti/"
         "FrankaEmikaPandaDynModel](https://github.com/marcocognetti/FrankaEmikaPandaDynModel), GPL-3: fetched by "
         "`fetch_real_robots.py`. 1 kHz, 21 s, torques by the joint sensors; the recorder polled the controller. "
-        "Nominal: the published rigid model without its friction, tolerance 3 %. A single log: its last third is not fitted.",
+        "Nominal: the published rigid model without its friction, tolerance 3 %. A single log: its last third is not "
+        "fitted.",
         folder="FrankaEmikaPandaDynModel",
         robot="panda_robot.yaml",
         mapping="panda.yaml",
