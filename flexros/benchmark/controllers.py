@@ -91,9 +91,25 @@ def read_parameters(name_or_path: str | Path) -> dict[str, dict[str, float]]:
     Raises:
         InputError: The file cannot be read.
     """
+    return _file(name_or_path).parameters
+
+
+def read_made_by(name_or_path: str | Path) -> str:
+    """Return the command that reproduces a controller file, empty for none.
+
+    Args:
+        name_or_path: Built-in name, or path of a controller file.
+
+    Raises:
+        InputError: The file cannot be read.
+    """
+    return _file(name_or_path).made_by
+
+
+def _file(name_or_path: str | Path) -> ControllerFile:
     text = str(name_or_path)
     path = _FOLDER / f"{text}.yaml" if text in controller_names() else Path(name_or_path)
-    return validate(ControllerFile, read_yaml(path), str(path)).parameters
+    return validate(ControllerFile, read_yaml(path), str(path))
 
 
 def _from_yaml(path: Path) -> BenchmarkController:

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 
 def benchmark(
     controller: list[str] = typer.Argument(
-        None, help="Built-in controllers, or YAML or Python files; without one, the built-in ones are listed."
+        None,
+        help="Built-in controllers, YAML or Python files, or one log of the scenario feedback_benchmark; none: list.",
     ),
     noise: float = typer.Option(3e-4, "--noise", help="Standard deviation of the measurement noise [rad]; 0 for none."),
     seeds: str = typer.Option("1,2,3,4,5", "--seeds", help="Seeds of the noise, over which the measures are averaged."),
@@ -32,9 +33,13 @@ def benchmark(
     """Evaluate controllers on the feedback benchmark of Paper C: cost V, measures and demands of 21 models."""
     from flexros.benchmark.controllers import load_controller
     from flexros.benchmark.evaluate import FeedbackBenchmark, check_noise
+    from flexros.benchmark.recorded import is_recording
 
     if not controller:
         _list_controllers(as_json)
+        return
+    if len(controller) == 1 and is_recording(controller[0]):
+        _show_log(Path(controller[0]), as_json)
         return
     numbers = _seeds(seeds)
     check_noise(noise, numbers)
@@ -82,6 +87,22 @@ def _evaluated(
             results.append(result)
             bar.advance(task)
     return results
+
+
+def _show_log(path: Path, as_json: bool) -> None:
+    """Print the measures of a recorded run of the nominal model."""
+    from flexros.benchmark.recorded import measures_of_log
+    from flexros.benchmark.tables import MEASURE_NAMES, measure_values
+
+    measures = measures_of_log(path)
+    if as_json:
+        print_json({"controller": path.name, "sets": {"nominal": measures.as_dict()}})
+        return
+    table = Table("nominal", "unit", path.name)
+    for (name, unit), value in zip(MEASURE_NAMES, measure_values(measures), strict=True):
+        table.add_row(name, unit, f"{value:.4g}")
+    table.add_row("V", "1", f"{measures.cost:.5g}")
+    console.print(table)
 
 
 def _list_controllers(as_json: bool) -> None:

@@ -8,7 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from flexros.benchmark.measures import measures_of_run
 from flexros.benchmark.models import NOMINAL, ROBOT, set_values
+from flexros.benchmark.recorded import measures_of_log
 from flexros.benchmark.simulation import RegulatorSimulation
 from flexros.control.base import control_law
 from flexros.control.design.fixed_structure import biquad_system, pid_system
@@ -46,3 +48,6 @@ def test_matrices_over_topics_equal_the_benchmark_in_process(tmp_path: Path) -> 
     assert log.joint_commands.effort is not None
     assert np.array_equal(log.joint_commands.effort[:, 0], command)
     assert np.array_equal(1e3 * log.tool_pose.position[:, 0], deflection)
+
+    measured = measures_of_log(tmp_path / "log")
+    assert measured.cost == measures_of_run(deflection, command, 0.1, 5e-4).cost
