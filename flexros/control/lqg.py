@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, ClassVar
 
 import casadi
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.control.context import LoopContext
     from flexros.control.limited import LoopSignals
+    from flexros.robot import Robot
 
 
 _STABLE = 1e-7
@@ -98,7 +100,10 @@ class Lqg(AbstractSignalLaw):
         sampled_model(context, self.measurements, self.pose, self.spring_segment)
 
     def design(self, context: LoopContext) -> LqgDesign:
-        """Compute the matrices of the law."""
+        """Compute the matrices of the law, once per loop."""
+        return _design(self, context.robot, context.sample_time)
+
+    def _matrices(self, context: LoopContext) -> LqgDesign:
         model = sampled_model(context, self.measurements, self.pose, self.spring_segment)
         n, m, robot = model.size, context.n_motors, context.robot
         cost = model.F.T @ model.F / self.tool_accuracy**2
@@ -162,6 +167,11 @@ class Lqg(AbstractSignalLaw):
         wanted = feedforward - gains["loop_gain"] * casadi.mtimes(sparse(design.K), corrected)
         moved = casadi.mtimes(sparse(design.A), corrected)
         return wanted, lambda command: moved + casadi.mtimes(sparse(design.B), command - feedforward)
+
+
+@lru_cache(maxsize=8)
+def _design(law: Lqg, robot: Robot, sample_time: float) -> LqgDesign:
+    return law._matrices(law.context(robot, sample_time))
 
 
 def sparse(matrix: FloatArray) -> casadi.DM:

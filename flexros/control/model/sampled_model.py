@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import casadi as ca
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
     from flexros.arrays import FloatArray
     from flexros.control.context import LoopContext
+    from flexros.robot import Robot
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,8 +66,15 @@ def sampled_model(
     Raises:
         InputError: The robot has no such sensor or segment, or a sensor is without noise.
     """
-    robot = context.robot
     context.require(*measurements)
+    chosen = None if pose is None else tuple(pose)
+    return _sampled_model(context.robot, context.sample_time, tuple(measurements), chosen, segment)
+
+
+@lru_cache(maxsize=8)
+def _sampled_model(
+    robot: Robot, sample_time: float, measurements: tuple[str, ...], pose: tuple[float, ...] | None, segment: int
+) -> SampledModel:
     arm = None if pose is None else robot.check_arm(pose)
     plants = linear_plants(robot, pose=arm)
     if not -len(plants) <= segment < len(plants):
@@ -73,8 +82,8 @@ def sampled_model(
             f"spring segment {segment} of robot {robot.name} is wanted, allowed are 0 to {len(plants) - 1} "
             f"({'; '.join(plants.labels)}); choose one of them"
         )
-    sampled = sampled_plants(plants, context.sample_time, robot.delay)
-    slopes, rest = _measured(context, measurements, arm)
+    sampled = sampled_plants(plants, sample_time, robot.delay)
+    slopes, rest = _measured(robot, measurements, arm)
     n, past = slopes.shape[1], sampled.A.shape[1] - slopes.shape[1]
     if "motor_position" in measurements or "link_position" in measurements:
         assert n == 2 * robot.n_coordinates
@@ -85,7 +94,7 @@ def sampled_model(
         G=sampled.G[segment],
         F=sampled.F[segment],
         rest=rest,
-        noise=_noise(context, measurements),
+        noise=_noise(robot, measurements),
         positions=np.array([robot.motor_rows, robot.gear_rows]),
     )
 
@@ -116,11 +125,9 @@ def lq_gain(A: FloatArray, B: FloatArray, cost: FloatArray, effort: FloatArray) 
     return np.asarray(np.linalg.solve(effort + B.T @ value @ B, B.T @ value @ A))
 
 
-def _measured(
-    context: LoopContext, measurements: Sequence[str], arm: FloatArray | None
-) -> tuple[FloatArray, FloatArray]:
+def _measured(robot: Robot, measurements: Sequence[str], arm: FloatArray | None) -> tuple[FloatArray, FloatArray]:
     """Return the slopes of the measurements to [q, v] at rest, shape (n_y, 2 nq), and their values at rest."""
-    robot, model = context.robot, context.robot.model
+    model = robot.model
     n, p = robot.n_coordinates, ca.SX(ca.DM(model.parameter_values))
     x, u = ca.SX.sym("x", 2 * n), ca.SX.sym("u", robot.n_motors)
     acceleration = model.acceleration(x[:n], x[n:], u, ca.SX.zeros(6), p)[: robot.n_arm]
@@ -145,8 +152,7 @@ def _measured(
     return np.asarray(slopes.full()), np.asarray(still.full()).ravel()
 
 
-def _noise(context: LoopContext, measurements: Sequence[str]) -> FloatArray:
-    robot = context.robot
+def _noise(robot: Robot, measurements: Sequence[str]) -> FloatArray:
     rms = {sensor.measurement: np.full(sensor.size, sensor.noise) for sensor in robot.further_sensors}
     rms["motor_position"] = robot.encoder_noise
     found: FloatArray = np.concatenate([rms[name] for name in measurements])

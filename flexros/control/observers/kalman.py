@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING, ClassVar
 
 import casadi
@@ -47,8 +48,8 @@ class Kalman(AbstractObserver):
     def design(self, context: LoopContext) -> tuple[SampledModel, FloatArray, FloatArray]:
         """Return the sampled model, L, and the covariance of the estimate, shape (n, n)."""
         model = sampled_model(context, self.measurements(context), self.pose)
-        rms = np.array([self.torque_noise] * context.n_motors + [self.force_noise] * 3 + [self.moment_noise] * 3)
-        gain, covariance = kalman_gain(model.A, model.C, (model.G * rms**2) @ model.G.T, model.noise)
+        rms = (*[self.torque_noise] * context.n_motors, *[self.force_noise] * 3, *[self.moment_noise] * 3)
+        gain, covariance = _gain(model, rms)
         return model, gain, covariance
 
     def check(self, context: LoopContext) -> None:
@@ -86,3 +87,9 @@ class Kalman(AbstractObserver):
         moved = casadi.mtimes(casadi.sparsify(casadi.DM(model.A)), x)
         feedforward, B = signals.reference("feedforward_torque"), casadi.sparsify(casadi.DM(model.B))
         return found, lambda command: moved + casadi.mtimes(B, command - feedforward)
+
+
+@lru_cache(maxsize=8)
+def _gain(model: SampledModel, rms: tuple[float, ...]) -> tuple[FloatArray, FloatArray]:
+    """Return L and the covariance of the estimate, once per model and noise."""
+    return kalman_gain(model.A, model.C, (model.G * np.square(rms)) @ model.G.T, model.noise)
