@@ -91,7 +91,9 @@ class Experiment:
             trajectory = trajectory.delayed(lead - trajectory.rest_before)
         duration = trajectory.duration if scenario.duration is None else scenario.duration
         n_samples = int(np.floor(duration / sample_time + 1e-6)) + 1 if plan is None else plan.n_samples
-        needed = n_samples * bytes_per_sample(nominal, trajectory.n_out, planned=plan is not None)
+        needed = n_samples * bytes_per_sample(
+            nominal, trajectory.n_out, planned=plan is not None, link_motion=law.follows_link_motion
+        )
         if needed > MOST_BYTES:
             raise InputError(
                 f"{source}: {(n_samples - 1) * sample_time:g} s at a sample time of {sample_time:g} s are {n_samples} "
@@ -290,7 +292,7 @@ class Experiment:
         return replace(reference, torque=np.zeros_like(reference.torque))
 
 
-def bytes_per_sample(robot: Robot, n_out: int, *, planned: bool = False) -> int:
+def bytes_per_sample(robot: Robot, n_out: int, *, planned: bool = False, link_motion: bool = False) -> int:
     """Return the memory per sample of a run [bytes], as all signals are held at once.
 
     It holds the reference (its parts and the whole), the signal to the controller, the motion with its derivatives
@@ -300,10 +302,12 @@ def bytes_per_sample(robot: Robot, n_out: int, *, planned: bool = False) -> int:
         robot: The robot, with M motors.
         n_out: Number of coordinates of the trajectory.
         planned: Whether it is an identification, whose reference is computed in place.
+        link_motion: Whether the controller follows the motion of the links.
     """
     m = robot.n_motors
+    further = 2 * sum(sensor.size for sensor in robot.further_sensors) + (10 * m if link_motion else 0)
     reference, signal, derivatives, log = 8 + 3 * m + n_out, 3 * m, 5 * (m + n_out), 7 + 2 * m
-    return 8 * (reference + signal + log + (1 if planned else reference + derivatives))
+    return 8 * (reference + signal + log + further + (1 if planned else reference + derivatives))
 
 
 def _trajectory(scenario: Scenario, robot: Robot, source: str, sample_time: float) -> Trajectory:

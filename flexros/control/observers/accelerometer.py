@@ -34,7 +34,8 @@ class AccelerometerObserver(AbstractObserver):
 
     with the sampled equations M_m q_m'' = u - K (q_m - q_a) - D (q_m' - q_a') - f_m q_m' and q_a'' = a. No inertia of
     the links enters, only those of the motors, springs, dampers and kinematics. The errors of the joints are linear and
-    decoupled; l puts their four poles at exp(-bandwidth T). The accelerometer needs as many axes as there are links.
+    decoupled; l puts their four poles at exp(-bandwidth T), also where the bandwidth changes while running. The
+    accelerometer needs as many axes as there are links.
     """
 
     kind: ClassVar[str] = "accelerometer"
@@ -64,8 +65,8 @@ class AccelerometerObserver(AbstractObserver):
                 "choose another observer"
             )
 
-    def matrices(self, context: LoopContext, motor: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return A, B of (u, a) and l of one joint, shapes (4, 4), (4, 2) and (4,)."""
+    def matrices(self, context: LoopContext, motor: int) -> tuple[FloatArray, FloatArray]:
+        """Return A and B of (u, a) of one joint, shapes (4, 4) and (4, 2)."""
         robot, values = context.robot, context.robot.parameters
         name, joint = robot.joint_names[motor], robot.joints[robot.gear_rows[motor]].name
         inertia, friction = values[f"{name}.inertia"].value, values[f"{name}.viscous_friction"].value
@@ -74,30 +75,29 @@ class AccelerometerObserver(AbstractObserver):
         whole[0, 1] = whole[2, 3] = whole[3, 5] = 1.0
         whole[1, :5] = np.array([-k, -d - friction, k, d, 1.0]) / inertia
         whole = expm(whole * context.sample_time)
-        A, B = whole[:4, :4], whole[:4, 4:]
-        return A, B, _correction(A, np.exp(-self.bandwidth * context.sample_time))
+        return whole[:4, :4], whole[:4, 4:]
 
     def state_size(self, context: LoopContext) -> int:
         """Return the number of states: four per joint, past commands, started."""
         return 4 * context.n_motors + CommandLine(context).size + 1
 
     def gains(self, context: LoopContext) -> Mapping[str, float]:
-        """Return nothing: the poles are placed when the loop is built."""
+        """Return the bandwidth."""
         del context
-        return {}
+        return {"observer.bandwidth": self.bandwidth}
 
     def estimate(
         self, state: casadi.SX, signals: LoopSignals, gains: Mapping[str, casadi.SX]
     ) -> tuple[Estimate, Callable[[casadi.SX], casadi.SX]]:
         """Estimate the states at a sample; see `AbstractObserver.estimate`."""
-        del gains
         context, m, line = signals.context, signals.context.n_motors, CommandLine(signals.context)
         names = ("motor_position", "motor_velocity", "link_position", "link_velocity")
         started, y = state[-1] > 0.5, signals.measured("motor_position")
         begin = casadi.vertcat(*[signals.reference(name) for name in names])
         z = casadi.reshape(casadi.if_else(started, state[: 4 * m], begin), m, 4)
         designs = [self.matrices(context, motor) for motor in range(m)]
-        x = [z[k, :].T + casadi.DM(gain) * (y[k] - z[k, 0]) for k, (_, _, gain) in enumerate(designs)]
+        pole = casadi.exp(-gains["observer.bandwidth"] * context.sample_time)
+        x = [z[k, :].T + correction(A, pole) * (y[k] - z[k, 0]) for k, (A, _) in enumerate(designs)]
         parts = [casadi.vertcat(*[joint[order] for joint in x]) for order in range(4)]
         acceleration = self._accelerations(parts[2], parts[3], signals)
         past = line.begun(state[4 * m : -1], started, signals.reference("feedforward_torque"))
@@ -107,7 +107,7 @@ class AccelerometerObserver(AbstractObserver):
             ahead = [
                 casadi.mtimes(casadi.DM(A), x[k])
                 + casadi.mtimes(casadi.DM(B), casadi.vertcat(torque[k], acceleration[k]))
-                for k, (A, B, _) in enumerate(designs)
+                for k, (A, B) in enumerate(designs)
             ]
             stacked = [joint[order] for order in range(4) for joint in ahead]
             return casadi.vertcat(*stacked, line.after(past, command), 1.0)
@@ -128,11 +128,17 @@ class AccelerometerObserver(AbstractObserver):
         return solve_symmetric(casadi.mtimes(S.T, S), casadi.mtimes(S.T, signals.measured("tool_acceleration") - still))
 
 
-def _correction(A: FloatArray, pole: float) -> FloatArray:
-    """Return l such that all eigenvalues of A - A l C are at a pole, C = (1, 0, 0, 0), by Ackermann's formula."""
+def correction(A: FloatArray, pole: casadi.SX) -> casadi.SX:
+    """Return l that puts all eigenvalues of A - A l C at a pole, by Ackermann's formula, SX (4, 1).
+
+    Args:
+        A: System matrix of a joint, shape (4, 4); the motor position, C = (1, 0, 0, 0), is measured.
+        pole: The pole [1].
+    """
     n = len(A)
-    C = np.eye(n)[:1]
-    observability = np.vstack([C @ np.linalg.matrix_power(A, k) for k in range(n)])
-    shifted = np.linalg.matrix_power(A - pole * np.eye(n), n)
-    gain = shifted @ np.linalg.solve(observability, np.eye(n)[-1])
-    return np.asarray(np.linalg.solve(A, gain))
+    observability = np.vstack([np.eye(n)[:1] @ np.linalg.matrix_power(A, k) for k in range(n)])
+    direction = np.linalg.solve(A, np.linalg.solve(observability, np.eye(n)[-1]))
+    shifted = casadi.SX(casadi.DM(direction))
+    for _ in range(n):  # (A - p I)^n
+        shifted = casadi.mtimes(casadi.DM(A), shifted) - pole * shifted
+    return shifted
