@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from flexros.errors import unknown_name
 from flexros.robot.quantity import Quantity, Vector, unit_of
+from flexros.robot.specification import bending_name
 from flexros.robot.spring import Spring
 
 if TYPE_CHECKING:
@@ -86,6 +87,11 @@ def _quantities(
             if direction.motor:
                 motor_number += 1
                 yield from _of_motor(f"motor_{motor_number}", (*here, "motor"), direction.motor, rotary)
+        for axis, bending in body.bending.items():
+            for number, mode in enumerate(bending.listed()):
+                name, here = bending_name(index, axis, number), (*place, "bending", axis, "modes", number)
+                yield f"{name}.stiffness", (*here, "stiffness"), mode.stiffness, 0
+                yield f"{name}.damping", (*here, "damping"), mode.damping, 0
 
 
 def _stiffness(spring: Spring, rotary: bool) -> Quantity:

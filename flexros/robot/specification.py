@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import AfterValidator, Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from flexros.config.settings import Settings
+from flexros.robot.bending import Bending, checked_bending
 from flexros.robot.quantity import (
     Acceleration,
     Inertia,
@@ -30,6 +31,7 @@ from flexros.robot.sensor_settings import Sensors
 from flexros.robot.spring import Spring
 
 Axis = Literal["rx", "ry", "rz", "tx", "ty", "tz"]
+BendingAxis = Literal["rx", "ry", "rz"]
 PoseComponent = Literal["x", "y", "z", "rx", "ry", "rz"]
 
 
@@ -153,6 +155,17 @@ class Body(Settings):
         default_factory=lambda: _zero("Nm s/rad"), description="against the absolute rotation of the body [Nm s/rad]"
     )
     directions: dict[Axis, Direction] = Field(default_factory=dict, description="in the order of the chain")
+    bending: dict[BendingAxis, Bending] = Field(
+        default_factory=dict, description="bending of the link about an axis across its length, as assumed modes"
+    )
+
+    @model_serializer(mode="wrap")
+    def _without_absent_bending(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Leave out bending that is not there, so that the fingerprints of robots without it remain."""
+        data: dict[str, Any] = handler(self)
+        if not self.bending:
+            data.pop("bending", None)
+        return data
 
     @model_validator(mode="after")
     def _one_motor_and_units(self) -> Body:
@@ -168,7 +181,19 @@ class Body(Settings):
             check_unit(direction.damper, unit_of("damping", rotary), f"{key}.damper")
             if direction.motor is not None:
                 direction.motor.check_units(rotary, f"{key}.motor")
+        if self.bending:
+            object.__setattr__(self, "bending", checked_bending(self))
+            middle = tuple(component / 2.0 for component in self.length.value)
+            object.__setattr__(self, "center_of_mass", self.center_of_mass.model_copy(update={"value": middle}))
         return self
+
+    def straight_inertia(self) -> np.ndarray[Any, np.dtype[np.float64]]:
+        """Return the inertia tensor about the centre of mass [kg m2], shape (3, 3), with that of a straight beam."""
+        tensor = self.inertia.matrix()
+        if self.bending:
+            length = np.array(self.length.value)
+            tensor += self.mass.value / 12.0 * (length @ length * np.eye(3) - np.outer(length, length))
+        return tensor
 
 
 class LinearTool(Settings):
@@ -276,11 +301,20 @@ class RobotSpecification(Settings):
                 raise ValueError(f"{key} names '{name}', but the arm coordinates are {', '.join(allowed)}")
 
 
+def bending_name(body: int, axis: str, mode: int) -> str:
+    """Return the name of the coordinate of a mode, e.g. "body_1.bending_rz_1", from indices that begin at 0."""
+    return f"body_{body + 1}.bending_{axis}_{mode + 1}"
+
+
 def arm_names(specification: RobotSpecification) -> tuple[str, ...]:
-    """Return the arm coordinates in order, e.g. ("body_1.ry", "body_2.ry"), without rigid directions without motor."""
-    return tuple(
-        f"body_{index + 1}.{axis}"
-        for index, body in enumerate(specification.bodies)
-        for axis, direction in body.directions.items()
-        if direction.motor or direction.spring != "rigid"
-    )
+    """Return the arm coordinates in order, e.g. ("body_1.ry", "body_2.ry"), without rigid directions without motor.
+
+    The modes of a link follow its directions.
+    """
+    names: list[str] = []
+    for index, body in enumerate(specification.bodies):
+        free = (axis for axis, direction in body.directions.items() if direction.motor or direction.spring != "rigid")
+        names += [f"body_{index + 1}.{axis}" for axis in free]
+        for axis, bending in body.bending.items():
+            names += [bending_name(index, axis, mode) for mode in range(len(bending.listed()))]
+    return tuple(names)

@@ -18,6 +18,7 @@ LARGEST_ERROR = {
     "circle_dae": 3e-3,
     "circle_dae2": 1e-4,
     "circle_fj": 3e-3,
+    "circle_flexible_links": 2e-6,
     "circle_pd": 0.053,
     "circle_stable_inversion": 3e-7,
     "diagnosis": 0.15,

@@ -199,6 +199,10 @@ def _of_robot(robot: Robot, scale: float) -> list[NotHeld]:
         if servo is not None and servo.feedforward.value:
             reason = "servos of other programs follow a speed of their own; command it there"
             found.append(NotHeld(motor.name, "servo feedforward", f"{servo.feedforward.value:.6g}", reason))
+    for index, body in enumerate(robot.spec.bodies):
+        for axis, bending in body.bending.items():
+            size = f"{len(bending.listed())} modes, {bending.rigidity.value:.6g} N m2"
+            found.append(NotHeld(f"body_{index + 1}", f"bending about {axis}", size, "the link is written as straight"))
     if robot.spec.inertial_coupling:
         found.append(
             NotHeld("all", "inertial_coupling", "rotors turn with the links", "an armature acts on its joint alone")

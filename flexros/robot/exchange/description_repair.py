@@ -147,7 +147,7 @@ class _Repair:
         squared = robot.motors[0].gear_ratio ** 2 if robot.spec.coordinates == "motor" else 1.0
         for joint in robot.joints:
             spring = joint.direction.spring
-            if joint.motor is None and isinstance(spring, Spring):
+            if joint.motor is None and joint.mode is None and isinstance(spring, Spring):
                 unit = unit_of("stiffness", joint.rotary)
                 self._lost(joint.name, "stiffness", squared * spring.at_zero, unit, NO_SPRING)
 

@@ -78,7 +78,7 @@ class _Writer:
                 self._note(f"body_{index + 1}", "weight", "body gravcomp", -weight, "1")
             self._inertial(place, index, body)
             for joint in self.robot.joints:
-                if joint.body == index:
+                if joint.body == index and joint.mode is None:
                     self._joints(place, joint, step)
             offset = np.array(body.length.value, dtype=float)
         self._shapes()
@@ -96,7 +96,7 @@ class _Writer:
         self.written.append(Written(location, quantity, place, None, value, unit))
 
     def _inertial(self, element: Element, index: int, body: Body) -> None:
-        tensor = self.squared * body.inertia.matrix()
+        tensor = self.squared * body.straight_inertia()
         mass = body.mass.value
         attributes = {
             "pos": numbers_text(body.center_of_mass.value),

@@ -48,7 +48,7 @@ def urdf_text(robot: Robot, flexible: Flexible = "fixed") -> str:
     shapes = {shape.body: shape for shape in link_shapes(robot.spec)}
     parent, offset = BASE_LINK, np.zeros(3)
     for index, body in enumerate(robot.spec.bodies):
-        joints = [joint for joint in robot.joints if joint.body == index]
+        joints = [joint for joint in robot.joints if joint.body == index and joint.mode is None]  # links are straight
         for joint in joints:
             child = f"body_{index + 1}" if joint.last else f"body_{index + 1}_{joint.name.split('.')[1]}"
             parent = _add_joint(root, joint, flexible, parent, child, offset)
@@ -120,7 +120,8 @@ def _describe(link: Element, body: Body, shape: LinkShape | None) -> None:
     inertial = ElementTree.SubElement(link, "inertial")
     ElementTree.SubElement(inertial, "origin", xyz=_numbers(body.center_of_mass.value))
     ElementTree.SubElement(inertial, "mass", value=_number(body.mass.value))
-    entries = {f"i{key}": getattr(body.inertia, key).value for key in ("xx", "xy", "xz", "yy", "yz", "zz")}
+    tensor, axes = body.straight_inertia(), ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+    entries = {f"i{'xyz'[i]}{'xyz'[j]}": float(tensor[i, j]) for i, j in axes}
     ElementTree.SubElement(inertial, "inertia", {key: _number(value) for key, value in entries.items()})
     if shape is None:
         return

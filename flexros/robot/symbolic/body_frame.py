@@ -42,12 +42,15 @@ def body_frame(robot: Robot, body: int, q: ca.SX, value: Callable[[str], Value])
     """
     chain = robot.chain
     geometry = build_geometry(robot.spec, chain, value)
-    last = max(index for index, joint in enumerate(chain.joints) if joint.body <= body)
+    # the modes of a link move what follows it, not the frame of the link
+    joints = enumerate(chain.joints)
+    last = max(index for index, joint in joints if joint.body < body or (joint.body == body and joint.mode is None))
     position, rotation = ca.SX.zeros(3), ca.SX.eye(3)
     for index in range(last + 1):
         position = position + rotation @ joint_origin(chain, geometry, index, q[index])
         rotation = rotation @ joint_rotation(chain, index, q[index])
-    mass = geometry.frames[last].masses[body - chain.joints[last].body]
+    first = chain.joints[last].body + (chain.joints[last].mode is not None)
+    mass = geometry.frames[last].masses[body - first]
     return BodyFrame(rotation, position + rotation @ mass.center)
 
 

@@ -9,9 +9,12 @@ import casadi as ca
 import numpy as np
 
 from flexros.arrays import FloatArray
+from flexros.robot.specification import Direction, bending_name
+from flexros.robot.spring import Spring
 
 if TYPE_CHECKING:
-    from flexros.robot.specification import Direction, Motor, RobotSpecification
+    from flexros.robot.beam import ModeShape
+    from flexros.robot.specification import Body, Motor, RobotSpecification
 
 Coordinates = TypeVar("Coordinates", FloatArray, ca.SX)
 """Numerical or symbolic coordinates."""
@@ -32,6 +35,7 @@ class Joint:
         motor: Index of its motor, None when not actuated.
         motor_coordinate: Index of the motor's own coordinate among the motor coordinates; None for a rigid gear
             (the motor moves with the arm coordinate) and when not actuated.
+        mode: Assumed mode of a link that bends, whose coordinate is its largest deflection [m]; None for a direction.
     """
 
     name: str
@@ -43,6 +47,55 @@ class Joint:
     direction: Direction
     motor: int | None
     motor_coordinate: int | None
+    mode: LinkMode | None = None
+
+
+@dataclass(frozen=True)
+class LinkMode:
+    """Assumed mode of a link as the motion of its tip.
+
+    Attributes:
+        shape: Deflection along the link.
+        along: Index of the axis along the link.
+        length: Length of the link with the sign of its direction [m].
+        across: Index of the axis in which the link deflects.
+        sign: Deflection along that axis by a positive slope, 1 or -1.
+    """
+
+    shape: ModeShape
+    along: int
+    length: float
+    across: int
+    sign: float
+
+    @property
+    def tip(self) -> float:
+        """Deflection of the tip in units of the coordinate, along `across` [1]."""
+        return float(self.at(np.ones(1))[0])
+
+    @property
+    def tip_slope(self) -> float:
+        """Rotation of the tip about the bending axis per unit of the coordinate [rad/m]."""
+        return float(self.shape.slope(np.ones(1))[0]) / abs(self.length)
+
+    def at(self, xi: FloatArray) -> FloatArray:
+        """Return the deflection along `across` at positions xi = x / l, in units of the coordinate [1]."""
+        return self.sign * self.shape.deflection(xi)
+
+
+def link_mode(axis: int, length: tuple[float, float, float], shape: ModeShape) -> LinkMode:
+    """Return a mode of a link that bends about an axis.
+
+    Args:
+        axis: Index of the axis about which its slopes turn.
+        length: Vector from the joint to the tip [m], along one axis.
+        shape: Deflection along the link.
+    """
+    along = int(np.flatnonzero(length)[0])
+    across = 3 - along - axis
+    # a positive rotation about the axis moves the tip along axis x length
+    sign = 1.0 if (axis + 1) % 3 == along else -1.0
+    return LinkMode(shape, along, length[along], across, sign * float(np.sign(length[along])))
 
 
 @dataclass(frozen=True)
@@ -58,6 +111,11 @@ class Chain:
     joints: tuple[Joint, ...]
     n_motors: int
     n_motor_coordinates: int
+
+    @property
+    def bends(self) -> bool:
+        """Whether a link bends."""
+        return any(joint.mode is not None for joint in self.joints)
 
     @property
     def gear_rows(self) -> tuple[int, ...]:
@@ -134,4 +192,27 @@ def build_chain(specification: RobotSpecification) -> Chain:
             )
             n_motors += direction.motor is not None
             n_motor_coordinates += flexible
+        joints += _modes(body_index, body)
     return Chain(tuple(joints), n_motors, n_motor_coordinates)
+
+
+def _modes(index: int, body: Body) -> list[Joint]:
+    """Return the modes of a link as joints after those of its directions."""
+    found = []
+    for axis, bending in body.bending.items():
+        for number, mode in enumerate(bending.listed()):
+            found.append(
+                Joint(
+                    name=bending_name(index, axis, number),
+                    axis="xyz".index(axis[1]),
+                    rotary=False,
+                    body=index,
+                    first=False,
+                    last=False,
+                    direction=Direction(spring=Spring(stiffness=mode.stiffness), damper=mode.damping),
+                    motor=None,
+                    motor_coordinate=None,
+                    mode=link_mode("xyz".index(axis[1]), body.length.value, mode.shape),
+                )
+            )
+    return found

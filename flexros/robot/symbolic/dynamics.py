@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 
+from flexros.robot.symbolic.inertial_coupling import solve_symmetric
 from flexros.robot.symbolic.kinematics import Mass, joint_origin, joint_rotation, unit_vector
 
 if TYPE_CHECKING:
-    from flexros.robot.symbolic.chain import Chain
+    from flexros.robot.symbolic.chain import Chain, Joint, LinkMode
     from flexros.robot.symbolic.kinematics import Geometry
 
 
@@ -68,7 +69,10 @@ def motion(chain: Chain, geometry: Geometry, q: ca.SX, v: ca.SX) -> Motion:
         velocity = R.T @ (velocity + cross(omega, r))
         omega = R.T @ omega
         rate = unit_vector(joint.axis) * v[index]
-        if joint.rotary:
+        if joint.mode is not None:
+            turn, shift = _tip_motion(joint.mode, joint, R)
+            omega, velocity = omega + turn * v[index], velocity + shift * v[index]
+        elif joint.rotary:
             omega = omega + rate
         else:
             velocity = velocity + rate
@@ -79,9 +83,14 @@ def motion(chain: Chain, geometry: Geometry, q: ca.SX, v: ca.SX) -> Motion:
     return Motion(rotations, origins, angular, linear)
 
 
+def _tip_motion(mode: LinkMode, joint: Joint, R: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Return turn and displacement of the tip of a link per unit of a mode, in the frame of the tip."""
+    return unit_vector(joint.axis) * mode.tip_slope, R.T @ unit_vector(mode.across) * mode.tip
+
+
 def _momentum(mass: Mass, omega: ca.SX, velocity: ca.SX) -> tuple[ca.SX, ca.SX]:
     """Return the spatial momentum of a body about the origin of its frame."""
-    linear = mass.mass * (velocity + cross(omega, mass.center))
+    linear = mass.rigid_mass * (velocity + cross(omega, mass.center))
     return mass.inertia @ omega + cross(mass.center, linear), linear
 
 
@@ -99,6 +108,11 @@ def _bias_acceleration(chain: Chain, index: int, moving: Motion, v: ca.SX) -> tu
     """Return the velocity-product acceleration V x (S v) of a joint."""
     joint = chain.joints[index]
     rate = unit_vector(joint.axis) * v[index]
+    if joint.mode is not None:
+        turn, shift = (part * v[index] for part in _tip_motion(joint.mode, joint, moving.rotations[index]))
+        omega, velocity = moving.angular[index], moving.linear[index]
+        # the displacement is fixed in the frame before: in that of the tip it turns back with the slope
+        return cross(omega, turn), cross(omega, shift) + cross(velocity, turn) - cross(turn, shift)
     if joint.rotary:
         return cross(moving.angular[index], rate), cross(moving.linear[index], rate)
     return ca.SX.zeros(3), cross(moving.angular[index], rate)
@@ -134,6 +148,7 @@ def inverse_dynamics(
     n = len(chain.joints)
     torques: list[ca.SX] = []
     forces: list[ca.SX] = []
+    bending = [ca.SX(0)] * n
     alpha, accel = ca.SX.zeros(3), -gravity
     for index, joint in enumerate(chain.joints):
         R, r = moving.rotations[index], moving.origins[index]
@@ -141,12 +156,20 @@ def inverse_dynamics(
         accel = R.T @ (accel + cross(alpha, r)) + extra_linear
         alpha = R.T @ alpha + extra_angular
         step = unit_vector(joint.axis) * a[index]
-        alpha, accel = (alpha + step, accel) if joint.rotary else (alpha, accel + step)
+        if joint.mode is not None:
+            turn, shift = _tip_motion(joint.mode, joint, R)
+            alpha, accel = alpha + turn * a[index], accel + shift * a[index]
+        else:
+            alpha, accel = (alpha + step, accel) if joint.rotary else (alpha, accel + step)
         masses = geometry.frames[index].masses
         torque, force = _velocity_force(masses, moving.angular[index], moving.linear[index])
         for mass in masses:
             angular, linear = _momentum(mass, alpha, accel)
             torque, force = torque + angular, force + linear
+            if mass.beam:
+                frame = _MovingFrame(moving.angular[index], moving.linear[index], alpha, accel)
+                angular, linear = _beam_force(mass, frame, q, v, a, bending)
+                torque, force = torque + angular, force + linear
         torques.append(torque)
         forces.append(force)
     if wrench is not None:
@@ -155,13 +178,48 @@ def inverse_dynamics(
     result = [ca.SX(0)] * n
     for index in reversed(range(n)):
         joint = chain.joints[index]
-        result[index] = (torques if joint.rotary else forces)[index][joint.axis]
+        if joint.mode is not None:
+            turn, shift = _tip_motion(joint.mode, joint, moving.rotations[index])
+            result[index] = bending[index] + ca.dot(turn, torques[index]) + ca.dot(shift, forces[index])
+        else:
+            result[index] = (torques if joint.rotary else forces)[index][joint.axis]
         if index:
             R, r = moving.rotations[index], moving.origins[index]
             force = R @ forces[index]
             torques[index - 1] = torques[index - 1] + R @ torques[index] + cross(r, force)
             forces[index - 1] = forces[index - 1] + force
     return ca.vertcat(*result)
+
+
+@dataclass(frozen=True)
+class _MovingFrame:
+    """Velocities and spatial accelerations of a frame, the latter with gravity as an acceleration of the base."""
+
+    angular: ca.SX
+    linear: ca.SX
+    alpha: ca.SX
+    accel: ca.SX
+
+
+def _beam_force(
+    mass: Mass, frame: _MovingFrame, q: ca.SX, v: ca.SX, a: ca.SX, bending: list[ca.SX]
+) -> tuple[ca.SX, ca.SX]:
+    """Return torque and force that accelerate the points of a link that bends, and add those on its modes.
+
+    With p the place of a point in the frame: acceleration = accel + omega x velocity + alpha x p
+    + omega x (omega x p) + 2 omega x p' + p''.
+    """
+    omega = frame.angular
+    of_frame = frame.accel + cross(omega, frame.linear)
+    torque, force = ca.SX.zeros(3), ca.SX.zeros(3)
+    for point in mass.beam:
+        place = point.at(q)
+        turning = cross(frame.alpha, place) + cross(omega, cross(omega, place) + 2 * point.moved(v))
+        own = mass.mass * point.share * (of_frame + turning + point.moved(a))
+        torque, force = torque + cross(place, own), force + own
+        for joint, shape in point.modes:
+            bending[joint] = bending[joint] + ca.dot(shape, own)
+    return torque, force
 
 
 def _frame_inertia(masses: tuple[Mass, ...]) -> Inertia:
@@ -194,6 +252,10 @@ def inertia_matrix(chain: Chain, geometry: Geometry, q: ca.SX) -> ca.SX:
         Symmetric matrix [kg m2, kg m, kg], SX (N, N).
     """
     n = len(chain.joints)
+    if chain.bends:
+        a, rest = ca.SX.sym("a", n), ca.SX.zeros(n)
+        matrix = ca.jacobian(inverse_dynamics(chain, geometry, ca.SX.zeros(3), q, rest, a), a)
+        return ca.tril2symm(ca.tril(ca.densify(matrix)))
     rotations = [joint_rotation(chain, i, q[i]) for i in range(n)]
     origins = [joint_origin(chain, geometry, i, q[i]) for i in range(n)]
     M = ca.SX.zeros(n, n)
@@ -246,8 +308,11 @@ def forward_dynamics(
     Returns:
         Accelerations of the arm coordinates, SX (N, 1).
     """
-    moving = motion(chain, geometry, q, v)
     n = len(chain.joints)
+    if chain.bends:
+        other = inverse_dynamics(chain, geometry, gravity, q, v, ca.SX.zeros(n), wrench)
+        return solve_symmetric(inertia_matrix(chain, geometry, q) + ca.diag(ca.vertcat(*armature)), tau - other)
+    moving = motion(chain, geometry, q, v)
     articulated = [_frame_inertia(frame.masses) for frame in geometry.frames]
     bias = [_velocity_force(geometry.frames[i].masses, moving.angular[i], moving.linear[i]) for i in range(n)]
     torque, force = _tool_force(geometry, moving, wrench)

@@ -7,24 +7,62 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 
+from flexros.robot.beam import gauss_points
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from flexros.robot.specification import Output, RobotSpecification
-    from flexros.robot.symbolic.chain import Chain
+    from flexros.robot.symbolic.chain import Chain, Joint
+
+POINTS = 6
+"""Mass points of a link that bends, beside two per mode (chosen: the inertia is exact to some 1e-9)."""
 
 Value = ca.SX | float
 """A parameter of the model: a number, or a symbol where it is free."""
 
 
 @dataclass(frozen=True)
+class BeamPoint:
+    """A mass point of a link that bends.
+
+    Attributes:
+        share: Its share of the link's mass [1].
+        place: Place of the straight link in the frame that carries it [m], SX (3, 1).
+        modes: Index of a joint of a mode, and the displacement of the point per unit of its coordinate, SX (3, 1).
+    """
+
+    share: float
+    place: ca.SX
+    modes: tuple[tuple[int, ca.SX], ...]
+
+    def at(self, q: ca.SX) -> ca.SX:
+        """Return the place in the frame that carries the link [m], SX (3, 1), for arm coordinates q."""
+        return self.place + self.moved(q)
+
+    def moved(self, rates: ca.SX) -> ca.SX:
+        """Return the displacement, or its rate, for arm coordinates or their rates, SX (3, 1)."""
+        return sum((shape * rates[joint] for joint, shape in self.modes), start=ca.SX.zeros(3))
+
+
+@dataclass(frozen=True)
 class Mass:
-    """A rigid body fixed to a joint frame: mass [kg], centre of mass [m], inertia about it [kg m2], friction."""
+    """A body fixed to a joint frame: mass [kg], centre of mass [m], inertia about it [kg m2], friction.
+
+    The mass of a link that bends is that of its points; its centre and inertia are those of the straight link, the
+    inertia without what the points have.
+    """
 
     mass: Value
     center: ca.SX
     inertia: ca.SX
     viscous_friction: Value
+    beam: tuple[BeamPoint, ...] = ()
+
+    @property
+    def rigid_mass(self) -> Value:
+        """The mass of a rigid body [kg], zero for a link that bends."""
+        return 0.0 if self.beam else self.mass
 
 
 @dataclass(frozen=True)
@@ -61,31 +99,51 @@ def build_geometry(specification: RobotSpecification, chain: Chain, value: Calla
         chain: Its joints.
         value: Maps a parameter name to its number or symbol.
     """
-    joint_of_body = {joint.body: index for index, joint in enumerate(chain.joints)}
+    joint_of_body = {joint.body: index for index, joint in enumerate(chain.joints) if joint.mode is None}
     offsets: list[ca.SX] = []
     carried: list[list[Mass]] = [[] for _ in chain.joints]
     current = -1
     reach = ca.SX.zeros(3)
     for body_index in range(len(specification.bodies)):
         name = f"body_{body_index + 1}"
+        modes = [i for i, joint in enumerate(chain.joints) if joint.body == body_index and joint.mode is not None]
         if body_index in joint_of_body:
             current = joint_of_body[body_index]
-            count = sum(joint.body == body_index for joint in chain.joints)
+            count = sum(joint.body == body_index for joint in chain.joints) - len(modes)
             offsets += [reach] + [ca.SX.zeros(3)] * (count - 1)
             reach = ca.SX.zeros(3)
+        length = _vector(name, "length", value)
         if current >= 0:
-            center = reach + _vector(name, "center_of_mass", value)
-            carried[current].append(
-                Mass(value(f"{name}.mass"), center, _tensor(name, value), value(f"{name}.viscous_friction"))
-            )
-        tip = reach + _vector(name, "length", value)
+            center = reach + (length / 2 if modes else _vector(name, "center_of_mass", value))
+            friction = value(f"{name}.viscous_friction")
+            beam = _beam(chain, modes, reach, length)
+            carried[current].append(Mass(value(f"{name}.mass"), center, _tensor(name, value), friction, beam))
+        tip = reach + length
+        tool = tip
         if body_index == len(specification.bodies) - 1 and specification.tool.position is not None:
             tool = reach + ca.SX(ca.DM(specification.tool.position.value))
-        else:
-            tool = tip
+        if modes:  # what follows is fixed to the bent tip
+            offsets += [tip] + [ca.SX.zeros(3)] * (len(modes) - 1)
+            current, tool, tip = modes[-1], tool - tip, ca.SX.zeros(3)
         reach = tip
     frames = tuple(Frame(offset, tuple(masses)) for offset, masses in zip(offsets, carried))
     return Geometry(frames, tool)
+
+
+def _beam(chain: Chain, modes: list[int], reach: ca.SX, length: ca.SX) -> tuple[BeamPoint, ...]:
+    """Return the mass points of a link that bends, at the points of Gauss-Legendre quadrature; none for a rigid one."""
+    if not modes:
+        return ()
+    positions, weights = gauss_points(POINTS + 2 * len(modes))
+    points = []
+    for k, (xi, share) in enumerate(zip(positions.tolist(), weights.tolist(), strict=True)):
+        shapes = []
+        for joint in modes:
+            mode = chain.joints[joint].mode
+            assert mode is not None
+            shapes.append((joint, unit_vector(mode.across) * float(mode.at(positions)[k])))
+        points.append(BeamPoint(share, reach + xi * length, tuple(shapes)))
+    return tuple(points)
 
 
 def _vector(body: str, key: str, value: Callable[[str], Value]) -> ca.SX:
@@ -95,6 +153,11 @@ def _vector(body: str, key: str, value: Callable[[str], Value]) -> ca.SX:
 def _tensor(body: str, value: Callable[[str], Value]) -> ca.SX:
     xx, yy, zz, xy, xz, yz = (ca.SX(value(f"{body}.inertia.{entry}")) for entry in ("xx", "yy", "zz", "xy", "xz", "yz"))
     return ca.vertcat(ca.horzcat(xx, xy, xz), ca.horzcat(xy, yy, yz), ca.horzcat(xz, yz, zz))
+
+
+def joint_angle(joint: Joint, coordinate: ca.SX) -> ca.SX:
+    """Return the angle of a rotary joint, or of the tip of a link by a mode [rad]."""
+    return coordinate if joint.mode is None else joint.mode.tip_slope * coordinate
 
 
 def joint_rotation(chain: Chain, index: int, angle: ca.SX) -> ca.SX:
@@ -109,8 +172,9 @@ def joint_rotation(chain: Chain, index: int, angle: ca.SX) -> ca.SX:
         Rotation matrix; the identity for a translation.
     """
     joint = chain.joints[index]
-    if not joint.rotary:
+    if not joint.rotary and joint.mode is None:
         return ca.SX.eye(3)
+    angle = joint_angle(joint, angle)
     c, s = ca.cos(angle), ca.sin(angle)
     a, b = (joint.axis + 1) % 3, (joint.axis + 2) % 3
     rotation = ca.SX(3, 3)
@@ -124,6 +188,8 @@ def joint_origin(chain: Chain, geometry: Geometry, index: int, coordinate: ca.SX
     """Return the origin of a joint frame in the frame before it [m], SX (3, 1)."""
     joint = chain.joints[index]
     origin = geometry.frames[index].offset
+    if joint.mode is not None:
+        return origin + unit_vector(joint.mode.across) * (joint.mode.tip * coordinate)
     return origin if joint.rotary else origin + unit_vector(joint.axis) * coordinate
 
 
@@ -156,9 +222,10 @@ def _quaternion(chain: Chain, q: ca.SX) -> ca.SX:
     """Return the orientation as a quaternion [x, y, z, w], continuous in q as a product over the joints."""
     x, y, z, w = ca.SX(0), ca.SX(0), ca.SX(0), ca.SX(1)
     for index, joint in enumerate(chain.joints):
-        if not joint.rotary:
+        if not joint.rotary and joint.mode is None:
             continue
-        c, s = ca.cos(q[index] / 2), ca.sin(q[index] / 2)
+        angle = joint_angle(joint, q[index])
+        c, s = ca.cos(angle / 2), ca.sin(angle / 2)
         if joint.axis == 0:
             x, y, z, w = c * x + s * w, c * y + s * z, c * z - s * y, c * w - s * x
         elif joint.axis == 1:

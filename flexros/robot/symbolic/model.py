@@ -305,7 +305,8 @@ class SymbolicModel:
             position = position + rotation @ kinematics.joint_origin(self.chain, self._geometry, index, self._q[index])
             rotation = rotation @ kinematics.joint_rotation(self.chain, index, self._q[index])
             for mass in frame.masses:
-                potential = potential - mass.mass * ca.dot(self._gravity, position + rotation @ mass.center)
+                for share, place in _places(mass, self._q):
+                    potential = potential - mass.mass * share * ca.dot(self._gravity, position + rotation @ place)
             spring = joint.direction.spring
             if isinstance(spring, Spring):
                 deflection = self._q[index]
@@ -313,3 +314,8 @@ class SymbolicModel:
                     deflection = self._q[self.n_arm + joint.motor_coordinate] - deflection
                 potential = potential + spring.energy(deflection, self._values[f"{joint.name}.stiffness"])
         return potential
+
+
+def _places(mass: kinematics.Mass, q: ca.SX) -> list[tuple[float, ca.SX]]:
+    """Return shares of a mass and their places in the frame that carries it."""
+    return [(point.share, point.at(q)) for point in mass.beam] or [(1.0, mass.center)]

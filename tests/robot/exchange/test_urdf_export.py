@@ -65,6 +65,8 @@ def joints(robot: Robot, flexible: Flexible, seed: int) -> tuple[dict[str, float
     values: dict[str, float] = {}
     slope = []
     for index, joint in enumerate(robot.joints):
+        if joint.mode is not None:  # links are straight in a URDF
+            continue
         parts = [f"motor_{joint.motor + 1}"] if joint.motor is not None else []
         if flexible == "continuous" and (joint.motor is None or joint.motor_coordinate is not None):
             parts.append(joint.name)

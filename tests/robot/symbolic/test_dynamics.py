@@ -15,7 +15,11 @@ pytestmark = pytest.mark.slow
 pinocchio_model = pytest.importorskip("tests.oracles.pinocchio_model", reason="Pinocchio is not installed")
 
 
-@pytest.fixture(scope="module", params=robot_names())
+RIGID_LINKS = [name for name in robot_names() if not load_robot(name).chain.bends]
+"""Pinocchio has no links that bend; tests/robot/symbolic/test_flexible_links.py checks those."""
+
+
+@pytest.fixture(scope="module", params=RIGID_LINKS)
 def robot(request: pytest.FixtureRequest) -> Robot:
     return load_robot(request.param)
 
