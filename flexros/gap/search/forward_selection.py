@@ -107,6 +107,8 @@ def explain(search: Search) -> Explanations:
         before, chosen = chosen, _reduced(search, grown, fits, settings.removed_by_step)
         if chosen.names == before.names:
             break
+    if search.base is not null and chosen.names != first.names:
+        chosen = _with_dropped(search, chosen, fits)
     if len(chosen.hypothesis) > 1:
         fits.append(search.completed(chosen))
         chosen = _reduced(search, fits[-1], fits, settings.removed)
@@ -293,6 +295,25 @@ def _with_asymmetry(search: Search, fit: CandidateFit, fits: list[CandidateFit])
         return fit
     fits.append(search.reshaped(fit, kept))
     return fits[-1]
+
+
+def _with_dropped(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
+    """Add the effects of the torques that were left out, and keep those that are clear now.
+
+    Friction drowned in what another effect leaves, such as that of a wrong spring, shows once that effect is found.
+
+    Args:
+        search: The search.
+        fit: An explanation with further effects than the torques show.
+        fits: All fits so far; new ones are appended.
+    """
+    dropped = [candidate for candidate in search.base.hypothesis if candidate.name not in fit.names]
+    directions = search.directions(dropped, fit)
+    if not directions or search.deadline.stops():
+        return fit
+    additions = search.additions(directions, fit, search.surroundings(fit))
+    fits.append(search.together(fit, additions))
+    return _reduced(search, fits[-1], fits, search.settings.search.removed_by_step)
 
 
 def _uneven(candidate: Candidate) -> bool:
