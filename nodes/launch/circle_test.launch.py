@@ -12,4 +12,13 @@ if TYPE_CHECKING:
 
 def generate_launch_description() -> LaunchDescription:
     """Describe arguments and nodes."""
-    return run_description("circle_dae", "circle_dae2", "circle_fj", "circle_pd", "smooth_dae", "smooth_dae2")
+    return run_description(
+        "circle_dae",
+        "circle_dae2",
+        "circle_fj",
+        "circle_pd",
+        "smooth_dae",
+        "smooth_dae2",
+        "circle_stable_inversion",
+        "circle_flexible_links",
+    )
