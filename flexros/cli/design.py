@@ -10,6 +10,7 @@ import typer
 from rich.table import Table
 
 from flexros.cli.model import ROBOT, linear_robot
+from flexros.cli.options import names_in
 from flexros.cli.output import console, print_json, say
 from flexros.cli.progress import progress_shown
 from flexros.cli.robots import parse_numbers
@@ -19,11 +20,13 @@ from flexros.errors import InputError, argument_named, unknown_name
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from flexros.arrays import FloatArray
     from flexros.benchmark.tuning import Tunable
     from flexros.config.settings import Settings
     from flexros.control.base import AbstractControlLaw
     from flexros.control.design.margins import LoopMargins
     from flexros.control.design.methods.base import AbstractDesignMethod, DesignProblem
+    from flexros.robot import Robot
 
 STRUCTURE, MARGINS = "structure", "margins"
 """Methods beside those of `flexros.control.design.methods`: a tuned structure, and none, for a given controller."""
@@ -34,10 +37,12 @@ def design(
     model: str = typer.Option("four_mass", "--model", help=ROBOT),
     choice: list[str] = typer.Option([], "--set", help="Choice of the method, NAME=VALUE; repeatable."),
     q: list[str] = typer.Option([], "--q", help="Pose, arm coordinates with commas [rad or m]; repeatable."),
+    models: str = typer.Option("", "--models", help="Model sets of the benchmark as further plants, e.g. M1,M2."),
     tune: int = typer.Option(0, "--tune", help="Laws tried per stage when tuned on the feedback benchmark; 0: not."),
     step: float = typer.Option(0.3, "--step", help="First step of the search, in logarithms of the numbers [1]."),
     seed: int = typer.Option(1, "--seed", help="Seed of the search."),
     start: Path = typer.Option(None, "--start", help="Controller file from whose parameters the search starts."),
+    only: str = typer.Option("", "--only", help="Tune only C1 or C2; the other one is kept from --start."),
     controller: str = typer.Option("", "--controller", help="For margins: scenario, or controller of the benchmark."),
     out: Path = typer.Option(None, "--out", help="Write the controller file."),
     report: Path = typer.Option(None, "--report", help="Write Bode, Nyquist and step pictures and margins as HTML."),
@@ -58,20 +63,27 @@ def design(
         laws, problem = _given(controller, model, q)
     else:
         robot = linear_robot(model)
-        problem = DesignProblem.of(robot, [parse_numbers(text, "--q") for text in q])
+        names, values = _further_plants(robot, models)
+        poses = [parse_numbers(text, "--q") for text in q]
+        problem = DesignProblem.of(robot, poses, names=names, values=values)
         if method == STRUCTURE or tune:
-            made_by = _command(method, model, choice, q, tune, step, seed, start)
-            laws, text = _tuned(method, settings, problem, tune, step, seed, start, made_by)
+            made_by = _command(method, model, choice, q, models, tune, step, seed, start, only)
+            laws, text = _tuned(method, settings, problem, tune, step, seed, start, only, made_by)
         else:
             chosen = validate(methods[method], settings, f"method {method}")
             found = chosen.design(problem)
             laws, figures = {"controller": found.law()}, dict(found.figures)
-            text = _text(method, chosen, laws, _command(method, model, choice, q, tune, step, seed, start))
+            text = _text(
+                method, chosen, laws, _command(method, model, choice, q, models, tune, step, seed, start, only)
+            )
         if out:
             from flexros.benchmark.tuning import write_controller
 
             write_controller(out, text)
-    _show(laws, problem, figures, report, as_json)
+    if any("tool_acceleration" in getattr(law, "inputs", ()) for law in laws.values()):
+        say("margins are computed for the motor encoders alone; flexros benchmark checks this controller")
+    else:
+        _show(laws, problem, figures, report, as_json)
     if out and not as_json:
         say(f"controller: {out}")
 
@@ -158,6 +170,22 @@ def _list_methods(methods: Mapping[str, type[AbstractDesignMethod]], as_json: bo
             say(f"    {key}: {description}")
 
 
+def _further_plants(robot: Robot, models: str) -> tuple[tuple[str, ...], FloatArray | None]:
+    """Return names and values of the parameters of model sets, the nominal model first."""
+    from flexros.benchmark.models import NOMINAL, PARAMETERS, RULES, set_values
+    from flexros.benchmark.models import ROBOT as BENCHMARK_ROBOT
+
+    wanted = [name for name in names_in(models) if name != NOMINAL]
+    if not wanted:
+        return (), None
+    for name in wanted:
+        if name not in RULES:
+            raise unknown_name("model set", name, RULES, "--models")
+    if robot.name != BENCHMARK_ROBOT:
+        raise InputError(f"robot {robot.name} has no model sets, {BENCHMARK_ROBOT} has; give that one", "model")
+    return PARAMETERS, np.vstack([set_values(robot, name) for name in (NOMINAL, *wanted)])
+
+
 def _choices(texts: Sequence[str]) -> dict[str, float]:
     """Parse NAME=VALUE."""
     found: dict[str, float] = {}
@@ -212,6 +240,7 @@ def _tuned(
     step: float,
     seed: int,
     start: Path | None,
+    only: str,
     made_by: str,
 ) -> tuple[dict[str, AbstractControlLaw], str]:
     """Tune both controllers of a design on the benchmark; return them with the text of the controller file."""
@@ -234,6 +263,10 @@ def _tuned(
         raise InputError(
             f"robot {problem.robot.name} is not that of the benchmark, {BENCHMARK_ROBOT}; give that one", "model"
         )
+    if only and (only not in PARTS or not start):
+        raise InputError(
+            f"'{only}' alone is to be tuned, allowed is C1 or C2, with a controller to start from; correct it", "only"
+        )
     stages: Sequence[Tunable]
     if method == STRUCTURE:
         structure = structure_of(settings)
@@ -251,6 +284,9 @@ def _tuned(
     found = {}
     with progress_shown() as show:
         for number, (part, key) in enumerate(PARTS.items()):
+            if only and part != only:
+                found[key] = known[part]
+                continue
             found[key] = tuned(
                 bench, stages, known[part], part, evaluations=tune, step=step, seed=seed,
                 progress=lambda text, share, number=number: show(text, (number + share) / len(PARTS)),  # type: ignore[misc]
@@ -270,18 +306,22 @@ def _command(
     model: str,
     choice: Sequence[str],
     q: Sequence[str],
+    models: str,
     tune: int,
     step: float,
     seed: int,
     start: Path | None,
+    only: str,
 ) -> str:
     """Return the command that reproduces a design."""
     words = ["flexros design", method, f"--model {model}"]
     words += [f"--set {text}" for text in choice] + [f"--q={text}" for text in q]
+    words += [f"--models {models}"] if models else []
     if tune:
         words += [
             f"--tune {tune}",
             *([f"--step {step:g}"] if step != 0.3 else []),
             *([f"--seed {seed}"] if seed != 1 else []),
         ]
-    return " ".join(words + ([f"--start {start}"] if start else []))
+    words += [f"--start {start}"] if start else []
+    return " ".join(words + ([f"--only {only}"] if only else []))

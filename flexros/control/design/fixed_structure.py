@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from flexros.arrays import FloatArray
+    from flexros.arrays import ComplexArray, FloatArray
 
 BIQUAD = ("zero_frequency", "zero_damping", "pole_frequency", "pole_damping")
 """Parameters of a second-order section: natural frequencies [rad/s] and damping ratios [1]."""
@@ -49,7 +49,7 @@ class DiscreteSystem:
         B = np.block([[self.B, np.zeros((n, other.B.shape[1]))], [np.zeros((m, self.B.shape[1])), other.B]])
         return DiscreteSystem(A, B, np.hstack([self.C, other.C]), np.hstack([self.D, other.D]))
 
-    def response(self, frequency: FloatArray, sample_time: float) -> FloatArray:
+    def response(self, frequency: FloatArray, sample_time: float) -> ComplexArray:
         """Return the frequency response, complex, shape (F, n_outputs, n_inputs); frequencies [Hz], shape (F,)."""
         z = np.exp(2j * np.pi * frequency * sample_time)[:, None, None]
         memory = np.linalg.solve(z * np.eye(self.order) - self.A, np.broadcast_to(self.B, (len(z), *self.B.shape)))

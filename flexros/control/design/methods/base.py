@@ -11,6 +11,7 @@ import numpy as np
 
 from flexros.config.settings import Settings
 from flexros.control.design.plants import LinearPlants, linear_plants, sampled_plants
+from flexros.control.linear_controller import LinearController
 from flexros.control.state_space import StateSpace
 from flexros.discovery import members
 from flexros.errors import InputError
@@ -52,6 +53,8 @@ class DesignProblem:
         *,
         sample_time: float | None = None,
         delay: float | None = None,
+        names: Sequence[str] = (),
+        values: FloatArray | None = None,
     ) -> DesignProblem:
         """Linearise a robot.
 
@@ -60,6 +63,8 @@ class DesignProblem:
             poses: Arm coordinates [rad or m], each of shape (N,); default: home of the robot.
             sample_time: Sample time of the controller [s]; default: that of the robot.
             delay: Delay of the command [s]; default: that of the robot.
+            names: Parameters that differ between further plants.
+            values: Their values (SI), shape (n_sets, n_parameters); the first set is the nominal one.
 
         Raises:
             InputError: A pose does not fit the robot, or the robot is commanded by positions.
@@ -67,7 +72,13 @@ class DesignProblem:
         if robot.commands == "position":
             raise InputError(f"robot {robot.name} is commanded by positions; give one that is commanded by torques")
         parts = [
-            linear_plants(robot, pose=pose, label=f"{robot.name} pose {number + 1}" if len(poses) > 1 else robot.name)
+            linear_plants(
+                robot,
+                names=names,
+                values=values,
+                pose=pose,
+                label=f"{robot.name} pose {number + 1}" if len(poses) > 1 else robot.name,
+            )
             for number, pose in enumerate(poses or [robot.home])
         ]
         plants = LinearPlants(
@@ -76,7 +87,14 @@ class DesignProblem:
         )
         time = robot.sample_time if sample_time is None else sample_time
         late = robot.delay if delay is None else delay
-        return cls(robot, time, late, plants, sampled_plants(plants, time, late), len(parts[0]))
+        return cls(
+            robot,
+            time,
+            late,
+            plants,
+            sampled_plants(plants, time, late),
+            len(parts[0]) // (1 if values is None else len(values)),
+        )
 
     def plant_at(self, stiffness_share: float) -> LinearPlants:
         """Return one model between the softest and the stiffest spring segment of the first pose.
@@ -154,6 +172,18 @@ class AbstractDesignMethod(Settings, ABC):
         Raises:
             InputError: The method has no solution with these choices.
         """
+
+
+def as_linear(system: DiscreteSystem) -> LinearController:
+    """Return a controller of the error as one of the measurements, without reference."""
+    return LinearController(
+        from_state=system.C,
+        from_reference=np.zeros((len(system.D), 0)),
+        from_measured=-system.D,
+        state_step=system.A,
+        state_reference=np.zeros((system.order, 0)),
+        state_measured=-system.B,
+    )
 
 
 @cache

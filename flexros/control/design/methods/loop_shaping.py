@@ -23,7 +23,8 @@ class LoopShaping(AbstractDesignMethod):
     one that maximises the stability margin 1 / gamma of the shaped plant, where the least gamma =
     sqrt(1 + rho(X Z)) is known from two Riccati equations (Glover and McFarlane 1989; McFarlane and Glover 1992). The
     plant is continuous, delay and hold as Pade approximation; the result is discretised with the bilinear transform.
-    The first values are a published weight for this linear model.
+    The first values are stable in every segment of `four_mass`; a published weight for its stiff segment (gain 52.3,
+    corner 10, zeros 51.9 and 0.060, poles 48.2 and 0.060) is not.
     """
 
     method: ClassVar[str] = "loop_shaping"
@@ -38,15 +39,15 @@ class LoopShaping(AbstractDesignMethod):
         "stiffness_share",
     )
 
-    gain: float = Field(default=52.27, gt=0.0, description="gain of the weight at high frequency [Nm/rad or N/m]")
-    corner: float = Field(default=10.0, gt=0.0, description="corner of the integral part [rad/s]")
-    zero_frequency: float = Field(default=51.9, gt=0.0, description="wz [rad/s]")
-    zero_damping: float = Field(default=0.0602, gt=0.0, description="dz [1]")
-    pole_frequency: float = Field(default=48.2, gt=0.0, description="wp [rad/s]")
-    pole_damping: float = Field(default=0.0602, gt=0.0, description="dp [1]")
-    slack: float = Field(default=0.1, gt=0.0, description="gamma over the least one, less 1 [1]")
+    gain: float = Field(default=750.0, gt=0.0, description="gain of the weight at high frequency [Nm/rad or N/m]")
+    corner: float = Field(default=8.0, gt=0.0, description="corner of the integral part [rad/s]")
+    zero_frequency: float = Field(default=57.0, gt=0.0, description="wz [rad/s]")
+    zero_damping: float = Field(default=0.073, gt=0.0, description="dz [1]")
+    pole_frequency: float = Field(default=360.0, gt=0.0, description="wp [rad/s]")
+    pole_damping: float = Field(default=0.48, gt=0.0, description="dp [1]")
+    slack: float = Field(default=0.28, gt=0.0, description="gamma over the least one, less 1 [1]")
     stiffness_share: float = Field(
-        default=0.5, ge=0.0, le=1.0, description="design model between softest (0) and stiffest (1) spring segment [1]"
+        default=0.4, ge=0.0, le=1.0, description="design model between softest (0) and stiffest (1) spring segment [1]"
     )
 
     def design(self, problem: DesignProblem) -> Design:

@@ -12,6 +12,7 @@ from flexros.control.design.methods.base import DesignProblem, design_methods
 from flexros.control.design.methods.loop_shaping import LoopShaping, robust_stabiliser
 from flexros.control.design.methods.lqg import Lqg
 from flexros.control.design.methods.mixed_sensitivity import MixedSensitivity
+from flexros.control.design.methods.mu_synthesis import MuSynthesis, fitted_scaling, mu_bounds
 from flexros.control.design.methods.pole_placement import PolePlacement
 from flexros.control.linear_controller import linear_controller
 from flexros.errors import InputError
@@ -93,7 +94,7 @@ def test_mixed_sensitivity_reaches_its_gamma() -> None:
     K = design.system.response(frequency, given.sample_time)[:, 0, 0]
     first, second, third = (weight(2j * np.pi * frequency) for weight in method.weights(control))
     norm = np.sqrt(np.abs(first) ** 2 + np.abs(second * K) ** 2 + np.abs(third * G * K) ** 2) / np.abs(1 + G * K)
-    assert np.max(norm) == pytest.approx(design.figures["gamma"], rel=0.05)
+    assert 0.8 * design.figures["gamma"] < np.max(norm) < 1.02 * design.figures["gamma"]
 
 
 def test_h_infinity_methods_refuse_several_motors() -> None:
@@ -116,3 +117,37 @@ def test_every_choice_is_described_with_its_unit(name: str) -> None:
     assert set(method.tunable) <= set(method.model_fields)
     for key, field in method.model_fields.items():
         assert "[" in (field.description or ""), f"{name}.{key}"
+
+
+def test_mu_bound_of_a_number_and_a_block_is_that_of_slicot() -> None:
+    slycot = pytest.importorskip("slycot")
+    rng = np.random.default_rng(1)
+    M = rng.normal(size=(5, 3, 3)) + 1j * rng.normal(size=(5, 3, 3))
+    bounds, _ = mu_bounds(M)
+    for one, bound in zip(M, bounds, strict=True):
+        expected = slycot.ab13md(one, np.array([1, 2]), np.array([2, 2]))[0]
+        assert bound == pytest.approx(expected, rel=1e-4)
+
+
+def test_scaling_of_first_order_is_found_again() -> None:
+    frequency = np.geomspace(0.01, 100.0, 60)
+    known = ContinuousSystem.of_polynomials([2.0, 60.0], [1.0, 4.0])
+    found = fitted_scaling(np.abs(known.response(frequency)[:, 0, 0]), frequency)
+    np.testing.assert_allclose(found.response(frequency), known.response(frequency), rtol=1e-4)
+
+
+def test_mu_synthesis_keeps_its_performance_for_every_slope_of_the_spring() -> None:
+    pytest.importorskip("slycot")
+    given = problem("four_mass")
+    method = MuSynthesis()
+    design = method.design(given)
+    peak = design.figures["peak of mu"]
+    assert peak < 0.5 * design.figures["peak of mu, iteration 1"]
+    linear = linear_controller(design.law(), LoopContext(given.robot, given.sample_time))
+    assert np.all(largest_eigenvalues(given.sampled, linear) < 1.0)
+    frequency = np.geomspace(0.05, 100.0, 300)
+    K = design.system.response(frequency, given.sample_time)[:, 0, 0]
+    weight = np.abs(1 + method.integral / (2j * np.pi * frequency)) * method.stiffness
+    for share in (0.0, 0.3, 0.7, 1.0):
+        P = delayed_plant(given, share, "test").response(frequency)[:, 0, 0]
+        assert np.max(weight * np.abs(P / (1 + P * K))) < 1.1 * max(peak, 1.0)
