@@ -144,7 +144,7 @@ def _floor() -> str:
 - **One controller for M1 and M2.** C2 is tuned for the worst of twenty models; C1 knows its model.
 - **Design models.** `lqg`, `loop_shaping` and `pole_placement` have their weights tuned on V, `qft` keeps its
   specifications for all 21 models in every spring segment, `mu_synthesis` the performance for every slope of the
-  nominal model, not for the deviations of M2, and `mixed_sensitivity` inverts the lightly damped modes of one design model:
+  nominal model, not for the deviations of M2, and `mixed_sensitivity` inverts the lightly damped modes of one model:
   with the spring's range of 6 only a low bandwidth is stable.
 - The search is no proof of a lower bound: CMA-ES with the numbers of laws below finds these designs, more trials lower
   V by tenths.
