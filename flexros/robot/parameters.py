@@ -84,6 +84,9 @@ def _quantities(
                 yield f"{name}.stiffness", (*here, "spring"), _stiffness(direction.spring, rotary), 0
                 damper = direction.damper.model_copy(update={"unit": unit_of("damping", rotary)})
                 yield f"{name}.damping", (*here, "damper"), damper, 0
+            if direction.zero is not None:
+                zero = direction.zero.model_copy(update={"unit": unit_of("position", rotary)})
+                yield f"{name}.zero", (*here, "zero"), zero, 0
             if direction.motor:
                 motor_number += 1
                 yield from _of_motor(f"motor_{motor_number}", (*here, "motor"), direction.motor, rotary)

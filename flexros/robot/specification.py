@@ -11,6 +11,7 @@ from flexros.config.settings import Settings
 from flexros.robot.bending import Bending, checked_bending
 from flexros.robot.quantity import (
     Acceleration,
+    AnyUnit,
     Inertia,
     InertiaProduct,
     Mass,
@@ -107,6 +108,18 @@ class Direction(Settings):
     )
     damper: NotNegative = Field(default_factory=lambda: _zero(""), description="[Nm s/rad, or N s/m]")
     motor: Motor | None = None
+    zero: AnyUnit | None = Field(
+        None,
+        description="added to the coordinate in the geometry: error of an encoder zero, or of the mounting [rad, or m]",
+    )
+
+    @model_serializer(mode="wrap")
+    def _without_absent_zero(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Leave out a zero that is not there, so that the fingerprints of robots without one remain."""
+        data: dict[str, Any] = handler(self)
+        if self.zero is None:
+            data.pop("zero", None)
+        return data
 
     @model_validator(mode="before")
     @classmethod
@@ -179,6 +192,8 @@ class Body(Settings):
             if isinstance(spring, Spring) and spring.stiffness is not None:
                 check_unit(spring.stiffness, unit_of("stiffness", rotary), f"{key}.spring")
             check_unit(direction.damper, unit_of("damping", rotary), f"{key}.damper")
+            if direction.zero is not None:
+                check_unit(direction.zero, unit_of("position", rotary), f"{key}.zero")
             if direction.motor is not None:
                 direction.motor.check_units(rotary, f"{key}.motor")
         if self.bending:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from flexros.cli.identify import axis as identify_axis
+from flexros.cli.identify import kinematics as identify_kinematics
 from flexros.cli.identify import rigid as identify_rigid
 from flexros.cli.identify.design import RANGE, UNKNOWN, checked_minutes, design, gear_ranges, template_with
 from flexros.cli.identify.fit import BOUND, fit, print_identification, value_bounds
@@ -157,6 +158,7 @@ COMMANDS: dict[str, Callable[..., Any]] = {
     "fit": fit,
     "rigid": identify_rigid.rigid,
     "axis": identify_axis.axis,
+    "kinematics": identify_kinematics.kinematics,
 }
 """Subcommands of `flexros identify`, by name."""
 

@@ -46,6 +46,7 @@ def body_frame(robot: Robot, body: int, q: ca.SX, value: Callable[[str], Value])
     joints = enumerate(chain.joints)
     last = max(index for index, joint in joints if joint.body < body or (joint.body == body and joint.mode is None))
     position, rotation = ca.SX.zeros(3), ca.SX.eye(3)
+    q = geometry.placed(q)
     for index in range(last + 1):
         position = position + rotation @ joint_origin(chain, geometry, index, q[index])
         rotation = rotation @ joint_rotation(chain, index, q[index])

@@ -61,6 +61,7 @@ def motion(chain: Chain, geometry: Geometry, q: ca.SX, v: ca.SX) -> Motion:
     Returns:
         The frames in motion.
     """
+    q = geometry.placed(q)
     rotations, origins, angular, linear = [], [], [], []
     omega, velocity = ca.SX.zeros(3), ca.SX.zeros(3)
     for index, joint in enumerate(chain.joints):
@@ -256,6 +257,7 @@ def inertia_matrix(chain: Chain, geometry: Geometry, q: ca.SX) -> ca.SX:
         a, rest = ca.SX.sym("a", n), ca.SX.zeros(n)
         matrix = ca.jacobian(inverse_dynamics(chain, geometry, ca.SX.zeros(3), q, rest, a), a)
         return ca.tril2symm(ca.tril(ca.densify(matrix)))
+    q = geometry.placed(q)
     rotations = [joint_rotation(chain, i, q[i]) for i in range(n)]
     origins = [joint_origin(chain, geometry, i, q[i]) for i in range(n)]
     M = ca.SX.zeros(n, n)

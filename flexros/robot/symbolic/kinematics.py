@@ -85,10 +85,16 @@ class Geometry:
     Attributes:
         frames: One frame per joint.
         tool: Tool point in the last frame [m], SX (3, 1).
+        zeros: Added to the arm coordinates [rad or m], SX (N, 1); None where no direction states a zero.
     """
 
     frames: tuple[Frame, ...]
     tool: ca.SX
+    zeros: ca.SX | None = None
+
+    def placed(self, q: ca.SX) -> ca.SX:
+        """Return the angles and displacements of the joints for arm coordinates q, SX (N, 1)."""
+        return q if self.zeros is None else q[: self.zeros.shape[0]] + self.zeros
 
 
 def build_geometry(specification: RobotSpecification, chain: Chain, value: Callable[[str], Value]) -> Geometry:
@@ -127,7 +133,15 @@ def build_geometry(specification: RobotSpecification, chain: Chain, value: Calla
             current, tool, tip = modes[-1], tool - tip, ca.SX.zeros(3)
         reach = tip
     frames = tuple(Frame(offset, tuple(masses)) for offset, masses in zip(offsets, carried))
-    return Geometry(frames, tool)
+    return Geometry(frames, tool, _zeros(chain, value))
+
+
+def _zeros(chain: Chain, value: Callable[[str], Value]) -> ca.SX | None:
+    if all(joint.direction.zero is None for joint in chain.joints):
+        return None
+    return ca.vertcat(
+        *[ca.SX(0 if joint.direction.zero is None else value(f"{joint.name}.zero")) for joint in chain.joints]
+    )
 
 
 def _beam(chain: Chain, modes: list[int], reach: ca.SX, length: ca.SX) -> tuple[BeamPoint, ...]:
@@ -212,6 +226,7 @@ def forward(chain: Chain, geometry: Geometry, q: ca.SX) -> tuple[ca.SX, ca.SX]:
         Tool position in the base frame [m], SX (3, 1), and rotation from tool to base, SX (3, 3).
     """
     position, rotation = ca.SX.zeros(3), ca.SX.eye(3)
+    q = geometry.placed(q)
     for index in range(len(chain.joints)):
         position = position + rotation @ joint_origin(chain, geometry, index, q[index])
         rotation = rotation @ joint_rotation(chain, index, q[index])
@@ -255,7 +270,7 @@ def tool_pose(specification: RobotSpecification, chain: Chain, geometry: Geometr
         position["xyz".index(linear.component)] = total / linear.divisor
         return ca.vertcat(position, 0, 0, 0, 1)
     position, _ = forward(chain, geometry, q)
-    return ca.vertcat(position, _quaternion(chain, q))
+    return ca.vertcat(position, _quaternion(chain, geometry.placed(q)))
 
 
 def output_value(

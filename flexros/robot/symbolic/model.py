@@ -301,9 +301,10 @@ class SymbolicModel:
     def _potential(self) -> ca.SX:
         potential = ca.SX(0)
         position, rotation = ca.SX.zeros(3), ca.SX.eye(3)
+        placed = self._geometry.placed(self._q)
         for index, (joint, frame) in enumerate(zip(self.chain.joints, self._geometry.frames)):
-            position = position + rotation @ kinematics.joint_origin(self.chain, self._geometry, index, self._q[index])
-            rotation = rotation @ kinematics.joint_rotation(self.chain, index, self._q[index])
+            position = position + rotation @ kinematics.joint_origin(self.chain, self._geometry, index, placed[index])
+            rotation = rotation @ kinematics.joint_rotation(self.chain, index, placed[index])
             for mass in frame.masses:
                 for share, place in _places(mass, self._q):
                     potential = potential - mass.mass * share * ca.dot(self._gravity, position + rotation @ place)
