@@ -2,32 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from functools import partial
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flexros.gap.candidates.candidate import names_of
-from flexros.gap.fit.estimates import parameters_of
 from flexros.gap.search.curve_candidates import within_motion
 from flexros.gap.search.curves import curves_of, in_place_of_laws, with_curves
-from flexros.gap.search.worth import compared, incomplete, simple_first, simplest, worth
+from flexros.gap.search.elimination import reduced, with_asymmetry, with_dropped
+from flexros.gap.search.exchange import exchanged
+from flexros.gap.search.worth import compared, incomplete, simple_first, simplest, unique, worth
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from flexros.arrays import FloatArray
-    from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.least_squares import CandidateFit
-    from flexros.gap.fit.screening import Directions, Surroundings
-    from flexros.gap.prediction.compiled_plant import CompiledPlant
-    from flexros.gap.search.candidate_fits import Addition, Search
+    from flexros.gap.fit.screening import Directions
+    from flexros.gap.search.candidate_fits import Search
     from flexros.gap.search.model_probability import ModelComparison
 
 
-ASYMMETRY = "asymmetry"
-"""Parameter by which friction differs between the directions."""
 PAIR = 2
 """Effects up to which every explanation with fewer of them is a rival [1]."""
 
@@ -86,8 +82,8 @@ def explain(search: Search) -> Explanations:
         return _explanations(search, comparison, null, detected=False)
     chosen = simplest(search, comparison, comparison.ranked(fits)[0], fits)
     if search.base is not null:
-        chosen = _reduced(search, chosen, fits, settings.removed_by_step)
-        chosen = _with_asymmetry(search, chosen, fits)
+        chosen = reduced(search, chosen, fits, settings.removed_by_step)
+        chosen = with_asymmetry(search, chosen, fits)
         dropped = [one for one in search.candidates() if one.name in search.base.names - chosen.names]
         directions += search.directions(dropped, chosen)  # beside another effect they may be needed
     first = chosen
@@ -104,18 +100,18 @@ def explain(search: Search) -> Explanations:
         comparison = compared(search, unique(fits))
         if grown is None or not worth(search, comparison, chosen, grown, settings.removed_by_step):
             break
-        before, chosen = chosen, _reduced(search, grown, fits, settings.removed_by_step)
+        before, chosen = chosen, reduced(search, grown, fits, settings.removed_by_step)
         if chosen.names == before.names:
             break
     if search.base is not null and chosen.names != first.names:
-        chosen = _with_dropped(search, chosen, fits)
+        chosen = with_dropped(search, chosen, fits)
     if len(chosen.hypothesis) > 1:
         fits.append(search.completed(chosen))
-        chosen = _reduced(search, fits[-1], fits, settings.removed)
-        exchanged = _exchanged(search, chosen, directions, fits)
-        if exchanged.names != chosen.names:  # what made up for an effect of wrong form is needless now
-            exchanged = _reduced(search, exchanged, fits, settings.removed)
-        chosen = exchanged
+        chosen = reduced(search, fits[-1], fits, settings.removed)
+        other = exchanged(search, chosen, directions, fits)
+        if other.names != chosen.names:  # what made up for an effect of wrong form is needless now
+            other = reduced(search, other, fits, settings.removed)
+        chosen = other
     elif search.deadline.over:
         chosen = search.completed(chosen)
         fits.append(chosen)
@@ -160,39 +156,6 @@ def _grown(
     return grown[0] if grown else None
 
 
-def _reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed: float) -> CandidateFit:
-    """Leave out the effects without which hardly more is left, one after the other.
-
-    Effects that are indispensable by linear theory are not tried. Without time for fits, and of the crowd of effects
-    that torques show, all are left out at once that are needless by linear theory.
-
-    Args:
-        search: The search.
-        fit: The fit.
-        fits: All fits so far; new ones are appended.
-        removed: Share of the remaining gap that every effect must remove [1].
-    """
-    settings, n = search.settings.search, search.data.n_values
-    if search.data.record.imported:
-        removed = search.settings.search.removed_of_all
-    certain = min(settings.indispensable, settings.certain * removed)
-    while len(fit.hypothesis) > 1:
-        if search.base is not search.null.fit or search.deadline.stops_finishing():
-            return _without_needless(search, fit, fits, removed)
-        surroundings = search.surroundings(fit)  # of some rows: they tell how much is lost, not how much is left
-        lost = [max(rest.least - surroundings.least, 0.0) for rest in search.removals(fit, surroundings)]
-        left = max(fit.chi2 - n, 0.0)
-        doubtful = [one.name for one, rise in zip(fit.hypothesis, lost) if rise < certain * (rise + left) or rise == 0]
-        without = search.parallel("effects left out", partial(search.without, fit), doubtful, needed=len(doubtful))
-        fits += without
-        comparison = compared(search, unique(fits))
-        needless = [rest for rest in without if not worth(search, comparison, rest, fit, removed)]
-        if not needless:
-            break
-        fit = min(needless, key=lambda rest: rest.chi2)
-    return fit
-
-
 def _beside_curves(
     search: Search,
     first: CandidateFit,
@@ -223,13 +186,13 @@ def _beside_curves(
             alternatives.append((other, search.directions(search.candidates(), other)))
     found = []
     for fit, candidates in alternatives:
-        small = _reduced(search, fit, fits, removed)
+        small = reduced(search, fit, fits, removed)
         for _ in range(search.settings.search.rounds):
             grown = None if search.deadline.stops() else _grown(search, small, candidates, [])
             if grown is None or not worth(search, compared(search, unique(fits)), small, grown, removed):
                 break
             fits.append(search.completed(within_motion(search, grown)))
-            before, small = small, _reduced(search, fits[-1], fits, removed)
+            before, small = small, reduced(search, fits[-1], fits, removed)
             if small.names == before.names:
                 break
         found.append(small)
@@ -239,137 +202,6 @@ def _beside_curves(
         if fewer.names < best.names and not worth(search, comparison, fewer, best, removed):
             best = fewer
     return best
-
-
-def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed: float) -> CandidateFit:
-    """Leave out at once all effects that are not worth their parameters by linear theory, but the best one.
-
-    Effects that torques show are worth it where their size is clearly not zero: at a joint that moves little or carries
-    little they remove a small part of the gap of all joints, and are as real as at the others.
-
-    Args:
-        search: The search.
-        fit: The fit.
-        fits: All fits so far; a new one is appended.
-        removed: Share of the remaining gap that every effect must remove [1].
-    """
-    surroundings, n, comparison = search.surroundings(fit), search.data.n_values, compared(search, [fit])
-    every, without = surroundings.least, [rest.least for rest in search.removals(fit, surroundings)]
-    sizes = parameters_of(fit, search.data) if search.base is not search.null.fit else [{} for _ in fit.hypothesis]
-    needless = []
-    for candidate, least, parameters in zip(fit.hypothesis, without, sizes, strict=True):
-        cheaper = least * n ** (-len(candidate.free) / n)  # of the same score as with the parameters of the effect
-        before, after = replace(fit, chi2=cheaper), replace(fit, chi2=every)
-        if candidate.name in search.base.names:
-            clear = search.settings.search.clear_in_torques
-            worth_it = any(abs(size.value) > clear * size.std for size in parameters.values())
-        else:
-            worth_it = worth(search, comparison, before, after, removed)
-        if least < max(without) and not worth_it:
-            needless.append(candidate.name)
-    if not needless:
-        return fit
-    fits.append(search.without(fit, *needless))
-    return fits[-1]
-
-
-def _with_asymmetry(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
-    """Free the asymmetry of friction that torques show, and keep it where it is clear.
-
-    Args:
-        search: The search.
-        fit: The effects that torques show, each with its size alone.
-        fits: All fits so far; a new one is appended.
-    """
-    whole = {candidate.name: candidate for candidate in search.candidates()}
-    every = tuple(whole.get(candidate.name, candidate) for candidate in fit.hypothesis)
-    if not any(_uneven(candidate) for candidate in every):
-        return fit
-    found = parameters_of(search.reshaped(fit, every), search.data)
-    clear = search.settings.search.clear_asymmetry
-    kept = tuple(
-        wide if _uneven(wide) and abs(sizes[ASYMMETRY].value) > clear * sizes[ASYMMETRY].std else narrow
-        for wide, narrow, sizes in zip(every, fit.hypothesis, found, strict=True)
-    )
-    if kept == fit.hypothesis:
-        return fit
-    fits.append(search.reshaped(fit, kept))
-    return fits[-1]
-
-
-def _with_dropped(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
-    """Add the effects of the torques that were left out, and keep those that are clear now.
-
-    Friction drowned in what another effect leaves, such as that of a wrong spring, shows once that effect is found.
-
-    Args:
-        search: The search.
-        fit: An explanation with further effects than the torques show.
-        fits: All fits so far; new ones are appended.
-    """
-    dropped = [candidate for candidate in search.base.hypothesis if candidate.name not in fit.names]
-    directions = search.directions(dropped, fit)
-    if not directions or search.deadline.stops():
-        return fit
-    additions = search.additions(directions, fit, search.surroundings(fit))
-    fits.append(search.together(fit, additions))
-    return _reduced(search, fits[-1], fits, search.settings.search.removed_by_step)
-
-
-def _uneven(candidate: Candidate) -> bool:
-    return any(free.name == ASYMMETRY for free in candidate.free)
-
-
-def _exchanged(
-    search: Search, fit: CandidateFit, directions: Sequence[Directions], fits: list[CandidateFit]
-) -> CandidateFit:
-    """Exchange effects for candidates that may do the same, for as long as that improves the explanation.
-
-    Args:
-        search: The search.
-        fit: The explanation.
-        directions: All candidates but those of harmonics.
-        fits: All fits so far; new ones are appended.
-    """
-    settings = search.settings.search
-    for _ in range(settings.rounds if len(fit.hypothesis) > 1 else 0):
-        if search.deadline.stops():
-            break
-        surroundings = search.surroundings(fit)
-        pairs = [
-            (candidate.name, addition)
-            for candidate, rest in zip(fit.hypothesis, search.removals(fit, surroundings))
-            if candidate.name not in search.base.names
-            for addition in _replacements(search, fit, rest, directions)[: settings.added]
-        ]
-        plants = search.plants(fit, [addition.candidate for _, addition in pairs])
-        exchange = partial(_exchange, search, fit, plants)
-        fits += search.visible(search.parallel("effects exchanged", exchange, pairs))
-        comparison = compared(search, unique(fits))
-        level = [one for one in comparison.fits if len(one.hypothesis) == len(fit.hypothesis)]
-        best = simplest(search, comparison, comparison.ranked(level)[0], level)
-        if best.names == fit.names or best.chi2 > fit.chi2:
-            break
-        fit = search.completed(best)
-        fits.append(fit)
-    return fit
-
-
-def _exchange(
-    search: Search, fit: CandidateFit, plants: Mapping[Candidate, CompiledPlant], pair: tuple[str, Addition]
-) -> CandidateFit:
-    """Fit an explanation with one candidate in place of one of its own."""
-    name, addition = pair
-    return search.together(fit, [addition], without=name, plant=plants[addition.candidate], rival=fit.chi2)
-
-
-def _replacements(
-    search: Search, fit: CandidateFit, rest: Surroundings, directions: Sequence[Directions]
-) -> list[Addition]:
-    """List the candidates that may regain most of what is lost without an effect."""
-    lost = rest.least - fit.chi2
-    additions = search.additions(directions, fit, rest)
-    return [addition for addition in additions if addition.gain > search.settings.search.regained * lost]
 
 
 def _pruned(search: Search, explanations: Explanations) -> Explanations:
@@ -383,20 +215,11 @@ def _pruned(search: Search, explanations: Explanations) -> Explanations:
     chosen = search.within_limits(pruned[explanations.chosen])
     fits = [pruned.get(fit, fit) for fit in explanations.comparison.fits if fit is not explanations.chosen]
     if chosen.predictor.n_effect < explanations.chosen.predictor.n_effect:  # without a parameter one may be needless
-        chosen = _reduced(search, chosen, fits, search.settings.search.removed)
+        chosen = reduced(search, chosen, fits, search.settings.search.removed)
     if not chosen.hypothesis:
         return _explanations(search, compared(search, fits), search.null.fit, detected=False)
     comparison = compared(search, [*(fit for fit in fits if fit.names != chosen.names), chosen])
     return _explanations(search, comparison, chosen, detected=True)
-
-
-def unique(fits: Sequence[CandidateFit]) -> list[CandidateFit]:
-    """Keep the best fit of every set of effects, the best first."""
-    best: dict[frozenset[str], CandidateFit] = {}
-    for fit in fits:
-        if fit.names not in best or fit.chi2 < best[fit.names].chi2:
-            best[fit.names] = fit
-    return sorted(best.values(), key=lambda fit: fit.chi2)
 
 
 def _explanations(search: Search, comparison: ModelComparison, chosen: CandidateFit, *, detected: bool) -> Explanations:

@@ -14,8 +14,8 @@ from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.least_squares import CandidateFit
 from flexros.gap.fit.null_fit import fit_null
-from flexros.gap.search.forward_selection import unique
 from flexros.gap.search.prepare import prepare_search
+from flexros.gap.search.worth import unique
 from flexros.gap.settings import SearchSettings
 from tests.gap.diagnosis_logs import MODEL, candidates_of, data_of, predictor_of, search_of
 

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from flexros.gap.deadline import Deadline
-from flexros.gap.search.forward_selection import Explanations, _exchanged, _reduced, explain
+from flexros.gap.search.elimination import reduced
+from flexros.gap.search.exchange import exchanged
+from flexros.gap.search.forward_selection import Explanations, explain
 from flexros.gap.search.model_probability import RANKING
 from tests.gap.diagnosis_logs import search_of
 
@@ -59,13 +61,13 @@ def test_a_crowd_of_effects_is_found_together() -> None:
     assert found.remainder == 0.0
 
 
-def test_an_effect_that_was_taken_for_another_one_is_exchanged() -> None:
+def test_an_effect_that_was_taken_for_another_one_isexchanged() -> None:
     search = search_of(FRICTION, SOFT, among=(*SOME, "viscous_friction"))
     directions = search.directions(search.candidates())
     by_name = {direction.candidate.name: direction for direction in directions}
     wrong = search.singles([by_name["viscous_friction@motor_1"]])[0]
     second = search.additions([by_name[SOFT.partition(":")[0]]], wrong, search.surroundings(wrong))
-    fit = _exchanged(search, search.together(wrong, second), directions, [])
+    fit = exchanged(search, search.together(wrong, second), directions, [])
     assert fit.names == {name.partition(":")[0] for name in (FRICTION, SOFT)}
 
 
@@ -113,4 +115,4 @@ def test_what_is_needless_is_left_out_although_the_time_is_over(abandoned: bool)
     late = replace(search, deadline=Deadline(interrupted=lambda: True))
     if abandoned:
         late.deadline.abandon()
-    assert _reduced(late, grown, [friction, grown], 0.4).names == friction.names
+    assert reduced(late, grown, [friction, grown], 0.4).names == friction.names

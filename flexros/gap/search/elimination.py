@@ -1,0 +1,130 @@
+"""Elimination: effects without which hardly more is left, and what the torques of a measured log show of the rest."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING
+
+from flexros.gap.fit.estimates import parameters_of
+from flexros.gap.search.worth import compared, unique, worth
+
+if TYPE_CHECKING:
+    from flexros.gap.candidates.candidate import Candidate
+    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.search.candidate_fits import Search
+
+ASYMMETRY = "asymmetry"
+"""Parameter by which friction differs between the directions."""
+
+
+def reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed: float) -> CandidateFit:
+    """Leave out the effects without which hardly more is left, one after the other.
+
+    Effects that are indispensable by linear theory are not tried. Without time for fits, and of the crowd of effects
+    that torques show, all are left out at once that are needless by linear theory.
+
+    Args:
+        search: The search.
+        fit: The fit.
+        fits: All fits so far; new ones are appended.
+        removed: Share of the remaining gap that every effect must remove [1].
+    """
+    settings, n = search.settings.search, search.data.n_values
+    if search.data.record.imported:
+        removed = search.settings.search.removed_of_all
+    certain = min(settings.indispensable, settings.certain * removed)
+    while len(fit.hypothesis) > 1:
+        if search.base is not search.null.fit or search.deadline.stops_finishing():
+            return _without_needless(search, fit, fits, removed)
+        surroundings = search.surroundings(fit)  # of some rows: they tell how much is lost, not how much is left
+        lost = [max(rest.least - surroundings.least, 0.0) for rest in search.removals(fit, surroundings)]
+        left = max(fit.chi2 - n, 0.0)
+        doubtful = [one.name for one, rise in zip(fit.hypothesis, lost) if rise < certain * (rise + left) or rise == 0]
+        without = search.parallel("effects left out", partial(search.without, fit), doubtful, needed=len(doubtful))
+        fits += without
+        comparison = compared(search, unique(fits))
+        needless = [rest for rest in without if not worth(search, comparison, rest, fit, removed)]
+        if not needless:
+            break
+        fit = min(needless, key=lambda rest: rest.chi2)
+    return fit
+
+
+def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed: float) -> CandidateFit:
+    """Leave out at once all effects that are not worth their parameters by linear theory, but the best one.
+
+    Effects that torques show are worth it where their size is clearly not zero: at a joint that moves little or carries
+    little they remove a small part of the gap of all joints, and are as real as at the others.
+
+    Args:
+        search: The search.
+        fit: The fit.
+        fits: All fits so far; a new one is appended.
+        removed: Share of the remaining gap that every effect must remove [1].
+    """
+    surroundings, n, comparison = search.surroundings(fit), search.data.n_values, compared(search, [fit])
+    every, without = surroundings.least, [rest.least for rest in search.removals(fit, surroundings)]
+    sizes = parameters_of(fit, search.data) if search.base is not search.null.fit else [{} for _ in fit.hypothesis]
+    needless = []
+    for candidate, least, parameters in zip(fit.hypothesis, without, sizes, strict=True):
+        cheaper = least * n ** (-len(candidate.free) / n)  # of the same score as with the parameters of the effect
+        before, after = replace(fit, chi2=cheaper), replace(fit, chi2=every)
+        if candidate.name in search.base.names:
+            clear = search.settings.search.clear_in_torques
+            worth_it = any(abs(size.value) > clear * size.std for size in parameters.values())
+        else:
+            worth_it = worth(search, comparison, before, after, removed)
+        if least < max(without) and not worth_it:
+            needless.append(candidate.name)
+    if not needless:
+        return fit
+    fits.append(search.without(fit, *needless))
+    return fits[-1]
+
+
+def with_asymmetry(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
+    """Free the asymmetry of friction that torques show, and keep it where it is clear.
+
+    Args:
+        search: The search.
+        fit: The effects that torques show, each with its size alone.
+        fits: All fits so far; a new one is appended.
+    """
+    whole = {candidate.name: candidate for candidate in search.candidates()}
+    every = tuple(whole.get(candidate.name, candidate) for candidate in fit.hypothesis)
+    if not any(_uneven(candidate) for candidate in every):
+        return fit
+    found = parameters_of(search.reshaped(fit, every), search.data)
+    clear = search.settings.search.clear_asymmetry
+    kept = tuple(
+        wide if _uneven(wide) and abs(sizes[ASYMMETRY].value) > clear * sizes[ASYMMETRY].std else narrow
+        for wide, narrow, sizes in zip(every, fit.hypothesis, found, strict=True)
+    )
+    if kept == fit.hypothesis:
+        return fit
+    fits.append(search.reshaped(fit, kept))
+    return fits[-1]
+
+
+def with_dropped(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
+    """Add the effects of the torques that were left out, and keep those that are clear now.
+
+    Friction drowned in what another effect leaves, such as that of a wrong spring, shows once that effect is found.
+
+    Args:
+        search: The search.
+        fit: An explanation with further effects than the torques show.
+        fits: All fits so far; new ones are appended.
+    """
+    dropped = [candidate for candidate in search.base.hypothesis if candidate.name not in fit.names]
+    directions = search.directions(dropped, fit)
+    if not directions or search.deadline.stops():
+        return fit
+    additions = search.additions(directions, fit, search.surroundings(fit))
+    fits.append(search.together(fit, additions))
+    return reduced(search, fits[-1], fits, search.settings.search.removed_by_step)
+
+
+def _uneven(candidate: Candidate) -> bool:
+    return any(free.name == ASYMMETRY for free in candidate.free)
