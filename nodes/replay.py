@@ -151,7 +151,7 @@ class ReplayNode(FlexrosNode):
     def _play(self) -> None:
         """Publish the messages that are due."""
         stop = perf_counter() + SLICE
-        while self._next is not None and not self._awaits_command():
+        while self._next is not None and not (self._awaits_command() and self._is_held(self._next)):
             now = perf_counter()
             if (due := self._pace.due(self._next.log_time)) > now or now > stop:
                 return
@@ -160,6 +160,11 @@ class ReplayNode(FlexrosNode):
             self._next = next(self._messages, None)
         if self._next is None and not self._awaits_command():
             self._end_turn()
+
+    def _is_held(self, message: ReplayMessage) -> bool:
+        """Return whether a message waits for the command of the measurement before: the next measurement."""
+        controller = self._configured_playlist().controller
+        return controller is not None and message.topic == controller.states
 
     def _send(self, message: ReplayMessage, now: float) -> None:
         if (publisher := self._outlets.get(message.topic)) is None:
@@ -174,6 +179,8 @@ class ReplayNode(FlexrosNode):
             self._answers.sent_state(message.payload, now)
         elif message.topic == controller.chunks:
             self._answers.sent_chunk()
+        elif message.topic in controller.sensors:
+            self._answers.sent_sensor(message.topic, message.payload)
 
     def _end_turn(self) -> None:
         self._turns += 1
@@ -199,6 +206,8 @@ class ReplayNode(FlexrosNode):
         if state and controller is not None:
             for chunk in chunks:
                 self._outlets[controller.chunks].publish(chunk)
+            for index, payload in self._answers.sensors_to_repeat:
+                self._outlets[index].publish(payload)
             self._outlets[controller.states].publish(state)
         return True
 

@@ -38,6 +38,7 @@ class ControllerAnswers:
         self._state = b""
         self._sent = self._since = 0.0
         self._n_chunks = 0
+        self._sensors: list[tuple[int, int, bytes]] = []
 
     @property
     def waits(self) -> bool:
@@ -47,6 +48,15 @@ class ControllerAnswers:
     def sent_chunk(self) -> None:
         """Register that the next chunk of the reference was sent."""
         self._n_chunks += 1
+
+    def sent_sensor(self, topic: int, payload: bytes) -> None:
+        """Register that a message of a further sensor was sent on a topic, by its index."""
+        self._sensors.append((stamp_of(payload), topic, payload))
+
+    @property
+    def sensors_to_repeat(self) -> tuple[tuple[int, bytes], ...]:
+        """Topics and messages of further sensors since the newest answered measurement, to be repeated with a state."""
+        return tuple((topic, payload) for _, topic, payload in self._sensors)
 
     def sent_state(self, payload: bytes, now: float) -> None:
         """Register that a measurement was sent, now [s]."""
@@ -69,6 +79,7 @@ class ControllerAnswers:
             self.equal += 1
         else:
             self.different += 1
+        self._sensors = [sent for sent in self._sensors if sent[0] > self._open]
         self._open = -1
         return True
 

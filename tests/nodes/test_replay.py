@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -29,6 +30,7 @@ from flexros.logs.reader import read_log
 from flexros.logs.stamps import stamp_of
 from flexros.logs.time_series import Log
 from flexros.logs.write_log import write_log
+from flexros.robot import load_robot
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import load_scenario
@@ -124,6 +126,24 @@ def test_so_do_controllers_of_other_laws_and_robots(bench: Bench, tmp_path: Path
     bench.spin_until(lambda: player.report is not None, 60.0)
     figures = player.report.figures
     assert (figures["equal_commands"], figures["different_commands"]) == (len(log.joint_states.stamp), 0)
+
+
+def test_further_sensors_reach_the_controller_too(bench: Bench, tmp_path: Path) -> None:
+    data = load_robot("two_mass").spec.model_dump(mode="json")
+    data["sensors"]["tool_imu"] = {"acceleration": {"noise": 0.02, "axes": ["y"]}, "rate": 500}
+    (tmp_path / "robot.yaml").write_text(json.dumps(data))
+    law = {"kind": "lqg", "effort": 50, "torque_noise": 5, "measurements": ["motor_position", "tool_acceleration"]}
+    scenario = {"robot": str(tmp_path / "robot.yaml"), "duration": 0.2, "controller": law}
+    step = [{"kind": "step", "at": "motor_1", "start": 0.05, "amplitude": 100}]
+    scenario |= {"feedforward": {"method": "none"}, "disturbances": step}
+    (tmp_path / "scenario.yaml").write_text(json.dumps(scenario))
+    write_log(closed_loop(Experiment.prepare(load_scenario(tmp_path / "scenario.yaml"))), tmp_path / "log")
+    player = replay(bench, tmp_path / "log", feed_controller=True)
+    up(bench.add(ControllerNode, scenario=str(tmp_path / "scenario.yaml"), observers=0), player)
+    bench.spin_until(lambda: player.report is not None, 60.0)
+    figures = player.report.figures
+    assert (figures["equal_commands"], figures["different_commands"]) == (201, 0)
+    assert figures["/tool_imu.messages"] == 101
 
 
 def test_a_controller_with_another_gain_is_found_out(bench: Bench) -> None:

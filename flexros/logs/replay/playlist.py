@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from operator import attrgetter
 from typing import TYPE_CHECKING
 
+from flexros.config.topics import load_topics
 from flexros.errors import InputError
 from flexros.logs.messages.joint_trajectory import JointTrajectoryCodec
 from flexros.logs.replay.controller_feed import ControllerFeed, controller_feed
@@ -43,12 +44,14 @@ class FedController:
         states: Index of the topic of the measurements in the playlist.
         chunks: Index of the topic of the reference.
         commands: Absolute name of the topic of its commands.
+        sensors: Indices of the topics of further sensors.
     """
 
     feed: ControllerFeed
     states: int
     chunks: int
     commands: str
+    sensors: tuple[int, ...] = ()
 
 
 class Playlist:
@@ -99,7 +102,9 @@ class Playlist:
         largest = max(len(chunk.payload) for chunk in feed.chunks)
         ahead = _made_topic(f"{played}/joint_reference_ahead", JointTrajectoryCodec.type, largest)
         self.topics = (*self.source.topics, ahead)
-        self.controller = FedController(feed, states, len(self.source.topics), f"{played}/joint_commands")
+        measured = {f"{prefix}/{name}" for name, topic in load_topics().items() if topic.needs_sensor}
+        sensors = tuple(i for i, t in enumerate(self.source.topics) if t.recorded.name in measured)
+        self.controller = FedController(feed, states, len(self.source.topics), f"{played}/joint_commands", sensors)
 
     def messages(self) -> Iterator[ReplayMessage]:
         """Return all messages in the order of log time; at equal times, the replay's own ones precede."""

@@ -62,3 +62,13 @@ def test_a_silent_controller_counts_as_gone(answers: ControllerAnswers) -> None:
     answers.sent_state(state(10), 0.0)
     with pytest.raises(RunError, match=r"no command for the measurement at stamp 0\.0000 s arrived within 1 s"):
         answers.to_repeat(1.1)
+
+
+def test_messages_of_sensors_go_out_again_until_their_sample_is_answered(answers: ControllerAnswers) -> None:
+    messages = {stamp: state(stamp) for stamp in (10, 20)}
+    answers.sent_sensor(4, messages[10])
+    answers.sent_state(state(10), 0.0)
+    answers.sent_sensor(4, messages[20])
+    assert answers.sensors_to_repeat == ((4, messages[10]), (4, messages[20]))
+    answers.add_command(command(10, 0.1, 0.2))
+    assert answers.sensors_to_repeat == ((4, messages[20]),)
