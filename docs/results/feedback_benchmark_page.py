@@ -13,7 +13,7 @@ from flexros.benchmark.disturbances import TOOL_STEP
 from flexros.benchmark.evaluate import FeedbackBenchmark
 from flexros.benchmark.models import RULES, benchmark_robot
 from flexros.benchmark.published import PUBLISHED, PUBLISHED_V1, SOLUTIONS
-from flexros.benchmark.tables import MEASURE_NAMES, measure_values
+from flexros.benchmark.tables import MEASURE_NAMES, demand_text, measure_values
 from flexros.robot.spring import Spring
 
 if TYPE_CHECKING:
@@ -112,13 +112,19 @@ def _measures(ranked: Sequence[tuple[BenchmarkController, BenchmarkResult]]) -> 
 
 
 def _missed(ranked: Sequence[tuple[BenchmarkController, BenchmarkResult]]) -> str:
-    lines = ["## Demands", "", "| demand | limit | worst of all designs | design |", "|---|---|---|---|"]
+    names = [result.name for _, result in ranked]
+    lines = ["## Demands", "", "A value in bold misses its limit. Eigenvalues are the largest of all loops.", ""]
+    lines += [f"| demand | limit | {' | '.join(names)} |", "|---" * (len(names) + 2) + "|"]
     for index, demand in enumerate(ranked[0][1].demands):
-        found = [(result.demands[index].value, result.name) for _, result in ranked]
-        value, name = max(found)
-        lines.append(f"| {demand.name} | {demand.limit:g} {demand.unit} | {value:.5g} | `{name}` |")
+        limit = "1" if demand.unit == "1" else f"{demand.limit:g} {demand.unit}"
+        found = [result.demands[index] for _, result in ranked]
+        texts = [demand_text(entry.value, entry.limit) for entry in found]
+        cells = (text if entry.passed else f"**{text}**" for entry, text in zip(found, texts, strict=True))
+        lines.append(f"| {demand.name} | {limit} | {' | '.join(cells)} |")
     missed = [
-        f"- `{result.name}` misses {demand.name}: {demand.value:.5g} {demand.unit} ({demand.where})"
+        f"- `{result.name}` misses {demand.name}: {demand.value:.5g}"
+        + (f" {demand.unit}" if demand.unit != "1" else "")
+        + (f" ({demand.where})" if demand.where else "")
         for _, result in ranked
         for demand in result.demands
         if not demand.passed
