@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from flexros.analysis.pace import Pacing
     from flexros.analysis.path_error import PathError
     from flexros.analysis.path_performance import PathPerformance
+    from flexros.analysis.point_to_point import Stop
     from flexros.analysis.run_analysis import Analysis
     from flexros.analysis.tracking import MotorTracking
 
@@ -70,6 +71,7 @@ def _figures(analysis: Analysis) -> Iterator[_Figure]:
     if analysis.performance is not None:
         yield from _performance(analysis.performance)
     yield from _corners(analysis.corners)
+    yield from _stops(analysis.stops)
     for motor in analysis.motors:
         yield from _motor(motor)
     if analysis.responses is not None:
@@ -112,6 +114,21 @@ def _corners(corners: Sequence[CornerDeviation]) -> Iterator[_Figure]:
         yield "ISO 9283", "corners", "", float(len(corners))
         yield "ISO 9283", "corner rounding CR, max", "mm", 1e3 * max(corner.rounding for corner in corners)
         yield "ISO 9283", "corner overshoot CO, max", "mm", 1e3 * max(corner.overshoot for corner in corners)
+
+
+def _stops(stops: Sequence[Stop]) -> Iterator[_Figure]:
+    settled = [stop for stop in stops if stop.positioning is not None]
+    if not stops:
+        return
+    yield "Stops", "stops", "", float(len(stops))
+    if len(settled) < len(stops):
+        yield "Stops", "not in the band of 0.3 mm", "", float(len(stops) - len(settled))
+    columns = {"positioning time": "positioning", "settling time": "settling", "stabilisation time": "stabilisation"}
+    for name, field in columns.items():
+        if settled:
+            yield "Stops", f"{name}, max", "s", max(getattr(stop, field) for stop in settled)
+    if settled:
+        yield "Stops", "overshoot, max", "mm", 1e3 * max(stop.overshoot or 0.0 for stop in settled)
 
 
 def _motor(motor: MotorTracking) -> Iterator[_Figure]:

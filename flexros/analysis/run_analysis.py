@@ -12,6 +12,7 @@ from flexros.analysis.frequency_responses import LogResponses, log_responses
 from flexros.analysis.loop_timing import LoopTiming, loop_timing
 from flexros.analysis.path_error import AXES, PathError, path_error
 from flexros.analysis.path_performance import POINTS, STANDARD_CYCLES, PathPerformance, path_performance
+from flexros.analysis.point_to_point import Stop, stops
 from flexros.analysis.torque_limits import limit_warnings, limited_drives
 from flexros.analysis.tracking import Drive, MotorTracking, motor_tracking
 from flexros.errors import InputError
@@ -43,6 +44,7 @@ class Analysis:
         provenance: Origin of the log.
         warnings: Limits of these results, one sentence each; those of the log first.
         responses: Frequency responses; None where the log is not of an identification experiment.
+        stops: Stops after point-to-point moves, in order.
     """
 
     label: str
@@ -55,6 +57,7 @@ class Analysis:
     provenance: Mapping[str, Any]
     warnings: tuple[str, ...]
     responses: LogResponses | None = None
+    stops: tuple[Stop, ...] = ()
 
     def as_dict(self) -> dict[str, object]:
         """Return all figures as plain numbers, lists and strings, ready for JSON; units are in the keys."""
@@ -63,6 +66,7 @@ class Analysis:
             "duration_s": self.duration,
             "path": None if self.path is None else self.path.as_dict(),
             "performance": None if self.performance is None else self.performance.as_dict(),
+            "stops": [stop.as_dict() for stop in self.stops],
             "corners": [corner.as_dict() for corner in self.corners],
             "motors": {motor.joint: motor.as_dict() for motor in self.motors},
             "timing": self.timing.as_dict(),
@@ -114,6 +118,7 @@ def analyse(log: Log, *, robot: Robot | None = None, label: str | None = None) -
         provenance=log.provenance,
         warnings=tuple(warnings),
         responses=responses,
+        stops=() if path is None else stops(path.run),
     )
 
 
