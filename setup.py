@@ -13,7 +13,7 @@ ROS_WHEELS = [
     "ros-jazzy-common-interfaces==5.3.6",
     "ros-jazzy-rmw-fastrtps-cpp==8.4.3",
 ]
-DESIGN = ["cma>=4", "slycot>=0.6"]
+DESIGN = ["cma>=4", "slycot>=0.6; python_version >= '3.11'"]  # no wheels of slycot before
 TEST = [
     *DESIGN,
     "pytest>=8",
