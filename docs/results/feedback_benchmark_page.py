@@ -146,15 +146,15 @@ def _floor(costs: Mapping[str, float]) -> str:
 - **Deflection at rest.** {TOOL_STEP:g} Nm at the tool deflect it by {held:.2f} mm with the motor held, so e1 and e5
   cannot be smaller with the motor encoder alone: the encoder does not see that part.
 - **Delay.** The demands on 2 ms and on 2.5 times the gain bound the gain at high frequency; tuned designs end there.
-- **Noise.** T_NOISE enters the cost with 1.259 per Nm, and is between 1 and 2 Nm in every tuned design.
+- **Noise.** T_NOISE enters the cost with 1.259 per Nm, and is between 1 and 2 Nm in the designs of least V.
 - **One controller for M1 and M2.** C2 is tuned for the worst of twenty models; C1 knows its model.
 - **Design models.** `lqg`, `loop_shaping` and `pole_placement` have their weights tuned on V, `qft` keeps its
   specifications for all 21 models in every spring segment, `mu_synthesis` the performance for every slope of the
   nominal model, not for the deviations of M2, and `mixed_sensitivity` inverts the lightly damped modes of one model:
   with the spring's range of 6 only a low bandwidth is stable.
 - **Where the motor encoder ends.** Two unlike structures come out nearly alike: LQG with its eight weights
-  {costs["lqg_2"]:.2f}, a PID with four second-order sections (20 numbers) {costs["pid_section_4"]:.2f}. Tuning LQG again
-  gained {costs["lqg"] - costs["lqg_2"]:.2f}. This is a plateau of the search, no proof of a lower bound.
+  {costs["lqg_2"]:.2f}, a PID with four second-order sections (20 numbers) {costs["pid_section_4"]:.2f}.
+  Tuning LQG again gained {costs["lqg"] - costs["lqg_2"]:.2f}. This is a plateau of the search, no proof of a lower bound.
 """
 
 
