@@ -14,6 +14,10 @@ from flexros.benchmark.evaluate import FeedbackBenchmark
 from flexros.benchmark.models import RULES, benchmark_robot
 from flexros.benchmark.published import PUBLISHED, PUBLISHED_V1, SOLUTIONS
 from flexros.benchmark.tables import MEASURE_NAMES, demand_text, measure_values
+from flexros.control.context import LoopContext
+from flexros.control.design.margins import loop_margins
+from flexros.control.design.methods.base import DesignProblem
+from flexros.control.linear_controller import linear_controller
 from flexros.robot.spring import Spring
 
 if TYPE_CHECKING:
@@ -154,8 +158,16 @@ def _floor(costs: Mapping[str, float]) -> str:
   with the spring's range of 6 only a low bandwidth is stable.
 - **Where the motor encoder ends.** Two unlike structures come out nearly alike: LQG with its eight weights
   {costs["lqg_2"]:.2f}, a PID with four second-order sections (20 numbers) {costs["pid_section_4"]:.2f}.
-  Tuning LQG again gained {costs["lqg"] - costs["lqg_2"]:.2f}. This is a plateau of the search, no proof of a lower bound.
+  Tuning LQG again gained {costs["lqg"] - costs["lqg_2"]:.2f}. Its C2 becomes unstable at {_gain_margin("lqg_2"):.2f} times
+  the loop gain: the demand of 2.5 is what stops it. This is a plateau of the search, no proof of a lower bound.
 """
+
+
+def _gain_margin(name: str) -> float:
+    """Return the smallest gain margin of the controller C2 of a design over the spring segments."""
+    robot = benchmark_robot()
+    linear = linear_controller(load_controller(name).perturbed, LoopContext(robot, robot.sample_time))
+    return min(margins.gain_up for margins in loop_margins(DesignProblem.of(robot).sampled, linear))
 
 
 def _deflection(spring: Spring) -> float:
