@@ -158,8 +158,9 @@ def _floor(costs: Mapping[str, float]) -> str:
   with the spring's range of 6 only a low bandwidth is stable.
 - **Where the motor encoder ends.** Two unlike structures come out nearly alike: LQG with its eight weights
   {costs["lqg_2"]:.2f}, a PID with four second-order sections (20 numbers) {costs["pid_section_4"]:.2f}.
-  Tuning LQG again gained {costs["lqg"] - costs["lqg_2"]:.2f}. Its C2 becomes unstable at {_gain_margin("lqg_2"):.2f} times
-  the loop gain: the demand of 2.5 is what stops it. This is a plateau of the search, no proof of a lower bound.
+  Tuning LQG again gained {costs["lqg"] - costs["lqg_2"]:.2f}. Its C2 becomes unstable at
+  {_gain_margin("lqg_2"):.2f} times the loop gain: the demand of 2.5 is what stops it. This is a plateau of the search,
+  no proof of a lower bound.
 """
 
 
