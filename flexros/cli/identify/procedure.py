@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from flexros.cli.identify import axis as identify_axis
+from flexros.cli.identify import friction as identify_friction
 from flexros.cli.identify import kinematics as identify_kinematics
 from flexros.cli.identify import rigid as identify_rigid
 from flexros.cli.identify.design import RANGE, UNKNOWN, checked_minutes, design, gear_ranges, template_with
@@ -159,6 +160,7 @@ COMMANDS: dict[str, Callable[..., Any]] = {
     "rigid": identify_rigid.rigid,
     "axis": identify_axis.axis,
     "kinematics": identify_kinematics.kinematics,
+    "friction": identify_friction.friction,
 }
 """Subcommands of `flexros identify`, by name."""
 
