@@ -128,9 +128,11 @@ def test_non_minimum_phase_feedforward_is_refused(flexros: Flexros, tmp_path: Pa
     ended = flexros(
         "run", "circle_dae", "--transport", "direct", "--out", str(tmp_path / "bag"),
         "--set", "model.values.body_3.length.x=1.0", "--set", "model.values.body_3.inertia.yy=5.0",
+        "--set", "feedforward.non_minimum_phase=refuse",
     )  # fmt: skip
     assert ended.code == 2
     assert "minimum phase" in ended.err.replace("-", " ")
+    assert ended.err.count("scenario circle_dae") == 1
 
 
 def test_unstable_loop_ends_with_code_3_and_a_log(flexros: Flexros, tmp_path: Path) -> None:
