@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
+from pydantic import Field
+
 from flexros.effects.kinds.relative_error import AbstractRelativeError
 
 if TYPE_CHECKING:
@@ -12,7 +14,10 @@ if TYPE_CHECKING:
 
 
 class PayloadError(AbstractRelativeError):
-    """Mass and inertia of the last body scaled together, the centre of mass kept."""
+    """Mass and inertia of the last body scaled together, the centre of mass kept.
+
+    The last body of a wrist is light: what it carries may be many times its mass.
+    """
 
     name: ClassVar[str] = "payload_error"
     stage: ClassVar[Stage] = "load"
@@ -25,6 +30,8 @@ class PayloadError(AbstractRelativeError):
     fingerprint: ClassVar[str] = (
         "a disturbance torque in all joints that follows the acceleration of the tool, and its weight under gravity"
     )
+
+    relative: float = Field(0.0, gt=-1.0, lt=1000.0, description="deviation, relative to the nominal value [1]")
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """Return the tool, the only location of the load."""

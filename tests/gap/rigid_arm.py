@@ -46,7 +46,9 @@ def motion() -> FloatArray:
 
 
 @cache
-def record_of_arm(*, simulated: bool = False, imported: bool = False, seed: int = 5, asymmetry: float = 0.0) -> Record:
+def record_of_arm(
+    *, simulated: bool = False, imported: bool = False, seed: int = 5, asymmetry: float = 0.0, load: float = 0.0
+) -> Record:
     """Compute the torques of that motion by inverse dynamics, with rotors and friction that the model lacks.
 
     Args:
@@ -54,9 +56,11 @@ def record_of_arm(*, simulated: bool = False, imported: bool = False, seed: int 
         imported: Whether it is of a real machine.
         seed: Of the encoder noise.
         asymmetry: Of the viscous friction of motor_1, (forward - backward) / mean.
+        load: Mass and inertia of the last body beyond those of the model, relative to them.
     """
     q, v, a = motion()
-    model = arm().model
+    last = [name for name in arm().parameters if name.startswith(("body_2.mass", "body_2.inertia."))]
+    model = arm().with_values({name: (1 + load) * arm().parameters[name].value for name in last}).model
     rigid = np.array([np.ravel(model.arm_inverse_dynamics(*row, model.parameter_values)) for row in zip(q, v, a)])
     uneven = 1 + 0.5 * np.array([asymmetry, 0.0]) * np.sign(v)
     torque = rigid + INERTIA * a + VISCOUS * v * uneven + COULOMB * np.sign(v)

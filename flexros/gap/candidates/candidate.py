@@ -7,6 +7,7 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
+from annotated_types import Lt
 
 from flexros.effects import PlacedEffect, effects
 from flexros.effects.kinds.curve import AbstractCurve
@@ -25,6 +26,10 @@ AT_LIMIT = 1e-3
 """Distance from a limit of the search, over the whole range in the unit of the fit, that counts as at the limit [1]."""
 REDUCED = (0.3, 0.6, 0.9)
 """Shares of a nominal number that are taken away in the initial values of a search [1] (chosen)."""
+
+
+WIDER = 10.0
+"""Factor by which the search of a relative error is widened that ended at its limit (chosen)."""
 
 
 @dataclass(frozen=True)
@@ -117,6 +122,23 @@ class Candidate:
         neutral = self.neutral(free)
         reached = [limit for limit in (low, high) if abs(encoded - limit) <= margin and limit != neutral]
         return bool(reached) and self.effect.ranges[free.name].scale != "phase"
+
+    def widened(self, name: str) -> Candidate | None:
+        """Return the candidate with a relative error free up to ten times its largest size; None where that is no size.
+
+        How far a number of a model may be off is not known; a load on a light last link is many times its mass.
+
+        Args:
+            name: Name of a free parameter.
+        """
+        free = next(free for free in self.free if free.name == name)
+        wide = replace(free, high=WIDER * free.high)
+        allowed = min(
+            (limit.lt for limit in self.effect.model_fields[name].metadata if isinstance(limit, Lt)), default=0
+        )
+        if self.effect.ranges[name].scale != "relative" or not free.signed or wide.high >= allowed:
+            return None
+        return replace(self, free=tuple(wide if one is free else one for one in self.free))
 
     def with_usual(self, name: str) -> Candidate | None:
         """Return the candidate with a parameter that shapes it fixed at the middle of its initial values.

@@ -321,7 +321,8 @@ class Search:
     def within_limits(self, fit: CandidateFit) -> CandidateFit:
         """Fit again without parameters that ended at a limit of their search, which are no findings.
 
-        A parameter that shapes an effect is set to its usual value. An effect whose size is at a limit is left out.
+        The search of a relative error is widened. A parameter that shapes an effect is set to its usual value. An
+        effect whose size is at a limit nevertheless is left out.
 
         Args:
             fit: The fit.
@@ -329,7 +330,7 @@ class Search:
         Returns:
             A fit without such parameters, or the same fit.
         """
-        for _ in range(fit.predictor.n_effect):
+        for _ in range(2 * fit.predictor.n_effect):
             values = fit.predictor.values(fit.theta)
             limited = [
                 (candidate, name)
@@ -339,8 +340,10 @@ class Search:
             if not limited:
                 break
             candidate, name = limited[0]
-            shaped = candidate.with_usual(name)
-            if shaped is None:
+            wide, shaped = candidate.widened(name), candidate.with_usual(name)
+            if wide is not None:
+                fit = self.reshaped(fit, tuple(wide if one is candidate else one for one in fit.hypothesis))
+            elif shaped is None:
                 fit = self.without(fit, candidate.name)
             else:
                 changed = tuple(shaped if one is candidate else one for one in fit.hypothesis)

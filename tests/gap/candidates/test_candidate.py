@@ -172,3 +172,12 @@ def test_without_nominal_friction_there_is_nothing_to_take_away() -> None:
         if one.effect.name == "viscous_friction"
     )
     assert not free.signed
+
+
+def test_the_load_of_a_light_wrist_may_be_many_times_its_mass() -> None:
+    among = {one.name: one for one in list_candidates(load_robot("elbow"), Scales({}))}
+    wide = among["payload_error@tool"].widened("relative")
+    assert wide is not None
+    assert wide.free[0].high == pytest.approx(10 * among["payload_error@tool"].free[0].high)
+    assert among["motor_inertia_error@motor_1"].widened("relative") is None
+    assert among["coulomb_friction@motor_1"].widened("level") is None

@@ -19,7 +19,7 @@ from flexros.gap.residuals.fit_data import FitData, fit_data
 from flexros.gap.result import DiagnosisResult
 from flexros.gap.search.torque_start import TorqueStart, base_fit, first_values, torque_start
 from flexros.gap.settings import DiagnosisSettings, SearchSettings
-from flexros.robot import robot_from_data
+from flexros.robot import Robot, robot_from_data
 from tests.gap.rigid_arm import ARM, COULOMB, INERTIA, VISCOUS, arm, record_of_arm
 
 FRICTION = {f"{effect}@motor_{motor}" for effect in ("coulomb_friction", "viscous_friction") for motor in (1, 2)}
@@ -126,14 +126,29 @@ def test_clear_asymmetry_of_friction_is_found() -> None:
     assert "asymmetry" not in parameters["viscous_friction@motor_2"]
 
 
-def test_friction_whose_mean_is_nominal_returns_for_its_asymmetry() -> None:
-    """The torques show no viscous friction beyond the nominal one, so it is left out at first."""
+def complete_arm() -> Robot:
+    """Load the arm with its rotors and viscous friction in the file."""
     data = yaml.safe_load(ARM)
     for body, inertia, viscous in zip(data["bodies"], INERTIA, VISCOUS, strict=True):
         body["directions"]["ry"]["motor"] = {"inertia": float(inertia), "viscous_friction": float(viscous)}
+    return robot_from_data(data, "arm.yaml")
+
+
+def test_friction_whose_mean_is_nominal_returns_for_its_asymmetry() -> None:
+    """The torques show no viscous friction beyond the nominal one, so it is left out at first."""
     settings = DiagnosisSettings(where=None, next_experiment=None)
     uneven = [record_of_arm(imported=True, seed=seed, asymmetry=1.0) for seed in (5, 6)]
-    found = diagnose(uneven[0], robot_from_data(data, "arm.yaml"), holdout=uneven[1], settings=settings).diagnosis
+    found = diagnose(uneven[0], complete_arm(), holdout=uneven[1], settings=settings).diagnosis
     parameters = {f"{cause.effect}@{cause.location}": cause.parameters for cause in found.causes}
     assert parameters.keys() == FRICTION - {"viscous_friction@motor_2"}
     assert parameters["viscous_friction@motor_1"]["asymmetry"].value == pytest.approx(1.0, rel=0.1)
+
+
+def test_a_load_of_many_times_the_last_body_is_found() -> None:
+    """Its search ends at nine times the mass and is widened."""
+    settings = DiagnosisSettings(where=None, next_experiment=None)
+    loaded = [record_of_arm(imported=True, seed=seed, load=11.0) for seed in (5, 6)]
+    found = diagnose(loaded[0], complete_arm(), holdout=loaded[1], settings=settings).diagnosis
+    causes = {f"{cause.effect}@{cause.location}": cause.parameters for cause in found.causes}
+    assert causes["payload_error@tool"]["relative"].value == pytest.approx(11.0, rel=0.15)
+    assert not causes["payload_error@tool"]["relative"].at_limit
