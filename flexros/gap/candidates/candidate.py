@@ -134,7 +134,8 @@ class Candidate:
         free = next(free for free in self.free if free.name == name)
         wide = replace(free, high=WIDER * free.high)
         allowed = min(
-            (limit.lt for limit in self.effect.model_fields[name].metadata if isinstance(limit, Lt)), default=0
+            (float(str(limit.lt)) for limit in self.effect.model_fields[name].metadata if isinstance(limit, Lt)),
+            default=0,
         )
         if self.effect.ranges[name].scale != "relative" or not free.signed or wide.high >= allowed:
             return None
