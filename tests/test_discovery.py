@@ -83,7 +83,7 @@ def test_classes_of_other_packages_are_omitted(package: ModuleType) -> None:
 
 
 def test_rooms_have_their_members() -> None:
-    assert set(control_laws()) == {"cascade", "pid"}
+    assert {"cascade", "pid", "state_space", "computed_torque", "lqg"} <= set(control_laws())
     assert {"payload_error", "stiffness_error", "delay"} <= set(effects())
-    assert set(feedforward_methods()) == {"none", "rigid", "flexible_joint", "dae"}
+    assert set(feedforward_methods()) == {"none", "rigid", "flexible_joint", "dae", "stable_inversion"}
     assert all(issubclass(law, AbstractControlLaw) for law in control_laws().values())

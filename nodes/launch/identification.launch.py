@@ -12,4 +12,6 @@ if TYPE_CHECKING:
 
 def generate_launch_description() -> LaunchDescription:
     """Describe arguments and nodes."""
-    return run_description("identify_e12", "identify_two_mass", "identify_six_axis", "identify_six_axis_friction")
+    return run_description(
+        "identify_e12", "identify_two_mass", "identify_six_axis", "identify_six_axis_friction", "friction_two_mass"
+    )

@@ -73,10 +73,10 @@ def regress_torque(
         arm: What the arm takes from the motors; None for locked springs.
 
     Returns:
-        The regression; None for a log in which no motor moves, or that is too short.
+        The regression; None for a log in which no motor moves, or that is too short, and for links that bend.
     """
-    regressor = RigidRegressor(robot)
     try:
+        regressor = RigidRegressor(robot)
         rows = _rows(record, regressor)
     except InputError:
         return None

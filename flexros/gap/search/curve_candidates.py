@@ -10,6 +10,7 @@ import numpy as np
 
 from flexros.effects import effects
 from flexros.effects.kinds.curve import AbstractCurve
+from flexros.effects.kinds.gear_law import AbstractGearLaw
 from flexros.gap.candidates.candidate import Candidate, FreeParameter
 from flexros.gap.fit.screening import Directions
 from flexros.robot.spring import Spring
@@ -37,6 +38,8 @@ MOVED = 0.1
 def list_curves(search: Search, fit: CandidateFit) -> list[Candidate]:
     """List the curves that compete beside an explanation, without the sizes that they share with its laws.
 
+    Beside sensors of the links no curve of a spring competes: what their own laws leave open would go into it.
+
     Args:
         search: The search.
         fit: The explanation.
@@ -45,6 +48,8 @@ def list_curves(search: Search, fit: CandidateFit) -> list[Candidate]:
     candidates = []
     for effect in effects().values():
         if not issubclass(effect, AbstractCurve):
+            continue
+        if issubclass(effect, AbstractGearLaw) and search.data.sensors is not None:
             continue
         for location in effect().locations(search.null.model.robot):
             torque = covered.torque(location)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, cast
 import casadi as ca
 import numpy as np
 
+from flexros.errors import InputError
 from flexros.identify.rigid.standard_parameters import FRICTION, standard_parameters
 from flexros.robot.parameters import INERTIA_COMPONENTS
 
@@ -38,6 +39,11 @@ class RigidRegressor:
     """
 
     def __init__(self, robot: Robot, asymmetric: bool = False) -> None:
+        if any(body.bending for body in robot.spec.bodies):
+            raise InputError(
+                f"robot {robot.name} has links that bend, whose mass is spread over them; the torque regression needs "
+                "rigid links: give the links their inertia instead of bending"
+            )
         self.robot = robot
         self.parameters = standard_parameters(robot, asymmetric)
         self._motion = tuple(ca.SX.sym(name, robot.n_motors) for name in "qva")
