@@ -10,7 +10,6 @@ import numpy as np
 
 from flexros.effects import effects
 from flexros.effects.kinds.curve import AbstractCurve
-from flexros.effects.kinds.gear_law import AbstractGearLaw
 from flexros.gap.candidates.candidate import Candidate, FreeParameter
 from flexros.gap.fit.screening import Directions
 from flexros.robot.spring import Spring
@@ -49,7 +48,7 @@ def list_curves(search: Search, fit: CandidateFit) -> list[Candidate]:
     for effect in effects().values():
         if not issubclass(effect, AbstractCurve):
             continue
-        if issubclass(effect, AbstractGearLaw) and search.data.sensors is not None:
+        if effect.stage == "gear" and search.data.sensors is not None:
             continue
         for location in effect().locations(search.null.model.robot):
             torque = covered.torque(location)
