@@ -10,7 +10,7 @@ from flexros.identify.rigid.regressor import RigidRegressor
 from flexros.robot import load_robot, robot_names
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", [name for name in robot_names() if name != "flexible_arm"])  # its links bend
 def test_base_parameters_span_all_torques_and_no_fewer_would_do(name: str) -> None:
     robot = load_robot(name)
     regressor = RigidRegressor(robot)
