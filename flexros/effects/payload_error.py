@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
 from pydantic import Field
@@ -9,7 +11,10 @@ from pydantic import Field
 from flexros.effects.kinds.relative_error import AbstractRelativeError
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from flexros.effects.kinds.base import Stage
+    from flexros.effects.kinds.ranges import Range
     from flexros.robot import Robot
 
 
@@ -32,6 +37,10 @@ class PayloadError(AbstractRelativeError):
     )
 
     relative: float = Field(0.0, gt=-1.0, lt=1000.0, description="deviation, relative to the nominal value [1]")
+
+    ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
+        {"relative": replace(AbstractRelativeError.ranges["relative"], widest=900.0)}
+    )
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """Return the tool, the only location of the load."""

@@ -7,7 +7,6 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
-from annotated_types import Lt
 
 from flexros.effects import PlacedEffect, effects
 from flexros.effects.kinds.curve import AbstractCurve
@@ -29,7 +28,7 @@ REDUCED = (0.3, 0.6, 0.9)
 
 
 WIDER = 10.0
-"""Factor by which the search of a relative error is widened that ended at its limit (chosen)."""
+"""Factor by which a search that ended at its limit is widened (chosen)."""
 
 
 @dataclass(frozen=True)
@@ -124,21 +123,15 @@ class Candidate:
         return bool(reached) and self.effect.ranges[free.name].scale != "phase"
 
     def widened(self, name: str) -> Candidate | None:
-        """Return the candidate with a relative error free up to ten times its largest size; None where that is no size.
-
-        How far a number of a model may be off is not known; a load on a light last link is many times its mass.
+        """Return the candidate with a parameter free up to ten times its largest size; None where its range ends there.
 
         Args:
-            name: Name of a free parameter.
+            name: Name of a free parameter whose scale is 1.
         """
-        free = next(free for free in self.free if free.name == name)
-        wide = replace(free, high=WIDER * free.high)
-        allowed = min(
-            (float(str(limit.lt)) for limit in self.effect.model_fields[name].metadata if isinstance(limit, Lt)),
-            default=0,
-        )
-        if self.effect.ranges[name].scale != "relative" or not free.signed or wide.high >= allowed:
+        free, widest = next(free for free in self.free if free.name == name), self.effect.ranges[name].widest
+        if widest is None or free.high >= widest:
             return None
+        wide = replace(free, high=min(WIDER * free.high, widest))
         return replace(self, free=tuple(wide if one is free else one for one in self.free))
 
     def with_usual(self, name: str) -> Candidate | None:

@@ -26,8 +26,10 @@ FEWEST_LINES = 12
 """Least number of lines of a periodogram that are averaged, half of them to each side [1]."""
 BANDS = 12
 """Frequency bands with windows of their own, each up to twice the frequency of the last [1]."""
-_KNOWN: WeakKeyDictionary[FitData, WeakKeyDictionary[CandidateFit, dict[bool, FloatArray]]] = WeakKeyDictionary()
-"""Covariances that were computed already, with and without model-form errors."""
+_KNOWN: WeakKeyDictionary[FitData, WeakKeyDictionary[CandidateFit, dict[RankingSettings | None, FloatArray]]] = (
+    WeakKeyDictionary()
+)
+"""Covariances that were computed already, by the settings with the model-form errors; None without them."""
 _UNIT = re.compile(r"\[([^\]]+)\]")
 
 
@@ -100,9 +102,9 @@ def fit_covariance(fit: CandidateFit, data: FitData, form: RankingSettings | Non
         Covariance in the units of the fit, shape (n_fitted, n_fitted).
     """
     of_fit = _KNOWN.setdefault(data, WeakKeyDictionary()).setdefault(fit, {})
-    if (form is not None) not in of_fit:
-        of_fit[form is not None] = _sandwich(fit, data, form)
-    return of_fit[form is not None]
+    if form not in of_fit:
+        of_fit[form] = _sandwich(fit, data, form)
+    return of_fit[form]
 
 
 def _sandwich(fit: CandidateFit, data: FitData, form: RankingSettings | None) -> FloatArray:

@@ -321,7 +321,7 @@ class Search:
     def within_limits(self, fit: CandidateFit) -> CandidateFit:
         """Fit again without parameters that ended at a limit of their search, which are no findings.
 
-        The search of a relative error is widened. A parameter that shapes an effect is set to its usual value. An
+        The search is widened where its range goes on. A parameter that shapes an effect is set to its usual value. An
         effect whose size is at a limit nevertheless is left out.
 
         Args:

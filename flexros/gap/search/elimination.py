@@ -88,7 +88,7 @@ def with_asymmetry(search: Search, fit: CandidateFit, fits: list[CandidateFit]) 
 
     Args:
         search: The search.
-        fit: The effects that torques show, each with its size alone.
+        fit: The effects that torques show, each with its size alone, and further ones.
         fits: All fits so far; a new one is appended.
     """
     whole = {candidate.name: candidate for candidate in search.candidates()}
@@ -108,9 +108,10 @@ def with_asymmetry(search: Search, fit: CandidateFit, fits: list[CandidateFit]) 
 
 
 def with_dropped(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
-    """Add the effects of the torques that were left out, and keep those that are clear now.
+    """Add the effects of the torques that were left out, then asymmetry, and keep what is clear now.
 
     Friction drowned in what another effect leaves, such as that of a wrong spring, shows once that effect is found.
+    Friction whose mean is nominal may have an asymmetry that another effect imitates, which is needless then.
 
     Args:
         search: The search.
@@ -123,7 +124,7 @@ def with_dropped(search: Search, fit: CandidateFit, fits: list[CandidateFit]) ->
         return fit
     additions = search.additions(directions, fit, search.surroundings(fit))
     fits.append(search.together(fit, additions))
-    return reduced(search, fits[-1], fits, search.settings.search.removed_by_step)
+    return reduced(search, with_asymmetry(search, fits[-1], fits), fits, search.settings.search.removed_by_step)
 
 
 def _uneven(candidate: Candidate) -> bool:

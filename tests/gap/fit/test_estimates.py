@@ -117,9 +117,10 @@ def test_model_form_errors_of_effects_widen_the_deviations_of_all_sizes() -> Non
     predictor = predictor_of(*pair)
     start = np.array([*encoded(pair[0], level=LEVEL), *encoded(pair[1], level=0.001)])
     found = fit(predictor, data, start, 20, enough=FitSettings().exactly)
-    alone = [next(iter(one.values())).std for one in parameters_of(found, data)]
-    exact = RankingSettings(plain_form=0.0, shaped_form=0.0)
-    with_form = [next(iter(one.values())).std for one in parameters_of(found, data, RankingSettings())]
-    assert np.all(np.array(with_form) > alone)
-    again = fit(predictor, data, start, 20, enough=FitSettings().exactly)
-    np.testing.assert_allclose([next(iter(one.values())).std for one in parameters_of(again, data, exact)], alone)
+
+    def deviations(form: RankingSettings | None) -> list[float]:
+        return [next(iter(one.values())).std for one in parameters_of(found, data, form)]
+
+    assert np.all(np.array(deviations(RankingSettings())) > deviations(None))
+    without = RankingSettings(plain_form=0.0, shaped_form=0.0)
+    np.testing.assert_allclose(deviations(without), deviations(None))
