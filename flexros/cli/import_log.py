@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,40 +11,159 @@ import numpy as np
 import typer
 from rich.table import Table
 
+from flexros.atomic_file import write_result
 from flexros.cli.output import console, print_json, progress_bar, say
+from flexros.cli.progress import progress_shown
+from flexros.errors import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from flexros.logs.time_series import Log, Series
+    from flexros.record.proposal.assumption import Assumption
+    from flexros.robot import Robot
 
 _TOPICS = ("joint_states", "joint_commands", "joint_reference", "link_states", "tool_imu")
+_DESCRIPTIONS = (".urdf", ".xml")
 _FIELDS = ("position", "velocity", "effort", "acceleration", "turning_rate")
 
 
 def import_log(
-    mapping: str = typer.Argument(help="Built-in mapping (emps), or path of a mapping YAML."),
-    file: list[Path] = typer.Argument(
-        help="CSV, MATLAB (.mat), NumPy (.npz) files or ROS 2 bags (.mcap, folder) that hold the columns together."
+    mapping: str = typer.Argument(
+        help="Mapping YAML or built-in mapping (emps); or a ROS 2 bag (folder or .mcap) alone, to propose its mapping.",
+        metavar="MAPPING|BAG",
     ),
-    out: Path = typer.Option(..., "--out", help="Folder of the log (rosbag2) to write."),
+    file: list[Path] = typer.Argument(
+        None, help="CSV, MATLAB (.mat), NumPy (.npz) files or ROS 2 bags that hold the columns of MAPPING together."
+    ),
+    out: Path = typer.Option(
+        None, "--out", help="Folder of the log (rosbag2) to write; without it the mapping of a BAG is proposed alone."
+    ),
+    model: str = typer.Option(
+        "",
+        "--model",
+        help="Robot YAML, built-in robot, patch or URDF whose joints BAG has; default: the URDF on its topic "
+        "robot_description.",
+    ),
+    proposed: Path = typer.Option(
+        None,
+        "--mapping",
+        help="Mapping YAML to write for a BAG; default: OUT, else the name of BAG, with _mapping.yaml.",
+    ),
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
-    """Convert a log of another recorder into a rosbag2 log, by a mapping of its columns."""
+    """Convert a log of another recorder into a rosbag2 log, by a mapping of its columns or one proposed for a bag.
+
+    Examples: flexros import BAG --model robot.yaml --out log; flexros import drive.yaml drive.csv --out log
+    """
     from flexros.logs.foreign.import_log import import_log as read_files
     from flexros.logs.foreign.mapping import load_mapping
     from flexros.logs.write_log import write_log
 
+    if not file and _is_bag(mapping):
+        _propose(Path(mapping), model, out, proposed, as_json)
+        return
+    _refuse_what_bags_need(mapping, file, out, model, proposed)
     with progress_bar() as progress:
         task = progress.add_task("reading", total=2)
         log = read_files(load_mapping(mapping), file)
         progress.update(task, description="writing", completed=1)
         write_log(log, out)
-    rows = [_figures(name, series) for name in _TOPICS if (series := log.series(name)) is not None]
+    rows = _rows(log)
     if as_json:
         print_json({"log": str(out), "topics": rows, "warnings": list(log.warnings)})
         return
     _print(rows, log)
     say(f"Log: {out}")
     say(f"Analyse it: flexros analyze {shlex.quote(str(out))}")
+
+
+def _is_bag(name: str) -> bool:
+    """Whether an argument is a bag and no mapping."""
+    return Path(name).suffix == ".mcap" or Path(name).is_dir()
+
+
+def _refuse_what_bags_need(mapping: str, file: list[Path], out: Path, model: str, proposed: Path) -> None:
+    """Refuse arguments that do not go with a mapping of the user."""
+    if not file:
+        if Path(mapping).exists() and Path(mapping).suffix not in (".yaml", ".yml"):
+            raise InputError(
+                f"{mapping} is no ROS 2 bag (folder or .mcap), and columns of other files have no usual names; write "
+                "a mapping file and give it with its files"
+            )
+        raise InputError(
+            f"{mapping} is given without files; give the files that hold its columns, or a ROS 2 bag alone"
+        )
+    if out is None:
+        raise InputError("no folder of the log is given; name a new one", "out")
+    if _is_bag(mapping):
+        raise InputError(f"{mapping} is a bag; give one bag alone, or a mapping and its files")
+    for value, argument in ((model, "model"), (proposed, "proposed")):
+        if value:
+            raise InputError(f"{value}: only the mapping of a bag is proposed, and {mapping} is a mapping", argument)
+
+
+def _propose(bag: Path, model: str, out: Path | None, proposed: Path | None, as_json: bool) -> None:
+    """Propose the mapping of a bag, write it, and the log with a folder for it."""
+    from flexros.logs.write_log import write_log
+    from flexros.record.proposal.propose import propose_mapping, robot_in_bag
+    from flexros.record.proposal.text import mapping_text
+
+    path = proposed or Path(f"{out or bag.stem}_mapping.yaml")
+    for each in (path, out):
+        if each is not None and each.exists():
+            raise InputError(f"{each} exists already; give another name or remove it")
+    with progress_shown() as show:
+        show("robot", 0.0)
+        robot = _robot(model) if model else robot_in_bag(bag)
+        show("reading", 0.1)
+        found = propose_mapping(bag, robot, lambda text: show(text, 0.5))
+        if out is not None:
+            show("writing", 0.9)
+            write_log(found.log, out)
+        write_result(path, mapping_text(found.mapping, found.assumptions), "mapping")
+    rows = _rows(found.log)
+    if as_json:
+        assumed = [asdict(each) for each in found.assumptions]
+        log = None if out is None else str(out)
+        warnings = list(found.log.warnings)
+        print_json({"log": log, "mapping": str(path), "assumptions": assumed, "topics": rows, "warnings": warnings})
+        return
+    _print_assumptions(found.assumptions)
+    if out is not None:
+        _print(rows, found.log)
+    say(f"Mapping: {path} (correct what is wrong, then: flexros import {path} {bag} --out LOG)")
+    if out is None:
+        return
+    say(f"Log: {out}")
+    if robot is not None and model and not model.endswith(_DESCRIPTIONS):
+        say(f"Compare it: flexros gap {shlex.quote(str(out))} --model {shlex.quote(model)}")
+    else:
+        say(f"Analyse it: flexros analyze {shlex.quote(str(out))}")
+
+
+def _robot(model: str) -> Robot:
+    """Load a robot, or make one from a URDF."""
+    from flexros.config.yaml_file import parse_yaml
+    from flexros.effects.patching.patched_robot import load_model
+    from flexros.robot import robot_from_data
+    from flexros.robot.exchange.urdf_import import skeleton_from_urdf
+
+    if model.endswith(_DESCRIPTIONS):
+        return robot_from_data(parse_yaml(skeleton_from_urdf(Path(model)), model), model)
+    return load_model(model).robot
+
+
+def _print_assumptions(assumptions: Sequence[Assumption]) -> None:
+    table = Table("about", "assumed", "on what ground", title="Assumptions", title_justify="left")
+    table.columns[0].no_wrap = True
+    for each in assumptions:
+        table.add_row(each.about, each.taken, each.ground if each.checked else f"NOT CHECKED: {each.ground}")
+    console.print(table)
+
+
+def _rows(log: Log) -> list[dict[str, object]]:
+    return [_figures(name, series) for name in _TOPICS if (series := log.series(name)) is not None]
 
 
 def _figures(name: str, series: Series) -> dict[str, object]:

@@ -5,7 +5,10 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
+from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.typesys import Stores, get_typestore
 
 from flexros.logs.reader import read_log
 
@@ -67,3 +70,75 @@ def test_existing_folder_is_kept(flexros, files, tmp_path: Path) -> None:
     ended = flexros("import", *files, "--out", str(tmp_path / "bag"))
     assert ended.code == 2
     assert "exists" in ended.err
+
+
+STAMP = 1_790_000_000 * 10**9
+
+
+@pytest.fixture
+def bag(tmp_path: Path) -> str:
+    """Write a bag of a robot with one joint and a gripper, without a URDF."""
+    types = get_typestore(Stores.ROS2_JAZZY)
+    State = types.types["sensor_msgs/msg/JointState"]
+    with Writer(tmp_path / "drive", version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        topic = writer.add_connection("/joint_states", State.__msgtype__, typestore=types)
+        for k in range(400):
+            stamp = STAMP + k * 2_000_000
+            header = types.types["std_msgs/msg/Header"](
+                types.types["builtin_interfaces/msg/Time"](*divmod(stamp, 10**9)), ""
+            )
+            angle, rate = np.sin(0.01 * k), 5 * np.cos(0.01 * k)
+            values = (np.array([0.5, value]) for value in (angle, rate, 3 * angle))
+            writer.write(
+                topic, stamp, types.serialize_cdr(State(header, ["finger", "motor_1"], *values), State.__msgtype__)
+            )
+    return str(tmp_path / "drive")
+
+
+def test_mapping_of_a_bag_is_proposed(flexros, bag, tmp_path: Path) -> None:
+    ended = flexros("import", bag, "--model", "two_mass", "--out", str(tmp_path / "log"), "--json")
+    assert ended.code == 0, ended.err
+    printed = json.loads(ended.out)
+    assert printed["mapping"] == str(tmp_path / "log_mapping.yaml")
+    assert {each["about"] for each in printed["assumptions"]} >= {"topics", "rate", "joints", "position", "effort"}
+    assert any("finger" in each["taken"] for each in printed["assumptions"])
+    assert read_log(tmp_path / "log").joint_states.names == ("motor_1",)
+
+
+def test_proposed_mapping_imports_the_same_log(flexros, bag, tmp_path: Path) -> None:
+    mapping, first, second = (str(tmp_path / name) for name in ("mine.yaml", "first", "second"))
+    assert flexros("import", bag, "--model", "two_mass", "--out", first, "--mapping", mapping).code == 0
+    assert flexros("import", mapping, bag, "--out", second).code == 0
+    states = [read_log(Path(folder)).joint_states for folder in (first, second)]
+    assert np.array_equal(states[0].effort, states[1].effort)
+
+
+def test_without_a_folder_the_mapping_alone_is_written(flexros, bag, tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert flexros("import", bag, "--model", "two_mass").code == 0
+    assert (tmp_path / "drive_mapping.yaml").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["emps"], "emps is given without files"),
+        (["log.csv"], "no ROS 2 bag"),
+        (["emps", "log.csv"], "--out: no folder"),
+        (["emps", "log.csv", "--out", "log", "--model", "two_mass"], "--model: two_mass"),
+    ],
+)
+def test_what_does_not_go_together(flexros, files, tmp_path: Path, monkeypatch, arguments, message: str) -> None:
+    monkeypatch.chdir(tmp_path)
+    ended = flexros("import", *arguments)
+    assert ended.code == 2
+    assert message in ended.err
+    assert not (tmp_path / "log").exists()
+
+
+def test_existing_mapping_is_kept(flexros, bag, tmp_path: Path) -> None:
+    (tmp_path / "log_mapping.yaml").write_text("mine")
+    ended = flexros("import", bag, "--model", "two_mass", "--out", str(tmp_path / "log"))
+    assert ended.code == 2
+    assert (tmp_path / "log_mapping.yaml").read_text() == "mine"
+    assert not (tmp_path / "log").exists()

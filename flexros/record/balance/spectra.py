@@ -45,7 +45,10 @@ _PERIODS = 4  # periods of the lowest frequency in a stretch
 
 @dataclass(frozen=True, eq=False)
 class _Signals:
-    """Signals in time, without the first and the last sample, each of shape (n, M)."""
+    """Signals in time, without the first and the last sample, each of shape (n, M).
+
+    `rotor_unknown` marks the motors whose rotor inertia the robot file leaves out, shape (M,).
+    """
 
     sample_time: float
     position: FloatArray
@@ -54,6 +57,7 @@ class _Signals:
     rigid: FloatArray
     sign: FloatArray
     noise: FloatArray
+    rotor_unknown: BoolArray
     rigid_below: float
     delay: float
 
@@ -85,9 +89,10 @@ class _Signals:
                 ..., 0
             ]
         hold = np.sinc(f * T) * np.exp(-1j * w * (T / 2 + self.delay))
-        friction = np.stack([1j * w[:, None] * q, sign[kept]], axis=2)
+        rotor = np.where(self.rotor_unknown, -((w**2)[:, None]) * q, 0.0)
+        own = np.stack([1j * w[:, None] * q, sign[kept], rotor], axis=2)
         clear = _clear(np.abs(q) ** 2, band, crowd, float(np.sum(window**2)) * self.noise)
-        return _Piece(f, band, given[kept] * hold[:, None], needed, friction, clear)
+        return _Piece(f, band, given[kept] * hold[:, None], needed, own, clear)
 
 
 _Piece = TorqueBalance  # spectra of one stretch have the form of the whole
@@ -123,9 +128,21 @@ def torque_balance(record: Record, robot: Robot, sample_time: float | None = Non
     return TorqueBalance(
         *(
             np.concatenate([getattr(piece, name) for piece in pieces])
-            for name in ("frequency", "band", "given", "needed", "friction", "clear")
+            for name in ("frequency", "band", "given", "needed", "own", "clear")
         )
     )
+
+
+def rotor_unknown(robot: Robot) -> BoolArray:
+    """Mark the motors whose rotor inertia the robot file leaves out, as one made from a URDF does, shape (M,).
+
+    The one mass of a single drive is that of all its parts, so nothing is left out.
+
+    Args:
+        robot: The nominal robot.
+    """
+    left_out = np.array([robot.parameters[f"{name}.inertia"].value == 0 for name in robot.joint_names])
+    return left_out & (robot.n_motors > 1)
 
 
 def _signals(record: Record, robot: Robot, position: FloatArray, T: float, lowest: float) -> _Signals:
@@ -138,6 +155,7 @@ def _signals(record: Record, robot: Robot, position: FloatArray, T: float, lowes
         rigid=rigid_inverse_dynamics(robot, position, T, rigid_below)[1:-1],
         sign=np.sign(smooth_motion(position, T, min(0.05 / T, 4 * RIGID_HIGHEST))[1])[1:-1],
         noise=noise_power(position),
+        rotor_unknown=rotor_unknown(robot),
         rigid_below=rigid_below,
         delay=0.0 if record.measured_torque else robot.delay,
     )

@@ -2,7 +2,8 @@
 
 Below a third of the lowest resonance with locked motors the inverse dynamics are those of the rigid arm in any pose;
 above, those of the linearised elastic robot at the mean pose. The control law does not enter, and friction is the only
-effect that is fitted: a wrong unit, sign or order of joints changes the balance more than any effect (chosen).
+effect that is fitted, with the inertia of rotors that the robot file leaves out: a wrong unit, sign or order of joints
+changes the balance more than any other effect (chosen).
 """
 
 from __future__ import annotations
@@ -17,6 +18,10 @@ if TYPE_CHECKING:
 
 FEWEST_BINS, FEWEST_BANDS = 12, 3
 """Fewest clear frequencies and half octaves of a comparison (chosen)."""
+
+LEAST_REST = 1e-3
+"""Power of the inverse-dynamics torque that friction and an unknown rotor cannot explain, over all of it, from which a
+torque is compared with it [1] (chosen)."""
 
 WORTH = 0.02
 """Gain in mean agreement above which a rough delay is accepted (chosen)."""
@@ -46,7 +51,7 @@ LONGEST_DELAY = 0.03
 
 @dataclass(frozen=True, eq=False)
 class BalanceFit:
-    """Agreement of a torque with an inverse-dynamics torque, apart from friction.
+    """Agreement of a torque with an inverse-dynamics torque, apart from friction and unknown rotors.
 
     The agreement of torque u with a multiple s of the inverse-dynamics torque n in one band is
     2 Re(u* s n) / (|u|^2 + |s n|^2): 1 where both are equal, 0 where they are unrelated, -1 where they are opposite.
@@ -71,7 +76,8 @@ class TorqueBalance:
         band: Number of the half octave of each, shape (F,).
         given: Torques that acted, shape (F, M).
         needed: Inverse-dynamics torques of the nominal robot, shape (F, M).
-        friction: Speed and its sign of each motor, shape (F, M, 2).
+        own: Speed of each motor, its sign, and its acceleration where the rotor inertia is unknown, else 0, shape
+            (F, M, 3).
         clear: Where the motion is clear of the noise of the encoder, shape (F, M).
     """
 
@@ -79,7 +85,7 @@ class TorqueBalance:
     band: IntArray
     given: ComplexArray
     needed: ComplexArray
-    friction: ComplexArray
+    own: ComplexArray
     clear: BoolArray
 
     def fit(self, torque: int, motion: int, delay: float = 0.0) -> BalanceFit | None:
@@ -91,7 +97,8 @@ class TorqueBalance:
             delay: Delay of the torque with respect to its stamp [s].
 
         Returns:
-            The comparison; None where too little of the motion is clear of noise.
+            The comparison; None where too little of the motion is clear of noise, or where friction and an unknown
+            rotor would explain all of the inverse-dynamics torque.
         """
         use = self.clear[:, motion]
         bands, index = np.unique(self.band[use], return_inverse=True)
@@ -104,8 +111,11 @@ class TorqueBalance:
             return None
         level = float(np.median(power) / max(float(np.median(need)), 1e-300))
         weight = (1 / (power + level * need + 1e-12 * power.max()))[index]
-        rest, need_rest = (_without(self.friction[use, motion], part, weight) for part in (given, needed))
+        rest, need_rest = (_without(self.own[use, motion], part, weight) for part in (given, needed))
+        whole = float(need.sum())
         power, need = (_sums(index, np.abs(part) ** 2) for part in (rest, need_rest))
+        if need.sum() < LEAST_REST * whole:
+            return None
         return _agreement(power, need, _sums(index, (np.conj(need_rest) * rest).real))
 
     def delay(self) -> Delay:

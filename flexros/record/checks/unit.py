@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from flexros.record.balance.spectra import rotor_unknown
 from flexros.record.checks.base import AbstractCheck, Finding
 
 if TYPE_CHECKING:
@@ -24,6 +25,9 @@ NOTED = 2.0
 
 REFUSED = 2.7
 """Factor for rejection of a log (chosen)."""
+
+LOADED = 50.0
+"""Factor up to which a load that the model lacks explains the torque of a light wrist (chosen)."""
 
 LIKE = 1.3
 """Factor within which a level is attributed to a known mistake (chosen)."""
@@ -46,17 +50,32 @@ class Unit(AbstractCheck):
             if fit is not None and fit.factor > 0 and _is_significant(fit) and abs(np.log(fit.factor)) > np.log(NOTED)
         }
         refused = {motor: fit for motor, fit in off.items() if abs(np.log(fit.factor)) > np.log(REFUSED)}
-        if refused:
+        if refused and not _model_may_be_rough(checked, refused):
             return (Finding(_refusal(refused, robot, len(robot.joint_names)), hopeless=True, like_parameters=True),)
         return tuple(
             Finding(
                 f"the torque of {robot.joint_names[motor]} is {fit.factor:.3g} times what robot {robot.name} needs for "
-                "its motion at all frequencies; unless the model is wrong, correct torque constant or gear ratio when "
-                "importing",
+                "its motion at all frequencies; unless the model is wrong, as by a load that it lacks, correct torque "
+                "constant or gear ratio when importing",
                 hopeless=False,
             )
             for motor, fit in off.items()
         )
+
+
+def _model_may_be_rough(checked: CheckedRecord, refused: dict[int, BalanceFit]) -> bool:
+    """Return whether a model without rotors, as from a URDF, may lack a load too: other motors then fit it.
+
+    A load at the tool multiplies the torque of light wrists, and hardly that of the joints near the base. A wrong unit
+    does so at all motors, or has a known factor.
+    """
+    robot = checked.robot
+    near = any(
+        fit is not None and motor not in refused and fit.factor > 0 and fit.agreement > CLEAR
+        for motor, fit in enumerate(checked.own)
+    )
+    units = any(fit.factor > LOADED or _unit(fit.factor, robot, motor) for motor, fit in refused.items())
+    return near and not units and bool(np.any(rotor_unknown(robot)))
 
 
 def _is_significant(fit: BalanceFit) -> bool:
@@ -95,7 +114,24 @@ def cause(factor: float, robot: Robot, motor: int) -> list[str]:
     Returns:
         Mistakes with about that factor, the likeliest first.
     """
-    size, limit = robot.motors[motor].gear_ratio, robot.motors[motor].torque_limit
+    limit = robot.motors[motor].torque_limit
+    known = _units(robot, motor)
+    if np.isfinite(limit):
+        known += [
+            (share / limit, f"torques in {text} of the limit") for share, text in ((100, "%"), (1000, "permille"))
+        ]
+    near = [(abs(np.log(factor / value)), text) for value, text in known if abs(np.log(factor / value)) < np.log(LIKE)]
+    return list(dict.fromkeys(text for _, text in sorted(near)))
+
+
+def _unit(factor: float, robot: Robot, motor: int) -> bool:
+    """Return whether a factor is that of a unit or of a gear."""
+    return any(abs(np.log(factor / value)) < np.log(LIKE) for value, _ in _units(robot, motor))
+
+
+def _units(robot: Robot, motor: int) -> list[tuple[float, str]]:
+    """List factors between units and between the sides of a gear."""
+    size = robot.motors[motor].gear_ratio
     known = [
         (1e-3, "a unit with milli (positions) or kilo (torques)"),
         (1e3, "a unit with milli (torques) or kilo (positions)"),
@@ -113,9 +149,4 @@ def cause(factor: float, robot: Robot, motor: int) -> list[str]:
             (1 / size**2, f"torque and position on the motor side of the gear (ratio {size:g})"),
             (size**2, f"torque and position on the arm side of the gear (ratio {size:g})"),
         ]
-    if np.isfinite(limit):
-        known += [
-            (share / limit, f"torques in {text} of the limit") for share, text in ((100, "%"), (1000, "permille"))
-        ]
-    near = [(abs(np.log(factor / value)), text) for value, text in known if abs(np.log(factor / value)) < np.log(LIKE)]
-    return list(dict.fromkeys(text for _, text in sorted(near)))
+    return known

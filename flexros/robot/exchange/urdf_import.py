@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from dataclasses import dataclass
+from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
 
@@ -41,24 +42,38 @@ class _Joint:
 
 
 def skeleton_from_urdf(file: Path) -> str:
-    """Return the text of a robot file (YAML) from a URDF with one serial chain.
-
-    All frames of a robot file are parallel to the base at zero; the URDF's inertias are rotated accordingly. Every
-    gear is initially rigid: the user replaces the word by a stiffness, and adds elastic directions.
+    """Return the text of a robot file (YAML) from a URDF with one serial chain; see `skeleton_from_text`.
 
     Args:
         file: The URDF.
 
     Raises:
+        InputError: The file cannot be read, or as in `skeleton_from_text`.
+    """
+    return skeleton_from_text(read_text(file, "URDF", LARGEST_URDF), str(file))
+
+
+def skeleton_from_text(text: str, file: str) -> str:
+    """Return the text of a robot file (YAML) from that of a URDF with one serial chain.
+
+    All frames of a robot file are parallel to the base at zero; the URDF's inertias are rotated accordingly. Every
+    gear is initially rigid: the user replaces the word by a stiffness, and adds elastic directions. The tags
+    `motor_1.joint`, ... name the joints, `motor_1.joint_sign`, ... are -1 where a joint turns the other way.
+
+    Args:
+        text: The URDF.
+        file: Where it comes from: a file or a topic.
+
+    Raises:
         InputError: Not a URDF, invalid numbers, a chain that branches or closes, or a joint axis that is not along
             a coordinate axis at zero.
     """
-    root = _parse(file)
+    root = _parse(text, file)
     links = {link.get("name", ""): link for link in root.findall("link")}
     joints = _chain(root, links, file)
     bodies = CommentedSeq()
     outputs: list[str] = []
-    names: list[str] = []
+    tags: dict[str, str] = {}
     rotation = np.eye(3)
     length_before = np.zeros(3)
     for joint in joints:
@@ -75,15 +90,17 @@ def skeleton_from_urdf(file: Path) -> str:
             direction = ("t" if joint.kind == "prismatic" else "r") + "xyz"[index]
             body["directions"] = CommentedMap({direction: _gear(joint, opposite=bool(axis[index] < 0))})
             outputs.append(f"body_{len(bodies) + 1}.{direction}")
-            names.append(joint.name)
+            tags[f"motor_{len(outputs)}.joint"] = joint.name
+            if axis[index] < 0:
+                tags[f"motor_{len(outputs)}.joint_sign"] = "-1"
         bodies.append(body)
     if not outputs:
         raise InputError(f"{file}: no revolute, continuous or prismatic joint was found; give the URDF of a robot arm")
-    return _text(root.get("name", file.stem), file.name, bodies, outputs, names, length_before)
+    path = PurePath(file)
+    return _text(root.get("name", path.stem), path.name, bodies, outputs, tags, length_before)
 
 
-def _parse(file: Path) -> ElementTree.Element:
-    text = read_text(file, "URDF", LARGEST_URDF)
+def _parse(text: str, file: str) -> ElementTree.Element:
     if "<!ENTITY" in text or "<!DOCTYPE" in text:
         raise InputError(f"{file} has a document type definition, which a URDF does not need; remove it")
     try:
@@ -116,7 +133,7 @@ def _scalar(element: ElementTree.Element | None, key: str, place: str) -> float:
     return float(_read(element, key, "0", 1, place)[0])
 
 
-def _joint(element: ElementTree.Element, links: Mapping[str, ElementTree.Element], file: Path) -> _Joint:
+def _joint(element: ElementTree.Element, links: Mapping[str, ElementTree.Element], file: str) -> _Joint:
     place = f"{file}: joint '{element.get('name')}'"
     ends: dict[str, str] = {}
     for end in ("parent", "child"):
@@ -143,7 +160,7 @@ def _joint(element: ElementTree.Element, links: Mapping[str, ElementTree.Element
     )
 
 
-def _refuse_loops(joints: Sequence[_Joint], file: Path) -> None:
+def _refuse_loops(joints: Sequence[_Joint], file: str) -> None:
     """Refuse links with two parents and closed chains: the joints must form a tree."""
     above: dict[str, _Joint] = {}
     for joint in joints:
@@ -167,7 +184,7 @@ def _refuse_loops(joints: Sequence[_Joint], file: Path) -> None:
         clear |= way
 
 
-def _chain(root: ElementTree.Element, links: Mapping[str, ElementTree.Element], file: Path) -> list[_Joint]:
+def _chain(root: ElementTree.Element, links: Mapping[str, ElementTree.Element], file: str) -> list[_Joint]:
     """Follow the joints from the base link; side branches without movable joints (tool frames) are omitted."""
     joints = [_joint(element, links, file) for element in root.findall("joint")]
     _refuse_loops(joints, file)
@@ -201,7 +218,7 @@ def _movable_below(joint: _Joint, children: dict[str, list[_Joint]]) -> bool:
     return False
 
 
-def _base_axis(joint: _Joint, rotation: FloatArray, file: Path) -> FloatArray:
+def _base_axis(joint: _Joint, rotation: FloatArray, file: str) -> FloatArray:
     """Return the axis of a joint at zero in the base frame, along a coordinate axis, shape (3,)."""
     length = float(np.linalg.norm(joint.axis))
     if not length > 0:
@@ -235,7 +252,7 @@ def _gear(joint: _Joint, opposite: bool) -> CommentedMap:
     return gear
 
 
-def _body(link: ElementTree.Element, rotation: FloatArray, file: Path) -> CommentedMap:
+def _body(link: ElementTree.Element, rotation: FloatArray, file: str) -> CommentedMap:
     body = CommentedMap({"label": link.get("name", "")})
     place = f"{file}: link '{link.get('name', '')}'"
     inertial = link.find("inertial")
@@ -273,7 +290,9 @@ def _numbers(values: FloatArray) -> CommentedSeq:
     return sequence
 
 
-def _text(name: str, source: str, bodies: CommentedSeq, outputs: list[str], names: list[str], base: FloatArray) -> str:
+def _text(
+    name: str, source: str, bodies: CommentedSeq, outputs: list[str], tags: dict[str, str], base: FloatArray
+) -> str:
     data: Any = CommentedMap()
     data["name"] = name
     data["description"] = f"Skeleton made from {source}; the first joint is at {base.tolist()} m in the URDF's base."
@@ -286,7 +305,7 @@ def _text(name: str, source: str, bodies: CommentedSeq, outputs: list[str], name
         {"tool": CommentedMap({"pose": pose}), "joints": CommentedMap({"coordinates": CommentedSeq(outputs)})}
     )
     data["controlled"] = "joints"
-    data["tags"] = CommentedMap({f"motor_{k}.joint": name for k, name in enumerate(names, start=1)})
+    data["tags"] = CommentedMap(tags)
     stream = io.StringIO()
     yaml = YAML()
     yaml.width = 120

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from flexros.record.checks.base import Finding
+from flexros.record.checks.run import findings
+from flexros.robot import load_robot
 
 pytestmark = pytest.mark.slow
 
@@ -60,8 +64,18 @@ def test_factor_of_two_is_told_only(found, healthy) -> None:
 
 
 def test_log_of_another_robot_is_refused(healthy) -> None:
-    from flexros.record.checks.run import findings
-    from flexros.robot import load_robot
-
     text = refusal(findings(healthy("emps"), load_robot("two_mass")))
     assert "torque or motion have another unit, or the robot is another one" in text
+
+
+def test_load_and_rotors_that_a_urdf_lacks_are_no_unit(ur5e, ur5e_record) -> None:
+    """The wrists of a UR5e with an unknown tool need several times the torque of its URDF; its shoulder does not."""
+    problems = findings(ur5e_record, ur5e)
+    assert not any(finding.hopeless for finding in problems)
+    assert any("motor_5" in finding.text for finding in problems)
+
+
+@pytest.mark.parametrize(("torque", "words"), [(1000.0, "motor_2"), (np.array([1, 1, 1, 1, 1000, 1]), "motor_5")])
+def test_wrong_units_of_such_a_robot_are_refused(ur5e, ur5e_record, torque, words: str) -> None:
+    wrong = replace(ur5e_record, torque=torque * ur5e_record.torque)
+    assert words in refusal(findings(wrong, ur5e))

@@ -75,6 +75,23 @@ class RosBag(AbstractSignalSource):
             notes = []  # notes on the whole bag are reported once
         return read
 
+    def text(self, topic: str) -> str:
+        """Return the first text of a topic of std_msgs/String in any namespace, empty for none.
+
+        Args:
+            topic: Last part of its name, such as "robot_description".
+        """
+        for name, _, payload, decode in self._messages(None, [], 1):
+            if name.rsplit("/", 1)[-1] != topic:
+                continue
+            try:
+                text = getattr(decode(payload), "data", "")
+            except MessageError:
+                continue
+            if isinstance(text, str) and text:
+                return text
+        return ""
+
     def _messages(
         self, topics: set[str] | None, notes: list[str], most: int = sys.maxsize
     ) -> Iterator[tuple[str, int, bytes, Decode]]:

@@ -1,0 +1,136 @@
+"""What the effort of a bag is: a torque, or a current, by the torque that the model needs for the motion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.signal import butter, sosfiltfilt
+
+from flexros.errors import InputError
+from flexros.record.balance.inverse_dynamics import rigid_inverse_dynamics
+from flexros.record.missing_samples import bridged
+from flexros.record.smoothing import smooth_motion
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flexros.arrays import FloatArray
+    from flexros.record.record import Record
+    from flexros.robot import Robot
+
+CLEAR = 0.85
+"""Partial correlation of effort and torque of the model from which they are compared [1] (chosen)."""
+SLOW = 5.0
+"""Frequency below which they are compared [Hz] (chosen): weight and motion of an arm are below."""
+CREEP = 0.02
+"""Speed at which dry friction has its full size, over the rms of the speed [1] (chosen)."""
+LEAST_REST = 1e-6
+"""Power of the torque of the model that friction, rotor and constant must leave of it [1] (chosen)."""
+TORQUE = 2.7
+"""Factor, either way, within which an effort is a torque (chosen): load and masses of a rough model explain it; the
+torque constants of gears with motors are 5 to 15 Nm/A, so that currents are farther off."""
+LIKE = 1.5
+"""Factor within which an effort has a known unit (chosen)."""
+
+
+@dataclass(frozen=True)
+class EffortUnit:
+    """The effort of a bag.
+
+    Attributes:
+        unit: "Nm", "mNm", "kNm", or "A" for a current or another unit that needs a scale.
+        scale: Torque per unit of every motor [Nm/A], length M; empty for torques.
+        signs: -1 where the effort is opposite to the torque of the motor, length M.
+        compared: Effort over torque of the model by motor, where they are alike [1].
+        level: Geometric mean of their sizes, weighted by the torque of the model [1]; NaN where none are alike.
+    """
+
+    unit: str
+    scale: tuple[float, ...]
+    signs: tuple[int, ...]
+    compared: Mapping[str, float]
+    level: float
+
+
+@dataclass(frozen=True)
+class _Comparison:
+    """Effort of a motor over the torque of the model, their partial correlation, and the power of that torque."""
+
+    factor: float
+    correlation: float
+    power: float
+
+
+def effort_unit(record: Record, robot: Robot) -> EffortUnit:
+    """Compare the effort, read as a torque [Nm], with the inverse-dynamics torque of the model.
+
+    The effort of every motor is regressed on the torque of the model, its speed and the sign of it, its acceleration
+    and a constant, for friction and a rotor that the model lacks. The joints with the largest torque decide: what a
+    rough model lacks, such as a load, multiplies the torque of light wrists.
+
+    Args:
+        record: The log, its torques those of the effort.
+        robot: The model.
+    """
+    compared = _compare(record, robot)
+    signs = tuple(-1 if each.correlation < -CLEAR else 1 for each in compared)
+    clear = {k: each for k, each in enumerate(compared) if abs(each.correlation) > CLEAR}
+    if not clear:
+        return EffortUnit("Nm", (), signs, {}, float("nan"))
+    names = {robot.joint_names[k]: each.factor for k, each in clear.items()}
+    factors = {k: abs(each.factor) for k, each in clear.items()}
+    level = float(np.exp(np.average(np.log(list(factors.values())), weights=[each.power for each in clear.values()])))
+    if 1 / TORQUE < level < TORQUE:
+        return EffortUnit("Nm", (), signs, names, level)
+    for unit, size in (("mNm", 1e3), ("kNm", 1e-3)):
+        if 1 / LIKE < level / size < LIKE:
+            return EffortUnit(unit, (), signs, names, level)
+    return EffortUnit("A", _scales(factors, level, robot), signs, names, level)
+
+
+def _compare(record: Record, robot: Robot) -> list[_Comparison]:
+    """Regress the effort of every motor; without correlation where the robot has no equilibrium near the motion."""
+    T, M = record.sample_time, robot.n_motors
+    position = bridged(record.position, record.valid)
+    cutoff = min(SLOW, 0.1 / T)
+    try:
+        needed = rigid_inverse_dynamics(robot, position, T, cutoff)
+    except InputError:
+        return [_Comparison(1.0, 0.0, 0.0)] * M
+    _, speed, acceleration = smooth_motion(position, T, cutoff)
+    low_pass = butter(2, cutoff, fs=1 / T, output="sos")
+    found = []
+    for k in range(M):
+        creep = CREEP * max(float(np.std(speed[:, k])), 1e-12)
+        columns = [needed[:, k], speed[:, k], np.tanh(speed[:, k] / creep), acceleration[:, k], record.torque[:, k]]
+        filtered = sosfiltfilt(low_pass, np.stack(columns, axis=1), axis=0)
+        found.append(_partial(filtered[:, 0], filtered[:, 4], filtered[:, 1:4]))
+    return found
+
+
+def _partial(needed: FloatArray, effort: FloatArray, others: FloatArray) -> _Comparison:
+    """Return effort over needed torque, both without what other columns explain of them."""
+    others = np.column_stack([others, np.ones(len(others))])
+    basis = np.linalg.qr(others / np.maximum(np.linalg.norm(others, axis=0), 1e-300))[0]
+    rest, own = effort - basis @ (basis.T @ effort), needed - basis @ (basis.T @ needed)
+    power, both, size = float(own @ own), float(own @ rest), float(rest @ rest)
+    if not (power > LEAST_REST * float(needed @ needed) and size > 0):
+        return _Comparison(1.0, 0.0, 0.0)
+    return _Comparison(both / power, both / float(np.sqrt(power * size)), power)
+
+
+def _scales(factors: Mapping[int, float], level: float, robot: Robot) -> tuple[float, ...]:
+    """Return the torque per unit of every motor: its own, that of motors with its limit, or that of all.
+
+    A load that the model lacks is in the factors of light wrists, so its own counts only near that of all.
+    """
+    limits = [float(limit) for limit in robot.torque_limits]
+    own = {k: factor for k, factor in factors.items() if 1 / TORQUE < factor / level < TORQUE}
+    scales = []
+    for k, limit in enumerate(limits):
+        alike = [factor for other, factor in own.items() if limits[other] == limit and np.isfinite(limit)]
+        factor = own.get(k) or (float(np.exp(np.mean(np.log(alike)))) if alike else level)
+        scales.append(float(f"{1 / factor:.3g}"))
+    return tuple(scales)

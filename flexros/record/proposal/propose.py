@@ -1,0 +1,260 @@
+"""Propose the mapping of a bag: topics and joints by their names, units and signs by the log and the model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from flexros.config.yaml_file import parse_yaml
+from flexros.errors import InputError
+from flexros.logs.foreign.import_log import import_log
+from flexros.logs.foreign.mapping import LogMapping, MappedColumn, Scale
+from flexros.logs.foreign.sources.ros_bag import RosBag
+from flexros.record.proposal.assumption import Assumption
+from flexros.record.proposal.effort_unit import effort_unit
+from flexros.record.proposal.joints import match_joints
+from flexros.record.proposal.motion_units import DEGREES, compare_velocity, in_degrees, unit_ratio
+from flexros.record.proposal.topics import bag_topics
+from flexros.record.proposal.words import about_effort, about_joints, about_rate, about_topics
+from flexros.record.read import read_record
+from flexros.robot import robot_from_data
+from flexros.robot.exchange.urdf_import import skeleton_from_text
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+    from pathlib import Path
+
+    from flexros.logs.foreign.signal_source import Signal
+    from flexros.logs.time_series import Log
+    from flexros.record.proposal.joints import JointMatch
+    from flexros.record.proposal.topics import BagTopics
+    from flexros.record.read import TorqueSource
+    from flexros.robot import Robot
+
+DESCRIPTION = "robot_description"
+"""Topic on which the URDF of a robot is published."""
+TORQUES = ("measured_torque", "torque_command")
+POSITIONS = ("position", "reference_position")
+VELOCITIES = ("velocity", "reference_velocity")
+
+
+@dataclass(frozen=True, eq=False)
+class Proposal:
+    """A mapping that was proposed.
+
+    Attributes:
+        mapping: The mapping.
+        assumptions: What was assumed, in words.
+        log: The bag as a log by this mapping.
+        robot: The model that it was compared with; None for none.
+    """
+
+    mapping: LogMapping
+    assumptions: tuple[Assumption, ...]
+    log: Log
+    robot: Robot | None
+
+
+def robot_in_bag(bag: Path) -> Robot | None:
+    """Return the robot of the URDF that a bag holds on a topic robot_description; None where there is none.
+
+    Args:
+        bag: The bag.
+
+    Raises:
+        InputError: The URDF is not one serial chain.
+    """
+    source = f"{bag}, topic {DESCRIPTION}"
+    text = RosBag(bag).text(DESCRIPTION)
+    return robot_from_data(parse_yaml(skeleton_from_text(text, source), source), source) if text else None
+
+
+def propose_mapping(bag: Path, robot: Robot | None, progress: Callable[[str], None] | None = None) -> Proposal:
+    """Propose the mapping of a bag of another robot.
+
+    Args:
+        bag: The bag: folder of rosbag2 or .mcap file.
+        robot: The model, whose joints the motors are; None to take the joints of the bag in their order.
+        progress: Called with the name of each step.
+
+    Raises:
+        InputError: The bag has no positions of named joints, or these are not those of the model.
+    """
+    say = progress or (lambda _: None)
+    say("reading")
+    source = RosBag(bag)
+    topics = bag_topics(source.names, str(bag))
+    matches = match_joints(robot, topics.joints, str(bag))
+    wanted = [topics.signals[quantity][m.joint] for quantity, m in _pairs(topics, matches)]
+    signals = source.read(list(dict.fromkeys(wanted)))
+    return _Proposer(bag, robot, topics, matches, signals, say).proposal()
+
+
+def _pairs(topics: BagTopics, matches: Sequence[JointMatch]) -> list[tuple[str, JointMatch]]:
+    """List quantities of which all joints have a signal, with the joints."""
+    whole = [name for name, own in topics.signals.items() if all(m.joint in own for m in matches)]
+    return [(name, match) for name in whole for match in matches]
+
+
+class _Proposer:
+    """Collects units, signs and assumptions."""
+
+    def __init__(
+        self,
+        bag: Path,
+        robot: Robot | None,
+        topics: BagTopics,
+        matches: Sequence[JointMatch],
+        signals: Mapping[str, Signal],
+        say: Callable[[str], None],
+    ) -> None:
+        self.bag, self.robot, self.topics, self.matches, self.signals = bag, robot, topics, matches, signals
+        self.say = say
+        self.assumptions: list[Assumption] = []
+        self.left_out: dict[str, str] = dict(topics.ignored)
+        self.units: dict[str, str] = {}
+        self.signs: dict[tuple[str, str], Literal[1, -1]] = {}
+        self.scales: dict[str, float] = {}
+        self.rotary = [True] * len(matches) if robot is None else [motor.rotary for motor in robot.motors]
+        usable = [quantity for quantity in topics.signals if self._is_finite(quantity)]
+        self.quantities = usable
+
+    def proposal(self) -> Proposal:
+        """Return the mapping, with the log that it makes."""
+        first = self._values("position", self.matches[0]).time
+        assert first is not None
+        self.assumptions += about_topics(self.topics, self.quantities, self.matches[0].joint)
+        self.assumptions.append(about_rate(first))
+        self.assumptions += about_joints(self.robot, self.matches)
+        others = [joint for joint in self.topics.joints if joint not in {m.joint for m in self.matches}]
+        if others:
+            self.left_out[f"joints {', '.join(others)}"] = "not in the model"
+        self._about_motion()
+        mapping = self._mapping()
+        self.say("comparing with the model")
+        log = import_log(mapping, [self.bag])
+        if torques := [name for name in TORQUES if name in self.quantities]:
+            changed = self._about_effort(log, torques)
+            if changed:
+                mapping = self._mapping()
+                log = import_log(mapping, [self.bag])
+        else:
+            text = "no torque: gap and diagnosis need one, or position commands of servos"
+            self.assumptions.append(Assumption("effort", text, "no topic has an effort for every joint", True))
+        if self.left_out:
+            text = "left out: " + "; ".join(f"{topic} ({why})" for topic, why in self.left_out.items())
+            self.assumptions.append(Assumption("other topics", text, "map them by hand where they matter", True))
+        mapping = self._mapping()
+        return Proposal(mapping, tuple(self.assumptions), log, self.robot)
+
+    def _values(self, quantity: str, match: JointMatch) -> Signal:
+        return self.signals[self.topics.signals[quantity][match.joint]]
+
+    def _is_finite(self, quantity: str) -> bool:
+        """Whether a quantity has finite values at every joint, else it is left out with the reason."""
+        own = self.topics.signals[quantity]
+        lacking = [m.joint for m in self.matches if m.joint not in own]
+        if not lacking:
+            lacking = [m.joint for m in self.matches if not np.all(np.isfinite(self._values(quantity, m).values))]
+        if lacking and quantity == "position":
+            raise InputError(
+                f"{self.bag}: the position of {', '.join(lacking)} has values that are not finite; cut these messages "
+                "out"
+            )
+        if lacking:
+            self.left_out[quantity.replace("_", " ")] = f"without usable values at {', '.join(lacking)}"
+        return not lacking
+
+    def _about_motion(self) -> None:
+        """Find the units of positions and velocities."""
+        positions = [self._values("position", m) for m in self.matches]
+        turning = [p.values for p, rotary in zip(positions, self.rotary, strict=True) if rotary]
+        degrees = bool(turning) and in_degrees(turning)
+        span = max((float(np.abs(values).max()) for values in turning), default=0.0)
+        for quantity in POSITIONS:
+            self.units[quantity] = "deg" if degrees else "rad"
+        word = "more than" if degrees else "within"
+        self.assumptions.append(
+            Assumption(
+                "position",
+                f"in {self.units['position']}",
+                f"the largest is {span:.3g}, {word} two turns in rad",
+                degrees or self.robot is not None,
+            )
+        )
+        for quantity in VELOCITIES:
+            self.units[quantity] = f"{self.units['position']}/s"
+        if "velocity" not in self.quantities:
+            return
+        compared = []
+        for match, position in zip(self.matches, positions, strict=True):
+            velocity = self._values("velocity", match)
+            assert position.time is not None
+            if len(velocity.values) == len(position.values):
+                result = compare_velocity(position.time, position.values, velocity.values)
+                compared.append(result.factor)
+                self.signs["velocity", match.motor] = -1 if result.sign < 0 else 1
+        ratio = unit_ratio(compared)
+        if ratio in (DEGREES, 1 / DEGREES):
+            self.units["velocity"] = "deg/s" if ratio < 1 else "rad/s"
+            if ratio > 1 and not degrees:  # velocities of rad/s beside positions 57.3 times as large
+                self.units["position"] = "deg"
+        opposite = [motor for (quantity, motor), sign in self.signs.items() if quantity == "velocity" and sign < 0]
+        ground = "derivative of the positions over the velocities: "
+        ground += f"{float(np.nanmedian(compared)):.3g}" if np.any(np.isfinite(compared)) else "not alike"
+        taken = f"in {self.units['velocity']}" + (f", opposite at {', '.join(opposite)}" if opposite else "")
+        self.assumptions.append(Assumption("velocity", taken, ground, bool(np.isfinite(ratio))))
+
+    def _about_effort(self, log: Log, torques: Sequence[str]) -> bool:
+        """Find what the efforts are; returns whether that changes the mapping."""
+        if self.robot is None:
+            text, ground = (
+                "torques in Nm",
+                "sensor_msgs says so; without a model nothing shows it: some drivers fill in currents",
+            )
+            self.assumptions.append(Assumption("effort", text, ground, False))
+            return False
+        changed = False
+        for quantity in torques:
+            name = self.topics.signals[quantity][self.matches[0].joint].split(".")[0]
+            kind: TorqueSource = "measured" if quantity == "measured_torque" else "command"
+            record = read_record(log, self.robot, name=str(self.bag), torque=kind)
+            found = effort_unit(record, self.robot)
+            self.units[quantity] = found.unit
+            for motor, sign in zip(self.robot.joint_names, found.signs, strict=True):
+                self.signs[quantity, motor] = -1 if sign < 0 else 1
+            if found.unit == "A":
+                self.scales |= {f"{quantity}.{m}": s for m, s in zip(self.robot.joint_names, found.scale, strict=True)}
+            self.assumptions.append(about_effort(name, found, self.robot))
+            changed |= found.unit != "Nm" or min(found.signs) < 0
+        return changed
+
+    def _mapping(self) -> LogMapping:
+        columns = []
+        for quantity in self.quantities:
+            for match, rotary in zip(self.matches, self.rotary, strict=True):
+                sign = match.sign * self.signs.get((quantity, match.motor), 1)
+                unit = self.units.get(quantity, "Nm")
+                unit = unit if rotary else _SLIDING.get(unit, unit)
+                size = self.scales.get(f"{quantity}.{match.motor}")
+                scale = None if size is None else Scale(value=size, unit="Nm/A" if rotary else "N/A")
+                column = self.topics.signals[quantity][match.joint]
+                columns.append(
+                    MappedColumn(
+                        column=column,
+                        quantity=quantity,
+                        joint=match.motor,
+                        sign=1 if sign > 0 else -1,
+                        unit=unit,
+                        scale=scale,
+                    )
+                )
+        model = f" and robot {self.robot.name}" if self.robot else ""
+        text = f"Proposed from the topics and names of {self.bag.name}{model}."
+        return LogMapping(name=self.bag.stem, description=text, columns=tuple(columns))
+
+
+_SLIDING = {"rad": "m", "deg": "m", "rad/s": "m/s", "deg/s": "m/s", "Nm": "N", "mNm": "N", "kNm": "kN"}
+"""Units of prismatic joints."""

@@ -1,0 +1,107 @@
+"""What was assumed of topics, rate, joints and efforts, in words."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.record.proposal.assumption import Assumption
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from flexros.arrays import FloatArray
+    from flexros.record.proposal.effort_unit import EffortUnit
+    from flexros.record.proposal.joints import JointMatch
+    from flexros.record.proposal.topics import BagTopics
+    from flexros.robot import Robot
+
+STATES = ("position", "velocity", "measured_torque")
+"""Quantities of the topic of states."""
+
+
+def about_topics(topics: BagTopics, quantities: Iterable[str], joint: str) -> list[Assumption]:
+    """State which topic holds which quantity.
+
+    Args:
+        topics: The topics of the bag.
+        quantities: Quantities that are used.
+        joint: A joint of the bag.
+    """
+    states = ", ".join(_words(quantity) for quantity in quantities if quantity in STATES)
+    found = [Assumption("topics", f"{topics.states} holds {states}", "names and fields of the topics", True)]
+    for quantity in quantities:
+        if quantity not in STATES:
+            name = topics.signals[quantity][joint].split(".")[0]
+            found.append(Assumption("topics", f"{name} holds the {_words(quantity)}", "name and fields of it", True))
+    return found
+
+
+def about_rate(time: FloatArray) -> Assumption:
+    """State the rate of the positions.
+
+    Args:
+        time: Their times [s], shape (n,).
+    """
+    duration, longest = float(time[-1] - time[0]), 1e3 * float(np.diff(time).max(initial=0.0))
+    text = f"{(len(time) - 1) / duration:.5g} Hz over {duration:.4g} s, longest interval {longest:.3g} ms"
+    return Assumption("rate", text, "stamps of the messages", True)
+
+
+def about_joints(robot: Robot | None, matches: Sequence[JointMatch]) -> list[Assumption]:
+    """State which joint is which motor, and which way it counts.
+
+    Args:
+        robot: The model.
+        matches: The joints.
+    """
+    text = ", ".join(f"{match.motor} = {match.joint}" for match in matches)
+    if robot is None:
+        ground = "no model was given: the joints of the bag in the order of its messages"
+        return [Assumption("joints", text, ground, False)]
+    if any(match.found == "order" for match in matches):
+        ground, sure = f"no name of robot {robot.name} is in the bag: by their order in the messages", False
+    elif any(match.found != "name" for match in matches):
+        ground, sure = "the names of the bag end with those of the model", True
+    else:
+        ground, sure = "the names of the bag are those of the model, whatever their order in the messages", True
+    against = [match.joint for match in matches if match.sign < 0]
+    if against:
+        signs = f"{', '.join(against)} with the opposite sign, all others as in the bag"
+        why = "the axis of the URDF points against that of the robot file there"
+    else:
+        signs, why = "all joints count as in the bag", "no axis of the robot file is said to be opposite"
+    return [Assumption("joints", text, ground, sure), Assumption("signs", signs, why, True)]
+
+
+def _words(quantity: str) -> str:
+    return quantity.replace("_", " ")
+
+
+def about_effort(topic: str, found: EffortUnit, robot: Robot) -> Assumption:
+    """State what an effort is taken for.
+
+    Args:
+        topic: Its topic.
+        found: What the comparison with the model shows.
+        robot: The model.
+    """
+    opposite = [name for name, sign in zip(robot.joint_names, found.signs, strict=True) if sign < 0]
+    taken = f"effort of {topic}: torque in {found.unit}"
+    if found.unit == "A":
+        scales = ", ".join(f"{name} {scale:g}" for name, scale in zip(robot.joint_names, found.scale, strict=True))
+        taken = f"effort of {topic}: a current in A (or another unit), with {scales} Nm/A"
+    if opposite:
+        taken += f", opposite at {', '.join(opposite)}"
+    if not found.compared:
+        ground = "sensor_msgs says so; friction, or little motion, hides what the model needs, so that nothing shows it"
+        return Assumption("effort", taken, ground, False)
+    sizes = ", ".join(f"{name} {factor:.3g}" for name, factor in found.compared.items())
+    ground = (
+        f"effort over the torque that the model needs: {sizes}; weighted by that torque {found.level:.3g}, and a "
+        "torque is within 0.37 to 2.7"
+    )
+    if found.unit == "A":
+        ground += "; these constants make the weights of the model true, so an error of the torque gain cannot be found"
+    return Assumption("effort", taken, ground, found.unit != "A")

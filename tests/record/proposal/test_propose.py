@@ -1,0 +1,95 @@
+"""A mapping proposed for the bag of a UR5e that MuJoCo simulates."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexros.errors import InputError
+from flexros.record.proposal.propose import propose_mapping, robot_in_bag
+from flexros.robot import load_robot
+
+pytestmark = pytest.mark.slow
+
+JOINTS = (
+    "shoulder_pan_joint",
+    "shoulder_lift_joint",
+    "elbow_joint",
+    "wrist_1_joint",
+    "wrist_2_joint",
+    "wrist_3_joint",
+)
+
+
+def about(proposal, subject: str) -> list:
+    return [each for each in proposal.assumptions if each.about == subject]
+
+
+def test_joints_by_name_and_signs_of_the_urdf(written, ur5e, measured) -> None:
+    found = propose_mapping(written(), ur5e)
+    columns = {(entry.quantity, entry.joint): entry for entry in found.mapping.columns}
+    for k, name in enumerate(JOINTS, start=1):
+        for quantity, field, unit in (
+            ("position", "position", "rad"),
+            ("velocity", "velocity", "rad/s"),
+            ("measured_torque", "effort", "Nm"),
+        ):
+            entry = columns[quantity, f"motor_{k}"]
+            assert entry.column == f"/joint_states.{field}[{name}]"
+            assert (entry.unit, entry.sign) == (unit, -1 if name == "wrist_2_joint" else 1)
+    position = found.log.joint_states.position
+    assert np.allclose(position * [1, 1, 1, 1, -1, 1], measured[0])
+
+
+def test_effort_is_a_torque_though_a_load_and_friction_are_unknown(written, ur5e) -> None:
+    (effort,) = about(propose_mapping(written(), ur5e), "effort")
+    assert effort.checked
+    assert "torque in Nm" in effort.taken
+
+
+def test_effort_is_a_current_where_the_weights_say_so(written, ur5e) -> None:
+    constants = np.array([10.0, 10.7, 8.5, 9.0, 9.5, 10.1])
+    found = propose_mapping(written(torque=1 / constants), ur5e)
+    scales = {e.joint: e.scale for e in found.mapping.columns if e.quantity == "measured_torque"}
+    assert {scale.unit for scale in scales.values()} == {"Nm/A"}
+    for motor, constant in (("motor_2", 10.7), ("motor_3", 8.5)):  # those that carry the weight, with the unknown load
+        assert scales[motor].value == pytest.approx(constant / 1.3, rel=0.15)
+    (effort,) = about(found, "effort")
+    assert not effort.checked
+
+
+def test_opposite_efforts_are_turned_round(written, ur5e) -> None:
+    found = propose_mapping(written(torque=-1.0), ur5e)
+    signs = {e.joint: e.sign for e in found.mapping.columns if e.quantity == "measured_torque"}
+    assert (signs["motor_2"], signs["motor_3"], signs["motor_5"]) == (-1, -1, 1)  # motor_5 counts against its joint
+
+
+def test_degrees_are_seen(written, ur5e, measured) -> None:
+    found = propose_mapping(written(position=np.degrees(1.0)), ur5e)
+    assert {e.unit for e in found.mapping.columns if e.quantity == "position"} == {"deg"}
+    assert {e.unit for e in found.mapping.columns if e.quantity == "velocity"} == {"deg/s"}
+    assert np.allclose(found.log.joint_states.position[:, 0], measured[0][:, 0])
+
+
+def test_prefixed_names_are_those_of_the_model(written, ur5e) -> None:
+    found = propose_mapping(written(prefix="left_"), ur5e)
+    assert "/joint_states.position[left_elbow_joint]" in {entry.column for entry in found.mapping.columns}
+
+
+def test_without_a_model_nothing_is_compared(written) -> None:
+    found = propose_mapping(written(), None)
+    assert about(found, "joints")[0].checked is False
+    assert about(found, "effort")[0].checked is False
+    assert found.mapping.columns[0].column == "/joint_states.position[shoulder_lift_joint]"
+
+
+def test_robot_of_the_description_in_the_bag(written) -> None:
+    robot = robot_in_bag(written())
+    assert robot is not None
+    assert robot.spec.tags["motor_5.joint_sign"] == "-1"
+    assert robot.spec.tags["motor_6.joint"] == "wrist_3_joint"
+
+
+def test_bag_of_another_robot_is_refused(written) -> None:
+    with pytest.raises(InputError, match="robot elbow"):
+        propose_mapping(written(), load_robot("elbow"))
