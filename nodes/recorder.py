@@ -11,9 +11,11 @@ from std_msgs.msg import Header
 
 from flexros.config.topics import load_topics
 from flexros.errors import InputError, RunError
-from flexros.logs.stamps import NANOSECONDS, stamp_of
+from flexros.logs.stamps import NANOSECONDS, START_NS, stamp_of
 from flexros.logs.writer import LogWriter
 from flexros_nodes.protocol.experiment_state import read_experiment_state
+from flexros_nodes.protocol.loop.lockstep import RestartDetector
+from flexros_nodes.protocol.own_joints import OwnJoints
 from flexros_nodes.protocol.recorder.recording import ArrivalTime, EventRecording, TopicRecording
 from flexros_nodes.protocol.sensor_messages import sensor_topics
 from flexros_nodes.shell.executable import run_node
@@ -54,6 +56,8 @@ class RecorderNode(FlexrosNode):
         """Open the log and subscribe to the recorded topics."""
         run = prepared_run(self.value("scenario"))
         self._sample_time = run.sample_time
+        self._joint_names = run.nominal.joint_names
+        self._own_joints, self._restart = OwnJoints(self._joint_names), RestartDetector()
         real_time = bool(self.value("real_time"))
         self._provenance: Mapping[str, Any] = {**run.provenance(), "transport": "ros", "real_time": real_time}
         self._arrival = ArrivalTime(perf_counter) if real_time else None
@@ -98,11 +102,29 @@ class RecorderNode(FlexrosNode):
         )
         if row.producer in LOOP_PRODUCERS:
             self._in_loop.append(recording)
-        take = partial(self._take_and_confirm, recording) if name == "joint_states" else recording.take
+        take = partial(self._take_state, recording) if name == "joint_states" else recording.take
         self.listen(name, take, recorder=True)
 
     def _present(self, *_: bytes) -> int:
         return self.stamp
+
+    def _take_state(self, recording: TopicRecording, message: bytes) -> None:
+        """Record a measurement of the robot; other nodes may publish their joints on the same topic."""
+        if not self._own_joints.are_in(message):
+            if self._own_joints.foreign == 1:
+                self.get_logger().warning(
+                    "a node publishes other joints on joint_states; its messages are not recorded: the robot of the "
+                    f"scenario has {', '.join(self._joint_names)}"
+                )
+            return
+        stamp = stamp_of(message)
+        if stamp == START_NS < recording.last and self._restart.restarted(recording.last):
+            raise RunError(
+                f"the plant has begun again at its first sample, and the log holds samples to stamp "
+                f"{recording.last / NANOSECONDS:.4f} s: a log holds one run; end the recorder before the plant begins "
+                "again, or clean it up and configure it with another folder"
+            )
+        self._take_and_confirm(recording, message)
 
     def _take_and_confirm(self, recording: TopicRecording, message: bytes) -> None:
         if self._arrival is not None:

@@ -17,6 +17,7 @@ from flexros.logs.replay.playlist import LATEST_STAMP, Playlist
 from flexros.logs.replay.source import ReplayChoice, read_remaps
 from flexros.logs.stamps import NANOSECONDS
 from flexros_nodes.protocol.controller_answers import ControllerAnswers
+from flexros_nodes.shell.claims import PRODUCERS
 from flexros_nodes.shell.executable import run_node
 from flexros_nodes.shell.node_base import FlexrosNode
 from flexros_nodes.shell.raw_topic import MissingTypeError, installed_class, played_qos
@@ -108,6 +109,10 @@ class ReplayNode(FlexrosNode):
             publisher = self.create_publisher(types[row.recorded.type], row.name, played_qos(row.recorded))
             self.on_close(partial(self.destroy_publisher, publisher))
             publishers[number] = publisher
+        names = {publisher.topic_name for publisher in publishers.values()}
+        for name in PRODUCERS:
+            if self.resolve_topic_name(name) in names:
+                self.claim(name)
         return publishers, left_out
 
     def _listen_to_commands(self, commands: str) -> None:

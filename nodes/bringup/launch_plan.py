@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from flexros.effects.patching.patched_robot import load_model
 from flexros.errors import InputError
 from flexros.scenario.scenario import load_scenario, scenario_names
-from flexros_nodes.bringup.run_plan import RunPlan, leader_of
+from flexros_nodes.bringup.run_plan import RunPlan, leader_of, new_identity
 from flexros_nodes.protocol.parameters import node_parameters
 
 if TYPE_CHECKING:
@@ -119,7 +119,7 @@ def plan_launch(given: Mapping[str, str], scratch: Path) -> LaunchPlan:
     if given["begin_at_once"] and scenario.identification is not None:
         own["identification"] = {"begin_at_once": given["begin_at_once"] == "true"}
     folder = log_folder(given["out"], scenario.name) if given["record"] == "true" else None
-    plan = RunPlan(file, folder, own, leader_of(scenario))
+    plan = RunPlan(file, folder, own, leader_of(scenario), new_identity())
     namespace = given["namespace"].strip("/")
     if namespace and not all(_is_name(part) for part in namespace.split("/")):
         raise InputError(f"namespace is '{namespace}', but must be letters, digits and _ between slashes, e.g. left")

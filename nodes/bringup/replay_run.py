@@ -17,6 +17,7 @@ from flexros_nodes.replay import ReplayNode
 from flexros_nodes.shell.domain import DOMAIN_VARIABLE, environment
 from flexros_nodes.shell.executable import bring_up, close
 from flexros_nodes.shell.exposure import check_exposure, exposure_settings
+from flexros_nodes.shell.ros_log_folder import ros_log_settings
 from flexros_nodes.shell.spinning import make_executor, spin
 
 if TYPE_CHECKING:
@@ -72,7 +73,7 @@ def replay_log(
     specifications = node_parameters(ReplayNode.node_name)
     checked = {name: check_value(ReplayNode.node_name, name, value, specifications) for name, value in values.items()}
     settings = exposure_settings(os.environ, network=network)
-    with interruption() as interrupted, environment(settings):
+    with interruption() as interrupted, environment({**settings, **ros_log_settings(os.environ)}):
         summary = _play(checked, progress, interrupted)
     if summary.exit_code == InputError.exit_code:
         raise InputError(summary.message)

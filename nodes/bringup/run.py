@@ -14,11 +14,13 @@ from flexros.errors import InputError, unknown_name
 from flexros.scenario.scenario import Scenario, load_scenario
 from flexros_nodes.bringup.composed import run_composed
 from flexros_nodes.bringup.processes import run_processes
-from flexros_nodes.bringup.run_plan import LEADERS, NODES, RunPlan, RunSummary, leader_of
+from flexros_nodes.bringup.run_plan import LEADERS, NODES, RunPlan, RunSummary, leader_of, new_identity
 from flexros_nodes.protocol.parameters import check_value, gain_parameters, node_parameters
 from flexros_nodes.protocol.process.interruption import interruption
+from flexros_nodes.shell.claims import PRODUCERS, refuse_claims_of_others
 from flexros_nodes.shell.domain import DOMAIN_VARIABLE, domain_of_run, environment
 from flexros_nodes.shell.exposure import exposure_settings
+from flexros_nodes.shell.ros_log_folder import ros_log_settings
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -34,6 +36,7 @@ SET_BY_THE_RUN = {
     "observers": "",
     "parent_process": "",
     "report_file": "",
+    "run": "",
 }
 """Parameters set by the run, and their origin."""
 
@@ -79,8 +82,11 @@ def run_scenario(
         interruption() as interrupted,
         domain_of_run(os.environ, os.getpid()) as domain,
         environment({DOMAIN_VARIABLE: str(domain), **exposure_settings(os.environ, network=network)}),
+        environment(ros_log_settings(os.environ)),
     ):
-        plan = RunPlan(_scenario_file(scenario, Path(scratch)), folder, given, leader_of(loaded))
+        plan = RunPlan(_scenario_file(scenario, Path(scratch)), folder, given, leader_of(loaded), new_identity())
+        for topic in PRODUCERS:  # before any node is started
+            refuse_claims_of_others(domain, f"/{topic}", plan.run, os.environ)
         summary = replace(LAYOUTS[layout](plan, interrupted), domain_id=domain)
     if summary.exit_code == InputError.exit_code:
         raise InputError(summary.message)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING
+from uuid import uuid4
 
 from flexros.config.topics import load_topics
 from flexros.errors import INTERNAL_ERROR, INTERRUPTED, RunError
@@ -42,6 +43,11 @@ def leader_of(scenario: Scenario) -> str:
     return "feedforward" if scenario.identification is None else "identification"
 
 
+def new_identity() -> str:
+    """Return an identity that no other run has."""
+    return uuid4().hex
+
+
 def nodes_led_by(leader: str) -> tuple[str, ...]:
     """Return the nodes of a run in the order of bring-up: all but the other leaders."""
     return tuple(name for name in NODES if name == leader or name not in LEADERS)
@@ -56,12 +62,14 @@ class RunPlan:
         folder: Folder of the log; None records nothing.
         parameters: Parameter values by node, in addition to those that follow from the plan.
         leader: Node that streams the reference: feedforward or identification.
+        run: Identity of the run, by which its nodes refuse those of another run; see `new_identity`.
     """
 
     scenario: str
     folder: Path | None
     parameters: Mapping[str, Mapping[str, Value]]
     leader: str = "feedforward"
+    run: str = ""
 
     @property
     def nodes(self) -> tuple[str, ...]:
@@ -70,7 +78,7 @@ class RunPlan:
 
     def values(self, node: str) -> dict[str, Value]:
         """Return the parameter values of a node."""
-        values: dict[str, Value] = {"scenario": self.scenario, "autostart": False}
+        values: dict[str, Value] = {"scenario": self.scenario, "autostart": False, "run": self.run}
         values["observers"] = 0 if self.folder is None else 1
         if node == "recorder":
             values |= {"folder": str(self.folder), "real_time": self.real_time}

@@ -15,12 +15,14 @@ from flexros.logs.stamps import NANOSECONDS, sample_number
 from flexros_nodes.controller.follow_trajectory import FollowTrajectory, installed_action
 from flexros_nodes.protocol.loop.lockstep import Arrival, ControllerLockStep
 from flexros_nodes.protocol.loop.message_loss import MessageLoss
+from flexros_nodes.protocol.own_joints import OwnJoints
 from flexros_nodes.protocol.parameters import gain_parameters
 from flexros_nodes.protocol.reference.link_columns import names_with_links
 from flexros_nodes.protocol.reference.reference_buffer import ReferenceBuffer
 from flexros_nodes.protocol.reference.trajectory_request import in_joint_order
 from flexros_nodes.protocol.sensor_messages import SensorReader, sensor_topics
 from flexros_nodes.shell.node_base import FlexrosNode
+from flexros_nodes.shell.partners import WATCH_PERIOD, Partners, strangers_message
 from flexros_nodes.shell.prepared_run import prepared_run
 
 if TYPE_CHECKING:
@@ -55,6 +57,7 @@ class ControllerNode(FlexrosNode):
 
     def configure(self) -> None:
         """Prepare the control law, publishers and subscriptions; declare the gains."""
+        self.claim("joint_commands")
         run = prepared_run(self.value("scenario"))
         self._names = run.nominal.joint_names
         self._n_motors = len(self._names)
@@ -68,6 +71,8 @@ class ControllerNode(FlexrosNode):
         self._declare_gains()
         self._sample_time = run.sample_time
         self._view = JointStateView(self._names)
+        self._own_joints = OwnJoints(self._names)
+        self._partners = Partners(self)
         self._command_message = JointStateTemplate(self._names, effort=True)
         self._reference_message = JointStateTemplate(self._names, position=True, velocity=True, effort=True)
         self._confirmation = Header()
@@ -110,6 +115,7 @@ class ControllerNode(FlexrosNode):
     def start(self) -> None:
         """Begin at the first sample, also when the node has worked before."""
         self._begin()
+        self.every(WATCH_PERIOD, self._refuse_strangers)
 
     def stop(self) -> None:
         """Abort the goal that is followed."""
@@ -158,6 +164,8 @@ class ControllerNode(FlexrosNode):
         if not self._partners_found and not self.find_partners():
             return
         try:
+            if not self._own_joints.are_in(message):
+                return
             sample = self._view.unpack(message)
         except FlexrosError as error:
             raise RunError(f"a measurement on joint_states is rejected: {error}") from error
@@ -191,8 +199,14 @@ class ControllerNode(FlexrosNode):
         self._partners_found = (
             self._commands.get_subscription_count() > observers
             and self._references.get_subscription_count() >= observers
+            and not self._partners.surplus()
         )
         return self._partners_found
+
+    def _refuse_strangers(self) -> None:
+        """Abort where a second plant, controller or reference stream has joined since the partners were found."""
+        if self._partners_found and (surplus := self._partners.surplus()):
+            raise RunError(strangers_message(surplus))
 
     def _answer(self) -> None:
         """Answer the newest measurement if its reference is available."""

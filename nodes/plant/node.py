@@ -11,7 +11,7 @@ from flexros.errors import FlexrosError, RunError
 from flexros_nodes.plant.loop import PlantLoop
 from flexros_nodes.plant.services import PlantServices
 from flexros_nodes.plant.view import MARKER_PERIOD, PlantView
-from flexros_nodes.protocol.loop.abort_messages import missing_partners_message, partner_exited_message
+from flexros_nodes.protocol.loop.abort_messages import BRAKED, missing_partners_message, partner_exited_message
 from flexros_nodes.protocol.loop.lockstep import FASTEST_RESEND
 from flexros_nodes.protocol.loop.loop_diagnostics import loop_figures, loop_warnings
 from flexros_nodes.protocol.loop.pause import Pause
@@ -19,6 +19,7 @@ from flexros_nodes.protocol.loop.shutdown import Shutdown
 from flexros_nodes.protocol.real_time.plant_pacing import PlantPacing
 from flexros_nodes.protocol.real_time.schedule import Schedule
 from flexros_nodes.shell.node_base import FlexrosNode
+from flexros_nodes.shell.partners import WATCH_PERIOD, Partners, strangers_message
 from flexros_nodes.shell.prepared_run import prepared_run
 from flexros_nodes.shell.topic_interface import period
 
@@ -50,11 +51,14 @@ class PlantNode(FlexrosNode):
 
     def configure(self) -> None:
         """Prepare the robot, publishers, services and the subscription to commands."""
+        self.claim("joint_states")
         run = prepared_run(self.value("scenario"))
         self._sample_time = run.sample_time
         self.loop = PlantLoop(self, run, self._pacing, self._on_loop_end)
         self.view = PlantView(self, run)
         self._shutdown, self._search_time = None, 0.0
+        self._partners, self._recorders = Partners(self), frozenset[bytes]()
+        self._surplus = ""
         self._last_figures: dict[str, float] = {}
         PlantServices(self, self.loop, self.reset)
 
@@ -70,11 +74,13 @@ class PlantNode(FlexrosNode):
 
     def start(self) -> None:
         """Search for the partners; the first state is sent once they are connected."""
+        self._recorders = frozenset()
         if self.loop.sample >= 0:
             self.reset()
         self._search_time = 0.0
         self.loop.pause = Pause(not self.value("begin_at_once"), perf_counter())
         self.every(LOOK_PERIOD, self._look_around)
+        self.every(WATCH_PERIOD, self._watch_partners)
         self.every(FASTEST_RESEND, self.loop.watch)
         self.every(period("diagnostics"), self._send_diagnostics)
         self.every(MARKER_PERIOD, lambda: self.view.show(self.loop.plant))
@@ -116,12 +122,39 @@ class PlantNode(FlexrosNode):
         if self.loop.sample >= 0:
             return
         observers, messages = self.value("observers"), self.loop.messages
-        if messages.have_partners(observers):
+        if messages.have_partners(observers) and not self._strangers():
             self.loop.send_first()
             return
         self._search_time = 0.0 if self.loop.pause.on else self._search_time + LOOK_PERIOD
         if self._search_time > self.value("start_timeout"):
+            if self._surplus:
+                raise RunError(strangers_message(self._surplus))
             raise RunError(missing_partners_message(messages.listeners(), observers, self.value("start_timeout")))
+
+    def _strangers(self) -> str:
+        """Return who is there more than once; before the first sample the plant waits until they have left."""
+        surplus, before = self._partners.surplus(), self._surplus
+        self._surplus = surplus
+        if surplus and not before:
+            self.get_logger().warning(f"{strangers_message(surplus)}; the plant waits for their end")
+        return surplus
+
+    def _watch_partners(self) -> None:
+        """Abort where a second plant, controller or reference stream has joined the loop; remember the recorders."""
+        if self.loop.sample < 0 or self.loop.over:
+            return
+        self._recorders |= self.loop.messages.recorders()
+        if surplus := self._partners.surplus():
+            raise RunError(f"{strangers_message(surplus)}; {BRAKED}")
+
+    def refusal(self) -> str:
+        """Refuse to begin again while a recorder of the run before is connected: its log holds one run."""
+        if not self._recorders & self.loop.messages.recorders():
+            return ""
+        return (
+            f"the plant is at sample {self.loop.sample} and a recorder is connected, whose log cannot return to the "
+            "first sample; end the recorder, or clean it up and configure it with another folder"
+        )
 
     # End.
 

@@ -17,6 +17,7 @@ from flexros.errors import FlexrosError
 from flexros_nodes.protocol.node_report import ERROR_PREFIX, NodeReport
 from flexros_nodes.protocol.process.interruption import interruption
 from flexros_nodes.protocol.real_time.precise_timing import take_priority, threads_of_loop
+from flexros_nodes.shell.ros_log_folder import ros_log_settings
 from flexros_nodes.shell.shared_memory import become_cleaner
 from flexros_nodes.shell.spinning import make_executor, spin
 
@@ -42,8 +43,9 @@ def run_node(node_class: type[FlexrosNode], arguments: list[str] | None = None) 
         Exit code: 0 complete or interrupted, 2 bad input, 3 aborted.
     """
     with interruption() as interrupted:
-        rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
         try:
+            os.environ.update(ros_log_settings(os.environ))
+            rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
             report = _run(node_class, interrupted)
         except FlexrosError as error:
             report = NodeReport(node_class.node_name, error.exit_code, str(error))
@@ -117,7 +119,7 @@ def _parent_died(node: FlexrosNode) -> bool:
 def bring_up(node: FlexrosNode) -> None:
     """Configure and activate a node; on failure its report gives the reason."""
     node.trigger_configure()
-    if node.report is None:
+    if node.report is None and node.configured:  # else it was interrupted
         node.trigger_activate()
 
 

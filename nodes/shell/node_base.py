@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import traceback
 from abc import abstractmethod
 from contextlib import suppress
@@ -17,6 +18,8 @@ from flexros.errors import INTERNAL_ERROR, FlexrosError
 from flexros.logs.stamps import NANOSECONDS, START_NS
 from flexros_nodes.protocol.node_report import NodeReport
 from flexros_nodes.protocol.parameters import node_parameters
+from flexros_nodes.protocol.process.interruption import interruptible
+from flexros_nodes.shell.claims import PRODUCERS, TopicClaim, refuse_claims_of_others
 from flexros_nodes.shell.topic_node import AbstractTopicNode
 
 if TYPE_CHECKING:
@@ -89,6 +92,7 @@ class FlexrosNode(AbstractTopicNode):
         self._end_announced = False
         self.stamp = START_NS
         self._to_release = False
+        self._claims: list[TopicClaim] = []
         try:
             self.declare(node_parameters(self.node_name))
             self._diagnostics = self.announce("diagnostics")
@@ -131,6 +135,31 @@ class FlexrosNode(AbstractTopicNode):
     def recent_figures(self) -> dict[str, float]:
         """Return the figures for the diagnostics, which may cover only the time since the last message."""
         return self.figures()
+
+    # Claims.
+
+    def claim(self, name: str) -> None:
+        """Claim to be the only producer of a topic in this domain and namespace on this machine.
+
+        Args:
+            name: Topic, one of `PRODUCERS`.
+
+        Raises:
+            InputError: Another node produces it already.
+        """
+        self._claims.append(
+            TopicClaim(self.context.get_domain_id(), self.resolve_topic_name(name), self.value("run"), os.environ)
+        )
+
+    def _refuse_other_runs(self) -> None:
+        for name in PRODUCERS:
+            topic, domain = self.resolve_topic_name(name), self.context.get_domain_id()
+            refuse_claims_of_others(domain, topic, self.value("run"), os.environ)
+
+    def _release_claims(self) -> None:
+        for claim in self._claims:
+            claim.release()
+        self._claims.clear()
 
     # Diagnostics and end.
 
@@ -227,11 +256,19 @@ class FlexrosNode(AbstractTopicNode):
         """Configure the node."""
         self._clear_report()
         self._to_release = True
-        result = self._transition(self.configure)
+        try:
+            with interruptible():
+                result = self._transition(self._configure)
+        except KeyboardInterrupt:  # the loop that spins the node ends with it
+            result = TransitionCallbackReturn.FAILURE
         self.configured = result is TransitionCallbackReturn.SUCCESS
         if not self.configured:
             self._release()
         return result
+
+    def _configure(self) -> None:
+        self._refuse_other_runs()
+        self.configure()
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Activate the node."""
@@ -256,6 +293,7 @@ class FlexrosNode(AbstractTopicNode):
 
     def destroy_node(self) -> None:
         """Release everything; the last node of a context also releases its sockets and shared memory."""
+        self._release_claims()
         super().destroy_node()
         self._state_machine.destroy_when_not_in_use()  # else it keeps the node until garbage collection
 
@@ -265,5 +303,6 @@ class FlexrosNode(AbstractTopicNode):
 
     def _release(self) -> None:
         self.configured = False
+        self._release_claims()
         self._close_all()
         self._release_once()

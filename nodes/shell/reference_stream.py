@@ -53,6 +53,7 @@ class ReferenceStream:
     """
 
     def __init__(self, node: FlexrosNode, run: Experiment) -> None:
+        node.claim("joint_reference_ahead")
         self._node = node
         self._names = run.nominal.joint_names
         self._sample_time = run.sample_time

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import signal
 import threading
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from contextlib import AbstractContextManager
     from types import FrameType
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
@@ -29,6 +30,7 @@ class Interruption:
 
     def __init__(self) -> None:
         self._requested = False
+        self._raises = 0
         self.partner_ended = False
         self.parent_died = False
 
@@ -42,6 +44,30 @@ class Interruption:
             self.partner_ended = True
         else:
             self._requested = True
+            if self._raises:
+                raise KeyboardInterrupt
+
+    @contextmanager
+    def raising(self) -> Iterator[None]:
+        """Let a request to terminate raise KeyboardInterrupt within the block, also one that was made before."""
+        self._raises += 1
+        try:
+            if self._requested:
+                raise KeyboardInterrupt
+            yield
+        finally:
+            self._raises -= 1
+
+
+_present: Interruption | None = None
+
+
+def interruptible() -> AbstractContextManager[None]:
+    """Let SIGINT and SIGTERM end the block at once, where `interruption` catches them.
+
+    For work of seconds that polls no flag and has nothing to lose: the preparation of a run.
+    """
+    return nullcontext() if _present is None else _present.raising()
 
 
 @contextmanager
@@ -51,9 +77,12 @@ def interruption() -> Iterator[Interruption]:
     if threading.current_thread() is not threading.main_thread():
         yield interrupted
         return
+    global _present
+    outer, _present = _present, interrupted
     before = {number: signal.signal(number, interrupted.note) for number in (*SIGNALS, PARTNER_ENDED)}
     try:
         yield interrupted
     finally:
+        _present = outer
         for number, handler in before.items():
             signal.signal(number, signal.SIG_DFL if handler is None else handler)

@@ -172,7 +172,9 @@ def test_gap_monitor_starts_with_a_given_model(tmp_path: Path) -> None:
 def test_identification_may_wait_for_its_service(identification_scenario: Path) -> None:
     launch = Launch("identification", scenario=str(identification_scenario), begin_at_once="false")
     assert launch.nodes[1].name == "identification"
-    assert launch.nodes[1].own_parameters() == {"scenario": str(identification_scenario), "begin_at_once": False}
+    own = launch.nodes[1].own_parameters()
+    assert own.pop("run")
+    assert own == {"scenario": str(identification_scenario), "begin_at_once": False}
 
 
 def test_the_launch_ends_with_the_last_plant(tmp_path: Path) -> None:
@@ -181,6 +183,8 @@ def test_the_launch_ends_with_the_last_plant(tmp_path: Path) -> None:
     assert all(node.remappings == [("/clock", "clock")] for node in launch.nodes)
     folders = [node.own_parameters()["folder"] for node in launch.nodes if node.name == "recorder"]
     assert folders == [str(tmp_path / "logs" / side) for side in ("left", "right")]
+    runs = [node.own_parameters()["run"] for node in launch.nodes]
+    assert len(set(runs[:4])) == len(set(runs[4:])) == 1 != len(set(runs))  # each robot is a run of its own
     left, right = (node for node in launch.nodes if node.on_exit)
     assert (left.name, right.name) == ("plant", "plant")
     assert left.ended(launch.context) == []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
@@ -9,17 +10,19 @@ import sys
 import threading
 from collections.abc import Callable
 from pathlib import Path
+from time import monotonic
 
 import pytest
 
 from flexros.logs.reader import read_log
+from flexros.scenario.scenario import load_scenario
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 
 from flexros_nodes.bringup import composed
 from flexros_nodes.bringup.run import run_scenario
 from flexros_nodes.feedforward import FeedforwardNode
-from flexros_nodes.protocol.process.interruption import PARTNER_ENDED, interruption
+from flexros_nodes.protocol.process.interruption import PARTNER_ENDED, interruptible, interruption
 from tests.segments import left_ports
 
 CHECKOUT = Path(__file__).parents[4]
@@ -114,6 +117,46 @@ def test_nodes_do_not_outlive_a_killed_run(tmp_path: Path, long_scenario: Path, 
     wait_until(lambda: not any(exists(pid) for pid in nodes), "a node lives on")
     assert read_log(folder).warnings == ()
     assert not left_ports(ros_domain), "the nodes left segments that nobody uses"
+
+
+@pytest.mark.usefixtures("ros_domain")
+@pytest.mark.parametrize("layout", ["composed", "processes"])
+def test_run_is_interrupted_while_it_prepares_its_reference(tmp_path: Path, layout: str) -> None:
+    """The reference of a circle of 900 s takes far longer than the interruption may."""
+    settings = {**load_scenario("circle_dae").settings(), "duration": 900.0}
+    scenario = tmp_path / "long.yaml"
+    scenario.write_text(json.dumps(settings))
+    process = subprocess.Popen(
+        [sys.executable, "-c", RUN, str(scenario), str(tmp_path / "log"), layout],
+        cwd=CHECKOUT,
+        env={**os.environ, "PYTHONPATH": str(CHECKOUT)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        # the recorder is configured first: then the reference is being prepared
+        wait_until((tmp_path / "log" / "log_0.mcap").is_file, "no log was begun")
+        began = monotonic()
+        process.send_signal(signal.SIGTERM)
+        output, errors = process.communicate(timeout=TIMEOUT)
+    finally:
+        process.kill()
+    assert process.returncode == 130, errors
+    assert "interrupted; the log holds no samples" in output
+    assert monotonic() - began < 10.0
+
+
+def test_request_raises_only_where_work_is_interruptible() -> None:
+    with interruption() as interrupted:
+        with pytest.raises(KeyboardInterrupt), interruptible():
+            signal.raise_signal(signal.SIGTERM)
+        assert interrupted()
+        signal.raise_signal(signal.SIGTERM)
+        with pytest.raises(KeyboardInterrupt), interruptible():  # it was asked for before
+            pass
+    with interruptible():
+        pass
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
