@@ -18,6 +18,7 @@ from flexros_nodes.protocol.reference.trajectory_goal import (
     TrajectoryGoal,
     Verdict,
     position_tolerances,
+    refuse_component_tolerances,
 )
 from flexros_nodes.protocol.reference.trajectory_request import RejectedTrajectoryError, in_joint_order
 
@@ -123,6 +124,8 @@ class FollowTrajectory:
         trajectory = in_joint_order(read_joint_trajectory(serialize_message(goal.trajectory)), self._names)
         path = position_tolerances(goal.path_tolerance, self._names, "path_tolerance")
         last = position_tolerances(goal.goal_tolerance, self._names, "goal_tolerance")
+        for field in ("component_path_tolerance", "component_goal_tolerance"):
+            refuse_component_tolerances(getattr(goal, field, ()), field)  # before control_msgs 4.5 there are none
         time = goal.goal_time_tolerance
         return trajectory, TrajectoryGoal(self._names, path, last, time.sec + time.nanosec / NANOSECONDS)
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from flexros.record.checks.base import AbstractCheck, Finding
 from flexros.record.checks.repeated_values import change_beside, slow_change
-from flexros.record.missing_samples import runs
+from flexros.record.missing_samples import MOST_BRIDGED, runs
 from flexros.record.quantization import encoder_step
 
 if TYPE_CHECKING:
@@ -43,12 +43,14 @@ class ClippedEncoder(AbstractCheck):
         """Find flat tops and jumps over the whole range."""
         record, robot = checked.record, checked.robot
         problems = []
+        rows = np.flatnonzero(record.valid)
+        near = np.diff(rows) <= MOST_BRIDGED  # behind a hole the motor may be anywhere
         for motor, name in enumerate(robot.joint_names):
-            values = record.position[record.valid, motor]
+            values = record.position[rows, motor]
             span, step = float(np.ptp(values)), encoder_step(record, motor)
-            steps = np.abs(np.diff(values))
+            steps = np.abs(np.diff(values))[near]
             if span > 0 and _wraps(steps, span, step):
-                at = float(np.flatnonzero(record.valid)[int(np.argmax(steps))]) * record.sample_time
+                at = float(rows[:-1][near][int(np.argmax(steps))]) * record.sample_time
                 text = (
                     f"the position of {name} jumps by {steps.max():.4g} at {at:.4g} s, as an encoder that wraps around "
                     "or is reset; unwrap it, or cut the log there"

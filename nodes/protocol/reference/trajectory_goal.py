@@ -85,6 +85,24 @@ def position_tolerances(given: Iterable[JointTolerance], names: Sequence[str], f
     return tolerances
 
 
+def refuse_component_tolerances(given: Iterable[object], field: str) -> None:
+    """Refuse tolerances of joints of several degrees of freedom, which belong to `multi_dof_trajectory`.
+
+    Args:
+        given: Tolerances by joint and component.
+        field: Field of the goal, for error messages.
+
+    Raises:
+        RejectedTrajectoryError: There is one: to ignore it would call a motion good that the sender does not allow.
+    """
+    if names := [str(getattr(tolerance, "joint_name", "?")) for tolerance in given]:
+        raise RejectedTrajectoryError(
+            f"{field} limits components of {', '.join(names)}, but each joint of this robot has one: allowed are "
+            f"tolerances in {field.removeprefix('component_')}",
+            Rejection.POINTS,
+        )
+
+
 class TrajectoryGoal:
     """Evaluates a motion sample by sample.
 

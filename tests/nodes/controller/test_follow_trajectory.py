@@ -42,10 +42,21 @@ class Tolerance:
 
 
 @dataclass
+class ComponentTolerance:
+    joint_name: str
+    component: int = 1
+    position: float = 0.0
+    velocity: float = 0.0
+    acceleration: float = 0.0
+
+
+@dataclass
 class Goal:
     trajectory: JointTrajectory = field(default_factory=JointTrajectory)
     path_tolerance: list[Tolerance] = field(default_factory=list)
     goal_tolerance: list[Tolerance] = field(default_factory=list)
+    component_path_tolerance: list[ComponentTolerance] = field(default_factory=list)
+    component_goal_tolerance: list[ComponentTolerance] = field(default_factory=list)
     goal_time_tolerance: Duration = field(default_factory=Duration)
 
 
@@ -286,8 +297,10 @@ def test_action_server_goes_with_the_clean_up(robot: Robot) -> None:
         Goal(trajectory((0.1, 0.0, float("nan")))),
         Goal(trajectory((0.1, 0.0, 0.0)), path_tolerance=[Tolerance("wrist", 0.1)]),
         Goal(trajectory((0.1, 0.0, 1e4))),
+        Goal(trajectory((0.1, 0.0, 0.0)), component_path_tolerance=[ComponentTolerance("motor_1", position=0.1)]),
+        Goal(trajectory((0.1, 0.0, 0.0)), component_goal_tolerance=[ComponentTolerance("motor_1", position=0.1)]),
     ],
-    ids=["empty", "joints", "nan", "tolerance", "limit"],
+    ids=["empty", "joints", "nan", "tolerance", "limit", "component of the path", "component of the goal"],
 )
 def test_goal_that_cannot_be_followed_is_rejected(robot: Robot, goal: Goal) -> None:
     assert robot.server.send(goal) is None

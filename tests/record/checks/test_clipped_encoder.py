@@ -34,6 +34,18 @@ def test_encoder_that_wraps_around_is_refused(found, healthy) -> None:
     assert "unwrap it" in finding.text
 
 
+def test_motor_that_moves_on_in_a_hole_of_the_log_does_not_wrap_around(found, healthy) -> None:
+    """A motor that turns far while two seconds are missing is elsewhere behind the hole."""
+    record = healthy("elbow")
+    position, valid = record.position.copy(), record.valid.copy()
+    hole = slice(10_000, 14_000)
+    position[hole], valid[hole] = position[hole.start], False
+    position[hole.stop :, 0] += 2 * float(np.ptp(position[:, 0]))
+    assert not any("jumps" in finding.text for finding in found("elbow", position=position, valid=valid))
+    valid[:] = True
+    assert any("jumps" in finding.text for finding in found("elbow", position=position, valid=valid))
+
+
 @pytest.mark.parametrize("noise", [0.0, 0.3])
 def test_encoder_of_a_joint_at_rest_does_not_wrap_around(found, healthy, noise: float) -> None:
     """A coarse encoder of a joint that stands still changes by one step, all its range."""

@@ -9,7 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flexros_nodes.protocol.reference.trajectory_goal import Outcome, TrajectoryGoal, position_tolerances
+from flexros_nodes.protocol.reference.trajectory_goal import (
+    Outcome,
+    TrajectoryGoal,
+    position_tolerances,
+    refuse_component_tolerances,
+)
 from flexros_nodes.protocol.reference.trajectory_request import RejectedTrajectoryError, Rejection
 
 NAMES = ("motor_1", "motor_2")
@@ -47,6 +52,16 @@ def test_tolerance_that_cannot_be_kept_is_refused(given: Any, sentence: str, ref
     with pytest.raises(RejectedTrajectoryError, match=sentence) as caught:
         position_tolerances([given], NAMES, "goal_tolerance")
     assert caught.value.reason is refusal
+
+
+def test_tolerance_of_components_is_refused_and_not_ignored() -> None:
+    refuse_component_tolerances([], "component_path_tolerance")
+    given = SimpleNamespace(joint_name="motor_1", component=1, position=0.1)
+    with pytest.raises(
+        RejectedTrajectoryError, match="component_path_tolerance limits components of motor_1"
+    ) as caught:
+        refuse_component_tolerances([given], "component_path_tolerance")
+    assert caught.value.reason is Rejection.POINTS
 
 
 def test_goal_without_tolerances_is_reached_with_its_last_point() -> None:
