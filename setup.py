@@ -22,6 +22,8 @@ TEST = [
     "pin>=2.7",
     "mujoco>=3.1",
     "h5py>=3.10",
+    "nbclient>=0.10",
+    "ipykernel>=6.29",
     "setuptools>=70.1",
 ]
 
@@ -67,6 +69,7 @@ setup(
         "zstandard>=0.22",
         "lz4>=4.3",
         "xarray>=2024.1",
+        "pandas>=2.1",
         "cvxpy>=1.5",
         "distributed>=2024.5",
         "threadpoolctl>=3.1",

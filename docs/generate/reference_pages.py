@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import sys
 import textwrap
 from pathlib import Path
@@ -11,6 +12,7 @@ import typer
 from pydantic import BaseModel
 from pydantic_core import PydanticUndefined
 
+import flexros
 from flexros.cli.app import EXIT_CODES, app
 from flexros.config.topics import load_topics
 from flexros.control.base import control_laws
@@ -160,6 +162,48 @@ def topics_page() -> str:
     return "\n".join([WRITTEN, "", "# Topics", "", lead, "", *rows])
 
 
+PYTHON = {
+    "Robots": ("load_robot", "robot_names", "load_model", "linear_model", "Robot", "LinearModel"),
+    "Runs and logs": (
+        "run", "analyze", "read_log", "write_log", "load_scenario", "scenario_names", "Run", "Log", "Analysis",
+        "Scenario",
+    ),
+    "Identification": (
+        "frequency_responses", "identify_robot", "FrequencyResponses", "FrequencyResponse", "IdentificationResult",
+    ),
+    "Diagnosis": ("diagnose", "measure_gap", "Diagnosis", "MeasuredGap"),
+    "Controllers": (
+        "design", "benchmark_controllers", "controller_names", "ControllerDesign", "BenchmarkResults",
+        "BenchmarkResult",
+    ),
+    "Errors": ("FlexrosError", "InputError", "RunError"),
+}  # fmt: skip
+"""Names of `import flexros` by job."""
+
+
+def python_pages() -> dict[str, str]:
+    """Write the overview of `import flexros`, and a page for each of its names from its docstring."""
+    lead = (
+        "What `import flexros` offers. Each name is loaded when it is used first. Results show themselves in a "
+        "notebook, draw themselves with `plot()` (a Plotly figure), and go on with `to_pandas()`, `to_xarray()` and "
+        "`to_control()` where these apply. The [notebooks](../../notebooks/index.md) use them. Everything else is in "
+        "the rooms of the API."
+    )
+    lines = [WRITTEN, "", "# Python", "", paragraph(lead), ""]
+    written = {}
+    for job, names in PYTHON.items():
+        lines += [f"## {job}", "", "| name | what it is |", "|---|---|"]
+        for name in names:
+            value = getattr(flexros, name)
+            page = (
+                f"{name}_class.md" if inspect.isclass(value) else f"{name}.md"
+            )  # Run and run are one file on some disks
+            lines.append(f"| [`{name}`]({page}) | {cell((inspect.getdoc(value) or '').splitlines()[0])} |")
+            written[f"python/{page}"] = f"{WRITTEN}\n\n# {name}\n\n::: flexros.{name}\n"
+        lines.append("")
+    return {"python/index.md": "\n".join(lines), **written}
+
+
 def pages() -> dict[str, str]:
     """Write all pages, by file name."""
     laws = tuple(control_laws().values())
@@ -185,11 +229,13 @@ def pages() -> dict[str, str]:
         "diagnosis_settings.md": file_page("Settings of the diagnosis", settings, DiagnosisSettings),
         "commands.md": commands_page(),
         "topics.md": topics_page(),
+        **python_pages(),
     }
 
 
 def main(folder: Path) -> None:
     """Write the pages into a folder."""
+    (folder / "python").mkdir(parents=True, exist_ok=True)
     for name, text in pages().items():
         (folder / name).write_text(text.rstrip() + "\n", encoding="utf-8")
 

@@ -61,6 +61,11 @@ def figure_rows(analyses: Sequence[Analysis]) -> tuple[FigureRow, ...]:
     return tuple(FigureRow(*key, tuple(_text(column.get(key)) for column in columns)) for key in keys)
 
 
+def figure_values(analysis: Analysis) -> tuple[tuple[str, str, str, float | str], ...]:
+    """Return group, name, unit and value of every figure of a run, as numbers where they are numbers."""
+    return tuple(_figures(analysis))
+
+
 def _text(value: float | str | None) -> str:
     return value if isinstance(value, str) else number(value)
 

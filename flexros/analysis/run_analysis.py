@@ -20,6 +20,9 @@ from flexros.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    import pandas as pd
+    import plotly.graph_objects as go
+
     from flexros.analysis.cycles import Cycle
     from flexros.logs.time_series import Log
     from flexros.robot import Robot
@@ -28,7 +31,7 @@ _FOLLOWED = 0.95
 """A tool that crosses a smaller share of the planes along the path does not follow it (chosen)."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Analysis:
     """Results of the analysis of one run.
 
@@ -74,6 +77,35 @@ class Analysis:
             "provenance": dict(self.provenance),
             "warnings": list(self.warnings),
         }
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return all figures as a table by group and name, with value and unit."""
+        from flexros.analysis.shown import analysis_frame
+
+        return analysis_frame(self)
+
+    def plot(self, what: str = "") -> go.Figure:
+        """Draw the path with its error magnified, the errors over time, or the frequency responses.
+
+        Args:
+            what: "path", "errors" or "responses"; empty for the first that the log has.
+
+        Raises:
+            InputError: The log has no such picture.
+        """
+        from flexros.analysis.shown import analysis_figure
+
+        return analysis_figure(self, what)
+
+    def __repr__(self) -> str:
+        from flexros.analysis.report.summary import verdict
+
+        return f"<Analysis of {self.label}: {verdict([self])}>"
+
+    def _repr_html_(self) -> str:
+        from flexros.analysis.shown import analysis_html
+
+        return analysis_html(self)
 
 
 def analyse(log: Log, *, robot: Robot | None = None, label: str | None = None) -> Analysis:

@@ -17,6 +17,9 @@ from flexros.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    import pandas as pd
+    import plotly.graph_objects as go
+
     from flexros.arrays import FloatArray
     from flexros.benchmark.controllers import BenchmarkController
     from flexros.benchmark.demands import Demand
@@ -26,7 +29,7 @@ SEEDS = (1, 2, 3, 4, 5)
 """Seeds of the noise over which the measures are averaged."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class BenchmarkResult:
     """Result of a controller.
 
@@ -68,6 +71,27 @@ class BenchmarkResult:
             "demands": [demand.as_dict() for demand in self.demands],
             "passed": self.passed,
         }
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return cost V, its parts and the worst measures of each model set."""
+        from flexros.benchmark.shown import measures_frame
+
+        return measures_frame([self])
+
+    def plot(self) -> go.Figure:
+        """Draw the weighted costs of the model sets, whose sum is V."""
+        from flexros.benchmark.shown import costs_figure
+
+        return costs_figure([self])
+
+    def __repr__(self) -> str:
+        met = sum(demand.passed for demand in self.demands)
+        return f"<BenchmarkResult of {self.name}: V = {self.cost:.5g}, {met} of {len(self.demands)} demands met>"
+
+    def _repr_html_(self) -> str:
+        from flexros.benchmark.shown import results_html
+
+        return results_html([self])
 
 
 def total_cost(measures: dict[str, Measures]) -> float:

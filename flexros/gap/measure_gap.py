@@ -19,6 +19,9 @@ from flexros.record.most_informative import most_informative
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    import pandas as pd
+    import plotly.graph_objects as go
+
     from flexros.effects import RobotWithEffects
     from flexros.gap.fit.unknown_numbers import UnknownNumbers
     from flexros.gap.held_out.prediction_gap import AheadErrors
@@ -41,6 +44,27 @@ class MeasuredGap:
     numbers: GapNumbers
     significant: bool
     warnings: tuple[str, ...] = ()
+
+    def to_pandas(self) -> pd.Series:
+        """Return the gap numbers by name, as in diagnosis.json; None where there is none."""
+        import pandas as pd
+
+        return pd.Series(self.numbers.model_dump(mode="json"), name="gap", dtype=object)
+
+    def plot(self) -> go.Figure:
+        """Draw the gap of the nominal and of the repaired model over the noise floor, logarithmic."""
+        from flexros.gap.report.how_far import gap_figure
+
+        return gap_figure(self.numbers)
+
+    def _repr_html_(self) -> str:
+        from flexros.gap.report.terminal import gap_line
+        from flexros.report.base import Paragraph
+        from flexros.report.notebook import notebook_html
+
+        verdict = "A gap: more than noise and tolerance" if self.significant else "No gap beyond noise and tolerance"
+        warnings = (Paragraph(text, "warning") for text in self.warnings)
+        return notebook_html(verdict, (Paragraph(gap_line(self.numbers)), *warnings))
 
 
 @one_blas_thread()

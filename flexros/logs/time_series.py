@@ -12,6 +12,10 @@ from flexros.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    import pandas as pd
+    import plotly.graph_objects as go
+    import xarray
+
     from flexros.arrays import FloatArray, IntArray
 
 BASE_FRAME = "base"
@@ -137,7 +141,7 @@ class ImuSeries:
         _check_shape("ImuSeries", "turning_rate", self.turning_rate, (len(self.stamp), 3))
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Log:
     """One recorded run: the time series of its topics and their provenance.
 
@@ -169,6 +173,48 @@ class Log:
         """Return the time series of a topic by its relative name, None if not recorded."""
         series: Series | None = getattr(self, topic, None) if topic in OWN_SERIES else self.other_series.get(topic)
         return series
+
+    def to_xarray(self, topic: str = "") -> xarray.Dataset:
+        """Return time series as labelled arrays over `time` [s] since the first measurement.
+
+        Args:
+            topic: Relative name of a topic, e.g. "joint_states"; empty for all, with the topic before each name.
+
+        Raises:
+            InputError: The topic was not recorded.
+        """
+        from flexros.logs.labelled import dataset_of
+
+        return dataset_of(self, topic)
+
+    def to_pandas(self, topic: str = "") -> pd.DataFrame:
+        """Return time series as a table over time [s], with columns such as "joint_states.position.motor_1".
+
+        Args:
+            topic: Relative name of a topic, then left out of the names of the columns; empty for all.
+
+        Raises:
+            InputError: The topic was not recorded.
+        """
+        from flexros.logs.labelled import frame_of
+
+        return frame_of(self, topic)
+
+    def plot(self) -> go.Figure:
+        """Draw motor positions with their references, torques and tracking errors over time."""
+        from flexros.logs.labelled import log_figure
+
+        return log_figure(self)
+
+    def __repr__(self) -> str:
+        stamp = self.joint_states.stamp
+        length = (stamp[-1] - stamp[0]) * 1e-9 if len(stamp) else 0.0
+        return f"<Log: {len(self.joint_states.names)} motors, {len(stamp)} samples, {length:.6g} s>"
+
+    def _repr_html_(self) -> str:
+        from flexros.logs.labelled import log_html
+
+        return log_html(self)
 
 
 OWN_SERIES = ("joint_states", "joint_commands", "joint_reference", "tool_pose", "tool_reference")

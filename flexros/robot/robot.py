@@ -27,6 +27,7 @@ from flexros.robot.symbolic.model import SymbolicModel
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    import pandas as pd
     from numpy.typing import ArrayLike
 
     from flexros.arrays import FloatArray
@@ -320,6 +321,20 @@ class Robot:
     def holding_torque(self, state: FloatArray) -> FloatArray:
         """Return the motor torque that holds an equilibrium state [Nm or N], shape (M,)."""
         return equilibrium.holding_torque(self, state)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return the parameters by name, with value (SI), unit, tolerance [1] and source."""
+        from flexros.robot.shown import parameters_frame
+
+        return parameters_frame(self)
+
+    def __repr__(self) -> str:
+        return f"<Robot {self.name}: {self.n_arm} arm coordinates, {self.n_motors} motors, from {self.source}>"
+
+    def _repr_html_(self) -> str:
+        from flexros.robot.shown import robot_html
+
+        return robot_html(self)
 
     def check_arm(self, q_a: ArrayLike) -> FloatArray:
         """Return arm coordinates [rad or m] as an array of shape (N,).

@@ -9,11 +9,18 @@ from pathlib import Path
 
 import pytest
 
+import flexros
+
 pytestmark = pytest.mark.slow
 
 DOCS = Path(__file__).parents[2] / "docs"
 WRITTEN = "<!-- written by docs/generate/reference_pages.py -->"
-PAGES = [path.name for path in sorted((DOCS / "reference").glob("*.md")) if path.read_text().startswith(WRITTEN)]
+REFERENCE = DOCS / "reference"
+PAGES = [
+    str(path.relative_to(REFERENCE))
+    for path in sorted(REFERENCE.rglob("*.md"))
+    if path.read_text(encoding="utf-8").startswith(WRITTEN)
+]
 
 
 @pytest.fixture(scope="module")
@@ -27,10 +34,17 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_all_pages_are_committed(written: Path) -> None:
-    assert sorted(path.name for path in written.iterdir()) == PAGES
+    assert [str(path.relative_to(written)) for path in sorted(written.rglob("*.md"))] == PAGES
+
+
+def test_every_name_of_the_front_door_has_a_page() -> None:
+    assert {Path(page).stem.removesuffix("_class") for page in PAGES if page.startswith("python/")} == {
+        "index",
+        *flexros.__all__,
+    }
 
 
 @pytest.mark.parametrize("page", PAGES)
 def test_page_is_what_the_models_say(page: str, written: Path) -> None:
-    committed = (DOCS / "reference" / page).read_text(encoding="utf-8")
+    committed = (REFERENCE / page).read_text(encoding="utf-8")
     assert (written / page).read_text(encoding="utf-8") == committed, "run python docs/generate/reference_pages.py"

@@ -29,11 +29,17 @@ class FrequencyResponseSection(AbstractSection["Sequence[Analysis]"]):
         for analysis in analyses:
             if analysis.responses is not None:
                 heading = f"{analysis.label}: " if len(analyses) > 1 else ""
-                blocks.extend(_of_run(analysis.responses, heading))
+                blocks.extend(response_blocks(analysis.responses, heading))
         return tuple(blocks)
 
 
-def _of_run(responses: LogResponses, heading: str) -> tuple[Block, ...]:
+def response_blocks(responses: LogResponses, heading: str = "") -> tuple[Block, ...]:
+    """Return picture, table of deviations, levels of distortion and warnings of the responses of a run.
+
+    Args:
+        responses: The responses.
+        heading: Begin of the first sentence, which names the run.
+    """
     if not responses.positions:
         return (Paragraph(f"{heading}The frequency responses were not estimated: {responses.reason}"),)
     caption = (

@@ -50,17 +50,40 @@ def write_loop_report(
     Raises:
         InputError: The file cannot be written.
     """
-    whole = frequency_grid(plants.sample_time)
-    frequency = whole[:: max(1, len(whole) // _MOST_POINTS)]
     chapters = []
     for name, controller in controllers.items():
-        response = loop_response(plants, controller, frequency)
+        response = loop_response(plants, controller, _frequencies(plants))
         motors = plants.B.shape[-1]
         pictures = [picture for motor in range(motors) for picture in _pictures(plants, controller, response, motor)]
         heading = name if len(controllers) > 1 else "Loops"
-        chapters.append(Chapter(heading, (_sentence(margins[name]), _table(margins[name]), *pictures)))
+        chapters.append(Chapter(heading, (*loop_table(margins[name]), *pictures)))
     subtitle = f"{len(plants)} plants, sample time {1e3 * plants.sample_time:g} ms"
     write_result(file, page_html(title, subtitle, chapters), "report")
+
+
+def loop_table(margins: Sequence[LoopMargins]) -> tuple[Paragraph, TextTable]:
+    """Return the smallest margins in a sentence, and a table of all.
+
+    Args:
+        margins: Margins of every plant and motor.
+    """
+    return _sentence(margins), _table(margins)
+
+
+def loop_pictures(plants: SampledPlants, controller: LinearController, motor: int) -> tuple[Picture, ...]:
+    """Return Bode, Nyquist and step pictures of the loop at one motor, the other loops closed.
+
+    Args:
+        plants: All sampled plants.
+        controller: The controller.
+        motor: Number of the motor, from 0.
+    """
+    return _pictures(plants, controller, loop_response(plants, controller, _frequencies(plants)), motor)
+
+
+def _frequencies(plants: SampledPlants) -> FloatArray:
+    whole = frequency_grid(plants.sample_time)
+    return np.asarray(whole[:: max(1, len(whole) // _MOST_POINTS)])
 
 
 def _sentence(entries: Sequence[LoopMargins]) -> Paragraph:

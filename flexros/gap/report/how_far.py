@@ -28,7 +28,7 @@ class HowFarSection(AbstractSection["DiagnosisResult"]):
     def blocks(self, result: DiagnosisResult) -> tuple[Block, ...]:
         """Return sentence, bars, table and curves."""
         gap = result.diagnosis.gap
-        blocks: list[Block] = [Paragraph(_sentence(gap)), Picture(_bars(gap), _caption(gap))]
+        blocks: list[Block] = [Paragraph(_sentence(gap)), Picture(gap_figure(gap), _caption(gap))]
         if result.signals:
             blocks.append(_table(result.signals))
         return (*blocks, innovation_picture(result))
@@ -49,7 +49,8 @@ def _caption(gap: GapNumbers) -> str:
     return f"Gap on held-out data, logarithmic.{rival}"
 
 
-def _bars(gap: GapNumbers) -> go.Figure:
+def gap_figure(gap: GapNumbers) -> go.Figure:
+    """Draw the gap before and after the repair, that of the best rival, and the noise floor."""
     import plotly.graph_objects as go
 
     from flexros.report.theme import stacked

@@ -40,7 +40,7 @@ class RankingSection(AbstractSection["DiagnosisResult"]):
             for group in result.diagnosis.ambiguity_groups
         ]
         tolerances = _tolerances(result.diagnosis.tolerance_sensitivity)
-        return (Paragraph(_sentence(result)), _picture(result), *groups, *tolerances, _table(result.ranking))
+        return (Paragraph(_sentence(result)), _picture(result), *groups, *tolerances, table_of_ranking(result.ranking))
 
 
 def _tolerances(rows: tuple[ToleranceSensitivity, ...]) -> tuple[Block, ...]:
@@ -122,7 +122,8 @@ def _same(candidate: RankedCandidate, location: EffectLocation) -> bool:
     return (candidate.effect, candidate.location) == (location.effect, location.location)
 
 
-def _table(ranking: Sequence[RankedCandidate]) -> TextTable:
+def table_of_ranking(ranking: Sequence[RankedCandidate]) -> TextTable:
+    """Return the first effects by probability with their fitted parameters and evidence."""
     unseen = any(candidate.holdout_gain is not None for candidate in ranking)
     rows = tuple(
         (

@@ -12,6 +12,9 @@ from flexros.identify.frf.quantity import derivative_order, differentiation, uni
 
 if TYPE_CHECKING:
     import control
+    import pandas as pd
+    import plotly.graph_objects as go
+    import xarray
 
     from flexros.arrays import ComplexArray, FloatArray
     from flexros.identify.frf.distortion import Distortion
@@ -21,7 +24,7 @@ CovarianceKind = Literal["total", "noise"]
 """total: from blocks, with nonlinear distortion; noise: from periods, with noise alone."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class FrequencyResponse:
     """Non-parametric model G(jw) of one position, from n_u torque commands to n_y motors.
 
@@ -175,3 +178,33 @@ class FrequencyResponse:
         response = np.moveaxis(self.response, 0, 2)
         names = {"inputs": list(self.input_names), "outputs": list(self.output_names)}
         return control.FrequencyResponseData(response, 2 * np.pi * self.frequency, self.sample_time, **names)
+
+    def to_control(self) -> control.FrequencyResponseData:
+        """Return the response for python-control, see `frd`."""
+        return self.frd()
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return response, covariances, standard deviations and distortion levels as labelled arrays."""
+        from flexros.identify.frf.files.labelled import dataset_of
+
+        return dataset_of(self)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return a row for each line [Hz], output and input: complex response, magnitude, phase [deg], deviation.
+
+        `std` is the standard deviation in the unit of the magnitude, NaN where the record does not determine it.
+        """
+        from flexros.identify.frf.files.labelled import frame_of
+
+        return frame_of(self)
+
+    def plot(self) -> go.Figure:
+        """Draw magnitude or phase of each pair of input and output, with its standard deviation."""
+        from flexros.identify.report.response_picture import response_picture
+
+        return response_picture((self,))
+
+    def __repr__(self) -> str:
+        shape = f"{len(self.output_names)} x {len(self.input_names)}"
+        band = f"{self.frequency[0]:.4g} to {self.frequency[-1]:.4g} Hz"
+        return f"<FrequencyResponse {shape}, {len(self.frequency)} lines from {band}, {self.quantity} over torque>"

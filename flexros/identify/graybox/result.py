@@ -19,7 +19,10 @@ from flexros.identify.graybox.search import SearchSettings, search
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
+    from pathlib import Path
 
+    import pandas as pd
+    import plotly.graph_objects as go
     from distributed import Client
 
     from flexros.arrays import FloatArray
@@ -89,7 +92,7 @@ class ExperimentFacts:
         )
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class IdentificationResult:
     """A fit with its covariance, verdicts and residuals.
 
@@ -168,6 +171,54 @@ class IdentificationResult:
         """Costs of the fits that did not fail, in ascending order, shape (S,)."""
         costs = np.array([each.cost for each in self.searched])
         return np.sort(costs[np.isfinite(costs)])
+
+    @property
+    def robot(self) -> Robot:
+        """The robot with the identified values; those that are not determined keep their nominal value."""
+        from flexros.identify.graybox.identified_robot import identified_robot
+
+        return identified_robot(self.problem.robot, self.fit, self.covariance, kept=self.kept_nominal)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return nominal and identified value (SI), 95 % interval and verdict of each parameter."""
+        from flexros.identify.report.shown import parameters_frame
+
+        return parameters_frame(self)
+
+    def plot(self, what: str = "parameters") -> go.Figure:
+        """Draw the parameters with their intervals, or the responses with those of the model.
+
+        Args:
+            what: "parameters" or "responses".
+
+        Raises:
+            InputError: Another word.
+        """
+        from flexros.identify.report.shown import identification_figure
+
+        return identification_figure(self, what)
+
+    def write(self, folder: Path | str) -> None:
+        """Write identified.yaml, identification.json and report.html into a folder, made where it is missing.
+
+        Raises:
+            InputError: They cannot be written there, or the identified robot is not physical.
+        """
+        from pathlib import Path
+
+        from flexros.identify.report.files import write_identification
+
+        write_identification(self, Path(folder))
+
+    def __repr__(self) -> str:
+        from flexros.identify.report.verdict import verdict
+
+        return f"<Identification of {self.problem.robot.name}: {verdict(self)}>"
+
+    def _repr_html_(self) -> str:
+        from flexros.identify.report.shown import identification_html
+
+        return identification_html(self)
 
 
 def fit_responses(

@@ -11,6 +11,8 @@ from flexros.atomic_file import write_result
 if TYPE_CHECKING:
     from pathlib import Path
 
+    import plotly.graph_objects as go
+
     from flexros.arrays import ComplexArray, FloatArray
     from flexros.robot.linear.linearise import LinearModel
 
@@ -33,14 +35,26 @@ def frequency_response(linear: LinearModel, frequency: FloatArray) -> ComplexArr
 
 
 def write_bode(linear: LinearModel, file: Path, title: str, low: float = 0.5, high: float = 200.0) -> None:
-    """Plot magnitude and phase from every motor torque to every measurement, in acceleration units.
-
-    Positions are plotted as accelerations (times -w^2), as in the thesis, so that rigid-body motion is flat.
+    """Write the picture of `bode_figure` to a file.
 
     Args:
         linear: The linear model.
         file: HTML file; it opens without a network.
         title: Title of the plot.
+        low: Lowest frequency [Hz].
+        high: Highest frequency [Hz].
+    """
+    write_result(file, bode_figure(linear, title, low, high).to_html(include_plotlyjs=True), "Bode picture")
+
+
+def bode_figure(linear: LinearModel, title: str = "", low: float = 0.5, high: float = 200.0) -> go.Figure:
+    """Draw magnitude and phase from every motor torque to every measurement, in acceleration units.
+
+    Positions are plotted as accelerations (times -w^2), as in the thesis, so that rigid-body motion is flat.
+
+    Args:
+        linear: The linear model.
+        title: Title of the plot; empty for none.
         low: Lowest frequency [Hz].
         high: Highest frequency [Hz].
     """
@@ -78,5 +92,7 @@ def write_bode(linear: LinearModel, file: Path, title: str, low: float = 0.5, hi
         figure.update_yaxes(title_text="degrees", row=2 * column + 2, col=1)
     figure.update_xaxes(type="log")
     figure.update_xaxes(title_text="frequency [Hz]", row=2 * len(inputs), col=1)
-    figure.update_layout(title=title, template="plotly_white", height=120 + 520 * len(inputs), hovermode="x unified")
-    write_result(file, figure.to_html(include_plotlyjs=True), "Bode picture")
+    figure.update_layout(
+        title=title or None, template="plotly_white", height=120 + 520 * len(inputs), hovermode="x unified"
+    )
+    return figure

@@ -12,6 +12,8 @@ from flexros.robot.quantity import unit_of
 
 if TYPE_CHECKING:
     import control
+    import pandas as pd
+    import plotly.graph_objects as go
     from numpy.typing import ArrayLike
 
     from flexros.arrays import FloatArray
@@ -71,6 +73,32 @@ class LinearModel:
         states = [f"q{i + 1}" for i in range(n)] + [f"v{i + 1}" for i in range(n)]
         outputs = [name.replace(".", "_") for name in self.measurement_names]  # dots are not allowed there
         return control.ss(*self.matrices(), inputs=list(self.input_names), outputs=outputs, states=states)
+
+    def to_control(self) -> control.StateSpace:
+        """Return the model for python-control, see `state_space`."""
+        return self.state_space()
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return the modes: natural frequency [Hz] and damping ratio [1], by frequency."""
+        from flexros.robot.shown import modes_frame
+
+        return modes_frame(self)
+
+    def plot(self, low: float = 0.5, high: float = 200.0) -> go.Figure:
+        """Draw magnitude and phase from every motor torque to every measurement, in acceleration units.
+
+        Args:
+            low: Lowest frequency [Hz].
+            high: Highest frequency [Hz].
+        """
+        from flexros.robot.linear.bode import bode_figure
+
+        return bode_figure(self, low=low, high=high)
+
+    def _repr_html_(self) -> str:
+        from flexros.robot.shown import linear_html
+
+        return linear_html(self)
 
 
 def linear_model(robot: Robot, q_a: ArrayLike | None = None, output: str | None = None) -> LinearModel:

@@ -11,6 +11,7 @@ from flexros.identify.frf.distortion import Distortion
 from flexros.identify.frf.frequency_response import FrequencyResponse
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray
 
 SEPARATOR = ";"
@@ -65,6 +66,30 @@ def dataset_of(response: FrequencyResponse) -> xarray.Dataset:
         "warnings": "\n".join(response.warnings),
     }
     return xr.Dataset(variables, coordinates, attributes)
+
+
+def frame_of(response: FrequencyResponse) -> pd.DataFrame:
+    """Convert a frequency response to a table with a row for each line, output and input.
+
+    Returns:
+        Columns response (complex), magnitude, phase_deg (of the principal value) and std, by frequency [Hz], output
+        and input; std is NaN where the record does not determine it.
+    """
+    import pandas as pd  # deferred: slow to import
+
+    levels = (response.frequency, list(response.output_names), list(response.input_names))
+    index = pd.MultiIndex.from_product(levels, names=["frequency", "output", "input"])
+    values = response.response.reshape(-1)
+    kind = "total" if response.total_error is not None else "noise"
+    known = response.total_error is not None or response.noise_error is not None
+    deviation = response.standard_deviation(kind).reshape(-1) if known else np.full(len(values), np.nan)  # type: ignore[arg-type]
+    columns = {
+        "response": values,
+        "magnitude": np.abs(values),
+        "phase_deg": np.degrees(np.angle(values)),
+        "std": deviation,
+    }
+    return pd.DataFrame(columns, index=index)
 
 
 def _distortion_variables(distortion: Distortion, coordinates: dict[str, object]) -> dict[str, object]:
