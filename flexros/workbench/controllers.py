@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from flexros.control.design.methods.base import AbstractDesignMethod, Design
     from flexros.control.linear_controller import LinearController
     from flexros.control.state_space import StateSpace
+    from flexros.report.base import Block
     from flexros.workbench.given import GivenModel
 
 PICTURES = ("bode", "nyquist", "step")
@@ -126,8 +127,8 @@ class ControllerDesign:
 
     def _made_by(self) -> str:
         choices = self.method.model_dump(exclude_unset=True)
-        words = [f"--set {name}={value}" for name, value in choices.items()]
-        return " ".join(["flexros design", self.method.method, f"--model {self.problem.robot.source}", *words])
+        words = [repr(self.method.method), repr(self.problem.robot.source), *(f"{k}={v!r}" for k, v in choices.items())]
+        return f"flexros.design({', '.join(words)})"
 
     def __repr__(self) -> str:
         state = "stable" if self.stable else "unstable"
@@ -140,7 +141,7 @@ class ControllerDesign:
         from flexros.report.notebook import notebook_html
 
         text = "; ".join(f"{name} {value:.4g}" for name, value in self.figures.items())
-        blocks = [
+        blocks: list[Block] = [
             Paragraph(f"Order {self.design.system.order}{f'; {text}' if text else ''}."),
             *loop_table(self.margins),
         ]
