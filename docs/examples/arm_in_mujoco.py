@@ -43,6 +43,7 @@ def arm(urdf: Path, *, as_it_is: bool) -> mujoco.MjModel:
             joint.solref_friction = (2 * spec.option.timestep, 1)  # stiff: nearly no creep at standstill
         own = TOOL_MASS * TOOL_SIZE**2 / 6
         tool = spec.joints[-1].parent.add_body(name="unknown_tool", pos=TOOL_AT, mass=TOOL_MASS, inertia=3 * [own])
+        tool.ipos = (0, 0, 0)
         tool.explicitinertial = True
     return spec.compile()
 

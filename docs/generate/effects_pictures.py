@@ -282,6 +282,7 @@ DRAWINGS: dict[str, tuple[Callable[[str], Panels], str]] = {
         over_speed,
         "stribeck_friction@motor_1:extra=20,velocity=0.05 coulomb_friction@motor_1:level=10",
     ),
+    "tool_load": (lambda text: [responses(text)], "tool_load@tool:mass=4"),
     "torque_bias": (over_time, "torque_bias@motor_1:level=10"),
     "torque_curve": (
         over_way,

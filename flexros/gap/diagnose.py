@@ -91,7 +91,7 @@ def diagnose(
     tolerated = tolerance_of(model.robot, tolerance or {})
     unknown = unknown_numbers(fitted, model, tolerated)
     model = unknown.given_to(model)
-    tolerated = unknown.tolerated(tolerance_of(model.robot, tolerance or {}))
+    tolerated = unknown.tolerated(tolerance_of(model.robot, tolerance or {}), model.robot)
     data = fit_data(fitted, model, settings)
     held_data = fit_data(held, model, settings, measurement_in(held, model.robot, data.measurement, settings))
     start = torque_start(data, model, tolerated)

@@ -117,7 +117,7 @@ def _errors(
     """Return the prediction errors of a model, and whether they show more than noise, tolerance and known rounding."""
     lacked = unknown.lacked_by(given)
     model = lacked.given_to(given)
-    null = fit_null(data, model, lacked.tolerated(tolerance_of(model.robot, tolerance)), settings.fit)
+    null = fit_null(data, model, lacked.tolerated(tolerance_of(model.robot, tolerance), model.robot), settings.fit)
     errors = over_expected_floor(errors_ahead(null.fit, data), model, data)
     comparison = allowing_for_doubt(compare(data, null.fit, settings=settings.ranking), data)
     return errors, comparison.significant(null.fit) or bool(unknown_rounding(model, data.measurement))

@@ -30,7 +30,11 @@ SIZES = {
     "torque/angle": 1000.0,
 }
 """Typical sizes in the runs below, for the ranges of the effects."""
-UNFITTED = {"encoder_quantization": {"step": 2e-4}, "rotor_inertia": {"added": 0.5}}
+UNFITTED = {
+    "encoder_quantization": {"step": 2e-4},
+    "rotor_inertia": {"added": 0.5},
+    "tool_load": {"mass": 2.0, "x": 0.1},
+}
 """Parameters of effects that no fit looks for, which therefore have no ranges."""
 SAMPLES = 80
 

@@ -17,7 +17,7 @@ from flexros.effects.torque_gain_error import TorqueGainError
 from flexros.effects.torque_saturation import TorqueSaturation
 from flexros.effects.viscous_friction import ViscousFriction
 from flexros.errors import InputError
-from flexros.robot.exchange.numbers import BodyNumbers, JointNumbers, NotHeld, RepairedNumbers
+from flexros.robot.exchange.numbers import SAME, BodyNumbers, JointNumbers, LoadNumbers, NotHeld, RepairedNumbers
 from flexros.robot.spring import Spring
 
 if TYPE_CHECKING:
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from flexros.effects.patching.placement import PlacedLaw
     from flexros.robot import Robot
     from flexros.robot.motors import RobotMotor
+    from flexros.robot.specification import Body
 
 ASYMMETRIC = "the two directions have one level; the mean is written"
 NO_LAW = "no joint number stands for it: add it as a force, or keep it in FlexROS"
@@ -71,16 +72,24 @@ def repaired_numbers(patched: PatchedRobot) -> RepairedNumbers:
     return RepairedNumbers(
         tuple(joint.numbers() for joint in joints),
         tuple(
-            BodyNumbers(
-                f"body_{k}",
-                body.label,
-                _ratio(body.mass.value, nominal.mass.value, body.inertia.matrix(), nominal.inertia.matrix()),
-                weights.get(f"body_{k}", 0.0),
-            )
+            _of_body(k, body, nominal, weights.get(f"body_{k}", 0.0))
             for k, (body, nominal) in enumerate(zip(model.robot.spec.bodies, patched.base.spec.bodies), start=1)
         ),
         tuple(not_held),
     )
+
+
+def _of_body(number: int, body: Body, nominal: Body, weight_error: float) -> BodyNumbers:
+    """Return the numbers of a body; a mass that moves its centre of mass is a load on it."""
+    mass, own = body.mass.value, nominal.mass.value
+    moment = mass * np.array(body.center_of_mass.value) - own * np.array(nominal.center_of_mass.value)
+    moved = np.abs(moment - (mass - own) * np.array(nominal.center_of_mass.value)).max() > SAME * abs(mass)
+    if moved and mass > own:
+        x, y, z = (moment / (mass - own)).tolist()
+        load = LoadNumbers(mass - own, (x, y, z))
+        return BodyNumbers(f"body_{number}", body.label, 1.0, weight_error, load)
+    factor = _ratio(mass, own, body.inertia.matrix(), nominal.inertia.matrix())
+    return BodyNumbers(f"body_{number}", body.label, factor, weight_error)
 
 
 def joint_side(robot: Robot) -> float:

@@ -11,6 +11,7 @@ import numpy as np
 from flexros.effects.kinds.law import AbstractLaw
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.effects.rotor_inertia import RotorInertia
+from flexros.effects.tool_load import ToolLoad, body_numbers, last_moved
 from flexros.gap.answer.partial_repairs import PartialRepairs
 from flexros.gap.answer.unexplained import unexplained
 from flexros.gap.answer.waterfall import waterfalls
@@ -172,6 +173,9 @@ def _estimated(findings: Findings) -> list[ModelNumber]:
     numbers = []
     for placed in findings.unknown.fitted(chosen):
         name, effect = f"{placed.location}.inertia", placed.effect
+        if isinstance(effect, ToolLoad):
+            numbers += _of_load(effect, robot, relative)
+            continue
         assert isinstance(effect, RotorInertia)
         numbers.append(
             ModelNumber(
@@ -184,3 +188,17 @@ def _estimated(findings: Findings) -> list[ModelNumber]:
             )
         )
     return numbers
+
+
+def _of_load(load: ToolLoad, robot: Robot, relative: Mapping[str, float]) -> list[ModelNumber]:
+    """List mass and place of a load, with the deviations of those of the body that carries it."""
+    body = last_moved(robot)
+    mass, center, _ = body_numbers(robot, body)
+    of_center = [relative.get(f"{body}.center_of_mass.{axis}", 0.0) for axis in "xyz"]
+    deviation = float(relative.get(f"{body}.mass", 0.0)) * mass
+    farther = float(np.max(np.abs(center) * of_center)) * mass / max(load.mass, 1e-300)
+    values = ("mass", load.mass, deviation, "kg"), *((axis, getattr(load, axis), farther, "m") for axis in "xyz")
+    return [
+        ModelNumber(location="tool", name=f"tool_load.{name}", nominal=0.0, value=value, std=std, unit=unit)
+        for name, value, std, unit in values
+    ]

@@ -74,7 +74,7 @@ def sensitivity_of(
         stop: Asked before each fit; True ends them.
     """
     tolerance = explanations.null.predictor.tolerance
-    estimated = {f"{motor}.inertia" for motor in unknown.inertias}
+    estimated = unknown.names(model.robot)
     guessed = np.array([name not in estimated for name in tolerance.names], dtype=bool)
     if settings is None or data.record.simulated or not explanations.detected or not guessed.any():
         return Sensitivity(explanations)

@@ -15,7 +15,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.optimize import lsq_linear
 
+from flexros.effects.tool_load import last_moved
 from flexros.errors import InputError
+from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.prediction.predictor import FARTHEST
 from flexros.identify.rigid.motion_estimate import decimate, decimation, estimate_motion, untouched_rows
 from flexros.identify.rigid.record import torque_as_it_acts
@@ -27,7 +29,6 @@ from flexros.record.smoothing import motion_cutoff
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
-    from flexros.gap.candidates.tolerance import Tolerance
     from flexros.gap.fit.arm_torque import ArmTorque
     from flexros.record.record import Record
     from flexros.robot import Robot
@@ -40,6 +41,8 @@ LEAST_SHARE = 0.1
 """Contribution to the torque, over the rest at that motor, from which it is kept, rms [1] (chosen)."""
 KINDS = ("inertia", "viscous_friction", "coulomb_friction", "torque_offset")
 """Columns of every motor."""
+LOAD = ("mass", "first_moment.x", "first_moment.y", "first_moment.z")
+"""Columns of a load."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +55,7 @@ class TorqueRegression:
         coulomb_friction: Coulomb friction of every motor [Nm or N], shape (M,).
         deviations: Tolerated deviations, in standard deviations [1], shape (n_tolerated,).
         left: Rest of the torque of every motor over that of the nominal model, rms [1], shape (M,).
+        load: Mass [kg] and first moment [kg m] of a load on the last body that moves, shape (4,); zeros without one.
     """
 
     inertia: FloatArray
@@ -59,10 +63,11 @@ class TorqueRegression:
     coulomb_friction: FloatArray
     deviations: FloatArray
     left: FloatArray
+    load: FloatArray
 
 
 def regress_torque(
-    record: Record, robot: Robot, tolerance: Tolerance, arm: ArmTorque | None = None
+    record: Record, robot: Robot, tolerance: Tolerance, arm: ArmTorque | None = None, *, load: bool = False
 ) -> TorqueRegression | None:
     """Regress the torques of a log on friction, motor inertias and tolerated parameters of the bodies.
 
@@ -71,6 +76,8 @@ def regress_torque(
         robot: The nominal robot.
         tolerance: Parameters of the robot that may deviate.
         arm: What the arm takes from the motors; None for locked springs.
+        load: Whether the last body that moves may carry a load, with locked springs. The tolerated parameters are
+            nominal then: all bodies a little heavier look much like it.
 
     Returns:
         The regression; None for a log in which no motor moves, or that is too short, and for links that bend.
@@ -90,7 +97,9 @@ def regress_torque(
         for kind, label in enumerate(KINDS):
             own[names.index(f"{name}.{label}"), kind * M + motor] = 1.0
     columns, errors = [], []
-    if arm is None:
+    if load:
+        tolerance, own = Tolerance(), np.hstack([own, _of_load(names, last_moved(robot))])
+    elif arm is None:
         own = np.hstack([own, _tolerated(robot, tolerance, nominal)])
     else:
         nominal = nominal * np.isin(names, [f"{name}.inertia" for name in robot.joint_names])
@@ -103,7 +112,7 @@ def regress_torque(
         b = b - decimate(arm.torque[begin:], factor)[rows.counts]
         slopes = decimate(arm.slopes[begin:].reshape(rows.record.n_samples, -1), factor)[rows.counts]
         A = np.concatenate([A, slopes.reshape(*b.shape, -1)], axis=-1)
-    return _solved(A, b, robot, len(tolerance.names), rows.motion.moving)
+    return _solved(A, b, robot, len(tolerance.names), rows.motion.moving, LOAD if load else ())
 
 
 def _rows(record: Record, regressor: RigidRegressor) -> RegressionRows | None:
@@ -121,6 +130,14 @@ def _rows(record: Record, regressor: RigidRegressor) -> RegressionRows | None:
     return RegressionRows(part, motion, regressor, tuple(range(len(regressor.parameters))), cutoff, counts, torque, [])
 
 
+def _of_load(names: list[str], body: str) -> FloatArray:
+    """Return which regression parameters are the numbers of a load on a body, shape (P, 4)."""
+    columns = np.zeros((len(names), len(LOAD)))
+    for column, name in enumerate(LOAD):
+        columns[names.index(f"{body}.{name}"), column] = 1.0
+    return columns
+
+
 def _tolerated(robot: Robot, tolerance: Tolerance, nominal: FloatArray) -> FloatArray:
     """Return how the regression parameters change per standard deviation of each tolerated one, shape (P, k)."""
     changes = np.zeros((len(nominal), len(tolerance.names)))
@@ -131,14 +148,18 @@ def _tolerated(robot: Robot, tolerance: Tolerance, nominal: FloatArray) -> Float
     return changes
 
 
-def _solved(A: FloatArray, b: FloatArray, robot: Robot, tolerated: int, moving: BoolArray) -> TorqueRegression:
+def _solved(
+    A: FloatArray, b: FloatArray, robot: Robot, tolerated: int, moving: BoolArray, load: tuple[str, ...]
+) -> TorqueRegression:
     """Solve the regression within physical bounds, each motor weighted by what is left of its torque."""
     n, M, k = A.shape
     inertia = np.array([robot.parameters[f"{name}.inertia"].value for name in robot.joint_names])
     viscous = np.array([robot.parameters[f"{name}.viscous_friction"].value for name in robot.joint_names])
     endless = np.full(M, np.inf)
-    low = np.concatenate([-0.9 * inertia, -viscous, np.zeros(M), -endless, np.full(tolerated, -FARTHEST)])
-    high = np.concatenate([endless, endless, endless, endless, np.full(tolerated, FARTHEST)])
+    carried = np.full(len(load), np.inf)
+    lightest = np.where([name == "mass" for name in load], 0.0, -carried)
+    low = np.concatenate([-0.9 * inertia, -viscous, np.zeros(M), -endless, lightest, np.full(tolerated, -FARTHEST)])
+    high = np.concatenate([endless, endless, endless, endless, carried, np.full(tolerated, FARTHEST)])
     prior = np.hstack([np.zeros((tolerated, k - tolerated)), np.eye(tolerated)])
     before = np.sqrt(np.mean(b**2, axis=0))
     left, solution = np.maximum(before, 1e-300), np.zeros(k)
@@ -161,4 +182,6 @@ def _solved(A: FloatArray, b: FloatArray, robot: Robot, tolerated: int, moving: 
     values = np.where((own > LEAST_SHARE * left) & moving, solution[: 3 * M].reshape(3, M), 0.0)
     inertias, viscous_friction, coulomb_friction = values
     shares = left / np.maximum(before, 1e-300)
-    return TorqueRegression(inertias, viscous_friction, coulomb_friction, solution[len(KINDS) * M :], shares)
+    begin, end = len(KINDS) * M, len(KINDS) * M + len(load)
+    found = solution[begin:end] if load else np.zeros(len(LOAD))
+    return TorqueRegression(inertias, viscous_friction, coulomb_friction, solution[end:], shares, found)

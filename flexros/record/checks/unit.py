@@ -64,18 +64,20 @@ class Unit(AbstractCheck):
 
 
 def _model_may_be_rough(checked: CheckedRecord, refused: dict[int, BalanceFit]) -> bool:
-    """Return whether a model without rotors, as from a URDF, may lack a load too: other motors then fit it.
+    """Return whether a model without rotors, as from a URDF, may lack a load too: joints with large torques fit it.
 
-    A load at the tool multiplies the torque of light wrists, and hardly that of the joints near the base. A wrong unit
-    does so at all motors, or has a known factor.
+    A load at the tool multiplies the torque of light wrists, and hardly that of the joints near the base; a wrong unit
+    multiplies all of them.
     """
-    robot = checked.robot
-    near = any(
-        fit is not None and motor not in refused and fit.factor > 0 and fit.agreement > CLEAR
-        for motor, fit in enumerate(checked.own)
-    )
-    units = any(fit.factor > LOADED or _unit(fit.factor, robot, motor) for motor, fit in refused.items())
-    return near and not units and bool(np.any(rotor_unknown(robot)))
+    balance = checked.balance
+    if balance is None or not np.any(rotor_unknown(checked.robot)):
+        return False
+    if any(fit.factor > LOADED or fit.factor < 1 for fit in refused.values()):
+        return False
+    power = np.sum(np.abs(balance.needed) ** 2, axis=0)
+    most = int(np.argmax([0.0 if fit is None else power[motor] for motor, fit in enumerate(checked.own)]))
+    largest = checked.own[most]
+    return largest is not None and largest.agreement > LARGE_CLEAR and 1 / REFUSED < largest.factor < REFUSED
 
 
 def _is_significant(fit: BalanceFit) -> bool:
@@ -122,11 +124,6 @@ def cause(factor: float, robot: Robot, motor: int) -> list[str]:
         ]
     near = [(abs(np.log(factor / value)), text) for value, text in known if abs(np.log(factor / value)) < np.log(LIKE)]
     return list(dict.fromkeys(text for _, text in sorted(near)))
-
-
-def _unit(factor: float, robot: Robot, motor: int) -> bool:
-    """Return whether a factor is that of a unit or of a gear."""
-    return any(abs(np.log(factor / value)) < np.log(LIKE) for value, _ in _units(robot, motor))
 
 
 def _units(robot: Robot, motor: int) -> list[tuple[float, str]]:

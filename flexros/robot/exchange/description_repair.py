@@ -9,6 +9,7 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.robot.exchange.joint_names import motor_joints
+from flexros.robot.exchange.link_load import add_load
 from flexros.robot.exchange.number_text import number
 from flexros.robot.exchange.numbers import Export, NotHeld, Written, same
 from flexros.robot.exchange.xml_text import XmlElement, XmlText
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flexros.robot import Robot
-    from flexros.robot.exchange.numbers import BodyNumbers, JointNumbers, RepairedNumbers
+    from flexros.robot.exchange.numbers import BodyNumbers, JointNumbers, LoadNumbers, RepairedNumbers
 
 Description = Literal["urdf", "sdf"]
 
@@ -121,7 +122,7 @@ class _Repair:
     def body(self, body: BodyNumbers) -> None:
         """Scale mass and inertia of a link."""
         self._lost(body.body, "weight", body.weight_error, "relative", "{kind} has one mass for weight and inertia")
-        if self.new or same(body.mass_factor, 1.0):
+        if self.new or (same(body.mass_factor, 1.0) and body.load is None):
             return
         wanted = (body.label, body.body)
         link = next((each for each in self.root.iter("link") if each.attributes.get("name") in wanted), None)
@@ -129,7 +130,11 @@ class _Repair:
         mass = None if inertial is None else inertial.find("mass")
         if link is None or inertial is None or mass is None:
             reason = f"no link '{body.label or body.body}' with a mass was found"
-            self.not_held.append(NotHeld(body.body, "payload", f"mass x {body.mass_factor:.6g}", reason))
+            size = f"mass x {body.mass_factor:.6g}" if body.load is None else body.load.words
+            self.not_held.append(NotHeld(body.body, "payload", size, reason))
+            return
+        if body.load is not None:
+            self._load(link, body.body, body.load)
             return
         place = f"link {link.attributes['name']} inertial"
         before = self._float(mass.attributes.get("value") or mass.content, f"{place} mass")
@@ -141,6 +146,16 @@ class _Repair:
             if own is not None and (value := own.attributes.get(entry) or own.content):
                 self._write(own, entry, body.mass_factor * self._float(value, f"{place} {entry}"))
         self.written.append(Written(body.body, "mass", place, before, body.mass_factor * before, "kg"))
+
+    def _load(self, link: XmlElement, body: str, load: LoadNumbers) -> None:
+        """Add a point mass to a link of a URDF."""
+        if self.kind == "sdf":
+            reason = "the links of an SDF have frames of their own: add it there"
+            self.not_held.append(NotHeld(body, "load", load.words, reason))
+            return
+        before, after = add_load(self.root, link, load, self.source)
+        place = f"link {link.attributes['name']} inertial"
+        self.written.append(Written(body, f"load of {load.words}: mass", place, before, after, "kg"))
 
     def springs(self, robot: Robot) -> None:
         """List the elastic directions."""

@@ -158,6 +158,9 @@ class _Repair:
 
     def body(self, body: BodyNumbers, arm: MjcfArm, names: Mapping[str, str]) -> None:
         """Scale mass and inertia, and the weight, of the bodies that a joint carries."""
+        if body.load is not None:
+            reason = "add a body with this mass there; an export without a base file has it"
+            self.not_held.append(NotHeld(body.body, "load", body.load.words, reason))
         if same(body.mass_factor, 1.0) and body.weight_error == 0:
             return
         joint = next((each for each in self.robot.joints[::-1] if f"body_{each.body + 1}" == body.body), None)

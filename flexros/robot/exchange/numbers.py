@@ -42,6 +42,24 @@ class JointNumbers:
 
 
 @dataclass(frozen=True)
+class LoadNumbers:
+    """A point mass on a body that the nominal robot does not have.
+
+    Attributes:
+        mass: Mass [kg].
+        place: Its place from the joint of the body, along the axes of the base at zero pose [m].
+    """
+
+    mass: float
+    place: tuple[float, float, float]
+
+    @property
+    def words(self) -> str:
+        """The load in words."""
+        return f"{self.mass:.6g} kg at {', '.join(f'{value:.4g}' for value in self.place)} m"
+
+
+@dataclass(frozen=True)
 class BodyNumbers:
     """Numbers of one body that a diagnosis may correct.
 
@@ -50,12 +68,14 @@ class BodyNumbers:
         label: Its label in the robot file: its name in the file that it was imported from.
         mass_factor: Mass and inertia over those of the robot without effects [1].
         weight_error: Unmodelled share of its weight, without change of inertia [1].
+        load: Point mass that moves its centre of mass, None for none; the factor is 1 then.
     """
 
     body: str
     label: str
     mass_factor: float
     weight_error: float
+    load: LoadNumbers | None = None
 
 
 @dataclass(frozen=True)

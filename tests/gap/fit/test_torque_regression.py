@@ -8,9 +8,10 @@ import pytest
 from flexros.effects import RobotWithEffects
 from flexros.gap.candidates.tolerance import Tolerance, tolerance_of
 from flexros.gap.fit.torque_regression import regress_torque
-from flexros.gap.fit.unknown_numbers import LEAST, UNCERTAIN, unknown_numbers
+from flexros.gap.fit.unknown_numbers import LEAST, UNCERTAIN, UNCERTAIN_LOAD, unknown_numbers
 from flexros.record.record import Record
 from tests.gap.rigid_arm import COULOMB, INERTIA, VISCOUS, T, arm, record_of_arm
+from tests.ur5e import ur5e, ur5e_record
 
 
 def test_friction_and_inertia_of_all_motors_are_found_at_once() -> None:
@@ -41,10 +42,30 @@ def test_inertias_that_a_robot_file_lacks_are_estimated_and_uncertain() -> None:
     np.testing.assert_allclose(list(unknown.inertias.values()), INERTIA, rtol=0.03)
     robot = unknown.given_to(model).robot
     assert robot.parameters["motor_2.inertia"].value == pytest.approx(0.3, rel=0.03)
-    tolerance = unknown.tolerated(tolerance_of(robot, {}))
+    tolerance = unknown.tolerated(tolerance_of(robot, {}), robot)
     deviations = dict(zip(tolerance.names, tolerance.deviations))
     assert deviations["motor_1.inertia"] == UNCERTAIN
     assert deviations["body_1.mass"] == 0.05
+
+
+def test_load_that_a_urdf_lacks_is_estimated_beside_friction_and_rotors() -> None:
+    """MuJoCo's UR5e carries 1.5 kg at 0.07 m."""
+    robot, record = ur5e(), ur5e_record()
+    model = RobotWithEffects(robot, ())
+    unknown = unknown_numbers(record, model, tolerance_of(robot, {}))
+    assert unknown.load is not None
+    assert unknown.load.mass == pytest.approx(1.5, rel=0.02)
+    np.testing.assert_allclose((unknown.load.x, unknown.load.y, unknown.load.z), (0, 0.07, 0), atol=0.003)
+    np.testing.assert_allclose(list(unknown.inertias.values()), (1.4, 1.4, 1.1, 0.25, 0.25, 0.25), rtol=0.06)
+    loaded = unknown.given_to(model)
+    assert unknown.lacked_by(loaded).load is None
+    assert unknown.lacked_by(model).load is unknown.load
+    tolerance = unknown.tolerated(tolerance_of(loaded.robot, {}), loaded.robot)
+    assert dict(zip(tolerance.names, tolerance.deviations))["body_7.mass"] == UNCERTAIN_LOAD
+
+
+def test_arm_that_carries_nothing_has_no_load() -> None:
+    assert unknown_numbers(record_of_arm(), RobotWithEffects(arm(), ()), tolerance_of(arm(), {})).load is None
 
 
 def test_inertias_that_are_given_stay() -> None:

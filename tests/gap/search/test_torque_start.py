@@ -30,7 +30,7 @@ def prepared() -> tuple[FitData, RobotWithEffects, Tolerance]:
     record, model = record_of_arm(imported=True), RobotWithEffects(arm(), ())
     unknown = unknown_numbers(record, model, tolerance_of(model.robot, {}))
     model = unknown.given_to(model)
-    tolerance = unknown.tolerated(tolerance_of(model.robot, {}))
+    tolerance = unknown.tolerated(tolerance_of(model.robot, {}), model.robot)
     return fit_data(record, model, DiagnosisSettings()), model, tolerance
 
 

@@ -1,0 +1,90 @@
+"""A load at the end of the arm that the robot file leaves out."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from pydantic import Field
+
+from flexros.effects.kinds.model_change import AbstractChangedValues
+from flexros.robot.parameters import INERTIA_COMPONENTS
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+    from flexros.effects.kinds.base import Stage
+    from flexros.robot import Robot
+
+_AT = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
+
+
+class ToolLoad(AbstractChangedValues):
+    """A point mass on the last body that moves, such as a tool that nobody told the model of.
+
+    With mass m_0, centre of mass c_0 and inertia I_0 of the body and mass m at c, the body has the mass m_0 + m, the
+    centre of mass (m_0 c_0 + m c) / (m_0 + m) and the inertia of both about it. A model made from a URDF is that of the
+    bare arm: a diagnosis estimates the load there, as a number that is unknown. Where the load is known but wrong, that
+    is a payload error.
+    """
+
+    name: ClassVar[str] = "tool_load"
+    stage: ClassVar[Stage] = "load"
+    signatures: ClassVar[tuple[str, ...]] = ("torque_over_position", "torque_over_acceleration", "frequency_response")
+    fingerprint: ClassVar[str] = (
+        "a disturbance torque in all joints by the weight of a mass at one point of the last body, and by its "
+        "acceleration"
+    )
+
+    mass: float = Field(0.0, ge=0.0, description="mass [kg]")
+    x: float = Field(0.0, description="its place from the last joint, along x of the base at zero pose [m]")
+    y: float = Field(0.0, description="the same along y [m]")
+    z: float = Field(0.0, description="the same along z [m]")
+
+    def locations(self, robot: Robot) -> tuple[str, ...]:
+        """Return the tool, the only location of a load, on robots whose last body turns or slides."""
+        return ("tool",) if last_moved(robot) else ()
+
+    def values(self, robot: Robot, location: str) -> dict[str, float]:
+        """Return mass, centre of mass and inertia of the last body that moves, with the load."""
+        del location
+        body = last_moved(robot)
+        own, center, inertia = body_numbers(robot, body)
+        if self.mass == 0:
+            return {}
+        place = np.array([self.x, self.y, self.z])
+        mass = own + self.mass
+        common = (own * center + self.mass * place) / mass
+        inertia = inertia + _about(own, center - common) + _about(self.mass, place - common)
+        found = {f"{body}.mass": mass}
+        found |= {f"{body}.center_of_mass.{axis}": float(value) for axis, value in zip("xyz", common, strict=True)}
+        return found | {f"{body}.inertia.{entry}": float(inertia[_AT[entry]]) for entry in INERTIA_COMPONENTS}
+
+
+def last_moved(robot: Robot) -> str:
+    """Return the last body that moves by a direction of its own, e.g. "body_7"; empty where there is none.
+
+    Args:
+        robot: The robot.
+    """
+    moved = [f"body_{k}" for k, body in enumerate(robot.spec.bodies, start=1) if body.directions]
+    return moved[-1] if moved else ""
+
+
+def body_numbers(robot: Robot, body: str) -> tuple[float, FloatArray, FloatArray]:
+    """Return mass [kg], centre of mass [m], shape (3,), and inertia about it [kg m2], shape (3, 3), of a body.
+
+    Args:
+        robot: The robot.
+        body: The body, e.g. "body_7".
+    """
+    values = {name: parameter.value for name, parameter in robot.parameters.items() if name.startswith(f"{body}.")}
+    center = np.array([values[f"{body}.center_of_mass.{axis}"] for axis in "xyz"])
+    inertia = np.zeros((3, 3))
+    for entry, (row, column) in _AT.items():
+        inertia[row, column] = inertia[column, row] = values[f"{body}.inertia.{entry}"]
+    return values[f"{body}.mass"], center, inertia
+
+
+def _about(mass: float, offset: FloatArray) -> FloatArray:
+    """Return the inertia of a point mass at an offset [kg m2], shape (3, 3)."""
+    return np.asarray(mass * (offset @ offset * np.eye(3) - np.outer(offset, offset)))

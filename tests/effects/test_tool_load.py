@@ -1,0 +1,28 @@
+"""A load that the robot file leaves out."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexros.effects.tool_load import ToolLoad, body_numbers, last_moved
+from flexros.robot import load_robot
+
+
+def test_body_with_a_load_is_both_together() -> None:
+    robot = load_robot("elbow")
+    body = last_moved(robot)
+    own, center, inertia = body_numbers(robot, body)
+    place = np.array([0.1, 0.02, 0.3])
+    loaded = ToolLoad(mass=2.0, x=0.1, y=0.02, z=0.3).changed(robot, "tool")
+    mass, common, whole = body_numbers(loaded, body)
+    assert mass == pytest.approx(own + 2.0)
+    np.testing.assert_allclose(mass * common, own * center + 2.0 * place)
+    shift, offset = center - common, place - common
+    expected = inertia + own * (shift @ shift * np.eye(3) - np.outer(shift, shift))
+    np.testing.assert_allclose(whole, expected + 2.0 * (offset @ offset * np.eye(3) - np.outer(offset, offset)))
+
+
+def test_no_mass_changes_nothing() -> None:
+    robot = load_robot("elbow")
+    assert ToolLoad().changed(robot, "tool") is robot
