@@ -10,8 +10,8 @@ import numpy as np
 
 from flexros.effects.kinds.law import AbstractLaw
 from flexros.effects.kinds.model_change import AbstractChangedValues
-from flexros.effects.rotor_inertia import RotorInertia
-from flexros.effects.tool_load import ToolLoad, body_numbers, last_moved
+from flexros.effects.left_out.rotor_inertia import RotorInertia
+from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_moved
 from flexros.gap.answer.partial_repairs import PartialRepairs
 from flexros.gap.answer.unexplained import unexplained
 from flexros.gap.answer.waterfall import waterfalls

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects import PlacedEffect, RobotWithEffects
-from flexros.effects.rotor_inertia import RotorInertia
-from flexros.effects.tool_load import ToolLoad, body_numbers, last_moved
+from flexros.effects.left_out.rotor_inertia import RotorInertia
+from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_moved
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.torque_regression import regress_torque
 

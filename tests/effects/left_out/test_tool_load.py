@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.effects.tool_load import ToolLoad, body_numbers, last_moved
+from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_moved
 from flexros.robot import load_robot
 
 

@@ -1,0 +1,1 @@
+"""Numbers that a robot file leaves out: a diagnosis estimates them, since unknown is not wrong."""
