@@ -24,6 +24,8 @@ TEST = [
     "h5py>=3.10",
     "nbclient>=0.10",
     "ipykernel>=6.29",
+    "websockets>=13",  # with Pillow: pages in Chromium, where there is one
+    "pillow>=10",
     "setuptools>=70.1",
 ]
 

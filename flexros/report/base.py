@@ -99,7 +99,20 @@ class Picture:
     factor: int = 1
 
 
-Block: TypeAlias = "Paragraph | Heading | Listing | Tiles | TextTable | Picture"
+@dataclass(frozen=True)
+class Folded:
+    """Blocks for a second look, hidden below one line until the reader opens them.
+
+    Attributes:
+        summary: The line: what is inside, and how much of it.
+        blocks: The blocks.
+    """
+
+    summary: str
+    blocks: tuple[Block, ...]
+
+
+Block: TypeAlias = "Paragraph | Heading | Listing | Tiles | TextTable | Picture | Folded"
 
 
 Shown = TypeVar("Shown", contravariant=True)

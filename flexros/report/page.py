@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from plotly.offline import get_plotlyjs
 
-from flexros.report.base import FACTORS, Heading, Listing, Paragraph, Picture, TextTable, Tiles
+from flexros.report.base import FACTORS, Folded, Heading, Listing, Paragraph, Picture, TextTable, Tiles
 from flexros.report.style import SCRIPT, STYLE, UNPACK
 
 if TYPE_CHECKING:
@@ -21,6 +21,14 @@ if TYPE_CHECKING:
 
     from flexros.arrays import FloatArray
     from flexros.report.base import Block
+
+
+_LONG_NAME = 24
+"""Characters from which a name may be divided at its underscores and slashes (chosen)."""
+_FEWEST_CONTENTS = 3
+"""Headings from which a page has a column of contents (chosen)."""
+_PANEL_WIDTH = 110
+"""Least width of one of many panels side by side [px]; a narrow screen scrolls across them (chosen)."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +46,7 @@ class Page:
         self._title = title
         self._subtitle = subtitle
         self._body: list[str] = []
+        self._titles: list[str] = []
         self._pictures: list[dict[str, Any]] = []
         self._tables = 0
 
@@ -45,7 +54,10 @@ class Page:
         """Append a chapter; one without blocks is omitted."""
         if not chapter.blocks:
             return
-        heading = f"<h2>{escape(chapter.title)}</h2>" if chapter.title else ""
+        heading = ""
+        if chapter.title:
+            self._titles.append(chapter.title)
+            heading = f'<h2 id="section-{len(self._titles)}">{escape(chapter.title)}</h2>'
         self._body.append(f"<section>{heading}{''.join(map(self._block, chapter.blocks))}</section>")
 
     def html(self, packed: bool = False) -> str:
@@ -61,13 +73,23 @@ class Page:
             '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
             '<meta name="viewport" content="width=device-width, initial-scale=1">'
             f'<link rel="icon" href="data:,"><title>{escape(self._title)}</title>'
-            f"<style>{STYLE}</style></head>\n<body><main>"
+            f"<style>{STYLE}</style></head>\n<body>{self._contents()}<main>"
             f"<header><p>FlexROS</p><h1>{escape(self._title)}</h1><p>{escape(self._subtitle)}</p></header>"
             "<noscript><p>The pictures of this report need JavaScript; the tables do not.</p></noscript>\n"
             f"{chr(10).join(self._body)}\n</main>\n{drawing if self._pictures else ''}</body></html>\n"
         )
 
+    def _contents(self) -> str:
+        """Return the column of contents; nothing on a short page."""
+        if len(self._titles) < _FEWEST_CONTENTS:
+            return ""
+        links = (f'<a href="#section-{row}">{escape(title)}</a>' for row, title in enumerate(self._titles, start=1))
+        return f'<nav aria-label="Contents"><b>Contents</b>{"".join(links)}</nav>'
+
     def _block(self, block: Block) -> str:
+        if isinstance(block, Folded):
+            inner = "".join(map(self._block, block.blocks))
+            return f"<details><summary>{escape(block.summary)}</summary>{inner}</details>"
         if isinstance(block, Paragraph):
             style = f' class="{block.style}"' if block.style else ""
             return f"<p{style}>{escape(block.text)}</p>"
@@ -116,7 +138,8 @@ class Page:
             )
         height = picture.figure.layout.height
         return (
-            f'<figure>{slider}<div class="picture" id="{name}" style="height:{height}px"></div>'
+            f'<figure>{slider}<div class="scroll"><div class="picture" id="{name}" '
+            f'style="height:{height}px{_least_width(figure["layout"])}"></div></div>'
             f"<figcaption><b>Figure {len(self._pictures)}.</b> {caption}</figcaption></figure>"
         )
 
@@ -172,7 +195,18 @@ def _listing(listing: Listing) -> str:
 
 
 def _cell(tag: str, text: str, left: bool) -> str:
-    return f'<{tag} class="left">{escape(text)}</{tag}>' if left else f"<{tag}>{escape(text)}</{tag}>"
+    if not left:
+        return f"<{tag}>{escape(text)}</{tag}>"
+    shown = escape(text)
+    if len(text) > _LONG_NAME and " " not in text:
+        shown = shown.replace("_", "_<wbr>").replace("/", "/<wbr>")
+    return f'<{tag} class="left">{shown}</{tag}>'
+
+
+def _least_width(layout: dict[str, Any]) -> str:
+    """Return the least width of a picture of more than two panels side by side; others are arranged by the script."""
+    starts = {axis.get("domain", [0])[0] for name, axis in layout.items() if name.startswith("xaxis")}
+    return f";min-width:{_PANEL_WIDTH * len(starts)}px" if len(starts) > 2 else ""
 
 
 def _digits(points: FloatArray) -> list[list[float]]:

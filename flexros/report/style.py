@@ -2,83 +2,216 @@
 
 from __future__ import annotations
 
-from flexros.report.theme import FONT, GRID, INK, MUTED
+import json
 
-STYLE = f"""
-:root {{ color-scheme: light; }}
-* {{ box-sizing: border-box; }}
-body {{ margin: 0; background: #fff; color: {INK}; font: 16px/1.55 {FONT}; }}
-main {{ max-width: 1080px; margin: 0 auto; padding: 40px 32px 72px; }}
-header p {{ margin: 0; color: {MUTED}; font-size: 14px; }}
-h1 {{ font-size: 32px; line-height: 1.2; font-weight: 650; margin: 4px 0 6px; letter-spacing: -0.01em; }}
-h2 {{ font-size: 21px; font-weight: 650; margin: 52px 0 12px; padding-top: 20px; border-top: 1px solid #d5dae0; }}
-h3 {{ font-size: 17px; font-weight: 650; margin: 34px 0 8px; }}
-p {{ max-width: 78ch; margin: 10px 0; }}
-p.lead {{ font-size: 20px; line-height: 1.45; max-width: 68ch; margin: 20px 0 24px; }}
-p.note {{ color: {MUTED}; font-size: 14px; }}
-p.for::before {{ content: "+"; color: #0072b2; font-weight: 700; margin-right: 8px; }}
-p.against::before {{ content: "\\2212"; color: #b35900; font-weight: 700; margin-right: 8px; }}
-p.for, p.against {{ margin: 4px 0; }}
-.listing {{ position: relative; }}
-.listing pre {{ background: #f6f8fa; border-radius: 6px; padding: 14px 16px; overflow-x: auto; font-size: 13.5px;
-  line-height: 1.5; margin: 0; }}
-.listing button {{ position: absolute; right: 8px; top: 8px; font: inherit; font-size: 13px; background: #fff;
-  border: 1px solid #d5dae0; border-radius: 4px; padding: 2px 10px; cursor: pointer; }}
-p.warning {{ border-left: 3px solid #b35900; padding: 2px 0 2px 12px; }}
-.tiles {{ display: grid; grid-template-columns: repeat(auto-fit, minmax(210px, 1fr)); gap: 12px; margin: 24px 0 28px; }}
-.tile {{ border: 1px solid #d5dae0; border-radius: 6px; padding: 14px 16px 12px; }}
-.tile .name {{ color: {MUTED}; font-size: 13px; }}
-.tile .value {{ font-size: 28px; font-weight: 600; line-height: 1.25; font-variant-numeric: tabular-nums; }}
-.tile .value small {{ font-size: 15px; font-weight: 400; color: {MUTED}; margin-left: 4px; }}
-.tile .below {{ color: {MUTED}; font-size: 13px; font-variant-numeric: tabular-nums; }}
-figure {{ margin: 20px 0 28px; }}
-figcaption {{ color: {MUTED}; font-size: 14px; max-width: 90ch; margin: 6px 0; }}
-figcaption b {{ color: {INK}; font-weight: 600; }}
-.scroll {{ overflow-x: auto; }}
-table {{ border-collapse: collapse; font-size: 14px; font-variant-numeric: tabular-nums; min-width: 60%; }}
-th, td {{ padding: 5px 14px 5px 0; text-align: right; border-bottom: 1px solid {GRID}; vertical-align: top; }}
-th {{ font-weight: 600; border-bottom: 1.5px solid {INK}; vertical-align: bottom; }}
-th.left, td.left {{ text-align: left; overflow-wrap: anywhere; min-width: 6.8em; }}
-td.group {{ text-align: left; font-weight: 600; padding-top: 14px; }}
-.picture {{ width: 100%; }}
-.modebar-container {{ top: auto !important; bottom: 26px; }}
-.magnifier {{ display: flex; align-items: center; gap: 10px; font-size: 14px; }}
-.magnifier input {{ width: 260px; accent-color: #0072b2; }}
-.magnifier output {{ font-variant-numeric: tabular-nums; font-weight: 600; min-width: 5ch; }}
-noscript p {{ border: 1px solid #b35900; padding: 10px 14px; }}
-@media print {{
-  @page {{ size: A4; margin: 14mm; }}
-  body {{ font-size: 10.5pt; }}
-  main {{ max-width: none; padding: 0; }}
-  h2, h3 {{ break-after: avoid; }}
-  h2 {{ margin-top: 28px; }}
-  figure, .tile, tr {{ break-inside: avoid; }}
-  .tiles {{ grid-template-columns: repeat(4, 1fr); }}
-  .magnifier, .modebar, .listing button {{ display: none !important; }}
-}}
+from flexros.report.colours import DARK
+from flexros.report.theme import FONT
+
+_NAMES = {
+    "paper": "#ffffff",
+    "ink": "#1b1f24",
+    "muted": "#59636e",
+    "grid": "#e7eaee",
+    "frame": "#d5dae0",
+    "shade": "#f6f8fa",
+    "accent": "#0072b2",
+    "warn": "#b35900",
+}
+"""Colours of the page by name, as on a light page."""
+_LIGHT_COLOURS = " ".join(f"--{name}: {colour};" for name, colour in _NAMES.items())
+_DARK_COLOURS = " ".join(f"--{name}: {DARK[colour]};" for name, colour in _NAMES.items())
+
+STYLE = (
+    f":root {{ color-scheme: light dark; {_LIGHT_COLOURS} }}\n"
+    f"@media screen and (prefers-color-scheme: dark) {{ :root {{ {_DARK_COLOURS} }} }}\n"
+    f"body {{ font: 16px/1.55 {FONT}; }}"
+    """
+* { box-sizing: border-box; }
+html { scroll-behavior: smooth; }
+body { margin: 0; background: var(--paper); color: var(--ink); }
+main { max-width: 1080px; margin: 0 auto; padding: 32px 32px 72px; }
+nav { max-width: 1080px; margin: 0 auto; padding: 16px 32px 0; font-size: 13.5px; line-height: 1.4; }
+nav b { display: none; }
+nav a { color: var(--accent); text-decoration: none; display: inline-block; padding: 3px 14px 3px 0; }
+nav a:hover { text-decoration: underline; }
+@media screen and (min-width: 1240px) {
+  body { display: grid; grid-template-columns: 220px minmax(0, 1080px); justify-content: center; }
+  body > main:first-child { grid-column: 1 / -1; width: 100%; }
+  main { margin: 0; }
+  nav { position: sticky; top: 0; align-self: start; max-height: 100vh; overflow-y: auto; margin: 0;
+    padding: 46px 8px 24px 20px; }
+  nav b { display: block; color: var(--muted); font-weight: 600; margin-bottom: 4px; }
+  nav a { display: block; padding: 4px 0; }
+}
+header p { margin: 0; color: var(--muted); font-size: 14px; }
+h1 { font-size: 30px; line-height: 1.2; font-weight: 650; margin: 4px 0 6px; letter-spacing: -0.01em;
+  overflow-wrap: anywhere; }
+h2 { font-size: 21px; font-weight: 650; margin: 40px 0 12px; padding-top: 18px; border-top: 1px solid var(--frame); }
+h3 { font-size: 17px; font-weight: 650; margin: 30px 0 8px; }
+p { max-width: 78ch; margin: 10px 0; overflow-wrap: break-word; }
+p.lead { font-size: 20px; line-height: 1.45; max-width: 68ch; margin: 18px 0 22px; }
+p.note { color: var(--muted); font-size: 14px; }
+p.for::before { content: "+"; color: var(--accent); font-weight: 700; margin-right: 8px; }
+p.against::before { content: "\\2212"; color: var(--warn); font-weight: 700; margin-right: 8px; }
+p.for, p.against { margin: 4px 0; }
+details { border: 1px solid var(--frame); border-radius: 6px; margin: 14px 0; padding: 0 14px; }
+summary { cursor: pointer; padding: 9px 0; font-size: 15px; color: var(--accent); }
+details[open] > summary { border-bottom: 1px solid var(--grid); }
+.listing { position: relative; }
+.listing pre { background: var(--shade); border-radius: 6px; padding: 14px 16px; overflow: auto; max-height: 420px;
+  font-size: 13.5px; line-height: 1.5; margin: 0; }
+.listing button { position: absolute; right: 8px; top: 8px; font: inherit; font-size: 13px; color: var(--ink);
+  background: var(--paper); border: 1px solid var(--frame); border-radius: 4px; padding: 2px 10px; cursor: pointer; }
+p.warning { border-left: 3px solid var(--warn); padding: 2px 0 2px 12px; }
+.tiles { display: grid; grid-template-columns: repeat(auto-fit, minmax(210px, 1fr)); gap: 12px; margin: 22px 0 26px; }
+.tile { border: 1px solid var(--frame); border-radius: 6px; padding: 12px 16px 10px; min-width: 0; }
+.tile .name { color: var(--muted); font-size: 13px; }
+.tile .value { font-size: 28px; font-weight: 600; line-height: 1.25; font-variant-numeric: tabular-nums;
+  overflow-wrap: anywhere; }
+.tile .value small { font-size: 15px; font-weight: 400; color: var(--muted); margin-left: 4px; }
+.tile .below { color: var(--muted); font-size: 13px; font-variant-numeric: tabular-nums; overflow-wrap: anywhere; }
+figure { margin: 18px 0 26px; }
+figcaption { color: var(--muted); font-size: 14px; max-width: 90ch; margin: 6px 0; }
+figcaption b { color: var(--ink); font-weight: 600; }
+.scroll { overflow-x: auto; }
+table { border-collapse: collapse; font-size: 14px; font-variant-numeric: tabular-nums; min-width: 60%; }
+th, td { padding: 5px 14px 5px 0; text-align: right; border-bottom: 1px solid var(--grid); vertical-align: top; }
+th { font-weight: 600; border-bottom: 1.5px solid var(--ink); vertical-align: bottom; }
+th.left, td.left { text-align: left; overflow-wrap: break-word; min-width: 6.8em; max-width: 58ch; }
+td.group { text-align: left; font-weight: 600; padding-top: 14px; max-width: 0; overflow-wrap: anywhere; }
+.picture { width: 100%; }
+.modebar-container { top: auto !important; bottom: 26px; }
+.magnifier { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 10px; font-size: 14px; }
+.magnifier input { width: 260px; max-width: 60vw; accent-color: var(--accent); }
+.magnifier output { font-variant-numeric: tabular-nums; font-weight: 600; min-width: 5ch; }
+.magnifier button { font: inherit; min-width: 5.2em; color: var(--ink); background: var(--shade); cursor: pointer;
+  border: 1px solid var(--frame); border-radius: 4px; padding: 1px 10px; }
+noscript p { border: 1px solid var(--warn); padding: 10px 14px; }
+@media screen and (max-width: 600px) {
+  main { padding: 18px 16px 48px; }
+  nav { padding: 12px 16px 0; }
+  h1 { font-size: 25px; }
+  p.lead { font-size: 18px; }
+  .tiles { grid-template-columns: 1fr 1fr; gap: 8px; }
+  .tile { padding: 8px 10px; }
+  .tile .value { font-size: 21px; }
+  .tile .value small { font-size: 13px; }
+  details { padding: 0 10px; }
+  th, td { padding-right: 10px; }
+  table { font-size: 13px; }
+}
+@media print {
+  @page { size: A4; margin: 14mm; }
+  body { font-size: 10.5pt; display: block; }
+  main { max-width: none; padding: 0; }
+  nav { display: none; }
+  h2, h3 { break-after: avoid; }
+  h2 { margin-top: 28px; }
+  figure, .tile, tr { break-inside: avoid; }
+  .tiles { grid-template-columns: repeat(4, 1fr); }
+  .magnifier, .modebar, .listing button { display: none !important; }
+  .listing pre { max-height: none; }
+}
 """
+)
 
-SCRIPT = """
-"use strict";
-const data = JSON.parse(document.getElementById("pictures").textContent);
+SCRIPT = (
+    f'"use strict";\nconst darker = {json.dumps(DARK)};\n'
+    """const data = JSON.parse(document.getElementById("pictures").textContent);
 const tools = ["zoom2d", "pan2d", "resetScale2d", "toImage"];
-const options = {responsive: true, displaylogo: false, modeBarButtons: [tools]};
-for (const picture of data) {
+const night = window.matchMedia("(prefers-color-scheme: dark)");
+let printing = false;
+
+// On a narrow screen panels stand below each other, and their titles are divided into lines.
+const narrow = (layout, width) => {
+  const axes = Object.keys(layout).filter((name) => /^xaxis\\d*$/.test(name));
+  const domain = (name) => (layout[name] && layout[name].domain) || [0, 1];
+  const columns = new Set(axes.map((name) => domain(name)[0])).size;
+  const margin = layout.margin;
+  margin.l = Math.min(margin.l, Math.max(56, 0.32 * width));
+  margin.r = Math.min(margin.r, 10);
+  const notes = (layout.annotations || []).filter((note) => note.xref === "paper" && note.yref === "paper");
+  if (columns === 2) {
+    const across = (name) => "yaxis" + name.slice(5);
+    const below = (a, b) => domain(across(b))[0] - domain(across(a))[0];
+    const order = axes.slice().sort((a, b) => below(a, b) || domain(a)[0] - domain(b)[0]);
+    const inner = layout.height - margin.t - margin.b;
+    const row = Math.max(110, inner * (domain(across(axes[0]))[1] - domain(across(axes[0]))[0]));
+    const gap = 64, total = order.length * (row + gap) - gap;
+    order.forEach((name, place) => {
+      const y = across(name), top = 1 - place * (row + gap) / total;
+      for (const note of notes) {
+        const above = Math.abs(note.y - domain(y)[1]) < 1e-6;
+        const beside = note.x >= domain(name)[0] - 0.01 && note.x < domain(name)[1];
+        if (above && beside && !note.moved) { note.x = 0; note.y = top; note.moved = true; }
+      }
+      layout[name].domain = [0, 1];
+      layout[name].showticklabels = true;
+      layout[y].domain = [Math.max(0, top - row / total), top];
+    });
+    for (const note of notes) delete note.moved;
+    layout.height = total + margin.t + margin.b;
+  }
+  const letters = Math.floor((width - margin.l - margin.r) / 7);
+  for (const note of notes) {
+    if (note.xanchor !== "left" || !note.text || note.text.includes("<")) continue;
+    const lines = [""];
+    for (const word of note.text.split(" ")) {
+      if ((lines[lines.length - 1] + " " + word).length > letters && lines[lines.length - 1]) lines.push(word);
+      else lines[lines.length - 1] = (lines[lines.length - 1] + " " + word).trim();
+    }
+    note.text = lines.join("<br>");
+    if (lines.length > 1) note.font = Object.assign({}, note.font, {size: 11});
+  }
+};
+
+const paint = (picture, plot) => {
   const element = document.getElementById(picture.id);
-  Plotly.newPlot(element, picture.figure.data, picture.figure.layout, options);
-  if (!picture.magnified.length) continue;
-  const slider = document.getElementById(picture.id + "-slider");
-  slider.addEventListener("input", () => {
+  if (!element.clientWidth || element.closest("details:not([open])")) return;
+  let text = JSON.stringify(picture.figure);
+  if (night.matches && !printing) text = text.replace(/#[0-9a-f]{6}/g, (colour) => darker[colour] || colour);
+  const figure = JSON.parse(text), small = element.clientWidth < 560;
+  if (small) narrow(figure.layout, element.clientWidth);
+  element.style.height = figure.layout.height + "px";
+  const options = {responsive: true, displaylogo: false, displayModeBar: small ? false : undefined};
+  options.modeBarButtons = figure.layout.scene ? undefined : [tools];
+  element.drawn = plot(element, figure.data, figure.layout, options).then(() => picture.set && picture.set());
+};
+const draw = (plot) => { for (const picture of data) paint(picture, plot); };
+
+const magnifier = (picture) => {
+  const element = document.getElementById(picture.id), slider = document.getElementById(picture.id + "-slider");
+  picture.set = () => {
     const factor = picture.factors[Number(slider.value)];
     const moved = (k) => picture.magnified.map((c) => c.base.map((p, i) => p[k] + factor * c.deviation[i][k]));
-    Plotly.restyle(element, {x: moved(0), y: moved(1)}, picture.magnified.map((c) => c.trace));
     for (const text of document.querySelectorAll("." + picture.id + "-factor")) text.textContent = String(factor);
+    return Plotly.restyle(element, {x: moved(0), y: moved(1)}, picture.magnified.map((c) => c.trace));
+  };
+  slider.addEventListener("input", picture.set);
+};
+
+for (const picture of data) if (picture.magnified.length) magnifier(picture);
+draw(Plotly.newPlot);
+for (const folded of document.querySelectorAll("details")) {
+  folded.addEventListener("toggle", () => {
+    if (!folded.open) return;
+    for (const picture of data) {
+      const element = document.getElementById(picture.id);
+      if (folded.contains(element)) paint(picture, Plotly.react);
+    }
   });
 }
-const fit = () => { for (const picture of data) Plotly.Plots.resize(document.getElementById(picture.id)); };
-window.addEventListener("beforeprint", () => { document.body.style.width = "180mm"; fit(); });
-window.addEventListener("afterprint", () => { document.body.style.width = ""; fit(); });
+let wide = window.innerWidth;
+const again = () => draw(Plotly.react);
+night.addEventListener("change", again);
+window.addEventListener("resize", () => {
+  if ((wide < 620) !== (window.innerWidth < 620)) again();
+  wide = window.innerWidth;
+});
+window.addEventListener("beforeprint", () => { printing = true; document.body.style.width = "180mm"; again(); });
+window.addEventListener("afterprint", () => { printing = false; document.body.style.width = ""; again(); });
 """
+)
 
 UNPACK = (
     "const draw = () => {"

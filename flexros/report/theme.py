@@ -27,6 +27,8 @@ _RUNS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#5e3
 
 _TOP, _BOTTOM = 64, 52
 """Margins [px]: legend and title of the first panel above; labels of the last axis and the tool bar below."""
+_SCREEN, _LEAST_ROW = 500, 120
+"""Height of all rows together on a laptop, its margins apart, and of one row at least [px] (chosen)."""
 
 
 def run_colour(index: int) -> str:
@@ -42,11 +44,13 @@ def stacked(
     Args:
         titles: Title of each panel, row by row.
         columns: Number of panels side by side.
-        height: Height of one row [px].
+        height: Height of one row [px]; several rows are lower where they would not fit a laptop together.
         shared_x: Whether zooming along x in one panel zooms the others.
         gap: Space between rows, for the title of a panel and the labels of the axis above it [px].
     """
     rows = len(titles) // columns
+    if rows > 1:
+        height = min(height, max(_LEAST_ROW, _SCREEN // rows))
     total = _TOP + _BOTTOM + height * rows
     figure = make_subplots(
         rows=rows,

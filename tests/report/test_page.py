@@ -9,7 +9,7 @@ import numpy as np
 import plotly.graph_objects as go
 import pytest
 
-from flexros.report.base import FACTORS, Heading, Listing, MagnifiedCurve, Paragraph, Picture, TextTable, Tiles
+from flexros.report.base import FACTORS, Folded, Heading, Listing, MagnifiedCurve, Paragraph, Picture, TextTable, Tiles
 from flexros.report.page import Chapter, page_html
 
 BLOCKS = (
@@ -39,8 +39,8 @@ def test_texts_are_escaped(html: str) -> None:
 
 
 def test_chapter_without_blocks_is_omitted(html: str) -> None:
-    assert "<h2>First</h2>" in html
-    assert "<h2>Empty</h2>" not in html
+    assert ">First</h2>" in html
+    assert ">Empty</h2>" not in html
 
 
 def test_row_of_one_cell_spans_the_table(html: str) -> None:
@@ -65,3 +65,18 @@ def test_packed_page_is_smaller_and_unpacks_its_library(html: str) -> None:
     packed = page_html("Title <1>", "subtitle", [Chapter("First", BLOCKS)], packed=True)
     assert len(packed) < 0.5 * len(html)
     assert "DecompressionStream" in packed
+
+
+def test_contents_lead_to_every_heading_of_a_long_page() -> None:
+    chapters = [Chapter(title, (Paragraph("p"),)) for title in ("", "One", "Two & a half", "Three")]
+    html = page_html("t", "s", chapters)
+    links = re.findall(r'<a href="#(.*?)">(.*?)</a>', html)
+    assert links == [("section-1", "One"), ("section-2", "Two &amp; a half"), ("section-3", "Three")]
+    assert all(f'<h2 id="{target}">{title}</h2>' in html for target, title in links)
+    assert "<nav" not in page_html("t", "s", chapters[:3])
+
+
+def test_folded_blocks_are_numbered_with_the_others() -> None:
+    table = TextTable(("name", "value"), (("a", "1"),), "Values.")
+    html = page_html("t", "s", [Chapter("c", (Folded("more < 1", (table,)), table))])
+    assert re.search(r"<details><summary>more &lt; 1</summary><figure>.*Table 1\..*</details>.*Table 2\.", html, re.S)

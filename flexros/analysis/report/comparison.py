@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 from flexros.analysis.comparison import HEADINGS
 from flexros.analysis.report.error_over_time import tool_errors
 from flexros.analysis.report.path import path_picture
-from flexros.report.base import AbstractSection, Block, Paragraph, TextTable
+from flexros.report.base import AbstractSection, Block, Folded, Paragraph, TextTable
 from flexros.report.number_text import number
 
 if TYPE_CHECKING:
@@ -60,13 +60,16 @@ class OverlaySection(AbstractSection["Sequence[Analysis]"]):
         blocks: list[Block] = []
         overlaid = [run.analysis for run in runs if run.case == first_case]
         if len(overlaid) > 1:
-            text = f"All methods in the case {first_case}, at one magnification; each method follows below."
+            text = f"All methods in the case {first_case}, at one magnification."
             blocks += [Paragraph(text), path_picture(overlaid), tool_errors(overlaid)]
+        each = []
         for method in self._comparison.methods:
             cases = [run.analysis for run in runs if run.method == method]
             if cases:
-                blocks.append(path_picture(cases, title=method))
-        return tuple(blocks)
+                each.append(path_picture(cases, title=method))
+        if len(overlaid) > 1:
+            return (*blocks, Folded(f"All cases of each method: {len(each)} pictures", tuple(each)))
+        return tuple(each)
 
 
 def _verdict(rows: Sequence[ComparisonRow]) -> str:

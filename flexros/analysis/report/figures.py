@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from flexros.analysis.figures_table import figure_rows
-from flexros.report.base import AbstractSection, Block, TextTable
+from flexros.report.base import AbstractSection, Block, Folded, TextTable
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -25,7 +25,10 @@ class FiguresSection(AbstractSection["Sequence[Analysis]"]):
     def blocks(self, analyses: Sequence[Analysis]) -> tuple[Block, ...]:
         """Return the table, split into parts of a few runs so that it fits a page."""
         parts = [analyses[first : first + _COLUMNS] for first in range(0, len(analyses), _COLUMNS)]
-        return tuple(map(_table, parts))
+        tables = tuple(map(_table, parts))
+        figures = sum(len(row) > 1 for row in tables[0].rows)
+        runs = "one run" if len(analyses) == 1 else f"{len(analyses)} runs"
+        return (Folded(f"{figures} figures of {runs}", tables),)
 
 
 def _table(analyses: Sequence[Analysis]) -> TextTable:

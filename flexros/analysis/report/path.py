@@ -116,7 +116,7 @@ def _height(paths: Sequence[PathError], axes: tuple[str, ...]) -> int:
     if len(axes) == 1:
         return 380
     wide, high = (max(float(np.ptp(path.run.commanded[:, AXES.index(axis)])) for path in paths) for axis in axes)
-    return 520 if wide <= high else max(280, min(520, round(1100 * high / wide)))
+    return 440 if wide <= high else max(280, min(440, round(1000 * high / wide)))
 
 
 def _distinct(paths: Sequence[PathError]) -> list[PathError]:

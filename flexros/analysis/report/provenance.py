@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.report.base import AbstractSection, Block, Paragraph, TextTable
+from flexros.report.base import AbstractSection, Block, Folded, Paragraph, TextTable
 from flexros.report.decimate import SCREEN_POINTS
+from flexros.report.entries import differing_rows, flat_entries, grouped_rows
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Sequence
 
     from flexros.analysis.run_analysis import Analysis
-
-_LONGEST = 300
-"""Longer texts are cut in the table."""
 
 
 class ProvenanceSection(AbstractSection["Sequence[Analysis]"]):
@@ -38,33 +35,20 @@ class ProvenanceSection(AbstractSection["Sequence[Analysis]"]):
         return tuple(blocks)
 
 
-def _origin(analyses: Sequence[Analysis]) -> list[Block]:
-    """Return a table of what all runs share, and one of the differences with a row per run."""
-    runs = [dict(_flat(analysis.provenance)) for analysis in analyses]
-    keys = list(dict.fromkeys(key for run in runs for key in run))
+def _origin(analyses: Sequence[Analysis]) -> tuple[Block, ...]:
+    """Return, folded, a table of what all runs share and one of the values in which they differ."""
+    runs = {analysis.label: dict(flat_entries(analysis.provenance)) for analysis in analyses}
+    keys = list(dict.fromkeys(key for entries in runs.values() for key in entries))
     if not keys:
-        return [Paragraph("The logs do not state their origin.", "warning")]
-    differing = [key for key in keys if len({run.get(key, "-") for run in runs}) > 1]
-    common = tuple((key, runs[0][key]) for key in keys if key not in differing)
+        return (Paragraph("The logs do not state their origin.", "warning"),)
+    first = next(iter(runs.values()))
+    common = {key: first[key] for key in keys if len({entries.get(key) for entries in runs.values()}) == 1}
     tables: list[Block] = []
     if common:
         caption = "Origin of the run." if len(runs) == 1 else "Common to all runs."
-        tables.append(TextTable(("Entry", "Value"), common, caption, left=2))
+        tables.append(TextTable(("Entry", "Value"), grouped_rows(common), caption, left=2))
+    differing = differing_rows(runs)
     if differing:
-        rows = tuple(
-            (analysis.label, *(run.get(key, "-") for key in differing))
-            for analysis, run in zip(analyses, runs, strict=True)
-        )
-        header = ("Run", *differing)
-        tables.append(TextTable(header, rows, "Differences between the runs.", left=len(header)))
-    return tables
-
-
-def _flat(value: object, name: str = "") -> Iterator[tuple[str, str]]:
-    """Yield the entries of a nested mapping as name.key and text."""
-    if isinstance(value, Mapping):
-        for key, inner in value.items():
-            yield from _flat(inner, f"{name}.{key}" if name else str(key))
-    else:
-        text = ", ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
-        yield name, text if len(text) <= _LONGEST else f"{text[:_LONGEST]} ..."
+        tables.insert(0, TextTable(("Value", "Runs"), differing, "Entries in which the runs differ.", left=2))
+    what = "Origin of the run" if len(runs) == 1 else "Origin of the runs, and in which entries they differ"
+    return (Folded(f"{what}: {len(keys)} entries", tuple(tables)),)

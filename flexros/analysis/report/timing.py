@@ -8,7 +8,7 @@ import numpy as np
 import plotly.graph_objects as go
 
 from flexros.analysis.report.pace import pace_sentence, pace_tables
-from flexros.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
+from flexros.report.base import AbstractSection, Block, Folded, Paragraph, Picture, TextTable
 from flexros.report.number_text import number
 from flexros.report.theme import compact, curve, run_colour, stacked
 
@@ -43,7 +43,10 @@ class TimingSection(AbstractSection["Sequence[Analysis]"]):
                 blocks.append(Paragraph(_exact(labels, len(analyses), lock_step is False)))
         blocks += [Paragraph(pace_sentence(analysis, several)) for analysis in analyses if analysis.timing.real_time]
         blocks += [Paragraph(_sentence(analysis)) for analysis in analyses if not analysis.timing.exact]
-        blocks += [_table(analyses), *pace_tables(analyses)]
+        if all(analysis.timing.exact and not analysis.timing.real_time for analysis in analyses):
+            blocks.append(Folded("Timing of each topic", (_table(analyses),)))
+        else:
+            blocks += [_table(analyses), *pace_tables(analyses)]
         loose = [
             (f"{analysis.label} {name}" if several else name, periods)
             for analysis in analyses

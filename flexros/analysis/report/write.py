@@ -52,7 +52,7 @@ def write_report(analyses: Sequence[Analysis], file: Path, *, title: str | None 
     if not analyses:
         raise InputError("no run was given for the report: give at least one log")
     chapters = [Chapter(section.title, section.blocks(analyses)) for section in RUN_SECTIONS]
-    heading = title or ", ".join(analysis.label for analysis in analyses)
+    heading = title or (analyses[0].label if len(analyses) == 1 else f"Comparison of {len(analyses)} runs")
     write_result(file, page_html(heading, _subtitle(analyses), chapters), "report")
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from flexros.gap.report.signature_pictures import signature_pictures
 from flexros.gap.report.words import capital, cause_words, first_few, listed, named, parameter_words, share_words
-from flexros.report.base import AbstractSection, Block, Heading, Paragraph
+from flexros.report.base import AbstractSection, Block, Folded, Heading, Paragraph
 from flexros.report.number_text import number
 
 if TYPE_CHECKING:
@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 _SHOWN = 3
 """Effects whose evidence is shown."""
+_NOT_FOLDED = 0.05
+"""Probability below which the evidence of an effect that is not the first is folded [1] (chosen)."""
 _LEAVES_LITTLE = 0.02
 """Share of the excess that counts as nearly nothing [1] (chosen)."""
 _CLEAR = 3.0
@@ -37,13 +39,14 @@ class EvidenceSection(AbstractSection["DiagnosisResult"]):
         drawn: set[str] = set()
         for rank, candidate in enumerate(result.ranking[:_SHOWN], start=1):
             heading = f"{rank}. {capital(cause_words(candidate))}: {share_words(candidate.probability)}"
-            blocks.append(Heading(heading))
-            blocks += [Paragraph(text, "for") for text in evidence_for(candidate)]
-            blocks += [Paragraph(text, "against") for text in evidence_against(candidate, result)]
+            found: list[Block] = [Paragraph(text, "for") for text in evidence_for(candidate)]
+            found += [Paragraph(text, "against") for text in evidence_against(candidate, result)]
             for picture in signature_pictures(candidate, result):
                 if picture.caption not in drawn:  # effects at one joint share pictures
                     drawn.add(picture.caption)
-                    blocks.append(picture)
+                    found.append(picture)
+            rival = rank > 1 and candidate.probability < _NOT_FOLDED
+            blocks += [Folded(heading, tuple(found))] if rival else [Heading(heading), *found]
         return tuple(blocks)
 
 

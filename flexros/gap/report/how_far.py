@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 from flexros.gap.report.innovations import innovation_picture
 from flexros.gap.report.words import closed_words, interval_words, shows
 from flexros.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
+from flexros.report.colours import FLOOR, NOMINAL, REPAIRED, RIVAL
 from flexros.report.number_text import number
 
 if TYPE_CHECKING:
@@ -15,9 +16,6 @@ if TYPE_CHECKING:
 
     from flexros.gap.result import DiagnosisResult, SignalGap
     from flexros.gap.schema import GapNumbers
-
-BEFORE, AFTER, RIVAL, FLOOR = "#d55e00", "#0072b2", "#e69f00", "#a9b4bf"
-"""Colours of the nominal model, the repaired one, the best rival and the noise floor."""
 
 
 class HowFarSection(AbstractSection["DiagnosisResult"]):
@@ -56,9 +54,9 @@ def gap_figure(gap: GapNumbers) -> go.Figure:
     from flexros.report.theme import stacked
 
     bars = [
-        ("nominal model", gap.before, BEFORE),
+        ("nominal model", gap.before, NOMINAL),
         ("best rival", gap.best_rival, RIVAL),
-        ("repaired model", gap.after, AFTER),
+        ("repaired model", gap.after, REPAIRED),
         ("floor", gap.noise_floor, FLOOR),
     ]
     shown = [(name, value, colour) for name, value, colour in bars if value is not None]

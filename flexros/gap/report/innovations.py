@@ -8,6 +8,7 @@ import numpy as np
 from scipy.signal import welch
 
 from flexros.report.base import Picture
+from flexros.report.colours import NOMINAL, REPAIRED
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from flexros.gap.result import DiagnosisResult, Explanation
     from flexros.record.record import Record
 
-_COLOURS = {"before": "#d55e00", "after": "#0072b2"}
+_COLOURS = {"before": NOMINAL, "after": REPAIRED}
 _NAMES = {"before": "nominal model", "after": "repaired model"}
 _MOST_MOTORS = 3
 """Number of motors drawn, those with the largest gap (chosen)."""

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.report.base import AbstractSection, Block, Paragraph, TextTable
+from flexros.report.base import AbstractSection, Block, Folded, Paragraph, TextTable
+from flexros.report.entries import flat_entries, grouped_rows
 from flexros.report.number_text import number
 
 if TYPE_CHECKING:
     from flexros.gap.result import DiagnosisResult
     from flexros.record.record import Record
-
-_LONGEST = 160
-"""Longer texts are cut in the table (chosen)."""
 
 
 class ProvenanceSection(AbstractSection["DiagnosisResult"]):
@@ -25,20 +22,16 @@ class ProvenanceSection(AbstractSection["DiagnosisResult"]):
         """Return warnings and tables."""
         warnings = dict.fromkeys((*result.diagnosis.warnings, *result.record.warnings))
         blocks: list[Block] = [Paragraph(text, "warning") for text in warnings]
-        blocks.append(_logs(result))
+        logs = 1 if result.holdout is None else 2
+        blocks.append(Folded(f"The log{'s' * (logs > 1)}: length, rate and sensors", (_logs(result),)))
         defaults = type(result.settings).model_fields
         made = {key: value for key, value in result.diagnosis.provenance.items() if key not in defaults}
         origin = {**result.settings.model_dump(exclude_defaults=True), **made, "time [s]": result.timings}
-        rows = tuple(_flat(origin))
-        if rows:
-            blocks.append(
-                TextTable(
-                    ("Entry", "Value"),
-                    rows,
-                    "How the answer was made. Settings are listed where they differ from their defaults.",
-                    left=2,
-                )
-            )
+        entries = dict(flat_entries(origin))
+        if entries:
+            caption = "How the answer was made. Settings are listed where they differ from their defaults."
+            table = TextTable(("Entry", "Value"), grouped_rows(entries), caption, left=2)
+            blocks.append(Folded(f"How the answer was made: {len(entries)} settings, versions and times", (table,)))
         return tuple(blocks)
 
 
@@ -61,13 +54,3 @@ def _log(use: str, record: Record) -> tuple[str, ...]:
         "tracked" if record.tool is not None else "not tracked",
         ", ".join(sensor.name for sensor in record.sensors) or "none",
     )
-
-
-def _flat(value: object, name: str = "") -> Iterator[tuple[str, str]]:
-    """Yield the entries of a nested mapping as name.key and text; what is empty is left out."""
-    if isinstance(value, Mapping):
-        for key, inner in value.items():
-            yield from _flat(inner, f"{name}.{key}" if name else str(key))
-    elif value not in (None, "", [], ()):
-        text = f"{value:.4g}" if isinstance(value, float) else str(value)
-        yield name, text if len(text) <= _LONGEST else f"{text[:_LONGEST]} ..."

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from flexros.gap.report.words import capital, first_few, listed, named, parameters_words, share_words
 from flexros.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
+from flexros.report.colours import FLOOR, REPAIRED, RIVAL
 from flexros.report.number_text import number
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 NOTHING = "nothing"
 _MOST_BARS, _MOST_ROWS = 10, 15
 """Effects in the picture and in the table (chosen)."""
-_CAUSE, _RIVAL, _REST, _NONE = "#0072b2", "#e69f00", "#a9b4bf", "#009e73"
+_CAUSE, _RIVAL, _REST, _NONE = REPAIRED, RIVAL, FLOOR, "#009e73"
 """Colours of causes, of effects in an ambiguity group, of the others, and of 'nothing'."""
 
 

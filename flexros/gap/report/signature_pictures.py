@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from flexros.gap.signatures.base import pictures_for
 from flexros.report.base import Picture
+from flexros.report.colours import NOMINAL, REPAIRED
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
 MOST = 2
 """Pictures of one effect at most, the clearest first (chosen)."""
-_COLOURS = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
+_COLOURS = (NOMINAL, REPAIRED, "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 """Colours of lines in their order: first the nominal model, then the repaired one."""
 _POINTS = ("#b8c0c8", "#8fb8d8")
 """Colours of clouds of points, which lie below the lines."""
@@ -52,12 +53,18 @@ def _figure(signature: Signature) -> go.Figure:
     lines = {name: curve for name, curve in signature.series.items() if curve.style != "points"}
     for colours, curves in ((_POINTS if lines else _COLOURS, clouds), (_COLOURS, lines)):
         for index, (name, curve) in enumerate(curves.items()):
-            figure.add_trace(_trace(name, curve, colours[index % len(colours)], 3 if lines else 6))
+            figure.add_trace(_trace(_spoken(name), curve, colours[index % len(colours)], 3 if lines else 6))
     figure.update_xaxes(title_text=signature.x_label, type="log" if signature.log_x else "linear")
     title = "<br>".join(textwrap.wrap(signature.y_label, _ACROSS))
     figure.update_yaxes(title_text=title, title_standoff=12, type="log" if signature.log_y else "linear")
     figure.update_layout(showlegend=len(signature.series) > 1, legend_itemsizing="constant", margin_l=104)
     return figure
+
+
+def _spoken(name: str) -> str:
+    """Return the name of a curve in the words of the report."""
+    words = {"before": "nominal model", "after": "repaired model"}
+    return ", ".join(words.get(part, part) for part in name.split(", "))
 
 
 def _trace(name: str, curve: Curve, colour: str, size: int) -> go.Scatter | go.Bar:

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
-from flexros.gap.report.how_far import AFTER, BEFORE
 from flexros.gap.report.words import capital, named_at, signed_share_words
+from flexros.report.colours import NOMINAL, REPAIRED
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -89,8 +89,8 @@ def waterfall_figure(diagnosis: Diagnosis) -> go.Figure:
                 customdata=[f"{capital(row.name)}, {waterfall.joint}: {row.words}" for row in rows],
                 hovertemplate="%{customdata} of the gap<extra></extra>",
                 connector={"line": {"color": TOTALS, "width": 1, "dash": "dot"}},
-                decreasing={"marker": {"color": AFTER}},
-                increasing={"marker": {"color": BEFORE}},
+                decreasing={"marker": {"color": REPAIRED}},
+                increasing={"marker": {"color": NOMINAL}},
                 totals={"marker": {"color": TOTALS}},
                 width=0.7,
             )

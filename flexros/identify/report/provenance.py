@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.report.base import AbstractSection, Block, Paragraph, TextTable
+from flexros.report.base import AbstractSection, Block, Folded, Paragraph, TextTable
+from flexros.report.entries import flat_entries, grouped_rows
 
 if TYPE_CHECKING:
     from flexros.identify.graybox.result import IdentificationResult
-
-_LONGEST = 120
-"""Longer texts are cut in the table (chosen)."""
 
 
 class ProvenanceSection(AbstractSection["IdentificationResult"]):
@@ -22,19 +19,10 @@ class ProvenanceSection(AbstractSection["IdentificationResult"]):
     def blocks(self, result: IdentificationResult) -> tuple[Block, ...]:
         """Return the warnings and the table of origins."""
         blocks: list[Block] = [Paragraph(text, "warning") for text in result.warnings]
-        rows = tuple(_flat(result.provenance))
-        if rows:
-            blocks.append(TextTable(("Entry", "Value"), rows, "Origin of the result.", left=2))
+        entries = dict(flat_entries(result.provenance))
+        if entries:
+            table = TextTable(("Entry", "Value"), grouped_rows(entries), "Origin of the result.", left=2)
+            blocks.append(Folded(f"Origin of the result: {len(entries)} entries", (table,)))
         else:
             blocks.append(Paragraph("The origin of the responses is not known.", "warning"))
         return tuple(blocks)
-
-
-def _flat(value: object, name: str = "") -> Iterator[tuple[str, str]]:
-    """Yield the entries of a nested mapping as name.key and text; what is empty is left out."""
-    if isinstance(value, Mapping):
-        for key, inner in value.items():
-            yield from _flat(inner, f"{name}.{key}" if name else str(key))
-    elif value not in (None, "", [], ()):
-        text = str(value)
-        yield name, text if len(text) <= _LONGEST else f"{text[:_LONGEST]} ..."

@@ -9,6 +9,7 @@ import numpy as np
 import plotly.graph_objects as go
 
 from flexros.identify.graybox.response_noise import response_noise
+from flexros.report.colours import MEASURED
 from flexros.report.grid import digits, menu, panels
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from flexros.arrays import ComplexArray, FloatArray
     from flexros.identify.frf.frequency_response import FrequencyResponse
 
-MEASURED, BAND = "#0072b2", "rgba(0, 114, 178, 0.22)"
+BAND = "rgba(89, 99, 110, 0.25)"
 _LOWEST = 0.03
 """The band is drawn down to this share of the magnitude at least, as zero has no logarithm (chosen)."""
 

@@ -10,6 +10,7 @@ import numpy as np
 from flexros.identify.graybox.response_noise import response_noise
 from flexros.identify.report.response_picture import ModelCurve, response_picture
 from flexros.report.base import AbstractSection, Block, Picture
+from flexros.report.colours import NOMINAL, REPAIRED
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
     from flexros.arrays import ComplexArray, FloatArray
     from flexros.identify.graybox.result import IdentificationResult
 
-BEFORE, AFTER = "#e69f00", "#d55e00"
 
 POINTS = 300
 """Frequencies at which the models are drawn: resonances between the lines show, and the page stays small (chosen)."""
@@ -38,8 +38,8 @@ def _picture(result: IdentificationResult) -> go.Figure:
     grid = model_frequencies(result.problem.frequency)
     before, after = (tuple(_modelled(result, values, grid)) for values in (result.nominal, result.fit.values))
     models = (
-        ModelCurve("nominal", "nominal model", BEFORE, 1.2, grid, before),
-        ModelCurve("identified", "identified model", AFTER, 1.6, grid, after),
+        ModelCurve("nominal", "nominal model", NOMINAL, 1.2, grid, before),
+        ModelCurve("identified", "identified model", REPAIRED, 1.6, grid, after),
     )
     return response_picture(result.problem.responses, models)
 

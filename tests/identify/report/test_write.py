@@ -56,11 +56,11 @@ def test_page_opens_offline_and_is_small(html: str) -> None:
 def test_every_section_appears_once(html: str) -> None:
     for section in SECTIONS:
         if section.title:
-            assert html.count(f"<h2>{section.title}</h2>") == 1
+            assert html.count(f">{section.title}</h2>") == 1
 
 
 def test_page_begins_with_the_verdict_and_the_main_figures(html: str) -> None:
-    text = words(html)
+    text = words(html).partition("Contents")[2].partition("FlexROS")[2]
     assert text.index("6 of 6 parameters of e12 are determined within 10 %") < text.index("Parameters")
     assert "6.67 min" in " ".join(text.split())
     assert "amplitudes were lowered" in text
@@ -134,8 +134,8 @@ def test_gain_of_the_positions_is_told(html: str, clear: IdentificationResult) -
 
 
 def test_provenance_and_all_warnings_stand_at_the_end(html: str) -> None:
-    end = words(html[html.index("Provenance and limits") :])
-    assert "scenario.seed" in end
+    end = words(html[html.rindex("Provenance and limits") :])
+    assert "seed" in end
     assert "a gap of 2 samples (alike in 2 more positions)" in end
 
 

@@ -1,0 +1,96 @@
+"""A page of the report kit in Chromium: widths, folded pictures, dark colours."""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from flexros.report.base import Folded, Paragraph, Picture, TextTable
+from flexros.report.colours import DARK
+from flexros.report.page import Chapter, page_html
+from flexros.report.theme import curve, stacked
+from tests.browser import Browser, opened_browser
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+BLUE = "#0072b2"
+
+
+def picture() -> Picture:
+    x = np.linspace(0.0, 1.0, 50)
+    figure = stacked(["A title that is far too long for the width of a phone", "b", "c", "d"], columns=2)
+    for place in range(4):
+        line = curve(x, np.sin(9 * x), "sine", BLUE, hover="", width=4.0)
+        figure.add_trace(line, row=place // 2 + 1, col=place % 2 + 1)
+    return Picture(figure, "Four panels.")
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+    wide = TextTable(tuple("abcdefgh"), (("a long name with words", *["1234567.89"] * 7),), "Wide.")
+    names = TextTable(("Entry", "Value"), (("recorded.joint_commands.messages_that_were_missing", "x" * 90),), "Names.")
+    chapters = [Chapter("One", (picture(), wide)), Chapter("Two", (Folded("more", (picture(), names)),))]
+    file: Path = tmp_path_factory.mktemp("page") / "page.html"
+    file.write_text(page_html("Title", "s", [*chapters, Chapter("Three", (Paragraph("p"),))], packed=True))
+    with opened_browser() as one:
+        one.open(file)
+        one.until("document.querySelector('#picture-1 .main-svg') !== null")
+        yield one
+
+
+def painted(browser: Browser, colour: str) -> int:
+    """Number of pixels of the window near a colour."""
+    wanted = np.array([int(colour[at : at + 2], 16) for at in (1, 3, 5)])
+    return int((np.abs(browser.picture().astype(int) - wanted).max(axis=2) < 24).sum())
+
+
+@pytest.mark.parametrize("width", [390, 1366])
+def test_page_is_not_wider_than_the_screen(browser: Browser, width: int) -> None:
+    browser.size(width, 800)
+    assert browser.value("document.documentElement.scrollWidth") <= width
+    assert browser.messages == []
+
+
+def test_contents_stand_beside_the_text_where_there_is_room(browser: Browser) -> None:
+    place = "document.querySelector('%s').getBoundingClientRect().%s"
+    browser.size(1366, 768)
+    assert browser.value(place % ("nav", "right")) <= browser.value(place % ("main", "left")) + 1
+    browser.size(390, 800)
+    assert browser.value(place % ("nav", "bottom")) <= browser.value(place % ("main", "top")) + 1
+
+
+def test_panels_stand_below_each_other_on_a_phone(browser: Browser) -> None:
+    starts = "['xaxis','xaxis2','xaxis3','xaxis4'].map(a => document.getElementById('picture-1').layout[a].domain[0])"
+    browser.size(1366, 768)
+    browser.until(f"new Set({starts}).size === 2")
+    browser.size(390, 800)
+    browser.until(f"new Set({starts}).size === 1")
+    assert "<br>" in browser.value("document.getElementById('picture-1').layout.annotations[0].text")
+    heights = browser.value("['yaxis','yaxis2','yaxis3','yaxis4'].map(a => " \
+        "document.getElementById('picture-1').layout[a].domain)")  # fmt: skip
+    assert all(above[0] > below[1] for above, below in itertools.pairwise(heights))
+
+
+def test_colours_follow_the_preference_of_the_reader(browser: Browser) -> None:
+    browser.size(1366, 768)
+    browser.until("document.getElementById('picture-1').layout.paper_bgcolor === '#ffffff'")
+    light = painted(browser, "#ffffff"), painted(browser, BLUE)
+    browser.size(1366, 768, dark=True)
+    browser.until(f"document.getElementById('picture-1').layout.paper_bgcolor === '{DARK['#ffffff']}'")
+    assert painted(browser, "#ffffff") < 0.01 * light[0]
+    assert painted(browser, DARK["#ffffff"]) > 0.5 * light[0]
+    assert painted(browser, DARK[BLUE]) > 0.5 * light[1] > 500
+    browser.size(1366, 768)
+
+
+def test_folded_picture_is_drawn_when_it_is_opened(browser: Browser) -> None:
+    browser.size(1366, 768)
+    assert browser.value("document.querySelector('#picture-2 .main-svg')") is None
+    browser.value("document.querySelector('details').open = true")
+    browser.until("document.querySelector('#picture-2 .main-svg') !== null")
+    assert browser.value("document.getElementById('picture-2').clientWidth") > 600
