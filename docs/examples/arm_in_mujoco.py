@@ -1,4 +1,4 @@
-"""A robot arm that is not ours, recorded as its driver records it: python arm_in_mujoco.py URDF BAG [SEED].
+"""A robot arm that is not ours, recorded as its driver records it: python arm_in_mujoco.py URDF BAG [SEED [SECONDS]].
 
 MuJoCo simulates the arm of a URDF with what a URDF leaves out (rotors behind the gears, friction) and with a tool that
 nobody told it of. A controller with the rigid model of the URDF tracks a sum of sines at 500 Hz. The bag has what the
@@ -16,7 +16,7 @@ from rosbags.typesys import Stores, get_typestore
 RATE, SUBSTEPS = 500, 8  # controller and recorder [Hz]; steps of the simulator in each of their periods
 RESOLUTION = 2 * np.pi / 2**20  # of the encoders [rad]
 JITTER = 30e-6  # of the stamps, rms [s]
-DURATION, LOWEST, HIGHEST = 30.0, 0.05, 0.8  # of the motion [s, Hz]
+DURATION, LOWEST, HIGHEST = 20.0, 0.05, 0.8  # of the motion [s, Hz]
 NANOSECONDS, BEGIN = 10**9, 1_750_000_000  # a date [s]
 
 HOME = np.array([0.3, -1.4, 1.5, -0.9, 1.2, 0.4])  # middle of the motion [rad]
@@ -65,7 +65,7 @@ def tracked(urdf: Path, reference: np.ndarray, seed: int) -> tuple[np.ndarray, n
     robot, known = mujoco.MjData(real), mujoco.MjData(model)
     random, limit = np.random.default_rng([seed, 1]), model.jnt_actfrcrange[:, 1]
     speed = np.gradient(reference, 1 / RATE, axis=0)
-    kp, kd, ki = 900 * limit / 28, 60 * limit / 28, 2000 * limit / 28
+    kp, kd, ki = (gain * np.array(TRUTH["armature"]) for gain in (3600, 240, 8000))  # its rotors are known to it
     robot.qpos[:] = reference[0]
     positions, torques, integral = np.empty_like(reference), np.empty_like(reference), np.zeros(model.nv)
     last = reference[0]
@@ -109,6 +109,7 @@ def record(urdf: Path, bag: Path, names: list[str], positions: np.ndarray, torqu
 if __name__ == "__main__":
     description, folder = Path(sys.argv[1]), Path(sys.argv[2])
     number = int(sys.argv[3]) if len(sys.argv) > 3 else 1
+    DURATION = float(sys.argv[4]) if len(sys.argv) > 4 else DURATION
     joints = [joint.name for joint in mujoco.MjSpec.from_file(str(description)).joints]
     measured = tracked(description, motion(HOME, number), number)
     record(description, folder, joints, *measured, number)

@@ -1,1 +1,6 @@
-"""Numbers that a robot file leaves out: a diagnosis estimates them, since unknown is not wrong."""
+"""Numbers that a robot file leaves out, which a diagnosis estimates; importing the package registers their effects."""
+
+from flexros.effects.left_out.rotor_inertia import RotorInertia
+from flexros.effects.left_out.tool_load import ToolLoad
+
+__all__ = ["RotorInertia", "ToolLoad"]
