@@ -9,6 +9,7 @@ import typer
 
 from flexros.cli.options import NamespaceOption
 from flexros.cli.output import console, print_json, say
+from flexros.cli.progress import progress_bar
 from flexros.errors import FlexrosError
 
 if TYPE_CHECKING:
@@ -29,12 +30,17 @@ def analyze(
     from flexros.analysis.terminal_tables import terminal_table
     from flexros.logs.reader import read_log
 
-    logs = [read_log(path, namespace=namespace or None) for path in bag]
-    analyses = [
-        analyse(log, robot=_robot(model, log), label=label) for label, log in zip(_labels(bag), logs, strict=True)
-    ]
-    if report:
-        write_report(analyses, report)
+    analyses = []
+    with progress_bar() as bar:
+        task = bar.add_task("reading", total=2 * len(bag) + bool(report))
+        for path, label in zip(bag, _labels(bag), strict=True):
+            log = read_log(path, namespace=namespace or None)
+            bar.update(task, advance=1, description=f"analysing {path.name}")
+            analyses.append(analyse(log, robot=_robot(model, log), label=label))
+            bar.update(task, advance=1, description="reading")
+        if report:
+            bar.update(task, description="writing the report")
+            write_report(analyses, report)
     if as_json:
         dicts = [analysis.as_dict() for analysis in analyses]
         print_json(dicts[0] if len(dicts) == 1 else dicts)

@@ -11,28 +11,36 @@ from importlib import metadata
 from typing import TYPE_CHECKING, Any, get_type_hints
 
 import typer
-from typer.models import OptionInfo
+from typer.models import ArgumentInfo, OptionInfo
 
 from flexros.cli import (
     analyze,
     benchmark,
+    completion,
     demo,
     design,
     diagnose,
     exchange,
     gap,
     import_log,
+    installation,
     learn,
     monitor,
     replay,
     robots,
     run,
 )
+from flexros.cli.guide import examples_text, guide_of
+from flexros.cli.help import JobGroup
 from flexros.cli.identify import procedure as identify
+from flexros.cli.output import suggest
 from flexros.errors import INTERNAL_ERROR, INTERRUPTED, FlexrosError, InputError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
+
+GAP_FOUND = 1
+"""Exit code of a command that found a gap, an alarm or a broken installation: it has done its work."""
 
 BROKEN_PIPE = 141
 """Exit code after a broken pipe, as of a program that SIGPIPE ends."""
@@ -45,21 +53,42 @@ EXIT_CODES = (
 GROUP = "flexros.commands"
 """Entry points of further commands: modules with `COMMANDS`, and with a `HELP` text for a group."""
 
+FIRST_STEPS = """\b
+Examples:
+  flexros demo                                     # everything once, in 3 minutes
+  flexros run circle_dae --out circle              # simulate and record
+  flexros analyze circle --report circle.html      # path error, tracking, timing
+  flexros diagnose LOG --model ROBOT --out found   # why robot and model differ
+"""
+
+COMPLETED = {
+    "model": completion.robots,
+    "real": completion.robots,
+    "name": completion.robots,
+    "scenario": completion.scenarios,
+    "effect": completion.placed_effects,
+    "effects": completion.effects,
+}
+"""What a shell completes, by the name of the argument."""
+
 app = typer.Typer(
     name="flexros",
-    epilog=EXIT_CODES,
+    cls=JobGroup,
+    epilog=f"{FIRST_STEPS}\n{EXIT_CODES}",
     no_args_is_help=True,
-    add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
 
 
-def reported(command: Callable[..., Any]) -> Callable[..., None]:
+def reported(
+    command: Callable[..., Any], then: Callable[[Mapping[str, Any], int], str] | None = None
+) -> Callable[..., None]:
     """Wrap a command such that it ends with an exit code and reports errors in one sentence on stderr.
 
     Args:
         command: The command; its return value is the exit code, None counts as 0.
+        then: Gives what to do next from its arguments and exit code; printed on stderr, not beside JSON.
 
     Returns:
         The wrapped command, which ends with one of the `EXIT_CODES`.
@@ -70,6 +99,8 @@ def reported(command: Callable[..., Any]) -> Callable[..., None]:
         try:
             code = command(*args, **kwargs) or 0
             sys.stdout.flush()
+            if then is not None and code in (0, GAP_FOUND):
+                suggest(then(kwargs, code), unless=bool(kwargs.get("as_json")))
         except FlexrosError as error:
             print(f"flexros: {_with_option(error, command)}", file=sys.stderr)
             code = error.exit_code
@@ -129,16 +160,37 @@ COMMANDS: dict[str, Callable[..., Any]] = {
     "gap": gap.gap,
     "monitor": monitor.monitor,
     "demo": demo.demo,
+    "doctor": installation.doctor,
+    "clean": installation.clean,
 }
 
 
 def _add(name: str, commands: Mapping[str, Callable[..., Any]], help_text: str = "") -> None:
     """Add commands to the application, or with a help text to a group of their own."""
-    into = typer.Typer(name=name, help=help_text, no_args_is_help=True, rich_markup_mode=None) if help_text else app
-    for word, command in commands.items():
-        into.command(word)(reported(command))
+    into = app
     if help_text:
-        app.add_typer(into)
+        into = typer.Typer(name=name, cls=JobGroup, help=help_text, no_args_is_help=True, rich_markup_mode=None)
+    for word, command in commands.items():
+        guide = guide_of(f"{name} {word}".strip() if help_text else word, command.__doc__ or "")
+        _complete(command)
+        into.command(
+            word,
+            short_help=guide.short,
+            epilog=examples_text(guide),
+            rich_help_panel="Commands" if help_text else guide.job,
+        )(reported(command, guide.then))
+    if help_text:
+        group = guide_of(name, help_text)
+        app.add_typer(into, short_help=group.short, rich_help_panel=group.job)
+
+
+def _complete(command: Callable[..., Any]) -> None:
+    """Let shells complete built-in names in the options and arguments of a command."""
+    hints = get_type_hints(command, include_extras=True)
+    for name, parameter in inspect.signature(command).parameters.items():
+        for each in (parameter.default, *getattr(hints.get(name), "__metadata__", ())):
+            if name in COMPLETED and isinstance(each, (OptionInfo, ArgumentInfo)):
+                each.autocompletion = COMPLETED[name]
 
 
 _add("", COMMANDS)

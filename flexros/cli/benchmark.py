@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import typer
 from rich.table import Table
 
-from flexros.cli.output import console, print_json, progress_bar, say
+from flexros.cli.output import console, print_json, say
+from flexros.cli.progress import progress_bar
 from flexros.errors import InputError
 
 if TYPE_CHECKING:

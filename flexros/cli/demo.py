@@ -13,7 +13,8 @@ from rich.padding import Padding
 from rich.table import Table
 
 from flexros.cli import demo_measured, demo_repair
-from flexros.cli.output import console, print_json, progress_bar, say
+from flexros.cli.output import console, print_json, say
+from flexros.cli.progress import progress_bar
 from flexros.cli.run import choose_transport
 from flexros.errors import InputError
 from flexros.scenario import transports

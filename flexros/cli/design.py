@@ -12,7 +12,7 @@ from rich.table import Table
 from flexros.cli.model import ROBOT, linear_robot
 from flexros.cli.options import names_in
 from flexros.cli.output import console, print_json, say
-from flexros.cli.progress import progress_shown
+from flexros.cli.progress import progress_shown, working
 from flexros.cli.robots import parse_numbers
 from flexros.config.settings import validate
 from flexros.errors import InputError, argument_named, unknown_name
@@ -71,7 +71,8 @@ def design(
             laws, text = _tuned(method, settings, problem, tune, step, seed, start, only, made_by)
         else:
             chosen = validate(methods[method], settings, f"method {method}")
-            found = chosen.design(problem)
+            with working(f"designing by {method}"):
+                found = chosen.design(problem)
             laws, figures = {"controller": found.law()}, dict(found.figures)
             text = _text(
                 method, chosen, laws, _command(method, model, choice, q, models, tune, step, seed, start, only)

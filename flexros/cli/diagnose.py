@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -17,7 +18,7 @@ from flexros.cli.options import (
     parse_tolerance,
     torque_source,
 )
-from flexros.cli.output import console, print_json, say
+from flexros.cli.output import console, print_json, say, suggest
 from flexros.cli.progress import progress_shown
 from flexros.errors import InputError
 
@@ -85,7 +86,20 @@ def diagnose(
         print_json(result.diagnosis.model_dump(mode="json", by_alias=True))
     else:
         _print(result, [out / name for name in files])
+        suggest(_next(result, bag, model, out))
     return 0 if result.diagnosis.verdict == "no_gap" else GAP_FOUND
+
+
+def _next(result: DiagnosisResult, bag: Path, model: str, out: Path) -> str:
+    """Return what to do after a diagnosis: the experiment that decides, or a check of the repair on another log."""
+    experiment = result.diagnosis.next_experiment
+    if experiment is not None and experiment.command:
+        return f"{experiment.command}    separates what this log does not"
+    if result.patch:
+        return f"flexros gap ANOTHER_LOG --model {shlex.quote(model)} --patch {shlex.quote(str(out / 'patch.yaml'))}"
+    if result.diagnosis.verdict == "no_gap":
+        return f"flexros monitor {shlex.quote(str(bag))} --model {shlex.quote(model)} --calibrate thresholds.yaml"
+    return f"open {out / 'report.html'}: where the gap shows, and what could not be told"
 
 
 def _settings(joints: tuple[str, ...], effects: tuple[str, ...], time_limit: float | None) -> DiagnosisSettings:

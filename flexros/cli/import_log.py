@@ -12,8 +12,8 @@ import typer
 from rich.table import Table
 
 from flexros.atomic_file import write_result
-from flexros.cli.output import console, print_json, progress_bar, say
-from flexros.cli.progress import progress_shown
+from flexros.cli.output import console, print_json, say, suggest
+from flexros.cli.progress import progress_bar, progress_shown
 from flexros.errors import InputError
 
 if TYPE_CHECKING:
@@ -52,10 +52,7 @@ def import_log(
     ),
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
-    """Convert a log of another recorder into a rosbag2 log, by a mapping of its columns or one proposed for a bag.
-
-    Examples: flexros import BAG --model robot.yaml --out log; flexros import drive.yaml drive.csv --out log
-    """
+    """Convert a log of another recorder into a rosbag2 log, by a mapping of its columns or one proposed for a bag."""
     from flexros.logs.foreign.import_log import import_log as read_files
     from flexros.logs.foreign.mapping import load_mapping
     from flexros.logs.write_log import write_log
@@ -75,7 +72,7 @@ def import_log(
         return
     _print(rows, log)
     say(f"Log: {out}")
-    say(f"Analyse it: flexros analyze {shlex.quote(str(out))}")
+    suggest(f"flexros analyze {shlex.quote(str(out))}    tracking and timing")
 
 
 def _is_bag(name: str) -> bool:
@@ -132,14 +129,15 @@ def _propose(bag: Path, model: str, out: Path | None, proposed: Path | None, as_
     _print_assumptions(found.assumptions)
     if out is not None:
         _print(rows, found.log)
-    say(f"Mapping: {path} (correct what is wrong, then: flexros import {path} {bag} --out LOG)")
+    say(f"Mapping: {path}")
     if out is None:
+        suggest(f"correct what is wrong in the mapping, then flexros import {path} {bag} --out LOG")
         return
     say(f"Log: {out}")
     if robot is not None and model and not model.endswith(_DESCRIPTIONS):
-        say(f"Compare it: flexros gap {shlex.quote(str(out))} --model {shlex.quote(model)}")
+        suggest(f"flexros gap {shlex.quote(str(out))} --model {shlex.quote(model)}    how far they are apart")
     else:
-        say(f"Analyse it: flexros analyze {shlex.quote(str(out))}")
+        suggest(f"flexros analyze {shlex.quote(str(out))}    tracking and timing")
 
 
 def _robot(model: str) -> Robot:

@@ -7,7 +7,8 @@ from pathlib import Path
 import typer
 from rich.table import Table
 
-from flexros.cli.output import console, print_json, progress_bar, say
+from flexros.cli.output import console, print_json, say
+from flexros.cli.progress import progress_bar
 
 
 def learn(

@@ -10,7 +10,8 @@ from rich.table import Table
 
 from flexros.cli.diagnose import GAP_FOUND
 from flexros.cli.options import KnownModelOption, NamespaceOption
-from flexros.cli.output import console, print_json, progress_bar, say
+from flexros.cli.output import console, print_json, say
+from flexros.cli.progress import progress_bar
 from flexros.errors import InputError
 
 if TYPE_CHECKING:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Any
 
 from rich.console import Console
-from rich.progress import Progress
 
 from flexros.json_text import json_text
 
@@ -30,17 +30,15 @@ def say(text: str) -> None:
     console.print(text, soft_wrap=True)
 
 
-def progress_bar(shown: bool = True) -> Progress:
-    """Make a transient progress bar on stderr, disabled where stderr is no terminal.
+def suggest(text: str, *, unless: bool = False) -> None:
+    """Print what to do next, on stderr.
 
     Args:
-        shown: False for a step of work that has a bar already.
-
-    Returns:
-        The bar.
+        text: The command, and in a few words what it does.
+        unless: True where the output is for programs.
     """
-    stderr = Console(stderr=True)
-    return Progress(console=stderr, transient=True, disable=not (shown and stderr.is_terminal))
+    if not unless:
+        print(f"Next: {text}", file=sys.stderr)
 
 
 def print_json(content: Any) -> None:

@@ -1,21 +1,105 @@
-"""Progress of a computation by stages: a bar on a terminal, else plain lines."""
+"""Progress of a computation with the time left: a bar on a terminal, else plain lines now and then."""
 
 from __future__ import annotations
 
 import sys
+import threading
 import time
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from flexros.cli.output import progress_bar
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TaskID, TaskProgressColumn, TextColumn, TimeElapsedColumn
+from rich.progress import TimeRemainingColumn as TimeLeftColumn
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from rich.progress import Progress
-
 EVERY = 10.0
 """Time between two lines of a stage [s]."""
+QUIET = 2.0
+"""Time for which work is not spoken of where there is no terminal [s]."""
+_KNOWN = 0.02
+"""Share that must be done before the time left is estimated [1] (chosen)."""
+
+
+def progress_bar(shown: bool = True) -> ProgressBar:
+    """Make a transient progress bar on stderr; where that is no terminal, lines from 2 s on.
+
+    Args:
+        shown: False for a step of work that has a bar already.
+
+    Returns:
+        The bar.
+    """
+    return ProgressBar(shown)
+
+
+class ProgressBar(Progress):
+    """A bar with elapsed and remaining time on a terminal, else lines on stderr.
+
+    Args:
+        shown: Whether anything is shown.
+        clock: Returns the time [s].
+    """
+
+    def __init__(self, shown: bool = True, clock: Callable[[], float] = time.monotonic) -> None:
+        stderr = Console(stderr=True)
+        columns = (
+            TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeElapsedColumn(),
+            TextColumn("left"), TimeLeftColumn(),
+        )  # fmt: skip
+        super().__init__(*columns, console=stderr, transient=True, disable=not (shown and stderr.is_terminal))
+        self._said: dict[TaskID, tuple[float, float]] = {}
+        self._lines, self._clock = shown and not stderr.is_terminal, clock
+
+    def add_task(self, *args: Any, **fields: Any) -> TaskID:
+        """Add a task, as in rich; its time begins."""
+        task = super().add_task(*args, **fields)
+        self._said[task] = (self._clock(), self._clock() + QUIET - EVERY)
+        return task
+
+    def update(self, task_id: TaskID, **fields: Any) -> None:
+        """Update a task, as in rich."""
+        super().update(task_id, **fields)
+        self._say(task_id)
+
+    def advance(self, task_id: TaskID, advance: float = 1) -> None:
+        """Advance a task, as in rich."""
+        super().advance(task_id, advance)
+        self._say(task_id)
+
+    def _say(self, task_id: TaskID) -> None:
+        """Print a line where one is due."""
+        begin, last = self._said[task_id]
+        now = self._clock()
+        if not self._lines or now - last < EVERY:
+            return
+        self._said[task_id] = (begin, now)
+        task = self._tasks[task_id]
+        share = task.completed / task.total if task.total else None
+        print(line(now - begin, task.description, share), file=sys.stderr, flush=True)
+
+
+def line(elapsed: float, stage: str, share: float | None) -> str:
+    """Write a line of progress.
+
+    Args:
+        elapsed: Time since the beginning [s].
+        stage: What is done.
+        share: Share of all that is done [1]; None where not known.
+    """
+    done = "" if share is None else f", {100 * share:.0f} % done"
+    left = None if share is None else time_left(elapsed, share)
+    rest = "" if left is None else f", about {left:.0f} s left" if left < 100 else f", about {left / 60:.0f} min left"
+    return f"flexros: {elapsed:.0f} s: {stage}{done}{rest}"
+
+
+def time_left(elapsed: float, share: float) -> float | None:
+    """Estimate the time left at the pace so far [s]; None at the begin and at the end."""
+    if elapsed < QUIET or not _KNOWN <= share < 1.0:
+        return None
+    return elapsed * (1.0 - share) / share
 
 
 @contextmanager
@@ -27,6 +111,32 @@ def progress_shown() -> Iterator[Callable[[str, float], None]]:
     """
     with progress_bar() as bar:
         yield Lines() if bar.disable else _on(bar)
+
+
+@contextmanager
+def working(what: str, expected: float | None = None, *, shown: bool = True) -> Iterator[None]:
+    """Show that something is being done whose progress is not known.
+
+    Args:
+        what: What is done.
+        expected: Time that it takes, where it is known [s].
+        shown: False for a step of work that has a bar already.
+    """
+    over = threading.Event()
+    with progress_bar(shown) as bar:
+        begin, task = time.monotonic(), bar.add_task(what, total=expected)
+
+        def tell() -> None:
+            while not over.wait(0.5):
+                bar.update(task, completed=min(time.monotonic() - begin, expected or 0.0))
+
+        teller = threading.Thread(target=tell, daemon=True)
+        teller.start()
+        try:
+            yield
+        finally:
+            over.set()
+            teller.join()
 
 
 class Lines:
@@ -49,7 +159,7 @@ class Lines:
             return
         self._stages.add(stage)
         self._last = now
-        print(f"flexros: {now:.0f} s: {stage}, {100 * self._done:.0f} % done", file=sys.stderr, flush=True)
+        print(line(now, stage, self._done), file=sys.stderr, flush=True)
 
 
 def _on(bar: Progress) -> Callable[[str, float], None]:

@@ -12,7 +12,8 @@ import typer
 from rich.table import Table
 
 from flexros.cli.options import NetworkOption, warn_of_network
-from flexros.cli.output import console, print_json, progress_bar
+from flexros.cli.output import console, print_json
+from flexros.cli.progress import progress_bar
 from flexros.errors import InputError
 
 if TYPE_CHECKING:

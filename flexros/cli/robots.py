@@ -110,7 +110,7 @@ def import_urdf(
     if out.exists():
         raise InputError(f"{out} exists already; give another name or remove it")
     write_result(out, text, "robot file")
-    say(f"{out} written; replace each 'rigid' by the stiffness of the gear, then: flexros robot {out}")
+    say(f"{out} written; replace each 'rigid' by the stiffness of the gear")
 
 
 def parse_numbers(text: str, option: str) -> np.ndarray[Any, np.dtype[np.float64]]:

@@ -11,7 +11,8 @@ import typer
 from rich.table import Table
 
 from flexros.cli.options import NetworkOption, warn_of_network
-from flexros.cli.output import console, print_json, progress_bar, say
+from flexros.cli.output import console, print_json, say, suggest
+from flexros.cli.progress import progress_bar, working
 from flexros.config.yaml_file import parse_yaml
 from flexros.errors import InputError, unknown_name
 from flexros.scenario import transports
@@ -94,7 +95,8 @@ def run(
     else:
         nodes = node_parameters(parameter)
         warn_of_network(network)
-        result = transports.run_ros(chosen, folder, layout, realtime, nodes, network=network)
+        with working("running over topics"):
+            result = transports.run_ros(chosen, folder, layout, realtime, nodes, network=network)
     if as_json:
         print_json(result.as_dict())
     else:
@@ -103,6 +105,9 @@ def run(
         typer.echo(f"flexros: {warning}", err=True)
     if result.exit_code:
         typer.echo(f"flexros: {result.message}", err=True)
+    elif result.log_folder is not None:
+        log = shlex.quote(str(result.log_folder))
+        suggest(f"flexros analyze {log} --report report.html    path error, tracking, timing", unless=as_json)
     return result.exit_code
 
 
@@ -257,8 +262,6 @@ def print_result(name: str, result: RunResult) -> None:
         say(f"{result.message[0].upper()}{result.message[1:]}.")
     if result.log_folder is not None:
         say(f"Log: {result.log_folder}")
-        if not result.exit_code:
-            say(f"Analyse it: flexros analyze {shlex.quote(str(result.log_folder))} --report report.html")
 
 
 def _figure(key: str, value: float) -> tuple[str, str]:

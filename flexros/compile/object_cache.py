@@ -61,6 +61,18 @@ def kept_or_made(name: str, make: Callable[[], bytes]) -> bytes:
     return content
 
 
+def cache_folder() -> tuple[Path | None, bool]:
+    """Return the folder of the objects and whether it can be used; None where the cache is off or the user has no home.
+
+    It is made where it is missing.
+    """
+    chosen = _chosen_folder()
+    folder = _private_folder(chosen)
+    if folder is not None:
+        return folder, os.access(folder, os.W_OK)
+    return (None if chosen is None else chosen / "objects"), False
+
+
 def _chosen_folder() -> Path | None:
     """Return the folder of this environment; None where the cache is switched off or the user has no home."""
     given = os.environ.get(VARIABLE, "")

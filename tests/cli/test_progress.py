@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from flexros.cli.progress import EVERY, Lines, progress_shown
+from flexros.cli.progress import EVERY, Lines, ProgressBar, line, progress_shown, time_left, working
 
 
 class Clock:
@@ -26,7 +26,7 @@ def test_a_stage_gets_a_line_when_it_begins_and_then_one_in_a_while(capfd: pytes
     out, err = capfd.readouterr()
     times = [int(line.split()[1]) for line in err.splitlines()]
     assert times == [0, 10, 15, 25, 35]
-    assert err.splitlines()[3] == "flexros: 25 s: second, 62 % done"
+    assert err.splitlines()[3] == "flexros: 25 s: second, 62 % done, about 15 s left"
     assert out == ""
 
 
@@ -51,3 +51,37 @@ def test_the_share_never_falls(capfd: pytest.CaptureFixture[str]) -> None:
     show("candidates", 0.62)
     show("single effects", 0.59)
     assert "single effects, 62 % done" in capfd.readouterr().err
+
+
+def test_the_time_left_is_known_once_something_is_done() -> None:
+    assert time_left(1.0, 0.5) is None
+    assert time_left(30.0, 0.001) is None
+    assert time_left(30.0, 0.25) == 90.0
+    assert line(600.0, "fits", 0.5) == "flexros: 600 s: fits, 50 % done, about 10 min left"
+
+
+def test_a_bar_without_a_terminal_is_silent_at_first_and_then_prints_lines(capfd: pytest.CaptureFixture[str]) -> None:
+    clock = Clock()
+    with ProgressBar(clock=clock) as bar:
+        task = bar.add_task("simulating", total=40)
+        for step in range(1, 41):
+            clock.time = 5.0 + 0.5 * step
+            bar.update(task, completed=step)
+    assert capfd.readouterr().err.splitlines() == [
+        "flexros: 2 s: simulating, 10 % done, about 18 s left",
+        "flexros: 12 s: simulating, 60 % done, about 8 s left",
+    ]
+
+
+def test_a_bar_within_another_one_is_silent(capfd: pytest.CaptureFixture[str]) -> None:
+    clock = Clock()
+    with ProgressBar(shown=False, clock=clock) as bar:
+        task = bar.add_task("simulating", total=2)
+        clock.time = 50.0
+        bar.advance(task)
+    assert capfd.readouterr().err == ""
+
+
+def test_work_of_unknown_length_leaves_what_it_raises() -> None:
+    with pytest.raises(KeyError), working("looking"):
+        raise KeyError

@@ -11,7 +11,8 @@ from rich.table import Table
 from flexros.atomic_file import write_result
 from flexros.cli.model import linear_robot
 from flexros.cli.options import NamespaceOption, TorqueOption, torque_source
-from flexros.cli.output import console, print_json, progress_bar, say
+from flexros.cli.output import console, print_json, say
+from flexros.cli.progress import progress_bar
 from flexros.cli.run import key_and_value
 from flexros.errors import InputError, unknown_name
 from flexros.json_text import json_text

@@ -10,7 +10,8 @@ import typer
 from rich.table import Column, Table
 
 from flexros.cli.model import linear_robot
-from flexros.cli.output import console, print_json, progress_bar, say
+from flexros.cli.output import console, print_json, say
+from flexros.cli.progress import progress_bar
 from flexros.cli.run import key_and_value
 from flexros.errors import InputError, unknown_name
 
@@ -79,7 +80,7 @@ def design(
         print_json(design_record(experiment))
         return
     print_design(experiment)
-    say(f"Scenario: {out}; run it: flexros run {out} --out log, then: flexros identify frf log --out frf.nc")
+    say(f"Scenario: {out}")
 
 
 def checked_minutes(minutes: float) -> None:

@@ -11,7 +11,8 @@ import typer
 from flexros.cli.identify.design import UNKNOWN
 from flexros.cli.identify.table import parameter_table
 from flexros.cli.model import linear_robot
-from flexros.cli.output import console, print_json, progress_bar, say
+from flexros.cli.output import console, print_json, say
+from flexros.cli.progress import progress_bar
 from flexros.errors import InputError
 
 if TYPE_CHECKING:

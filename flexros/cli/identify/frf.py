@@ -11,7 +11,8 @@ from rich.table import Table
 
 from flexros.cli.model import linear_robot
 from flexros.cli.options import NamespaceOption
-from flexros.cli.output import console, print_json, progress_bar, say
+from flexros.cli.output import console, print_json, say, suggest
+from flexros.cli.progress import progress_bar
 from flexros.cli.run import key_and_value
 
 if TYPE_CHECKING:
@@ -49,7 +50,8 @@ def frf(
         print_json([response_record(response) for response in responses])
         return
     print_responses(responses)
-    say(f"Responses: {out}; fit them: flexros identify fit {out} --model {reference} --out identified")
+    say(f"Responses: {out}")
+    suggest(f"flexros identify fit {out} --model {reference} --out identified    springs and dampers from them")
 
 
 def _estimated(log: Log, plan: ExperimentPlan, robot: Robot, settings: list[str]) -> tuple[FrequencyResponse, ...]:

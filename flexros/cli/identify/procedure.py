@@ -16,7 +16,8 @@ from flexros.cli.identify.design import RANGE, UNKNOWN, checked_minutes, design,
 from flexros.cli.identify.fit import BOUND, fit, print_identification, value_bounds
 from flexros.cli.identify.frf import frf
 from flexros.cli.model import linear_robot
-from flexros.cli.output import print_json, progress_bar, say
+from flexros.cli.output import print_json, say
+from flexros.cli.progress import progress_bar, working
 from flexros.cli.run import choose_transport, run_direct
 from flexros.errors import InputError, unknown_name
 from flexros.scenario import transports
@@ -117,7 +118,8 @@ def _run(
     try:
         if transport == "direct":
             return run_direct(experiment.scenario, log)
-        return transports.run_ros(experiment.scenario, log, layout)
+        with working("running over topics"):
+            return transports.run_ros(experiment.scenario, log, layout)
     finally:
         bar.start()
 

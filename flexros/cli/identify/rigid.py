@@ -11,7 +11,8 @@ from flexros.atomic_file import write_result
 from flexros.cli.identify.table import fitting_table
 from flexros.cli.model import linear_robot
 from flexros.cli.options import NamespaceOption, TorqueOption, torque_source
-from flexros.cli.output import console, print_json, progress_bar, say
+from flexros.cli.output import console, print_json, say
+from flexros.cli.progress import progress_bar
 from flexros.errors import InputError
 from flexros.json_text import json_text
 

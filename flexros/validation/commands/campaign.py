@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from flexros.atomic_file import write_result
-from flexros.cli.output import print_json, progress_bar, say
+from flexros.cli.output import print_json, say
+from flexros.cli.progress import progress_bar
 from flexros.errors import InputError
 
 if TYPE_CHECKING:

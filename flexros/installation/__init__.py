@@ -1,0 +1,1 @@
+"""The installation of FlexROS on this machine: what `flexros doctor` checks and what `flexros clean` removes."""
