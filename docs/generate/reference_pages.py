@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import inspect
+import json
 import sys
 import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args, get_origin
 
 import typer
-from pydantic import BaseModel
+from pydantic import BaseModel, TypeAdapter
 from pydantic_core import PydanticUndefined
 
 import flexros
 from flexros.cli.app import EXIT_CODES, app
+from flexros.cli.guide import JOBS, guide_of
+from flexros.cli.json_output import OUTPUTS, RECORDS
 from flexros.config.topics import load_topics
 from flexros.control.base import control_laws
 from flexros.gap.schema import Diagnosis
@@ -114,11 +117,15 @@ def file_page(title: str, introduction: str, model: type[BaseModel], more: Seque
 def commands(command: click.Command, path: str) -> Iterator[str]:
     """Write the section of a command and of those below it."""
     subcommands = getattr(command, "commands", None)
-    yield f"{'##' if path.count(' ') < 2 else '###'} {path}\n\n{paragraph((command.help or '').split('Args:')[0])}\n"
+    level = "###" if path.count(" ") < 2 else "####"
+    yield f"{level} {path}\n\n{paragraph((command.help or '').split('Args:')[0])}\n"
     if subcommands:
         for name in subcommands:
             yield from commands(subcommands[name], f"{path} {name}")
         return
+    words = path.removeprefix("flexros ")
+    if examples := guide_of(words).examples:
+        yield "\n".join(["```bash", *examples, "```", ""])
     rows = []
     for parameter in command.params:
         if parameter.name == "help":
@@ -127,7 +134,10 @@ def commands(command: click.Command, path: str) -> Iterator[str]:
         default = (
             "required" if parameter.required else cell(parameter.default) if parameter.default not in (None, "") else ""
         )
-        rows.append(f"| {names} | {cell(getattr(parameter, 'help', '') or '')} | {default} |")
+        meaning = cell(getattr(parameter, "help", "") or "")
+        if "--json" in parameter.opts and words in OUTPUTS:
+            meaning += f" [Keys](json.md#{words.replace(' ', '-')})"
+        rows.append(f"| {names} | {meaning} | {default} |")
     if rows:
         yield "\n".join(["| option or argument | meaning | default |", "|---|---|---|", *rows, ""])
 
@@ -135,8 +145,39 @@ def commands(command: click.Command, path: str) -> Iterator[str]:
 def commands_page() -> str:
     """Write the page of the command line."""
     root = typer.main.get_command(app)
-    parts = [part for name in root.commands for part in commands(root.commands[name], f"flexros {name}")]  # type: ignore[attr-defined]
+    known = root.commands  # type: ignore[attr-defined]
+    parts = []
+    for job in JOBS:
+        named = [name for name in known if guide_of(name).job == job]
+        parts += [f"## {job}\n"] if named else []
+        parts += [part for name in named for part in commands(known[name], f"flexros {name}")]
     return "\n".join([WRITTEN, "", "# Commands", "", paragraph(EXIT_CODES), "", *parts])
+
+
+def json_pages() -> dict[str, str]:
+    """Write the page of the JSON outputs, and a JSON schema for each command."""
+    lead = (
+        "What commands print with `--json`, on standard output; progress, warnings and next steps are on standard "
+        "error. Numbers that are not finite are `null`. Each schema is a file of its own "
+        "([JSON Schema](https://json-schema.org), draft 2020-12)."
+    )
+    lines = [WRITTEN, "", "# JSON output", "", paragraph(lead), ""]
+    written, known = {}, []
+    for command, output in OUTPUTS.items():
+        file = f"json/{command.replace(' ', '_')}.schema.json"
+        schema = {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": f"flexros {command} --json"}
+        schema |= {**TypeAdapter(output).json_schema(), "title": schema["title"]}
+        written[file] = json.dumps(schema, indent=1, ensure_ascii=False)
+        lines += [f"## {command}", "", paragraph(f"{type_name(output)}; [schema]({file})"), ""]
+        known += [model for model in models_in(output) if model not in known]
+    lines += ["## Other records", ""]
+    lines += [f"- `flexros {command} --json`: {what}." for command, what in RECORDS.items()]
+    lines.append("")
+    for model in known:  # grows during the iteration
+        for field in model.model_fields.values():
+            known += [part for part in dict.fromkeys(models_in(field.annotation)) if part not in known]
+    lines += [section(model) for model in known]
+    return {"json.md": "\n".join(lines), **written}
 
 
 def topics_page() -> str:
@@ -198,8 +239,8 @@ def python_pages() -> dict[str, str]:
             page = (
                 f"{name}_class.md" if inspect.isclass(value) else f"{name}.md"
             )  # Run and run are one file on some disks
-            lines.append(f"| [`{name}`]({page}) | {cell((inspect.getdoc(value) or '').splitlines()[0])} |")
-            written[f"python/{page}"] = f"{WRITTEN}\n\n# {name}\n\n::: flexros.{name}\n"
+            lines.append(f"| [{name}]({page}) | {cell((inspect.getdoc(value) or '').splitlines()[0])} |")
+            written[f"python/{page}"] = f"{WRITTEN}\n\n::: flexros.{name}\n    options:\n      heading_level: 1\n"
         lines.append("")
     return {"python/index.md": "\n".join(lines), **written}
 
@@ -230,12 +271,14 @@ def pages() -> dict[str, str]:
         "commands.md": commands_page(),
         "topics.md": topics_page(),
         **python_pages(),
+        **json_pages(),
     }
 
 
 def main(folder: Path) -> None:
     """Write the pages into a folder."""
-    (folder / "python").mkdir(parents=True, exist_ok=True)
+    for part in ("python", "json"):
+        (folder / part).mkdir(parents=True, exist_ok=True)
     for name, text in pages().items():
         (folder / name).write_text(text.rstrip() + "\n", encoding="utf-8")
 

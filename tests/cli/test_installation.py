@@ -9,7 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from pydantic import TypeAdapter
 
+from flexros.cli.json_output import OUTPUTS
 from flexros.installation import doctor as checks
 from flexros.installation.finding import Finding
 
@@ -32,6 +34,7 @@ def test_exit_code_of_the_doctor(flexros: Flexros, monkeypatch: pytest.MonkeyPat
 def test_findings_as_json(flexros: Flexros, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(checks, "examine", found("broken"))
     content = json.loads(flexros("doctor", "--json").out)
+    TypeAdapter(OUTPUTS["doctor"]).validate_python(content)
     assert content["healthy"] is False
     assert content["findings"][0]["facts"] == {"size_bytes": 1}
 
@@ -52,6 +55,7 @@ def test_clean_shows_first_and_removes_on_demand(
     assert "in use, kept" in shown
     assert old.exists()
     content = json.loads(flexros("clean", "--yes", "--json").out)
+    TypeAdapter(OUTPUTS["clean"]).validate_python(content)
     assert content["removed"] == [str(old)]
     assert content["freed_bytes"] == 250_000
     assert not old.exists()

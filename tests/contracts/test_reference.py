@@ -20,7 +20,7 @@ PAGES = [
     str(path.relative_to(REFERENCE))
     for path in sorted(REFERENCE.rglob("*.md"))
     if path.read_text(encoding="utf-8").startswith(WRITTEN)
-]
+] + [str(path.relative_to(REFERENCE)) for path in sorted(REFERENCE.rglob("*.schema.json"))]
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +34,7 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_all_pages_are_committed(written: Path) -> None:
-    assert [str(path.relative_to(written)) for path in sorted(written.rglob("*.md"))] == PAGES
+    assert {str(path.relative_to(written)) for path in written.rglob("*.*")} == set(PAGES)
 
 
 def test_every_name_of_the_front_door_has_a_page() -> None:

@@ -1,0 +1,57 @@
+"""What commands print with `--json`, described for programs: one model per output, from which the schemas are written.
+
+The commands print what the library computes; tests compare what they print with these models.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from flexros.cli.json_output.analysis import AnalysisOfRun, ImportedLog
+from flexros.cli.json_output.control import Benchmarked, BenchmarkLog, ControllerEntry, Designed, MethodEntry
+from flexros.cli.json_output.identification import DesignedExperiment, FrictionMeasured, Identified, ResponseFigures
+from flexros.cli.json_output.installation import Cleaned, Examined
+from flexros.cli.json_output.monitoring import Monitored
+from flexros.cli.json_output.robots import ExportedModel, ImportedModel, RobotAtPose, RobotEntry
+from flexros.cli.json_output.runs import Learned, Replayed, RunOutcome, ScenarioEntry
+from flexros.gap.schema import Diagnosis, GapNumbers
+
+if TYPE_CHECKING:
+    from typing import Any
+
+OUTPUTS: dict[str, Any] = {
+    "robots": list[RobotEntry],
+    "robot": RobotAtPose,
+    "import": ImportedLog,
+    "import-mjcf": ImportedModel,
+    "export": ExportedModel,
+    "scenarios": list[ScenarioEntry],
+    "run": RunOutcome,
+    "learn": Learned,
+    "replay": Replayed,
+    "analyze": AnalysisOfRun | list[AnalysisOfRun],
+    "benchmark": Benchmarked | list[Benchmarked] | BenchmarkLog | list[ControllerEntry],
+    "design": Designed | dict[str, MethodEntry],
+    "diagnose": Diagnosis,
+    "gap": GapNumbers,
+    "monitor": Monitored,
+    "doctor": Examined,
+    "clean": Cleaned,
+    "identify robot": Identified,
+    "identify design": DesignedExperiment,
+    "identify frf": list[ResponseFigures],
+    "identify fit": Identified,
+    "identify friction": FrictionMeasured,
+}
+"""Type of the output of each command, by its words."""
+
+RECORDS = {
+    "identify rigid": "the record of rigid.json",
+    "identify axis": "the record of axis.json",
+    "identify kinematics": "the record of kinematics.json",
+    "demo": "the comparison of its runs, with the diagnosis and the budget",
+    "bench": "figures by benchmark",
+    "campaign": "figures by campaign",
+    "blind score": "counts and shares",
+}
+"""Outputs without a model: what they are; their keys may grow."""

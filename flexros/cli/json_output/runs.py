@@ -1,0 +1,43 @@
+"""JSON of the commands that run scenarios."""
+
+from __future__ import annotations
+
+from pydantic import Field
+
+from flexros.cli.json_output.base import OpenOutput, Output
+
+
+class ScenarioEntry(Output):
+    """A built-in scenario."""
+
+    name: str = Field(description="its name")
+    robot: str = Field(description="its robot")
+    description: str = Field(description="its purpose")
+
+
+class RunOutcome(OpenOutput):
+    """The outcome of a run; keys beside these are figures of the transport, with the unit in the name."""
+
+    exit_code: int = Field(description="0 done, 3 aborted, 130 interrupted")
+    message: str = Field(description="what happened; empty when done")
+    transport: str = Field(description="direct, or ros with its layout")
+    log: str | None = Field(default=None, description="folder of the log")
+    samples: int = Field(description="samples of the loop [1]")
+    simulated_time_s: float = Field(description="samples times the sample time [s]")
+    wall_time_s: float = Field(description="time that the loop took [s]")
+    warnings: list[str] | None = Field(default=None, description="what the feedforward cannot compensate")
+
+
+class Learned(Output):
+    """Iterative learning control."""
+
+    max_mm: list[float] = Field(description="largest tool error of each run [mm]")
+    rms_mm: list[float] = Field(description="rms of the tool error of each run [mm]")
+
+
+class Replayed(OpenOutput):
+    """A replay; keys beside these are figures, messages by topic among them."""
+
+    exit_code: int = Field(description="0 done, 3 aborted, 130 interrupted")
+    message: str = Field(description="what happened; empty when done")
+    warnings: list[str] = Field(description="what is doubtful")

@@ -1,0 +1,88 @@
+"""What commands print as JSON is what its description says: every key, and no other."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+import typer
+from pydantic import TypeAdapter, ValidationError
+
+from flexros.cli.app import app
+from flexros.cli.json_output import OUTPUTS, RECORDS
+
+Flexros = Callable[..., Any]
+SAMPLE = Path(__file__).parents[2] / "bags" / "sample_circle_dae"
+ROOT: Any = typer.main.get_command(app)
+
+
+def with_json(command: Any, path: str = "") -> set[str]:
+    """Return the words of all commands with --json."""
+    if hasattr(command, "commands"):
+        parts = command.commands.items()
+        return {words for name, part in parts for words in with_json(part, f"{path} {name}".strip())}
+    return {path} if any("--json" in getattr(one, "opts", ()) for one in command.params) else set()
+
+
+def check(command: str, text: str) -> Any:
+    content = json.loads(text)
+    TypeAdapter(OUTPUTS[command]).validate_python(content)
+    return content
+
+
+def test_every_command_with_json_is_described() -> None:
+    assert with_json(ROOT) == {*OUTPUTS, *RECORDS}
+
+
+def test_a_key_that_is_not_described_is_found() -> None:
+    with pytest.raises(ValidationError, match="new"):
+        check("learn", '{"max_mm": [], "rms_mm": [], "new": 1}')
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("robots",),
+        ("robot", "two_mass"),
+        ("scenarios",),
+        ("analyze", str(SAMPLE)),
+        ("analyze", str(SAMPLE), str(SAMPLE)),
+        ("benchmark",),
+        ("design",),
+        ("design", "pole_placement", "--model", "two_mass"),
+    ],
+    ids=" ".join,
+)
+def test_output_is_as_described(flexros: Flexros, words: tuple[str, ...]) -> None:
+    ended = flexros(*words, "--json")
+    assert ended.code == 0, ended.err
+    assert check(words[0], ended.out)
+
+
+def test_files_that_are_written(flexros: Flexros, tmp_path: Path) -> None:
+    options = ("--transport", "direct", "--set", "duration=0.05", "--out", str(tmp_path / "log"))
+    assert check("run", flexros("run", "circle_pd", *options, "--json").out)["samples"] == 101
+    check("learn", flexros("learn", "circle_pd", "--trials", "1", "--json").out)
+    check("export", flexros("export", "two_mass", "--to", "json", "--out", str(tmp_path / "x.json"), "--json").out)
+
+
+@pytest.mark.slow
+def test_identification_from_log_to_parameters(flexros: Flexros, tmp_path: Path) -> None:
+    log, responses = str(tmp_path / "log"), str(tmp_path / "frf.nc")
+    flexros("run", "identify_two_mass", "--transport", "direct", "--out", log)
+    check("identify frf", flexros("identify", "frf", log, "--out", responses, "--json").out)
+    fit = ("fit", responses, "--model", "two_mass", "--starts", "1", "--out", str(tmp_path / "fit"), "--json")
+    check("identify fit", flexros("identify", *fit).out)
+
+
+@pytest.mark.slow
+def test_gap_and_monitor(flexros: Flexros, tmp_path: Path) -> None:
+    log = str(tmp_path / "log")
+    flexros(
+        "run", "diagnosis", "--model", "two_mass", "--set", "diagnosis.length=10", "--transport", "direct", "--out", log
+    )
+    check("gap", flexros("gap", log, "--model", "two_mass", "--json").out)
+    check("monitor", flexros("monitor", log, "--model", "two_mass", "--json").out)
