@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 _LIBRARY = Path(__file__).parents[1]
+_BEHIND_EFFECTS = {"kinds", "patching"}
+"""Folders of `effects` that hold no effects."""
 
 
 def _names(folder: str, pattern: str, incomplete: str) -> list[str]:
@@ -30,8 +32,9 @@ def controllers(incomplete: str) -> list[str]:
 def effects(incomplete: str) -> list[str]:
     """Return the last name of a list of effects completed, with those before it: coulomb_friction,back -> backlash."""
     before, comma, last = incomplete.rpartition(",")
-    found = {*_names("effects", "*.py", last), *_names("effects/servos", "*.py", last)}
-    return sorted(f"{before}{comma}{name}" for name in found)
+    files = (_LIBRARY / "effects").rglob("*.py")
+    names = {path.stem for path in files if not _BEHIND_EFFECTS & set(path.parts) and not path.stem.startswith("_")}
+    return sorted(f"{before}{comma}{name}" for name in names if name.startswith(last))
 
 
 def placed_effects(incomplete: str) -> list[str]:

@@ -25,14 +25,14 @@ def check_shared_memory(folder: Path = SHARED_MEMORY) -> Finding:
     """
     if not folder.is_dir():
         text = f"{folder} does not exist: messages between processes take the network"
-        return Finding("shared memory", "limited", text, "in a container: --ipc=host or --shm-size=512m")
+        return Finding("shared memory", "limited", text, "start the container with ipc=host or shm-size=512m")
     use = shutil.disk_usage(folder)
     facts = {"folder": str(folder), "size_bytes": use.total, "free_bytes": use.free}
     text = f"{folder}: {_megabytes(use.free)} of {_megabytes(use.total)} free"
     if not os.access(folder, os.W_OK):
         return Finding("shared memory", "limited", f"{text}, not writable", "give this user the right to write", facts)
     if use.free < LEAST_SHARED:
-        remedy = "in a container: --shm-size=512m; else remove old segments: flexros clean"
+        remedy = "start the container with shm-size=512m, or end processes that hold it"
         return Finding("shared memory", "limited", text, remedy, facts)
     return Finding("shared memory", "ok", text, facts=facts)
 
@@ -60,7 +60,7 @@ def check_real_time() -> Finding:
     if not permitted:
         remedy = (
             "to pace runs by the wall clock: '@realtime - rtprio 98' in /etc/security/limits.conf for a group of this "
-            "user, in a container '--ulimit rtprio=98'; then log in again"
+            "user, then log in again; start a container with ulimit rtprio=98"
         )
         return Finding("real-time rights", "limited", text, remedy, facts)
     return Finding("real-time rights", "ok", text, facts=facts)

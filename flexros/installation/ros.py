@@ -6,6 +6,7 @@ import json
 import subprocess
 import sys
 from importlib.util import find_spec
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flexros.installation.finding import Finding
@@ -39,7 +40,7 @@ def check_ros(environment: Mapping[str, str]) -> Finding:
     if spec is None:
         where = f"ROS 2 {sourced} is sourced, but this Python cannot import rclpy" if sourced else "no ROS 2 is sourced"
         remedy = (
-            f"make the environment with the Python of ROS 2 {sourced} and --system-site-packages"
+            f"make the environment with the Python of ROS 2 {sourced}, such that it sees the packages of the system"
             if sourced
             else "source ROS 2 Jazzy, or on Linux x86_64: pip install 'flexros[ros]'"
         )
@@ -56,9 +57,11 @@ def check_ros(environment: Mapping[str, str]) -> Finding:
     if loaded is None:
         text = f"rclpy is at {spec.origin}, but cannot be loaded: {why}"
         return Finding("ROS 2", "broken", text, "repair ROS 2, or leave it out: runs work in-process", facts)
-    origin = "sourced" if sourced and "site-packages" not in loaded["rclpy"] else "wheels"
+    within = Path(loaded["rclpy"]).is_relative_to(sys.prefix)
+    origin = "wheels" if within else "sourced" if sourced else "path"
     facts |= {"found": True, "origin": origin, **loaded}
-    text = f"rclpy from {'ROS 2 ' + sourced if origin == 'sourced' else 'wheels'}, {loaded['rclpy']}"
+    names = {"wheels": "wheels", "sourced": f"ROS 2 {sourced}", "path": "the path of Python, no ROS 2 is sourced"}
+    text = f"rclpy from {names[origin]}: {loaded['rclpy']}"
     if sourced and sourced != WANTED:
         remedy = f"the nodes are written for ROS 2 {WANTED.capitalize()}; source that"
         return Finding("ROS 2", "limited", f"{text}: distribution {sourced}", remedy, facts)

@@ -65,7 +65,7 @@ def test_output_is_as_described(flexros: Flexros, words: tuple[str, ...]) -> Non
 def test_files_that_are_written(flexros: Flexros, tmp_path: Path) -> None:
     options = ("--transport", "direct", "--set", "duration=0.05", "--out", str(tmp_path / "log"))
     assert check("run", flexros("run", "circle_pd", *options, "--json").out)["samples"] == 101
-    check("learn", flexros("learn", "circle_pd", "--trials", "1", "--json").out)
+    check("learn", flexros("learn", "circle_pd", "--trials", "2", "--json").out)
     check("export", flexros("export", "two_mass", "--to", "json", "--out", str(tmp_path / "x.json"), "--json").out)
 
 
