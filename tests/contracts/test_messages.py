@@ -11,7 +11,7 @@ import pytest
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 COMMANDS = (CHECKOUT / "flexros" / "cli", CHECKOUT / "flexros" / "validation" / "commands")
-OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]+")
+OPTION = re.compile(r"(?<![\w(-])--[a-z][a-z-]+")
 WHOLE_COMMAND = re.compile(r"flexros [a-z-]+ [^;]*--[a-z]|^--[a-z-]+$")
 """A command to be copied, or a word of one that is put together: not a message that names an option."""
 
