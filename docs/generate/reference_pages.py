@@ -136,7 +136,7 @@ def commands(command: click.Command, path: str) -> Iterator[str]:
         )
         meaning = cell(getattr(parameter, "help", "") or "")
         if "--json" in parameter.opts and words in OUTPUTS:
-            meaning += f" [Keys](json.md#{words.replace(' ', '-')})"
+            meaning += f" [Keys](json.md#{next(models_in(OUTPUTS[words])).__name__.lower()})"
         rows.append(f"| {names} | {meaning} | {default} |")
     if rows:
         yield "\n".join(["| option or argument | meaning | default |", "|---|---|---|", *rows, ""])
@@ -161,18 +161,18 @@ def json_pages() -> dict[str, str]:
         "error. Numbers that are not finite are `null`. Each schema is a file of its own "
         "([JSON Schema](https://json-schema.org), draft 2020-12)."
     )
-    lines = [WRITTEN, "", "# JSON output", "", paragraph(lead), ""]
-    written, known = {}, []
+    lines = [WRITTEN, "", "# JSON output", "", paragraph(lead), "", "| command | prints | schema |", "|---|---|---|"]
+    written: dict[str, str] = {}
+    known: list[type[BaseModel]] = []
     for command, output in OUTPUTS.items():
         file = f"json/{command.replace(' ', '_')}.schema.json"
         schema = {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": f"flexros {command} --json"}
         schema |= {**TypeAdapter(output).json_schema(), "title": schema["title"]}
         written[file] = json.dumps(schema, indent=1, ensure_ascii=False)
-        lines += [f"## {command}", "", paragraph(f"{type_name(output)}; [schema]({file})"), ""]
-        known += [model for model in models_in(output) if model not in known]
-    lines += ["## Other records", ""]
-    lines += [f"- `flexros {command} --json`: {what}." for command, what in RECORDS.items()]
-    lines.append("")
+        lines.append(f"| `flexros {command}` | {type_name(output)} | [file]({file}) |")
+        known += [model for model in dict.fromkeys(models_in(output)) if model not in known]
+    lines += [f"| `flexros {command}` | {what} |  |" for command, what in RECORDS.items()]
+    lines += ["", "Every key of these, and no other:", ""]
     for model in known:  # grows during the iteration
         for field in model.model_fields.values():
             known += [part for part in dict.fromkeys(models_in(field.annotation)) if part not in known]
@@ -227,7 +227,7 @@ def python_pages() -> dict[str, str]:
     lead = (
         "What `import flexros` offers. Each name is loaded when it is used first. Results show themselves in a "
         "notebook, draw themselves with `plot()` (a Plotly figure), and go on with `to_pandas()`, `to_xarray()` and "
-        "`to_control()` where these apply. The [notebooks](../../notebooks/index.md) use them. Everything else is in "
+        "`to_control()` where these apply. The [notebooks](../../notebooks/overview.md) use them. Everything else is in "
         "the rooms of the API."
     )
     lines = [WRITTEN, "", "# Python", "", paragraph(lead), ""]
