@@ -65,6 +65,7 @@ class RecorderNode(FlexrosNode):
         self._topics = {name: row for name, row in load_topics().items() if row.recorded or name in requested}
         self._all_confirmed = -1
         self._confirmed: dict[str, int] = {}
+        self._seen: tuple[int, ...] = ()
         self._confirm_every = self.value("confirm_every")
         self._since_confirmed = self._stalls = 0
         self._samples: dict[str, TopicRecording] = {}
@@ -131,6 +132,9 @@ class RecorderNode(FlexrosNode):
             self._arrival.begin()
         recording.take(message)
         self._since_confirmed += 1
+        if self._arrival is not None:
+            self.stamp = max(self.stamp, recording.last)
+            return  # the loop waits for its first and last samples only, which the timer confirms
         if self._since_confirmed >= self._confirm_every and not self._confirm():
             self._confirm_each()  # the run was aborted: the plant brakes, and waits only for its own topics
 
@@ -159,11 +163,19 @@ class RecorderNode(FlexrosNode):
 
         The plant may have discovered this recorder only now, and would wait forever for the earlier ones.
         """
+        if self._arrival is not None and self._is_advancing():
+            return  # in real time the loop does not wait: the beginning and the end are confirmed
         self._stalls = 0 if self._confirm_each() else self._stalls + 1
         if self._stalls and (self._stalls & (self._stalls - 1) == 0 or self._stalls % STALL_PERIODS == 0):
             for name, stamp in {"": self._all_confirmed, **self._confirmed}.items():
                 if stamp >= 0:
                     self.publish_progress(name, stamp)
+
+    def _is_advancing(self) -> bool:
+        """Whether every topic of the loop that has been confirmed goes on, which needs no further confirmation."""
+        before, self._seen = self._seen, tuple(recording.until for recording in self._in_loop)
+        confirmed = all(name in self._confirmed for name, recording in self._samples.items() if recording.count)
+        return confirmed and all(now > then for now, then in zip(self._seen, before, strict=False) if now >= 0)
 
     def _on_experiment(self, message: bytes) -> None:
         """Store the state of an experiment that the user has stopped."""

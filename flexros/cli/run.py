@@ -39,6 +39,7 @@ FIGURES = {
     "lateness_max_us": ("start after due, longest", "µs"),
     "late": ("cycles late by more than a tenth", ""),
     "late_percent": ("share of late cycles", "%"),
+    "bare_late_percent": ("late cycles of a loop that only sleeps, right after", "%"),
     "missed_commands": ("samples without command", ""),
     "real_time_priority": ("real-time priority", ""),
 }

@@ -16,7 +16,7 @@ from rclpy.node import Node
 
 from flexros.errors import RunError
 from flexros_nodes.bringup.node_process import NodeProcess
-from flexros_nodes.bringup.run_plan import RunSummary, summarise
+from flexros_nodes.bringup.run_plan import SHUTDOWN_TIMEOUT, RunSummary, summarise
 from flexros_nodes.protocol.loop.shutdown import FLUSH_TIMEOUT
 from flexros_nodes.protocol.parameters import node_parameters
 from flexros_nodes.protocol.process.clock_steps import waking_at_clock_steps
@@ -39,9 +39,6 @@ CONFIGURE_TIMEOUT = 60.0
 
 START_TIMEOUT = 10.0
 """Time after which a process without services is restarted once [s], chosen: discovery takes about one second."""
-
-SHUTDOWN_TIMEOUT = 20.0
-"""Longest time for a node to shut down [s], chosen: under load a recorder takes seconds to close its log."""
 
 VANISHING_TIMEOUT = 0.5
 """Longest wait for ended nodes to leave the graph [s], chosen: a killed one remains for long."""

@@ -17,6 +17,7 @@ from flexros_nodes.bringup.processes import run_processes
 from flexros_nodes.bringup.run_plan import LEADERS, NODES, RunPlan, RunSummary, leader_of, new_identity
 from flexros_nodes.protocol.parameters import check_value, gain_parameters, node_parameters
 from flexros_nodes.protocol.process.interruption import interruption
+from flexros_nodes.protocol.real_time.bare_loop import bare_loop
 from flexros_nodes.shell.claims import PRODUCERS, refuse_claims_of_others
 from flexros_nodes.shell.domain import DOMAIN_VARIABLE, domain_of_run, environment
 from flexros_nodes.shell.exposure import exposure_settings
@@ -26,6 +27,9 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flexros_nodes.protocol.parameters import Value
+
+BARE_LOOP = 2.0
+"""Time for which a bare loop is measured after a run in real time, for comparison [s], chosen."""
 
 LAYOUTS = {"composed": run_composed, "processes": run_processes}
 
@@ -88,6 +92,10 @@ def run_scenario(
         for topic in PRODUCERS:  # before any node is started
             refuse_claims_of_others(domain, f"/{topic}", plan.run, os.environ)
         summary = replace(LAYOUTS[layout](plan, interrupted), domain_id=domain)
+        if summary.timing and not interrupted():
+            bare = bare_loop(summary.simulated_time / summary.samples, BARE_LOOP)
+            share = {} if bare is None else {"bare_late_percent": bare.late_percent}
+            summary = replace(summary, timing={**summary.timing, **share})
     if summary.exit_code == InputError.exit_code:
         raise InputError(summary.message)
     return summary

@@ -25,6 +25,10 @@ LEADERS = ("feedforward", "identification")
 NODES = ("recorder", *LEADERS, "controller", "plant")
 """Nodes in the order of bring-up; shutdown is in reverse."""
 
+SHUTDOWN_TIMEOUT = 20.0
+"""Longest time for a node in a process of its own to shut down [s], chosen: under load a recorder takes seconds to
+close its log."""
+
 IN_REAL_TIME: dict[str, dict[str, Value]] = {
     "plant": {"priority": PRIORITY},
     "controller": {"priority": PRIORITY},
@@ -36,6 +40,10 @@ IN_REAL_TIME: dict[str, dict[str, Value]] = {
 Other processes of the machine must delay neither reference nor log. Where the system grants no priority, the recorder
 yields to the loop by its niceness: it has time until the end.
 """
+
+
+REAL_TIME_STREAM: dict[str, Value] = {"chunk_duration": 0.25, "lead": 1.0}
+"""Parameters of the reference stream in real time, chosen: a chunk of any length takes most of a cycle."""
 
 
 def leader_of(scenario: Scenario) -> str:
@@ -80,6 +88,8 @@ class RunPlan:
         """Return the parameter values of a node."""
         values: dict[str, Value] = {"scenario": self.scenario, "autostart": False, "run": self.run}
         values["observers"] = 0 if self.folder is None else 1
+        if node in LEADERS and self.real_time:
+            values |= REAL_TIME_STREAM
         if node == "recorder":
             values |= {"folder": str(self.folder), "real_time": self.real_time}
         return {**values, **self.parameters.get(node, {})}
@@ -112,7 +122,8 @@ class RunSummary:
         dropped: Messages dropped on purpose.
         missing: Sent samples that are missing in the log, over all topics.
         unseen: Samples that never reached the controller; they have neither command nor reference.
-        timing: Period and lateness of a real-time run by name; else empty.
+        timing: Period and lateness of a real-time run by name, and the share of late cycles of a bare loop measured
+            after it; else empty.
         reports: Reports by node, of nodes that wrote one.
         domain_id: ROS domain of the run, in which other nodes can join; -1 if unknown.
     """

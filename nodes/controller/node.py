@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from std_msgs.msg import Header
 
 from flexros.errors import FlexrosError, RunError
+from flexros.logs.messages.cdr_cursor import MessageError
 from flexros.logs.messages.joint_state import JointStateTemplate, JointStateView
 from flexros.logs.messages.joint_trajectory import read_joint_trajectory
 from flexros.logs.stamps import NANOSECONDS, sample_number
@@ -251,12 +252,11 @@ class ControllerNode(FlexrosNode):
         if self._drops is not None and self._drops():
             return
         try:
-            chunk = read_joint_trajectory(message).in_order(self._chunk_names)
-        except FlexrosError as error:
+            stamp = self.buffer.append_message(message, self._chunk_names)
+        except MessageError as error:
             raise RunError(f"a message on joint_reference_ahead is rejected: {error}") from error
-        self.buffer.append(chunk)
         self._answer()
-        self._confirmation.stamp.sec, self._confirmation.stamp.nanosec = divmod(chunk.stamp_ns, NANOSECONDS)
+        self._confirmation.stamp.sec, self._confirmation.stamp.nanosec = divmod(stamp, NANOSECONDS)
         self._received.publish(self._confirmation)
 
     def _on_trajectory(self, message: bytes) -> None:

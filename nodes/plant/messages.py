@@ -66,13 +66,6 @@ class PlantMessages:
         """Return whether a topic of the contract has a publisher."""
         return self._publishers(name) > 0
 
-    def recorders(self) -> frozenset[bytes]:
-        """Return the identifiers of the connected recorders, new ones after each configuration."""
-        name = self._node.resolve_topic_name("recorder_progress")
-        if not self.is_published("recorder_progress"):
-            return frozenset()
-        return frozenset(bytes(end.endpoint_gid) for end in self._node.get_publishers_info_by_topic(name))
-
     def controllers(self) -> int:
         """Count the publishers of joint_commands."""
         return self._publishers("joint_commands")

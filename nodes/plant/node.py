@@ -19,7 +19,7 @@ from flexros_nodes.protocol.loop.shutdown import Shutdown
 from flexros_nodes.protocol.real_time.plant_pacing import PlantPacing
 from flexros_nodes.protocol.real_time.schedule import Schedule
 from flexros_nodes.shell.node_base import FlexrosNode
-from flexros_nodes.shell.partners import WATCH_PERIOD, Partners, strangers_message
+from flexros_nodes.shell.partners import RECORDER, WATCH_PERIOD, Partners, strangers_message
 from flexros_nodes.shell.prepared_run import prepared_run
 from flexros_nodes.shell.topic_interface import period
 
@@ -57,7 +57,8 @@ class PlantNode(FlexrosNode):
         self.loop = PlantLoop(self, run, self._pacing, self._on_loop_end)
         self.view = PlantView(self, run)
         self._shutdown, self._search_time = None, 0.0
-        self._partners, self._recorders = Partners(self), frozenset[bytes]()
+        self._partners = Partners(self)
+        self._recorders, self._n_recorders = frozenset[bytes](), 0
         self._surplus = ""
         self._last_figures: dict[str, float] = {}
         PlantServices(self, self.loop, self.reset)
@@ -74,7 +75,7 @@ class PlantNode(FlexrosNode):
 
     def start(self) -> None:
         """Search for the partners; the first state is sent once they are connected."""
-        self._recorders = frozenset()
+        self._recorders, self._n_recorders = frozenset(), 0
         if self.loop.sample >= 0:
             self.reset()
         self._search_time = 0.0
@@ -123,6 +124,8 @@ class PlantNode(FlexrosNode):
             return
         observers, messages = self.value("observers"), self.loop.messages
         if messages.have_partners(observers) and not self._strangers():
+            self._note_recorders()
+            self.view.look_again()  # a recorder in another process was not connected before
             self.loop.send_first()
             return
         self._search_time = 0.0 if self.loop.pause.on else self._search_time + LOOK_PERIOD
@@ -143,13 +146,18 @@ class PlantNode(FlexrosNode):
         """Abort where a second plant, controller or reference stream has joined the loop; remember the recorders."""
         if self.loop.sample < 0 or self.loop.over:
             return
-        self._recorders |= self.loop.messages.recorders()
+        self._note_recorders()
         if surplus := self._partners.surplus():
             raise RunError(f"{strangers_message(surplus)}; {BRAKED}")
 
+    def _note_recorders(self) -> None:
+        if (number := self._partners.publishers(RECORDER)) != self._n_recorders:
+            self._n_recorders = number
+            self._recorders |= self._partners.recorders()
+
     def refusal(self) -> str:
         """Refuse to begin again while a recorder of the run before is connected: its log holds one run."""
-        if not self._recorders & self.loop.messages.recorders():
+        if not self._recorders & self._partners.recorders():
             return ""
         return (
             f"the plant is at sample {self.loop.sample} and a recorder is connected, whose log cannot return to the "

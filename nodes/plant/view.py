@@ -46,6 +46,10 @@ class PlantView:
         self._wanted = self._frames_wanted = False
         self._calls = 0
 
+    def look_again(self) -> None:
+        """Check for subscribers at the next call of `show`."""
+        self._calls = 0
+
     def show(self, plant: Plant) -> None:
         """Publish markers and frames of the present state, if subscribed; call once per marker period."""
         if self._calls % CHECK_EVERY == 0:

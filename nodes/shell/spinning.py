@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from contextlib import contextmanager
-from time import perf_counter
+from time import perf_counter, sleep
 from typing import TYPE_CHECKING
 
 from rclpy.executors import SingleThreadedExecutor
 
 from flexros_nodes.protocol.process.clock_steps import waking_at_clock_steps
-from flexros_nodes.protocol.real_time.precise_timing import precise_timing
+from flexros_nodes.protocol.real_time.bare_loop import BUSY
+from flexros_nodes.protocol.real_time.precise_timing import PRIORITY, middleware_threads, precise_timing, take_priority
 
 try:
     from rclpy.experimental.events_executor import EventsExecutor
@@ -33,8 +34,8 @@ SLICE = 0.2
 WATCH_PERIOD = 0.05
 """Period at which the executor checks for signals [s], chosen."""
 
-BUSY = 130e-6
-"""Time before a due cycle from which the paced loop polls clock and messages instead of sleeping [s], chosen."""
+NAP = 60e-6
+"""Longest sleep of the paced loop between two looks for messages [s], chosen: the controller may be in this process."""
 
 MOST_EVENTS = 16
 """Queued events that a late cycle processes to find its command, chosen: all events of one sample."""
@@ -62,12 +63,14 @@ def spin(executor: Executor, stop: Future, interrupted: Interruption, node: Flex
                 executor.spin_until_future_complete(stop, timeout_sec=SLICE)
             return
         with precise_timing() as paced.prioritised:
+            if paced.prioritised:  # else a thread that holds a lock of the middleware waits for ordinary programs
+                take_priority(PRIORITY - 1, middleware_threads())
             while not (stop.done() or interrupted()):
                 schedule = paced.schedule
-                remaining = SLICE if schedule is None else schedule.due - BUSY - perf_counter()
-                if schedule is None or remaining > 0.0:
-                    executor.spin_once(timeout_sec=min(remaining, SLICE))
+                if schedule is None:
+                    executor.spin_once(timeout_sec=SLICE)
                 else:
+                    _await_cycle(executor, paced, schedule)
                     _start_cycle(executor, paced, schedule)
 
 
@@ -85,6 +88,21 @@ def _watching(interrupted: Interruption, stop: Future, node: FlexrosNode) -> Ite
     finally:
         timer.cancel()
         node.destroy_timer(timer)
+
+
+def _await_cycle(executor: Executor, paced: Paced, schedule: Schedule) -> None:
+    """Process what arrives until the next cycle is about to be due, and sleep meanwhile.
+
+    The executor is not let wait itself: its waits end up to 0.3 ms late, those of the system do not.
+    """
+    events = 0
+    while (remaining := schedule.due - BUSY - perf_counter()) > 0.0:
+        executor.spin_once(timeout_sec=0.0)
+        events += 1
+        if events < MOST_EVENTS // 2 and not paced.answered():
+            continue  # of the events that are queued, the measurement for the controller may be the last
+        if (remaining := schedule.due - BUSY - perf_counter()) > 0.0:
+            sleep(min(remaining, NAP))
 
 
 def _start_cycle(executor: Executor, paced: Paced, schedule: Schedule) -> None:

@@ -11,14 +11,12 @@ import tempfile
 from contextlib import contextmanager
 from pathlib import Path
 from statistics import median
-from time import perf_counter, sleep
 from typing import TYPE_CHECKING
 from unittest.mock import patch
 
 from flexros.scenario.scenario import load_scenario
 from flexros_nodes.bringup.run import run_scenario
-from flexros_nodes.protocol.real_time.precise_timing import precise_timing
-from flexros_nodes.protocol.real_time.schedule import Schedule
+from flexros_nodes.protocol.real_time.bare_loop import bare_loop
 from flexros_nodes.shell import spinning
 
 if TYPE_CHECKING:
@@ -83,20 +81,9 @@ def lock_step_rows() -> list[dict[str, object]]:
     ]
 
 
-def bare_loop() -> dict[str, object]:
+def bare_row() -> dict[str, object]:
     """Measure the schedule of an empty loop."""
-    n = round(DURATION / T)
-    schedule = Schedule(T)
-    with precise_timing():
-        schedule.begin(perf_counter() + T)
-        for _ in range(n):
-            remaining = schedule.due - perf_counter() - spinning.BUSY
-            if remaining > 0.0:
-                sleep(remaining)
-            while (now := perf_counter()) < schedule.due:
-                pass
-            schedule.started(now)
-    statistics = schedule.statistics()
+    statistics = bare_loop(T, DURATION)
     assert statistics is not None
     return timing_row("real time, bare loop without nodes", statistics.as_dict(), None)
 
@@ -121,7 +108,7 @@ def real_time_rows() -> list[dict[str, object]]:
     circle = scenario("circle_dae", DURATION)
     rounds = []
     for _ in range(REPEATS):
-        rows = [bare_loop()]
+        rows = [bare_row()]
         for layout in ("composed", "processes"):
             for record, goal in ((False, 1.0), (True, 5.0)):
                 summary = run(circle, layout, record=record, real_time=True)

@@ -74,6 +74,13 @@ def kept(start: StartProcess) -> Iterator[StartProcess]:
         process.communicate()
 
 
+@pytest.fixture(autouse=True)
+def short_bare_loop(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Measure the bare loop after a run in real time for a moment only."""
+    if (module := sys.modules.get("flexros_nodes.bringup.run")) is not None:
+        monkeypatch.setattr(module, "BARE_LOOP", 0.05)
+
+
 @pytest.fixture
 def start_node() -> Iterator[StartProcess]:
     """Yield the start of a node as a process, from its name and parameters `name:=value`."""

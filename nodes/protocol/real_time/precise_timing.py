@@ -16,8 +16,13 @@ if TYPE_CHECKING:
 PRIORITY = 10
 """Real-time priority of the loop, 1 to 99: above all ordinary processes, below the threads of the kernel."""
 
+PACING_PRIORITY = PRIORITY + 2
+"""Real-time priority of the thread that paces the loop, chosen: it interrupts the others of the loop when its
+time has come."""
+
 _PR_SET_TIMERSLACK = 29
 _SWITCH_INTERVAL = 1e-4
+_MIDDLEWARE = "dds."
 _FLOW_CONTROLLER = "dds.asyn"
 
 
@@ -56,7 +61,7 @@ def priority_in_block() -> Iterator[bool]:
         yield False
         return
     policy, parameter = os.sched_getscheduler(0), os.sched_getparam(0)
-    prioritised = take_priority()
+    prioritised = take_priority(PACING_PRIORITY)
     try:
         yield prioritised
     finally:
@@ -81,6 +86,14 @@ def threads_of_loop() -> list[int]:
     if not tasks.is_dir():
         return [0]
     return sorted(int(task.name) for task in tasks.iterdir() if not _name(task).startswith(_FLOW_CONTROLLER))
+
+
+def middleware_threads() -> list[int]:
+    """List the threads of Fast DDS in this process, but for the flow controller; empty on other systems."""
+    tasks = Path("/proc/self/task")
+    if not tasks.is_dir():
+        return []
+    return [thread for thread in threads_of_loop() if _name(tasks / str(thread)).startswith(_MIDDLEWARE)]
 
 
 def _name(task: Path) -> str:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections import deque
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flexros.errors import RunError
-from flexros.logs.messages.joint_trajectory import JointTrajectoryChunk
-from flexros.logs.stamps import START_NS
+from flexros.logs.messages.cdr_cursor import MessageError
+from flexros.logs.messages.joint_trajectory import JointTrajectoryChunk, read_joint_trajectory
+from flexros.logs.messages.trajectory_rows import TrajectoryRows
+from flexros.logs.stamps import START_NS, stamp_of
 from flexros_nodes.protocol.reference.link_columns import links_of
 from flexros_nodes.protocol.reference.point_trajectory import PointTrajectory
 from flexros_nodes.protocol.reference.trajectory_request import (
@@ -49,13 +52,16 @@ class ReferenceBuffer:
         self._sample_time = sample_time
         self._rows: dict[int, FloatArray] = {}
         self._order: deque[int] = deque()
+        self._chunks: deque[TrajectoryRows] = deque()
         self._used = -1
         self.current: FloatArray | None = None
         self._trajectory: PointTrajectory | None = None
         self.pending: JointTrajectoryChunk | None = None
 
     def __len__(self) -> int:
-        return len(self._rows)
+        step = self._sample_time * 1e9
+        ahead = max((chunk.last for chunk in self._chunks), default=self._used)
+        return len(self._rows) + max(round((ahead - max(self._used, START_NS - round(step))) / step), 0)
 
     def append(self, chunk: JointTrajectoryChunk) -> None:
         """Append the samples of a chunk, except samples already used or held.
@@ -83,11 +89,46 @@ class ReferenceBuffer:
             if stamp > self._used and stamp not in self._rows:
                 self._rows[stamp] = row
                 self._order.append(stamp)
-        if len(self._rows) > MOST_ROWS:
+        self._check_number()
+
+    def _check_number(self) -> None:
+        if len(self) > MOST_ROWS:
             raise RunError(
-                f"joint_reference_ahead is {len(self._rows)} samples ahead of the loop, allowed are {MOST_ROWS}; "
+                f"joint_reference_ahead is {len(self)} samples ahead of the loop, allowed are {MOST_ROWS}; "
                 "stream it later, or send a trajectory of few points to joint_trajectory"
             )
+
+    def append_message(self, message: bytes, names: Sequence[str]) -> int:
+        """Append the samples of a serialised chunk, without decoding them yet where its form permits it.
+
+        Args:
+            message: Serialised trajectory_msgs/JointTrajectory.
+            names: Names of its columns, of the motors and perhaps the links.
+
+        Returns:
+            Its stamp [ns].
+
+        Raises:
+            MessageError: The bytes are not a chunk for these joints.
+            RunError: As `append`.
+        """
+        if not self._link_motion and self._trajectory is None and self.pending is None:
+            with suppress(MessageError):
+                self._chunks.append(TrajectoryRows(message, names, self._sample_time))
+                self._check_number()
+                return stamp_of(message)
+        chunk = read_joint_trajectory(message).in_order(names)
+        self.append(chunk)
+        return chunk.stamp_ns
+
+    def _row_of(self, stamp: int) -> FloatArray | None:
+        """Return the row of a stamp [ns] from the chunks; None where none holds it."""
+        if (row := self._rows.pop(stamp, None)) is not None:
+            return row
+        try:
+            return next((row for chunk in self._chunks if (row := chunk.row(stamp)) is not None), None)
+        except MessageError as error:
+            raise RunError(f"a message on joint_reference_ahead is rejected: {error}") from error
 
     def replace(self, trajectory: JointTrajectoryChunk, position_limit: float = np.inf) -> None:
         """Drop the held samples and follow this trajectory from the next sample on; its last point is held.
@@ -105,6 +146,7 @@ class ReferenceBuffer:
         self.check(trajectory, position_limit)
         self._rows.clear()
         self._order.clear()
+        self._chunks.clear()
         self.pending = trajectory
 
     def check(self, trajectory: JointTrajectoryChunk, position_limit: float) -> None:
@@ -148,7 +190,7 @@ class ReferenceBuffer:
         if self._trajectory is not None:
             row = self._trajectory.row(stamp) if stamp > self._used else None
         else:
-            row = self._rows.pop(stamp, None)
+            row = self._row_of(stamp)
         self._drop_until(stamp)
         if row is not None:
             self._used = stamp
@@ -167,7 +209,9 @@ class ReferenceBuffer:
         self._trajectory = PointTrajectory(times, rows, smooth=given.velocities is not None)
 
     def _drop_until(self, stamp: int) -> None:
-        order = self._order
+        order, chunks = self._order, self._chunks
+        while chunks and chunks[0].last <= stamp:
+            chunks.popleft()
         while order and order[0] <= stamp:
             self._rows.pop(order.popleft(), None)
         if self._used < stamp - 1:

@@ -147,6 +147,7 @@ def test_real_time_run_keeps_statistics_and_never_waits(tmp_path: Path) -> None:
     assert summary.exit_code == 0
     assert summary.timing["cycles"] == summary.samples - 1 or summary.timing["cycles"] == summary.samples
     assert summary.wall_time > 0.15
+    assert 0.0 <= summary.timing["bare_late_percent"] <= 100.0
     assert summary.resends == 0
 
 

@@ -21,11 +21,21 @@ def test_percentiles_are_right_to_a_bin() -> None:
     assert histogram.longest == times.max()
 
 
+def test_percentiles_of_long_times_are_not_their_maximum() -> None:
+    times = T * 10.0 ** RNG.uniform(0.5, 4.0, 5000)
+    histogram = PeriodHistogram(T)
+    for time in times:
+        histogram.add(float(time))
+    for share in (1.0, 50.0, 99.0):
+        assert histogram.percentile(share) == pytest.approx(np.percentile(times, share), rel=0.015)
+    assert histogram.percentile(99.0) < 0.95 * times.max() == 0.95 * histogram.longest
+
+
 def test_times_beyond_the_bins_keep_their_maximum() -> None:
     histogram = PeriodHistogram(T)
-    for time in (T, T, 7.0, 9.0):
+    for time in (T, T, 7000.0, 9000.0):
         histogram.add(time)
-    assert histogram.percentile(99.0) == 9.0
+    assert histogram.percentile(99.0) == 9000.0
     assert histogram.percentile(50.0) == pytest.approx(T)
 
 

@@ -11,7 +11,12 @@ from typing import Any
 
 import pytest
 
-from flexros_nodes.protocol.real_time.precise_timing import PRIORITY, precise_timing, take_priority, threads_of_loop
+from flexros_nodes.protocol.real_time.precise_timing import (
+    PACING_PRIORITY,
+    precise_timing,
+    take_priority,
+    threads_of_loop,
+)
 
 
 def policy() -> int:
@@ -58,7 +63,7 @@ def test_previous_priority_is_restored() -> None:
     thread = threading.Thread(target=work)
     thread.start()
     thread.join()
-    assert found in ([], [(os.SCHED_RR, PRIORITY), (os.SCHED_RR, 7)])
+    assert found in ([], [(os.SCHED_RR, PACING_PRIORITY), (os.SCHED_RR, 7)])
 
 
 def test_ended_thread_is_skipped(monkeypatch: pytest.MonkeyPatch) -> None:
