@@ -84,7 +84,7 @@ def _processes_beside(plan: RunPlan, scratch: Path) -> Iterator[dict[str, NodePr
 
 def _stop(beside: Mapping[str, NodeProcess]) -> None:
     """Stop the processes, the recorder last: it was started first."""
-    for process in reversed(beside.values()):
+    for process in reversed(list(beside.values())):
         process.stop(SHUTDOWN_TIMEOUT)
 
 

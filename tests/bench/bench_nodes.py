@@ -7,8 +7,11 @@ loop that sleeps and does nothing else, which shows what the machine itself allo
 from __future__ import annotations
 
 import json
+import os
+import subprocess
+import sys
 import tempfile
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING
@@ -28,6 +31,8 @@ if TYPE_CHECKING:
 T = 5e-4
 REPEATS = 3
 DURATION = 8.0
+MOST_LATE, ALWAYS_LATE = 3.0, 0.5
+"""Goal of the late cycles: this many times those of a bare loop, plus a share [%]."""
 
 
 def scenario(name: str, duration: float) -> Scenario:
@@ -98,24 +103,46 @@ def timing_row(what: str, timing: dict[str, float], goal: float | None) -> dict[
         "rate_hz": timing["rate_hz"],
         "period_p99_us": timing["period_p99_us"],
         "period_max_us": timing["period_max_us"],
+        "bare_late_percent": timing.get("bare_late_percent"),
         "missed_commands": timing.get("missed_commands"),
         "real_time_priority": timing.get("real_time_priority"),
     }
 
 
+@contextmanager
+def busy_processors() -> Iterator[None]:
+    """Keep as many ordinary processes busy as there are processors."""
+    others = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(os.cpu_count() or 1)]
+    try:
+        yield
+    finally:
+        for other in others:
+            other.kill()
+            other.wait()
+
+
 def real_time_rows() -> list[dict[str, object]]:
-    """Real time at 2 kHz in both layouts, each with and without a recorder: the median run of several rounds."""
+    """Real time at 2 kHz in both layouts, each with and without a recorder, by itself and beside busy processors.
+
+    The median run of several rounds; the goal of each is relative to the bare loop of the same round.
+    """
     circle = scenario("circle_dae", DURATION)
-    rounds = []
-    for _ in range(REPEATS):
-        rows = [bare_row()]
-        for layout in ("composed", "processes"):
-            for record, goal in ((False, 1.0), (True, 5.0)):
-                summary = run(circle, layout, record=record, real_time=True)
-                what = f"real time, {layout}, {'5 topics recorded' if record else 'not recorded'}"
-                rows.append(timing_row(what, dict(summary.timing), goal))
-        rounds.append(rows)
-    return [median_row(rows) for rows in zip(*rounds, strict=True)]
+    found = []
+    for load, beside in (("", nullcontext), (", beside busy processors", busy_processors)):
+        rounds = []
+        for _ in range(REPEATS):
+            with beside():
+                bare = bare_row()
+                goal = MOST_LATE * float(str(bare["value"])) + ALWAYS_LATE
+                rows = [bare]
+                for layout in ("composed", "processes"):
+                    for record in (False, True):
+                        summary = run(circle, layout, record=record, real_time=True)
+                        what = f"real time, {layout}, {'5 topics recorded' if record else 'not recorded'}"
+                        rows.append(timing_row(what, dict(summary.timing), goal))
+            rounds.append([{**row, "what": f"{row['what']}{load}"} for row in rows])
+        found += [median_row(rows) for rows in zip(*rounds, strict=True)]
+    return found
 
 
 def median_row(rows: Sequence[dict[str, object]]) -> dict[str, object]:
