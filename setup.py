@@ -14,16 +14,16 @@ ROS_WHEELS = [
     "ros-jazzy-rmw-fastrtps-cpp==8.4.3",
 ]
 DESIGN = ["cma>=4", "slycot>=0.6; python_version >= '3.11'"]  # no wheels of slycot before
+NOTEBOOKS = ["nbclient>=0.10", "ipykernel>=6.29"]
 TEST = [
     *DESIGN,
+    *NOTEBOOKS,
     "pytest>=8",
     "pytest-xdist>=3.5",
     "hypothesis>=6.100",
     "pin>=2.7",
     "mujoco>=3.1",
     "h5py>=3.10",
-    "nbclient>=0.10",
-    "ipykernel>=6.29",
     "websockets>=13",  # with Pillow: pages in Chromium, where there is one
     "pillow>=10",
     "setuptools>=70.1",
@@ -81,7 +81,7 @@ setup(
         "mujoco": ["mujoco>=3.3"],
         "design": DESIGN,
         "test": TEST,
-        "docs": ["mkdocs>=1.6,<2", "mkdocs-material>=9.6", "mkdocstrings[python]>=0.29"],
+        "docs": [*NOTEBOOKS, "mkdocs>=1.6,<2", "mkdocs-material>=9.6", "mkdocstrings[python]>=0.29"],
         "dev": [*TEST, "ruff>=0.12", "mypy>=1.15", "import-linter>=2.5", "colcon-common-extensions>=0.3"],
     },
     entry_points={

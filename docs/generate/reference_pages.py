@@ -227,8 +227,8 @@ def python_pages() -> dict[str, str]:
     lead = (
         "What `import flexros` offers. Each name is loaded when it is used first. Results show themselves in a "
         "notebook, draw themselves with `plot()` (a Plotly figure), and go on with `to_pandas()`, `to_xarray()` and "
-        "`to_control()` where these apply. The [notebooks](../../notebooks/overview.md) use them. Everything else is in "
-        "the rooms of the API."
+        "`to_control()` where these apply. The [notebooks](../../notebooks/overview.md) use them. Everything else is "
+        "in the rooms of the API."
     )
     lines = [WRITTEN, "", "# Python", "", paragraph(lead), ""]
     written = {}

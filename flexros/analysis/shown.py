@@ -53,7 +53,13 @@ def analysis_figure(analysis: Analysis, what: str = "") -> go.Figure:
     chosen = what or known[0]
     if chosen == "responses":
         return response_picture(responses)
-    return path_picture([analysis]).figure if chosen == "path" else errors[0].figure
+    if chosen == "errors":
+        return errors[0].figure
+    picture = path_picture([analysis])
+    if picture.factor > 1:
+        axis = picture.figure.layout.xaxis.title.text
+        picture.figure.update_xaxes(title_text=f"{axis}, error drawn ×{picture.factor}")
+    return picture.figure
 
 
 def analysis_html(analysis: Analysis) -> str:

@@ -38,7 +38,7 @@ def test_analysis_is_shown_plotted_and_converted() -> None:
     assert analysis.path is not None
     assert value == pytest.approx(1e3 * analysis.path.path.maximum)
     assert "Path error, max" in analysis._repr_html_()
-    assert analysis.plot().data
+    assert "error drawn ×" in analysis.plot().layout.xaxis.title.text
     assert len(analysis.plot("errors").data) == 2
     with pytest.raises(InputError, match="path, errors"):
         analysis.plot("responses")
