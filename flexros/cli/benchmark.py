@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,7 +14,7 @@ from flexros.cli.progress import progress_bar
 from flexros.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from flexros.benchmark.controllers import BenchmarkController
     from flexros.benchmark.evaluate import BenchmarkResult, FeedbackBenchmark
@@ -75,18 +76,20 @@ def _evaluated(
     noise: float,
     seeds: tuple[int, ...],
 ) -> list[BenchmarkResult]:
+    from flexros.benchmark.models import RULES
+
     results = []
+    steps = len(RULES) + 1  # the runs of each model set, then the demands
     with progress_bar() as bar:
-        task = bar.add_task("", total=len(loaded))
-        for one in loaded:
-            result = benches[one.sensors].evaluate(
-                one,
-                noise=noise,
-                seeds=seeds,
-                progress=lambda step, name=one.name: bar.update(task, description=f"{name}: {step}"),  # type: ignore[misc]
-            )
-            results.append(result)
-            bar.advance(task)
+        task = bar.add_task("", total=steps * len(loaded))
+        for number, one in enumerate(loaded):
+            began = count(steps * number)
+
+            def tell(step: str, name: str = one.name, began: Iterator[int] = began) -> None:
+                bar.update(task, description=f"{name}: {step}", completed=next(began))
+
+            results.append(benches[one.sensors].evaluate(one, noise=noise, seeds=seeds, progress=tell))
+            bar.update(task, completed=steps * (number + 1))
     return results
 
 

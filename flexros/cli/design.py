@@ -82,7 +82,10 @@ def design(
 
             write_controller(out, text)
     if any("tool_acceleration" in getattr(law, "inputs", ()) for law in laws.values()):
-        say("margins are computed for the motor encoders alone; flexros benchmark checks this controller")
+        text = "margins are computed for the motor encoders alone; flexros benchmark checks this controller"
+        typer.echo(f"flexros: {text}", err=True)
+        if as_json:
+            print_json({"figures": figures, "controllers": {}})
     else:
         _show(laws, problem, figures, report, as_json)
     if out and not as_json:

@@ -12,7 +12,7 @@ from flexros.atomic_file import write_result
 from flexros.cli.model import linear_robot
 from flexros.cli.options import NamespaceOption, TorqueOption, torque_source
 from flexros.cli.output import console, print_json, say
-from flexros.cli.progress import progress_bar
+from flexros.cli.progress import working
 from flexros.cli.run import key_and_value
 from flexros.errors import InputError, unknown_name
 from flexros.json_text import json_text
@@ -70,8 +70,7 @@ def axis(
     if validation:
         logs["validation"] = read_log(validation, namespace=namespace or None)
     frequencies = _given(antiresonance, resonance) or _resonances(logs["log"], robot, joint, masses - 1, bool(starts))
-    with progress_bar() as bar:
-        bar.add_task("prediction errors", total=None)
+    with working("fitting prediction errors"):
         identification = identify_one_axis(
             logs["log"], robot, structure, joint=joint, antiresonances=frequencies.antiresonances,
             resonances=frequencies.resonances, start=starts, bounds=bounds, validation=logs.get("validation"),

@@ -11,7 +11,7 @@ from rich.table import Table
 from flexros.atomic_file import write_result
 from flexros.cli.model import linear_robot
 from flexros.cli.output import console, print_json, say
-from flexros.cli.progress import progress_bar
+from flexros.cli.progress import working
 from flexros.errors import InputError
 from flexros.json_text import json_text
 
@@ -71,8 +71,7 @@ def _planned(unknown: Unknowns, plan: int, loads: list[float], noise: float | No
     from flexros.identify.report.files import make_folder
 
     candidates = candidate_poses(unknown, loads or [0.0])
-    with progress_bar() as bar:
-        bar.add_task("poses", total=None)
+    with working("choosing poses"):
         chosen = candidates.rows(optimal_poses(unknown, candidates, plan, noise or 1e-4))
     make_folder(out)
     write_result(out / PLAN, poses_text(unknown.robot, chosen), "poses")
@@ -86,8 +85,7 @@ def _fitted(unknown: Unknowns, poses: Path, validation: Path | None, noise: floa
 
     measured = read_poses(poses, unknown.robot)
     held_out = read_poses(validation, unknown.robot) if validation else None
-    with progress_bar() as bar:
-        bar.add_task("fit", total=None)
+    with working("fitting"):
         fit = fit_kinematics(unknown, measured, noise)
     return kinematic_record(fit, held_out), fit.robot_text(f"identified from {poses.name}")
 
