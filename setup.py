@@ -13,11 +13,13 @@ ROS_WHEELS = [
     "ros-jazzy-common-interfaces==5.3.6",
     "ros-jazzy-rmw-fastrtps-cpp==8.4.3",
 ]
+VIEW = ["viser>=1.0,<2"]
 DESIGN = ["cma>=4", "slycot>=0.6; python_version >= '3.11'"]  # no wheels of slycot before
 NOTEBOOKS = ["nbclient>=0.10", "ipykernel>=6.29"]
 TEST = [
     *DESIGN,
     *NOTEBOOKS,
+    *VIEW,
     "pytest>=8",
     "pytest-xdist>=3.5",
     "hypothesis>=6.100",
@@ -80,6 +82,7 @@ setup(
         "ros": ROS_WHEELS,
         "mujoco": ["mujoco>=3.3"],
         "design": DESIGN,
+        "view": VIEW,
         "test": TEST,
         "docs": [*NOTEBOOKS, "mkdocs>=1.6,<2", "mkdocs-material>=9.6", "mkdocstrings[python]>=0.29"],
         "dev": [*TEST, "ruff>=0.12", "mypy>=1.15", "import-linter>=2.5", "colcon-common-extensions>=0.3"],

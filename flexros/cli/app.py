@@ -29,6 +29,7 @@ from flexros.cli import (
     replay,
     robots,
     run,
+    view,
 )
 from flexros.cli.guide import examples_text, guide_of
 from flexros.cli.help import JobGroup
@@ -159,6 +160,7 @@ COMMANDS: dict[str, Callable[..., Any]] = {
     "diagnose": diagnose.diagnose,
     "gap": gap.gap,
     "monitor": monitor.monitor,
+    "view": view.view,
     "demo": demo.demo,
     "doctor": installation.doctor,
     "clean": installation.clean,

@@ -47,7 +47,17 @@ class ArmView:
         self.radii = tuple(shape.radius for shape in shapes)
         q = ca.SX.sym("q", robot.n_arm)
         ends = [end for shape in shapes for end in _ends(robot, shape, q)]
-        self._ends = ca.Function("ends", [q], [ca.densify(ca.horzcat(*ends))]).map(3)
+        self._one = ca.Function("ends", [q], [ca.densify(ca.horzcat(*ends))])
+        self._ends = self._one.map(3)
+
+    def at(self, arm: FloatArray) -> FloatArray:
+        """Compute the ends of all bars in the base frame [m], shape (n, n_bars, 2, 3).
+
+        Args:
+            arm: Arm coordinates [rad or m], shape (n, N).
+        """
+        ends = np.asarray(self._one(np.ascontiguousarray(arm.T)))
+        return ends.T.reshape(len(arm), len(self.radii), 2, 3)
 
     def bars(self, state: FloatArray, magnification: float) -> ArmBars:
         """Compute the bars in a state.
