@@ -96,7 +96,7 @@ class LogPlayer:
     def __init__(self, shown: Shown, *, host: str = "127.0.0.1", port: int = 8080, factor: int | None = None) -> None:
         self.shown, self.row, self._time = shown, 0, shown.motion.time
         self._first_factor = factor
-        self.server = new_server(host, port)
+        self.server = new_server(shown.title, host, port)
         self._lock, self._ended = threading.RLock(), threading.Event()
         self._ribbon_colour = NOMINAL if len(shown.arms) == 1 else "#009e73"
         view = ArmView(shown.robot)
@@ -147,11 +147,6 @@ class LogPlayer:
 
     def _set_scene(self) -> None:
         server, shown = self.server, self.shown
-        server.gui.configure_theme(
-            control_layout="fixed", control_width="large", show_logo=False, show_share_button=False
-        )
-        server.gui.set_panel_label(shown.title)
-        server.scene.world_axes.visible = False
         size = 4.0 * self._extent + 2.0 * (len(shown.arms) - 1) * self._spacing
         server.scene.add_grid(
             "/floor",

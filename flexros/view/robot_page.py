@@ -65,7 +65,7 @@ class RobotPage:
     """
 
     def __init__(self, robot: Robot, *, host: str = "127.0.0.1", port: int = 8080) -> None:
-        self.robot, self.server = robot, new_server(host, port)
+        self.robot, self.server = robot, new_server(f"Robot {robot.name}", host, port)
         self._view = ArmView(robot)
         self._lock, self._ended = threading.RLock(), threading.Event()
         gears = np.array(robot.home)[list(robot.gear_rows)]
@@ -101,8 +101,6 @@ class RobotPage:
 
     def _set_scene(self) -> None:
         server = self.server
-        server.gui.configure_theme(control_layout="fixed", show_logo=False, show_share_button=False)
-        server.gui.set_panel_label(f"Robot {self.robot.name}")
         ends = self._view.at(np.array([self.robot.home])).reshape(-1, 3)
         low, high = ends.min(axis=0), ends.max(axis=0)
         self._extent = float(np.linalg.norm(high - low)) or 1.0

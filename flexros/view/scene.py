@@ -20,10 +20,11 @@ _GHOST = 0.35
 """Opacity of the arm with stiff springs [1] (chosen)."""
 
 
-def new_server(host: str, port: int) -> Any:
+def new_server(title: str, host: str, port: int) -> Any:
     """Start a viewer page.
 
     Args:
+        title: Title of the panel.
         host: Address it listens on.
         port: Port; the next free one is taken where it is in use.
 
@@ -37,7 +38,12 @@ def new_server(host: str, port: int) -> Any:
         import viser
     except ImportError:
         raise InputError("the viewer needs the package viser; install it with: pip install 'flexros[view]'") from None
-    return viser.ViserServer(host=host, port=port, label="FlexROS", verbose=False)
+    server = viser.ViserServer(host=host, port=port, label="FlexROS", verbose=False)
+    server.gui.configure_theme(control_width="large", show_logo=False, show_share_button=False)
+    server.gui.set_panel_label(title)
+    server.gui.main_panel.dock_right()
+    server.scene.world_axes.visible = False
+    return server
 
 
 def rgb(colour: str) -> tuple[int, int, int]:
@@ -76,7 +82,7 @@ class ArmShown:
             looks = {
                 "color": rgb(colour),
                 "opacity": None if opacity == 1.0 else opacity,
-                "cast_shadow": opacity == 1.0,
+                "cast_shadow": False,
             }
             bar = server.scene.add_cylinder(f"{name}_{index}", radius=radius, height=length, **looks)
             joint = server.scene.add_icosphere(f"{name}_{index}_joint", radius=1.35 * radius, **looks)
