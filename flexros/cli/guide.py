@@ -218,6 +218,15 @@ GUIDES: dict[str, Guide] = {
         ("flexros monitor log --model e12", "flexros monitor log --model e12 --calibrate thresholds.yaml"),
         _after_monitor,
     ),
+    "view": Guide(
+        LOGS,
+        "log, robot or diagnosis as a moving arm in the browser",
+        (
+            "flexros view log                     # the arm, its deflection, path error and signals",
+            "flexros view six_axis                # a robot: motors by sliders, modes in motion",
+            "flexros view diagnosis --log log     # robot, nominal and repaired model side by side",
+        ),
+    ),
     "identify": Guide(IDENTIFY, "springs, dampers, friction by experiments", ()),
     "identify robot": Guide(
         IDENTIFY,

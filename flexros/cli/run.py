@@ -13,6 +13,7 @@ from rich.table import Table
 from flexros.cli.options import NetworkOption, warn_of_network
 from flexros.cli.output import console, print_json, say, suggest
 from flexros.cli.progress import progress_bar, working
+from flexros.cli.view import require_viewer, show_log
 from flexros.config.yaml_file import parse_yaml
 from flexros.errors import InputError, unknown_name
 from flexros.scenario import transports
@@ -81,9 +82,12 @@ def run(
     parameter: list[str] = typer.Option(
         [], "--parameter", help="Node parameter, e.g. plant.drop_fraction=0.01 (may be repeated)."
     ),
+    view: bool = typer.Option(False, "--view", help="Then show the log as a moving arm in the browser."),
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> int:
     """Run a scenario and record it."""
+    if view:
+        require_viewer()
     chosen = changed_scenario(scenario, model, setting, effect, seed)
     transport = choose_transport(transport, quiet=as_json)
     folder = out or default_folder(chosen.name, transport)
@@ -109,6 +113,8 @@ def run(
     elif result.log_folder is not None:
         log = shlex.quote(str(result.log_folder))
         suggest(f"flexros analyze {log} --report report.html    path error, tracking, timing", unless=as_json)
+    if view and not result.exit_code:
+        show_log(folder)
     return result.exit_code
 
 

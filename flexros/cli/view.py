@@ -35,6 +35,7 @@ def view(
     """Show a log, a robot or a diagnosis as a moving arm in the browser; Ctrl-C ends."""
     from flexros.view.shown import is_diagnosis, is_log, shown_diagnosis, shown_log
 
+    require_viewer()
     path = Path(what)
     with progress_shown() as show:
         if is_diagnosis(path):
@@ -56,6 +57,28 @@ def view(
 
         page = LogPlayer(shown, host=host, port=port, factor=magnification)
     serve(page, browser)
+
+
+def require_viewer() -> None:
+    """Fail before a long run where the viewer is not installed.
+
+    Raises:
+        InputError: viser is missing.
+    """
+    from flexros.view.scene import check_viewer
+
+    check_viewer()
+
+
+def show_log(path: Path) -> None:
+    """Show a log in the browser until Ctrl-C."""
+    from flexros.view.player import LogPlayer
+    from flexros.view.shown import shown_log
+
+    with progress_shown() as show:
+        show("motion of the robot", 0.0)
+        shown = shown_log(path)
+    serve(LogPlayer(shown), browser=True)
 
 
 def serve(page: LogPlayer | RobotPage, browser: bool) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,6 +21,12 @@ _GHOST = 0.35
 """Opacity of the arm with stiff springs [1] (chosen)."""
 
 
+def check_viewer() -> None:
+    """Raise an `InputError` where viser is not installed."""
+    if find_spec("viser") is None:
+        raise InputError("the viewer needs the package viser; install it with: pip install 'flexros[view]'")
+
+
 def new_server(title: str, host: str, port: int) -> Any:
     """Start a viewer page.
 
@@ -34,10 +41,9 @@ def new_server(title: str, host: str, port: int) -> Any:
     Raises:
         InputError: viser is not installed.
     """
-    try:
-        import viser
-    except ImportError:
-        raise InputError("the viewer needs the package viser; install it with: pip install 'flexros[view]'") from None
+    check_viewer()
+    import viser
+
     server = viser.ViserServer(host=host, port=port, label="FlexROS", verbose=False)
     server.gui.configure_theme(control_width="large", show_logo=False, show_share_button=False)
     server.gui.set_panel_label(title)

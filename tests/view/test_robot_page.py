@@ -19,6 +19,6 @@ def test_modes_have_the_frequencies_of_the_poles() -> None:
 
 
 def test_missing_viewer_is_said_in_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(__import__("sys").modules, "viser", None)
+    monkeypatch.setattr("flexros.view.scene.find_spec", lambda _: None)
     with pytest.raises(InputError, match=r"flexros\[view\]"):
         new_server("title", "127.0.0.1", 0)
