@@ -78,8 +78,9 @@ def picture(diagnosis: dict[str, Any], gap: dict[str, float]) -> str:
         text(845, 230, f"{gap['before']:.0f} → {gap['after']:.2f}", 26, bold=True, colour=BLUE),
         text(845, 258, "times the noise floor", 14),
     ]
-    head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" font-family="Helvetica, Arial, sans-serif">'
-    return f'{head}<rect width="{WIDTH}" height="{HEIGHT}" fill="#ffffff"/>{"".join(parts)}</svg>\n'
+    size, fonts = f'viewBox="0 0 {WIDTH} {HEIGHT}"', 'font-family="Helvetica, Arial, sans-serif"'
+    paper = f'<rect width="{WIDTH}" height="{HEIGHT}" fill="#ffffff"/>'
+    return f'<svg xmlns="http://www.w3.org/2000/svg" {size} {fonts}>{paper}{"".join(parts)}</svg>\n'
 
 
 if __name__ == "__main__":

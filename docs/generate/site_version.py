@@ -16,7 +16,7 @@ CHECKOUT = Path(__file__).parents[2]
 def stated_version() -> str:
     """Return version and commit, the latter where git knows it."""
     command = ["git", "-C", str(CHECKOUT), "rev-parse", "--short=8", "HEAD"]
-    commit = subprocess.run(command, capture_output=True, text=True, check=False).stdout.strip()
+    commit = subprocess.run(command, capture_output=True, text=True, check=False).stdout.strip()  # noqa: S603 - our own words
     return f"FlexROS {metadata.version('flexros')}" + (f", commit {commit}" if commit else "")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -46,3 +47,29 @@ def test_every_room_has_its_reference(navigation: list[str]) -> None:
     assert {page for page in navigation if page.startswith("reference/api/")} == {
         f"reference/api/{room}.md" for room in (*ROOMS, "nodes", "validation") if room not in WITHOUT_REFERENCE
     }
+
+
+def links_of(page: str) -> set[str]:
+    """List the pages that a page links to, relative to the guide."""
+    text = (DOCS / page).read_text(encoding="utf-8")
+    targets = (target.partition("#")[0] for target in re.findall(r"\]\(([^)\s]+)\)", text))
+    folder = (DOCS / page).parent
+    return {str((folder / t).resolve().relative_to(DOCS)) for t in targets if t.endswith(".md") and "://" not in t}
+
+
+def test_every_result_is_linked_from_the_overview() -> None:
+    written = {f"results/{path.name}" for path in DOCS.glob("results/*.md")} - {"results/index.md"}
+    assert written - links_of("results/index.md") == set()
+
+
+def test_the_first_page_leads_to_the_three_ways_in_and_on() -> None:
+    wanted = {"tutorials/first_run.md", "tutorials/identification.md", "tutorials/ur5e.md", "tutorials/own_log.md"}
+    wanted |= {"gallery.md", "explanation/comparison.md", "results/index.md"}
+    assert wanted - links_of("index.md") == set()
+
+
+def test_pictures_of_the_gallery_exist() -> None:
+    text = (DOCS / "gallery.md").read_text(encoding="utf-8")
+    pictures = re.findall(r"!\[[^\]]*\]\(([^)]+)\)", text)
+    assert len(pictures) >= 6
+    assert [name for name in pictures if not (DOCS / name).is_file()] == []
