@@ -83,6 +83,23 @@ class MagnifiedCurve:
 
 
 @dataclass(frozen=True, eq=False)
+class MovingLine:
+    """A line in space that the reader plays, drawn at base + factor * deviation of the instant.
+
+    Attributes:
+        trace: Index of the line in the picture.
+        time: Instants [s], shape (n,).
+        base: Points without deviation at each instant [m], shape (n, n_points, 3).
+        deviation: What is magnified [m], shape (n, n_points, 3).
+    """
+
+    trace: int
+    time: FloatArray
+    base: FloatArray
+    deviation: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
 class Picture:
     """An interactive picture.
 
@@ -91,12 +108,14 @@ class Picture:
         caption: Caption; "{factor}" is replaced by the magnification.
         magnified: Lines whose error the reader can magnify, drawn at `factor` initially, one of `FACTORS`.
         factor: Initial magnification.
+        moving: A line that is played over time; its deviation can be magnified.
     """
 
     figure: go.Figure
     caption: str
     magnified: tuple[MagnifiedCurve, ...] = ()
     factor: int = 1
+    moving: MovingLine | None = None
 
 
 @dataclass(frozen=True)

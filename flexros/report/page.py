@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from flexros.arrays import FloatArray
-    from flexros.report.base import Block
+    from flexros.report.base import Block, MovingLine
 
 
 _LONG_NAME = 24
@@ -126,13 +126,24 @@ class Page:
             for curve in picture.magnified
         ]
         figure = json.loads(picture.figure.to_json())
-        self._pictures.append({"id": name, "figure": figure, "magnified": curves, "factors": FACTORS})
+        entry = {"id": name, "figure": figure, "magnified": curves, "factors": FACTORS}
+        if picture.moving is not None:
+            entry["moving"] = _moving(picture.moving)
+        self._pictures.append(entry)
         factor = f'<span class="{name}-factor">{picture.factor}</span>'
         caption = escape(picture.caption).replace("{factor}", factor)
         slider = ""
-        if curves:
+        if picture.moving is not None:
+            last = len(picture.moving.time) - 1
             slider = (
-                f'<div class="magnifier"><label for="{name}-slider">Magnification of the error</label>'
+                f'<div class="magnifier"><button type="button" id="{name}-play">Play</button>'
+                f'<input id="{name}-time" aria-label="Time" type="range" min="0" max="{last}" step="1" value="0">'
+                f'<output id="{name}-now"></output></div>'
+            )
+        if curves or picture.moving is not None:
+            what = "deflection" if picture.moving is not None else "error"
+            slider += (
+                f'<div class="magnifier"><label for="{name}-slider">Magnification of the {what}</label>'
                 f'<input id="{name}-slider" type="range" min="0" max="{len(FACTORS) - 1}" step="1" '
                 f'value="{FACTORS.index(picture.factor)}"><output class="{name}-factor">{picture.factor}</output></div>'
             )
@@ -207,6 +218,16 @@ def _least_width(layout: dict[str, Any]) -> str:
     """Return the least width of a picture of more than two panels side by side; others are arranged by the script."""
     starts = {axis.get("domain", [0])[0] for name, axis in layout.items() if name.startswith("xaxis")}
     return f";min-width:{_PANEL_WIDTH * len(starts)}px" if len(starts) > 2 else ""
+
+
+def _moving(line: MovingLine) -> dict[str, Any]:
+    """Return a moving line with a resolution of 0.1 mm, its deviation of a micrometre."""
+    return {
+        "trace": line.trace,
+        "time": np.round(line.time, 4).tolist(),
+        "base": np.round(line.base, 4).tolist(),
+        "deviation": np.round(line.deviation, 6).tolist(),
+    }
 
 
 def _digits(points: FloatArray) -> list[list[float]]:

@@ -130,6 +130,7 @@ const narrow = (layout, width) => {
   const margin = layout.margin;
   margin.l = Math.min(margin.l, Math.max(56, 0.32 * width));
   margin.r = Math.min(margin.r, 10);
+  if (layout.scene) for (const axis of "xyz") layout.scene.camera.eye[axis] *= 1.6;
   const notes = (layout.annotations || []).filter((note) => note.xref === "paper" && note.yref === "paper");
   if (columns === 2) {
     const across = (name) => "yaxis" + name.slice(5);
@@ -190,7 +191,35 @@ const magnifier = (picture) => {
   slider.addEventListener("input", picture.set);
 };
 
+// An arm is played at a speed at which its motion takes 8 s, or as fast as it is.
+const player = (picture) => {
+  const part = (end) => document.getElementById(picture.id + end), line = picture.moving, last = line.time.length - 1;
+  const span = Math.max(8, line.time[last] - line.time[0]);
+  let ahead = null;
+  picture.set = () => {
+    const row = Number(part("-time").value), factor = picture.factors[Number(part("-slider").value)];
+    const moved = (k) => line.base[row].map((point, i) => point[k] + factor * line.deviation[row][i][k]);
+    part("-now").textContent = line.time[row].toFixed(3) + " s";
+    for (const text of document.querySelectorAll("." + picture.id + "-factor")) text.textContent = String(factor);
+    return Plotly.restyle(part(""), {x: [moved(0)], y: [moved(1)], z: [moved(2)]}, [line.trace]);
+  };
+  const step = (from, begun) => {
+    const row = (from + Math.floor((performance.now() - begun) / 1000 / span * (last + 1))) % (last + 1);
+    part("-time").value = row;
+    picture.set().then(() => { if (ahead) ahead = setTimeout(() => step(from, begun), 30); });
+  };
+  part("-play").addEventListener("click", () => {
+    const playing = ahead !== null;
+    clearTimeout(ahead);
+    ahead = playing ? null : 1;
+    if (!playing) step(Number(part("-time").value), performance.now());
+    part("-play").textContent = playing ? "Play" : "Pause";
+  });
+  for (const end of ["-time", "-slider"]) part(end).addEventListener("input", picture.set);
+};
+
 for (const picture of data) if (picture.magnified.length) magnifier(picture);
+for (const picture of data) if (picture.moving) player(picture);
 draw(Plotly.newPlot);
 for (const folded of document.querySelectorAll("details")) {
   folded.addEventListener("toggle", () => {

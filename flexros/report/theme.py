@@ -105,6 +105,20 @@ def dress(figure: go.Figure, height: int, margins: tuple[int, int, int, int], fo
         )
 
 
+def space(height: int) -> go.Figure:
+    """Create an empty picture of a scene in three dimensions, in the style of the report.
+
+    Args:
+        height: Its height [px].
+    """
+    figure = go.Figure()
+    dress(figure, height, (8, 8, 36, 8), 12, 1.0)
+    axis = {"gridcolor": GRID, "backgroundcolor": "#ffffff", "zerolinecolor": "#8b949e", "color": MUTED}
+    axes = {f"{name}axis": {**axis, "title": {"text": f"{name} [m]"}} for name in "xyz"}
+    figure.update_layout(scene={**axes, "aspectmode": "data", "camera": {"eye": {"x": 0.6, "y": -1.9, "z": 0.7}}})
+    return figure
+
+
 def curve(
     x: FloatArray,
     y: FloatArray,

@@ -167,13 +167,16 @@ def _filtered(record: Record, model: RobotWithEffects) -> FloatArray:
     robot = model.robot
     pose = robot.equilibrium(motor_position=np.median(record.position, axis=0))[: robot.n_arm]
     noise = np.maximum(robot.encoder_noise, LEAST_NOISE)
-    gain = observer_gain(robot, record.sample_time, DiagnosisSettings().residuals.starting_level, noise, pose)
-    start = robot.equilibrium(motor_position=record.position[0])
-    states = _predictor(model, record).predict(_NOTHING, record, gain, start, record_states=True).states
-    assert states is not None
-    if not np.all(np.isfinite(states[:, :, 0])):
-        raise InputError(f"{record.name}: the prediction of {robot.name} runs away; check robot, signs and units")
-    return np.ascontiguousarray(states[:, :, 0])
+    start, settings = robot.equilibrium(motor_position=record.position[0]), DiagnosisSettings()
+    predictor = _predictor(model, record)
+    # a high gain follows a robot that its model describes badly; on some robots only the low one is stable
+    for level in (settings.residuals.starting_level, settings.level):
+        gain = observer_gain(robot, record.sample_time, level, noise, pose)
+        states = predictor.predict(_NOTHING, record, gain, start, record_states=True).states
+        assert states is not None
+        if np.all(np.isfinite(states[:, :, 0])):
+            return np.ascontiguousarray(states[:, :, 0])
+    raise InputError(f"{record.name}: the prediction of {robot.name} runs away; check robot, signs and units")
 
 
 def _frames(record: Record) -> IntArray:

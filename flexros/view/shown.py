@@ -54,7 +54,7 @@ def shown_log(path: Path, model: str = "", *, namespace: str = "", first: float 
         InputError: The log cannot be read, or its robot is not known.
     """
     log = read_log(path, namespace=namespace or None)
-    used = load_model(model or _robot_of(log, path))
+    used = load_model(model or robot_of(log, path))
     motion = robot_motion(log, used, path.name, first, length)
     arms = (ArmOverTime(path.name, REPAIRED, motion.arm),)
     error = _path_error(log, used)
@@ -140,7 +140,16 @@ def _log_beside(folder: Path, name: str) -> Path:
     return found
 
 
-def _robot_of(log: Log, path: Path) -> str:
+def robot_of(log: Log, path: Path) -> str:
+    """Return the robot that the provenance of a log names.
+
+    Args:
+        log: The log.
+        path: Its path, for messages.
+
+    Raises:
+        InputError: It names none.
+    """
     scenario = log.provenance.get("scenario")
     name = scenario.get("robot") if isinstance(scenario, dict) else None
     if not isinstance(name, str):

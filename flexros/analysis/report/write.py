@@ -38,13 +38,20 @@ RUN_SECTIONS: tuple[AbstractSection[Sequence[Analysis]], ...] = (
 """Sections of the report of runs, in order of appearance."""
 
 
-def write_report(analyses: Sequence[Analysis], file: Path, *, title: str | None = None) -> None:
+_AFTER_PATH = 2
+"""Place of further chapters: behind summary and path."""
+
+
+def write_report(
+    analyses: Sequence[Analysis], file: Path, *, title: str | None = None, further: Sequence[Chapter] = ()
+) -> None:
     """Write the report of one run, or of several side by side.
 
     Args:
         analyses: The runs, at least analysis.
         file: The HTML file; an existing one is replaced once the new one is complete.
-        title: Heading; None for the labels of the runs.
+        title: Heading; None for the label of the run, or the number of runs.
+        further: Chapters that follow the path, e.g. of the arm in motion.
 
     Raises:
         InputError: No run was given, or the file cannot be written.
@@ -52,6 +59,7 @@ def write_report(analyses: Sequence[Analysis], file: Path, *, title: str | None 
     if not analyses:
         raise InputError("no run was given for the report: give at least one log")
     chapters = [Chapter(section.title, section.blocks(analyses)) for section in RUN_SECTIONS]
+    chapters[_AFTER_PATH:_AFTER_PATH] = further
     heading = title or (analyses[0].label if len(analyses) == 1 else f"Comparison of {len(analyses)} runs")
     write_result(file, page_html(heading, _subtitle(analyses), chapters), "report")
 
