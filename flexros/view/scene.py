@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
@@ -44,7 +46,8 @@ def new_server(title: str, host: str, port: int) -> Any:
     check_viewer()
     import viser
 
-    server = viser.ViserServer(host=host, port=port, label="FlexROS", verbose=False)
+    with contextlib.redirect_stdout(io.StringIO()):  # it prints addresses of its own
+        server = viser.ViserServer(host=host, port=port, label="FlexROS", verbose=False)
     server.gui.configure_theme(control_width="large", show_logo=False, show_share_button=False)
     server.gui.set_panel_label(title)
     server.gui.main_panel.dock_right()
