@@ -19,6 +19,8 @@ EVERY = 10.0
 """Time between two lines of a stage [s]."""
 QUIET = 2.0
 """Time for which work is not spoken of where there is no terminal [s]."""
+_BEAT = 0.5
+"""Time between two looks whether a line is due [s] (chosen)."""
 _KNOWN = 0.02
 """Share that must be done before the time left is estimated [1] (chosen)."""
 
@@ -49,9 +51,29 @@ class ProgressBar(Progress):
             TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeElapsedColumn(),
             TextColumn("left"), TimeLeftColumn(),
         )  # fmt: skip
-        super().__init__(*columns, console=stderr, transient=True, disable=not (shown and stderr.is_terminal))
+        hidden = not (shown and stderr.is_terminal)
+        super().__init__(*columns, console=stderr, transient=True, disable=hidden, refresh_per_second=4)
         self._said: dict[TaskID, tuple[float, float]] = {}
         self._lines, self._clock = shown and not stderr.is_terminal, clock
+        self._saying, self._over = threading.Lock(), threading.Event()
+
+    def start(self) -> None:
+        """Begin to show, as in rich; without a terminal also work that does not report is spoken of."""
+        super().start()
+        if self._lines and self._clock is time.monotonic:
+            self._over.clear()
+            threading.Thread(target=self._beat, daemon=True).start()
+
+    def stop(self) -> None:
+        """End to show, as in rich."""
+        self._over.set()
+        super().stop()
+
+    def _beat(self) -> None:
+        while not self._over.wait(_BEAT):
+            for task in self.tasks:
+                if not task.finished:
+                    self._say(task.id)
 
     def add_task(self, *args: Any, **fields: Any) -> TaskID:
         """Add a task, as in rich; its time begins."""
@@ -71,14 +93,15 @@ class ProgressBar(Progress):
 
     def _say(self, task_id: TaskID) -> None:
         """Print a line where one is due."""
-        begin, last = self._said[task_id]
-        now = self._clock()
-        if not self._lines or now - last < EVERY:
-            return
-        self._said[task_id] = (begin, now)
-        task = self._tasks[task_id]
-        share = task.completed / task.total if task.total else None
-        print(line(now - begin, task.description, share), file=sys.stderr, flush=True)
+        with self._saying:
+            begin, last = self._said.get(task_id, (0.0, float("inf")))
+            now = self._clock()
+            if not self._lines or now - last < EVERY:
+                return
+            self._said[task_id] = (begin, now)
+            task = self._tasks[task_id]
+            share = task.completed / task.total if task.total else None
+            print(line(now - begin, task.description, share), file=sys.stderr, flush=True)
 
 
 def line(elapsed: float, stage: str, share: float | None) -> str:
@@ -114,29 +137,15 @@ def progress_shown() -> Iterator[Callable[[str, float], None]]:
 
 
 @contextmanager
-def working(what: str, expected: float | None = None, *, shown: bool = True) -> Iterator[None]:
+def working(what: str) -> Iterator[None]:
     """Show that something is being done whose progress is not known.
 
     Args:
         what: What is done.
-        expected: Time that it takes, where it is known [s].
-        shown: False for a step of work that has a bar already.
     """
-    over = threading.Event()
-    with progress_bar(shown) as bar:
-        begin, task = time.monotonic(), bar.add_task(what, total=expected)
-
-        def tell() -> None:
-            while not over.wait(0.5):
-                bar.update(task, completed=min(time.monotonic() - begin, expected or 0.0))
-
-        teller = threading.Thread(target=tell, daemon=True)
-        teller.start()
-        try:
-            yield
-        finally:
-            over.set()
-            teller.join()
+    with progress_bar() as bar:
+        bar.add_task(what, total=None)
+        yield
 
 
 class Lines:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import datetime
 import shlex
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +20,8 @@ from flexros.errors import InputError, unknown_name
 from flexros.scenario import transports
 
 if TYPE_CHECKING:
+    from contextlib import AbstractContextManager
+
     from flexros.scenario.scenario import Scenario
     from flexros.scenario.transports import RunResult
 
@@ -100,7 +103,7 @@ def run(
     else:
         nodes = node_parameters(parameter)
         warn_of_network(network)
-        with working("running over topics"):
+        with _shown(realtime, chosen.duration):
             result = transports.run_ros(chosen, folder, layout, realtime, nodes, network=network)
     if as_json:
         print_json(result.as_dict())
@@ -118,12 +121,23 @@ def run(
     return result.exit_code
 
 
+def _shown(realtime: bool, duration: float | None) -> AbstractContextManager[None]:
+    """Show that a run over topics is under way; a paced one is announced and then left alone."""
+    if not realtime:
+        return working("running over topics")
+    length = "" if duration is None else f", {duration:g} s"
+    typer.echo(f"flexros: running by the wall clock{length}", err=True)
+    return nullcontext()
+
+
 def run_direct(scenario: Scenario, folder: Path) -> RunResult:
     """Run a scenario in this process with a progress bar, see `transports.run_direct`."""
     with progress_bar() as bar:
-        task = bar.add_task("simulating", total=None)
+        task = bar.add_task("preparing the reference", total=None)
         return transports.run_direct(
-            scenario, folder, lambda done, total: bar.update(task, completed=done, total=total)
+            scenario,
+            folder,
+            lambda done, total: bar.update(task, description="simulating", completed=done, total=total),
         )
 
 

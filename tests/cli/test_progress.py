@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 import pytest
 
 from flexros.cli.progress import EVERY, Lines, ProgressBar, line, progress_shown, time_left, working
@@ -85,3 +87,18 @@ def test_a_bar_within_another_one_is_silent(capfd: pytest.CaptureFixture[str]) -
 def test_work_of_unknown_length_leaves_what_it_raises() -> None:
     with pytest.raises(KeyError), working("looking"):
         raise KeyError
+
+
+def test_work_that_does_not_report_is_spoken_of(
+    capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("flexros.cli.progress.QUIET", 0.0)
+    monkeypatch.setattr("flexros.cli.progress._BEAT", 0.01)
+    said = ""
+    with working("preparing"):
+        for _ in range(500):
+            if said:
+                break
+            time.sleep(0.01)
+            said = capfd.readouterr().err
+    assert said == "flexros: 0 s: preparing\n"
