@@ -100,13 +100,14 @@ def _write_urdf(robot: Robot, file: Path, flexible: str) -> None:
 
 
 def import_urdf(
-    file: Path = typer.Argument(help="URDF with one serial chain."),
+    file: Path = typer.Argument(help="URDF."),
     out: Path = typer.Option(..., "--out", help="Robot YAML to write."),
+    tip: str = typer.Option("", "--tip", help="Last link of the arm, for a URDF with several chains, as of a gripper."),
 ) -> None:
     """Convert a URDF to a robot YAML: geometry and inertia are copied, springs remain to be filled in."""
     from flexros.robot.exchange.urdf_import import skeleton_from_urdf
 
-    text = skeleton_from_urdf(file)
+    text = skeleton_from_urdf(file, tip)
     if out.exists():
         raise InputError(f"{out} exists already; give another name or remove it")
     write_result(out, text, "robot file")

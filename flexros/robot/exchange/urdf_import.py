@@ -3,87 +3,80 @@
 from __future__ import annotations
 
 import io
-from dataclasses import dataclass
 from pathlib import PurePath
-from typing import TYPE_CHECKING, Any
-from xml.etree import ElementTree
+from typing import TYPE_CHECKING
 
 import numpy as np
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
-from scipy.spatial.transform import Rotation
 
 from flexros.config.text_file import read_text
 from flexros.errors import InputError
 from flexros.input_limits import LARGEST_URDF
+from flexros.robot.exchange.urdf_tree import MOVABLE, read_tree
+from flexros.robot.physical import ROUNDED
 from flexros.robot.quantity import unit_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
     from pathlib import Path
 
     from flexros.arrays import FloatArray
+    from flexros.robot.exchange.urdf_tree import Inertial, UrdfJoint
 
-MOVABLE = ("revolute", "continuous", "prismatic")
-
-
-@dataclass(frozen=True)
-class _Joint:
-    name: str
-    kind: str
-    parent: str
-    child: str
-    origin: FloatArray
-    rotation: FloatArray
-    axis: FloatArray
-    effort: float
-    damping: float
-    friction: float
+ALUMINIUM = 2700.0
+"""Density of links whose inertia was rounded to zero, as URDFs of light last links have it [kg/m3] (chosen)."""
 
 
-def skeleton_from_urdf(file: Path) -> str:
+def skeleton_from_urdf(file: Path, tip: str = "") -> str:
     """Return the text of a robot file (YAML) from a URDF with one serial chain; see `skeleton_from_text`.
 
     Args:
         file: The URDF.
+        tip: Last link of the chain.
 
     Raises:
         InputError: The file cannot be read, or as in `skeleton_from_text`.
     """
-    return skeleton_from_text(read_text(file, "URDF", LARGEST_URDF), str(file))
+    return skeleton_from_text(read_text(file, "URDF", LARGEST_URDF), str(file), tip)
 
 
-def skeleton_from_text(text: str, file: str) -> str:
+def skeleton_from_text(text: str, file: str, tip: str = "") -> str:
     """Return the text of a robot file (YAML) from that of a URDF with one serial chain.
 
-    All frames of a robot file are parallel to the base at zero; the URDF's inertias are rotated accordingly. Every
-    gear is initially rigid: the user replaces the word by a stiffness, and adds elastic directions. The tags
-    `motor_1.joint`, ... name the joints, `motor_1.joint_sign`, ... are -1 where a joint turns the other way.
+    All frames of a robot file are parallel to the base at zero; the URDF's inertias are rotated accordingly. The base
+    is turned where the first joint is slanted, and gravity with it. Every gear is initially rigid: the user replaces
+    the word by a stiffness, and adds elastic directions. The tags `motor_1.joint`, ... name the joints,
+    `motor_1.joint_sign`, ... are -1 where a joint turns the other way.
 
     Args:
         text: The URDF.
         file: Where it comes from: a file or a topic.
+        tip: Last link of the chain, to which all behind it is fixed, such as the fingers of a gripper; empty for the
+            end of the only chain with joints that move.
 
     Raises:
         InputError: Not a URDF, invalid numbers, a chain that branches or closes, or a joint axis that is not along
             a coordinate axis at zero.
     """
-    root = _parse(text, file)
-    links = {link.get("name", ""): link for link in root.findall("link")}
-    joints = _chain(root, links, file)
+    tree = read_tree(text, file)
+    joints = tree.chain(tip)
+    if not any(joint.kind in MOVABLE for joint in joints):
+        raise InputError(f"{file}: no revolute, continuous or prismatic joint was found; give the URDF of a robot arm")
     bodies = CommentedSeq()
     outputs: list[str] = []
     tags: dict[str, str] = {}
-    rotation = np.eye(3)
+    base = _base(joints)
+    rotation = base
     length_before = np.zeros(3)
-    for joint in joints:
+    for joint, inertial in zip(joints, tree.carried(joints), strict=True):
         offset = rotation @ joint.origin
         if bodies:
             bodies[-1]["length"] = _numbers(offset)
         else:
-            length_before = offset
+            length_before = joint.origin
         rotation = rotation @ joint.rotation
-        body = _body(links[joint.child], rotation, file)
+        body = _body(joint.child, inertial, rotation)
         if joint.kind in MOVABLE:
             axis = _base_axis(joint, rotation, file)
             index = int(np.argmax(np.abs(axis)))
@@ -94,131 +87,29 @@ def skeleton_from_text(text: str, file: str) -> str:
             if axis[index] < 0:
                 tags[f"motor_{len(outputs)}.joint_sign"] = "-1"
         bodies.append(body)
-    if not outputs:
-        raise InputError(f"{file}: no revolute, continuous or prismatic joint was found; give the URDF of a robot arm")
     path = PurePath(file)
-    return _text(root.get("name", path.stem), path.name, bodies, outputs, tags, length_before)
+    place = f"Skeleton made from {path.name}; the first joint is at {length_before.tolist()} m in the URDF's base"
+    if not np.allclose(base, np.eye(3)):
+        place += f", which is turned by {np.round(base, 6).tolist()}"
+    head = CommentedMap({"name": tree.name or path.stem, "description": f"{place}."})
+    head["defaults"] = CommentedMap({"source": path.name, "tolerance": 0.03})
+    head["gravity"] = _numbers(base @ [0, 0, -9.81])
+    return _text(head, bodies, outputs, tags)
 
 
-def _parse(text: str, file: str) -> ElementTree.Element:
-    if "<!ENTITY" in text or "<!DOCTYPE" in text:
-        raise InputError(f"{file} has a document type definition, which a URDF does not need; remove it")
-    try:
-        root = ElementTree.fromstring(text)  # noqa: S314 - entities are refused above
-    except ElementTree.ParseError as error:
-        raise InputError(f"{file} is not XML ({error}); give a URDF file (run xacro first)") from error
-    if root.tag != "robot":
-        raise InputError(f"{file} starts with <{root.tag}>, but a URDF starts with <robot>; give a URDF file")
-    return root
-
-
-def _read(element: ElementTree.Element | None, key: str, default: str, count: int, place: str) -> FloatArray:
-    """Read an attribute as finite numbers, shape (count,), with a default."""
-    text = default if element is None else element.get(key, default)
-    try:
-        numbers = np.array([float(part) for part in text.split()])
-    except ValueError:
-        numbers = np.zeros(0)
-    if element is not None and (numbers.shape != (count,) or not np.all(np.isfinite(numbers))):
-        wanted = "a finite number" if count == 1 else f"{count} finite numbers"
-        raise InputError(f"{place}: {key} of <{element.tag}> is '{text}', but must be {wanted}; correct the URDF")
-    return numbers
-
-
-def _vector(element: ElementTree.Element | None, key: str, default: str, place: str) -> FloatArray:
-    return _read(element, key, default, 3, place)
-
-
-def _scalar(element: ElementTree.Element | None, key: str, place: str) -> float:
-    return float(_read(element, key, "0", 1, place)[0])
-
-
-def _joint(element: ElementTree.Element, links: Mapping[str, ElementTree.Element], file: str) -> _Joint:
-    place = f"{file}: joint '{element.get('name')}'"
-    ends: dict[str, str] = {}
-    for end in ("parent", "child"):
-        found = element.find(end)
-        if found is None:
-            raise InputError(f"{place} lacks <{end}>; correct the URDF")
-        ends[end] = found.get("link", "")
-        if ends[end] not in links:
-            raise InputError(
-                f"{place} names the {end} link '{ends[end]}', but the links are {', '.join(links)}; correct the URDF"
-            )
-    origin = element.find("origin")
-    return _Joint(
-        name=element.get("name", ""),
-        kind=element.get("type", "fixed"),
-        parent=ends["parent"],
-        child=ends["child"],
-        origin=_vector(origin, "xyz", "0 0 0", place),
-        rotation=Rotation.from_euler("xyz", _vector(origin, "rpy", "0 0 0", place)).as_matrix(),
-        axis=_vector(element.find("axis"), "xyz", "1 0 0", place),
-        effort=_scalar(element.find("limit"), "effort", place),
-        damping=_scalar(element.find("dynamics"), "damping", place),
-        friction=_scalar(element.find("dynamics"), "friction", place),
-    )
-
-
-def _refuse_loops(joints: Sequence[_Joint], file: str) -> None:
-    """Refuse links with two parents and closed chains: the joints must form a tree."""
-    above: dict[str, _Joint] = {}
+def _base(joints: Sequence[UrdfJoint]) -> FloatArray:
+    """Return the URDF's base in that of the robot file: turned where the first axis that moves is slanted."""
+    rotation = np.eye(3)
     for joint in joints:
-        if joint.child in above:
-            raise InputError(
-                f"{file}: joints '{above[joint.child].name}' and '{joint.name}' both carry the link '{joint.child}', "
-                "but each link of a URDF has one parent; remove one of them"
-            )
-        above[joint.child] = joint
-    clear: set[str] = set()
-    for start in above:
-        here, way = start, set[str]()
-        while here in above and here not in clear:
-            if here in way:
-                raise InputError(
-                    f"{file}: joint '{above[here].name}' closes a circle of joints through the link '{here}', but a "
-                    "URDF is a tree and a robot here one serial chain; remove a joint of the circle"
-                )
-            way.add(here)
-            here = above[here].parent
-        clear |= way
+        rotation = rotation @ joint.rotation
+        if joint.kind in MOVABLE:
+            length = float(np.linalg.norm(joint.axis))
+            slanted = length > 0 and np.max(np.abs(rotation @ joint.axis)) < (1 - 1e-6) * length
+            return rotation.T if slanted else np.eye(3)
+    return np.eye(3)
 
 
-def _chain(root: ElementTree.Element, links: Mapping[str, ElementTree.Element], file: str) -> list[_Joint]:
-    """Follow the joints from the base link; side branches without movable joints (tool frames) are omitted."""
-    joints = [_joint(element, links, file) for element in root.findall("joint")]
-    _refuse_loops(joints, file)
-    children: dict[str, list[_Joint]] = {}
-    for joint in joints:
-        children.setdefault(joint.parent, []).append(joint)
-    carried = {joint.child for joint in joints}
-    bases = [name for name in links if name not in carried]
-    chain: list[_Joint] = []
-    here = bases[0] if bases else ""
-    while children.get(here):
-        moving = [joint for joint in children[here] if _movable_below(joint, children)]
-        if len(moving) > 1:
-            names = ", ".join(joint.name for joint in moving)
-            raise InputError(f"{file}: link '{here}' carries the chains {names}, but a robot here is one serial chain")
-        following = moving or (children[here] if len(children[here]) == 1 else [])
-        if not following:
-            break
-        chain.append(following[0])
-        here = following[0].child
-    return chain
-
-
-def _movable_below(joint: _Joint, children: dict[str, list[_Joint]]) -> bool:
-    waiting = [joint]
-    while waiting:  # no recursion: a chain may exceed Python's stack
-        here = waiting.pop()
-        if here.kind in MOVABLE:
-            return True
-        waiting += children.get(here.child, [])
-    return False
-
-
-def _base_axis(joint: _Joint, rotation: FloatArray, file: str) -> FloatArray:
+def _base_axis(joint: UrdfJoint, rotation: FloatArray, file: str) -> FloatArray:
     """Return the axis of a joint at zero in the base frame, along a coordinate axis, shape (3,)."""
     length = float(np.linalg.norm(joint.axis))
     if not length > 0:
@@ -234,7 +125,7 @@ def _base_axis(joint: _Joint, rotation: FloatArray, file: str) -> FloatArray:
     return axis
 
 
-def _gear(joint: _Joint, opposite: bool) -> CommentedMap:
+def _gear(joint: UrdfJoint, opposite: bool) -> CommentedMap:
     motor = CommentedMap({"inertia": 0, "viscous_friction": _number(max(joint.damping, 0.0)) or 0})
     if joint.effort > 0:
         motor["torque_limit"] = joint.effort
@@ -252,31 +143,41 @@ def _gear(joint: _Joint, opposite: bool) -> CommentedMap:
     return gear
 
 
-def _body(link: ElementTree.Element, rotation: FloatArray, file: str) -> CommentedMap:
-    body = CommentedMap({"label": link.get("name", "")})
-    place = f"{file}: link '{link.get('name', '')}'"
-    inertial = link.find("inertial")
+def _body(label: str, inertial: Inertial | None, rotation: FloatArray) -> CommentedMap:
+    """Return the entry of a body whose frame is turned by a rotation at zero."""
+    body = CommentedMap({"label": label})
     if inertial is None:
         return body
-    mass, tensor, origin = inertial.find("mass"), inertial.find("inertia"), inertial.find("origin")
-    body["mass"] = _scalar(mass, "value", place)
-    body["center_of_mass"] = _numbers(rotation @ _vector(origin, "xyz", "0 0 0", place))
-    if tensor is not None:
-        entries = {key: _scalar(tensor, f"i{key}", place) for key in ("xx", "yy", "zz", "xy", "xz", "yz")}
-        J = np.array(
-            [
-                [entries["xx"], entries["xy"], entries["xz"]],
-                [entries["xy"], entries["yy"], entries["yz"]],
-                [entries["xz"], entries["yz"], entries["zz"]],
-            ]
-        )
-        turn = rotation @ Rotation.from_euler("xyz", _vector(origin, "rpy", "0 0 0", place)).as_matrix()
-        J = turn @ J @ turn.T
-        pairs = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
-        inertia = CommentedMap({key: _number(J[place]) for key, place in pairs.items() if abs(J[place]) > 1e-12})
-        inertia.fa.set_flow_style()
-        body["inertia"] = inertia
+    body["mass"] = _number(inertial.mass)
+    body["center_of_mass"] = _numbers(rotation @ inertial.center)
+    J, note = _possible(rotation @ inertial.inertia @ rotation.T, inertial.mass)
+    pairs = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
+    inertia = CommentedMap({key: _number(J[place]) for key, place in pairs.items() if abs(J[place]) > 1e-12})
+    inertia.fa.set_flow_style()
+    body["inertia"] = inertia
+    if note:
+        body.yaml_add_eol_comment(note, "inertia")
     return body
+
+
+def _possible(inertia: FloatArray, mass: float) -> tuple[FloatArray, str]:
+    """Return the nearest inertia that a body can have, and what was wrong with the given one; empty for nothing.
+
+    A body has the inertia tr(S) 1 - S with the second moments S of its mass, which are not negative (Wensing, Kim and
+    Slotine 2018); a rounded zero is that of a solid sphere, the least that a body of its density can have.
+    """
+    if mass > 0 and not np.any(np.abs(inertia) > 1e-12):
+        sphere = 0.4 * mass * (3 * mass / (4 * np.pi * ALUMINIUM)) ** (2 / 3)
+        return sphere * np.eye(3), "zero in the URDF, so that of a solid ball of aluminium of this mass"
+    moments, axes = np.linalg.eigh(np.trace(inertia) / 2 * np.eye(3) - inertia)
+    if 2 * moments[0] >= -ROUNDED * np.linalg.eigvalsh(inertia)[-1]:
+        return inertia, ""
+    S = np.maximum(moments, 0.0)
+    nearest = axes @ np.diag(S.sum() - S) @ axes.T
+    return (
+        nearest,
+        "the nearest one that a body can have: in the URDF one principal moment exceeds the sum of the others",
+    )
 
 
 def _number(value: float) -> float:
@@ -290,14 +191,7 @@ def _numbers(values: FloatArray) -> CommentedSeq:
     return sequence
 
 
-def _text(
-    name: str, source: str, bodies: CommentedSeq, outputs: list[str], tags: dict[str, str], base: FloatArray
-) -> str:
-    data: Any = CommentedMap()
-    data["name"] = name
-    data["description"] = f"Skeleton made from {source}; the first joint is at {base.tolist()} m in the URDF's base."
-    data["defaults"] = CommentedMap({"source": source, "tolerance": 0.03})
-    data["gravity"] = _numbers(np.array([0, 0, -9.81]))
+def _text(data: CommentedMap, bodies: CommentedSeq, outputs: list[str], tags: dict[str, str]) -> str:
     data["bodies"] = bodies
     pose = CommentedSeq(["x", "y", "z"])
     pose.fa.set_flow_style()

@@ -156,3 +156,71 @@ def test_friction_and_names_of_joints_are_kept(tmp_path: Path) -> None:
     assert robot.motors[0].specification.viscous_friction.value == 4
     assert robot.spec.tags["motor_2.joint"] == "elbow"
     assert "dry friction of 2" in robot_file.read_text()
+
+
+GRIPPER = """<link name="left"><inertial><origin xyz="0 0.02 0.03"/><mass value="0.3"/>
+    <inertia ixx="1e-4" iyy="2e-4" izz="2e-4" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="right"><inertial><mass value="0.3"/>
+    <inertia ixx="1e-4" iyy="2e-4" izz="2e-4" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="left_finger" type="prismatic"><parent link="hand"/><child link="left"/>
+    <origin xyz="0.1 0.05 0" rpy="0.3 0 0"/><axis xyz="0 1 0"/>
+    <limit effort="9" velocity="1" lower="0" upper="0.05"/></joint>
+  <joint name="right_finger" type="prismatic"><parent link="hand"/><child link="right"/>
+    <origin xyz="0.1 -0.05 0"/><axis xyz="0 1 0"/>
+    <limit effort="9" velocity="1" lower="0" upper="0.05"/></joint>
+</robot>"""
+
+
+def _torques_of(text: str, tmp_path: Path, tip: str, motion: np.ndarray) -> np.ndarray:
+    (tmp_path / "arm.urdf").write_text(text)
+    (tmp_path / "arm.yaml").write_text(skeleton_from_urdf(tmp_path / "arm.urdf", tip))
+    return np.asarray(load_robot(tmp_path / "arm.yaml").model.arm_inverse_dynamics(*motion, [])).ravel()
+
+
+def test_fingers_of_a_gripper_are_fixed_to_the_tip(tmp_path: Path) -> None:
+    pin = pytest.importorskip("pinocchio", reason="Pinocchio is not installed")
+    text = URDF.replace("</robot>", GRIPPER)
+    whole = pin.buildModelFromXML(text)
+    fingers = [whole.getJointId(name) for name in ("left_finger", "right_finger")]
+    model = pin.buildReducedModel(whole, fingers, pin.neutral(whole))
+    motion = np.random.default_rng(0).normal(size=(3, 2))
+    expected = pin.rnea(model, model.createData(), *motion)
+    np.testing.assert_allclose(_torques_of(text, tmp_path, "hand", motion), expected, rtol=1e-6)
+
+
+def test_several_chains_ask_for_the_tip(urdf: Path) -> None:
+    urdf.write_text(URDF.replace("</robot>", GRIPPER))
+    with pytest.raises(InputError, match="left_finger, right_finger") as raised:
+        skeleton_from_urdf(urdf)
+    assert raised.value.argument == "tip"
+    with pytest.raises(InputError, match="did you mean 'hand'"):
+        skeleton_from_urdf(urdf, "hnd")
+
+
+def test_base_is_turned_where_the_first_joint_is_slanted(tmp_path: Path) -> None:
+    pin = pytest.importorskip("pinocchio", reason="Pinocchio is not installed")
+    text = URDF.replace('rpy="0 0 0"', 'rpy="0.3 0.4 0.5"', 1)
+    model = pin.buildModelFromXML(text)
+    motion = np.random.default_rng(0).normal(size=(3, 2))
+    expected = pin.rnea(model, model.createData(), *motion)
+    np.testing.assert_allclose(_torques_of(text, tmp_path, "", motion), expected, rtol=1e-6)
+
+
+def test_inertia_that_no_body_has_is_replaced_by_the_nearest(urdf: Path, tmp_path: Path) -> None:
+    old = '<inertia ixx="0.5" iyy="0.4" izz="0.1" ixy="0" ixz="0" iyz="0"/>'
+    urdf.write_text(URDF.replace(old, old.replace("0.5", "0.7")))
+    text = skeleton_from_urdf(urdf)
+    assert "the nearest one that a body can have" in text
+    (tmp_path / "robot.yaml").write_text(text)
+    moments = np.linalg.eigvalsh(load_robot(tmp_path / "robot.yaml").spec.bodies[0].inertia.matrix())
+    assert moments[2] == pytest.approx(moments[0] + moments[1])
+    np.testing.assert_allclose(moments, [0.2, 0.5, 0.7])
+
+
+def test_inertia_that_was_rounded_to_zero_is_that_of_a_ball(urdf: Path, tmp_path: Path) -> None:
+    old = '<inertia ixx="0.01" iyy="0.02" izz="0.02" ixy="0" ixz="0" iyz="0"/>'
+    urdf.write_text(URDF.replace(old, old.replace("0.02", "0.000").replace("0.01", "0.000")))
+    (tmp_path / "robot.yaml").write_text(skeleton_from_urdf(urdf))
+    radius = (3 * 2 / (4 * np.pi * 2700)) ** (1 / 3)
+    inertia = load_robot(tmp_path / "robot.yaml").spec.bodies[2].inertia.matrix()
+    np.testing.assert_allclose(inertia, 0.4 * 2 * radius**2 * np.eye(3))

@@ -1,0 +1,301 @@
+"""Tree of a URDF: its joints, the chain from the base to the tip, and what the links of that chain carry."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+from xml.etree import ElementTree
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from flexros.errors import InputError, unknown_name
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from flexros.arrays import FloatArray
+
+MOVABLE = ("revolute", "continuous", "prismatic")
+
+
+@dataclass(frozen=True)
+class UrdfJoint:
+    """A joint.
+
+    Attributes:
+        name: Its name.
+        kind: "revolute", "continuous", "prismatic", "fixed", ...
+        parent: Link that carries it.
+        child: Link behind it.
+        origin: Its position in the frame of the parent [m], shape (3,).
+        rotation: Its frame in that of the parent, shape (3, 3).
+        axis: Its axis in its own frame, shape (3,).
+        effort: Limit of its torque or force [Nm or N]; 0 without one.
+        damping: Viscous friction [Nm s/rad or N s/m].
+        friction: Dry friction [Nm or N].
+    """
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    origin: FloatArray
+    rotation: FloatArray
+    axis: FloatArray
+    effort: float
+    damping: float
+    friction: float
+
+
+@dataclass(frozen=True)
+class Inertial:
+    """Mass of a link, or of several that are fixed to each other.
+
+    Attributes:
+        mass: Mass [kg].
+        center: Centre of mass in the frame of the link [m], shape (3,).
+        inertia: Inertia about it, along the axes of the link [kg m2], shape (3, 3).
+    """
+
+    mass: float
+    center: FloatArray
+    inertia: FloatArray
+
+
+@dataclass(frozen=True)
+class UrdfTree:
+    """Links and joints of a URDF.
+
+    Attributes:
+        source: Where it comes from, for messages.
+        name: Name of the robot; empty without one.
+        links: Elements of the links by their names.
+        children: Joints by the link that carries them.
+        joints: All joints by the link behind them.
+    """
+
+    source: str
+    name: str
+    links: Mapping[str, ElementTree.Element]
+    children: Mapping[str, Sequence[UrdfJoint]]
+    joints: Mapping[str, UrdfJoint]
+
+    def chain(self, tip: str = "") -> list[UrdfJoint]:
+        """Return the joints from the base to a link.
+
+        Args:
+            tip: Name of the last link; empty for the end of the only chain with joints that move.
+
+        Raises:
+            InputError: There is no such link, or none was given and several chains move.
+        """
+        return self._to(tip) if tip else self._only()
+
+    def carried(self, joints: Sequence[UrdfJoint]) -> list[Inertial | None]:
+        """Return what moves with the link behind each joint of a chain: the link, and what is beside the chain.
+
+        Joints beside the chain, such as the fingers of a gripper, are at zero.
+
+        Args:
+            joints: The chain.
+
+        Returns:
+            Mass in the frame of each link; None for a link without one.
+        """
+        inside = {joint.name for joint in joints}
+        return [self._carried(joint.child, inside) for joint in joints]
+
+    def _carried(self, link: str, inside: set[str]) -> Inertial | None:
+        parts: list[Inertial] = []
+        waiting = [(link, np.eye(3), np.zeros(3))]
+        while waiting:  # no recursion: a chain may exceed Python's stack
+            name, rotation, origin = waiting.pop()
+            own = _inertial(self.links[name], f"{self.source}: link '{name}'")
+            if own is not None:
+                turned = rotation @ own.inertia @ rotation.T
+                parts.append(Inertial(own.mass, origin + rotation @ own.center, turned))
+            waiting += [
+                (joint.child, rotation @ joint.rotation, origin + rotation @ joint.origin)
+                for joint in self.children.get(name, ())
+                if joint.name not in inside
+            ]
+        return _together(parts)
+
+    def _to(self, tip: str) -> list[UrdfJoint]:
+        if tip not in self.links:
+            raise unknown_name("link", tip, self.links, self.source)
+        chain: list[UrdfJoint] = []
+        while tip in self.joints:
+            chain.insert(0, self.joints[tip])
+            tip = chain[0].parent
+        return chain
+
+    def _only(self) -> list[UrdfJoint]:
+        bases = [name for name in self.links if name not in self.joints]
+        chain: list[UrdfJoint] = []
+        here = bases[0] if bases else ""
+        while self.children.get(here):
+            moving = [joint for joint in self.children[here] if self._movable_below(joint)]
+            if len(moving) > 1:
+                raise self._branches(here, moving)
+            following = moving or (self.children[here] if len(self.children[here]) == 1 else [])
+            if not following:
+                break
+            chain.append(following[0])
+            here = following[0].child
+        return chain
+
+    def _branches(self, link: str, moving: Sequence[UrdfJoint]) -> InputError:
+        names = ", ".join(joint.name for joint in moving)
+        return InputError(
+            f"{self.source}: link '{link}' carries the chains {names}, but a robot here is one serial chain; "
+            f"give tip, the last link of the arm, e.g. '{self._likely_tip()}'; what it carries beyond is fixed to it",
+            "tip",
+        )
+
+    def _likely_tip(self) -> str:
+        """Return the link with most moving joints before it; of several the first one."""
+        return max(self.links, key=lambda link: sum(joint.kind in MOVABLE for joint in self._to(link)))
+
+    def _movable_below(self, joint: UrdfJoint) -> bool:
+        waiting = [joint]
+        while waiting:
+            here = waiting.pop()
+            if here.kind in MOVABLE:
+                return True
+            waiting += self.children.get(here.child, ())
+        return False
+
+
+def read_tree(text: str, source: str) -> UrdfTree:
+    """Read the tree of a URDF.
+
+    Args:
+        text: The URDF.
+        source: Where it comes from: a file or a topic.
+
+    Raises:
+        InputError: Not a URDF, invalid numbers, or joints that do not form a tree.
+    """
+    root = _parse(text, source)
+    links = {link.get("name", ""): link for link in root.findall("link")}
+    joints = [_joint(element, links, source) for element in root.findall("joint")]
+    _refuse_loops(joints, source)
+    children: dict[str, list[UrdfJoint]] = {}
+    for joint in joints:
+        children.setdefault(joint.parent, []).append(joint)
+    return UrdfTree(source, root.get("name", ""), links, children, {joint.child: joint for joint in joints})
+
+
+def _parse(text: str, file: str) -> ElementTree.Element:
+    if "<!ENTITY" in text or "<!DOCTYPE" in text:
+        raise InputError(f"{file} has a document type definition, which a URDF does not need; remove it")
+    try:
+        root = ElementTree.fromstring(text)  # noqa: S314 - entities are refused above
+    except ElementTree.ParseError as error:
+        raise InputError(f"{file} is not XML ({error}); give a URDF file (run xacro first)") from error
+    if root.tag != "robot":
+        raise InputError(f"{file} starts with <{root.tag}>, but a URDF starts with <robot>; give a URDF file")
+    return root
+
+
+def _read(element: ElementTree.Element | None, key: str, default: str, count: int, place: str) -> FloatArray:
+    """Read an attribute as finite numbers, shape (count,), with a default."""
+    text = default if element is None else element.get(key, default)
+    try:
+        numbers = np.array([float(part) for part in text.split()])
+    except ValueError:
+        numbers = np.zeros(0)
+    if element is not None and (numbers.shape != (count,) or not np.all(np.isfinite(numbers))):
+        wanted = "a finite number" if count == 1 else f"{count} finite numbers"
+        raise InputError(f"{place}: {key} of <{element.tag}> is '{text}', but must be {wanted}; correct the URDF")
+    return numbers
+
+
+def _vector(element: ElementTree.Element | None, key: str, default: str, place: str) -> FloatArray:
+    return _read(element, key, default, 3, place)
+
+
+def _scalar(element: ElementTree.Element | None, key: str, place: str) -> float:
+    return float(_read(element, key, "0", 1, place)[0])
+
+
+def _joint(element: ElementTree.Element, links: Mapping[str, ElementTree.Element], file: str) -> UrdfJoint:
+    place = f"{file}: joint '{element.get('name')}'"
+    ends: dict[str, str] = {}
+    for end in ("parent", "child"):
+        found = element.find(end)
+        if found is None:
+            raise InputError(f"{place} lacks <{end}>; correct the URDF")
+        ends[end] = found.get("link", "")
+        if ends[end] not in links:
+            raise InputError(
+                f"{place} names the {end} link '{ends[end]}', but the links are {', '.join(links)}; correct the URDF"
+            )
+    origin = element.find("origin")
+    return UrdfJoint(
+        name=element.get("name", ""),
+        kind=element.get("type", "fixed"),
+        parent=ends["parent"],
+        child=ends["child"],
+        origin=_vector(origin, "xyz", "0 0 0", place),
+        rotation=Rotation.from_euler("xyz", _vector(origin, "rpy", "0 0 0", place)).as_matrix(),
+        axis=_vector(element.find("axis"), "xyz", "1 0 0", place),
+        effort=_scalar(element.find("limit"), "effort", place),
+        damping=_scalar(element.find("dynamics"), "damping", place),
+        friction=_scalar(element.find("dynamics"), "friction", place),
+    )
+
+
+def _refuse_loops(joints: Sequence[UrdfJoint], file: str) -> None:
+    """Refuse links with two parents and closed chains: the joints must form a tree."""
+    above: dict[str, UrdfJoint] = {}
+    for joint in joints:
+        if joint.child in above:
+            raise InputError(
+                f"{file}: joints '{above[joint.child].name}' and '{joint.name}' both carry the link '{joint.child}', "
+                "but each link of a URDF has one parent; remove one of them"
+            )
+        above[joint.child] = joint
+    clear: set[str] = set()
+    for start in above:
+        here, way = start, set[str]()
+        while here in above and here not in clear:
+            if here in way:
+                raise InputError(
+                    f"{file}: joint '{above[here].name}' closes a circle of joints through the link '{here}', but a "
+                    "URDF is a tree and a robot here one serial chain; remove a joint of the circle"
+                )
+            way.add(here)
+            here = above[here].parent
+        clear |= way
+
+
+def _inertial(link: ElementTree.Element, place: str) -> Inertial | None:
+    """Read the mass of a link, in its own frame; None without one."""
+    element = link.find("inertial")
+    if element is None:
+        return None
+    origin, tensor = element.find("origin"), element.find("inertia")
+    keys = ("xx", "yy", "zz", "xy", "xz", "yz")
+    xx, yy, zz, xy, xz, yz = (0.0 if tensor is None else _scalar(tensor, f"i{key}", place) for key in keys)
+    J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    turn = Rotation.from_euler("xyz", _vector(origin, "rpy", "0 0 0", place)).as_matrix()
+    center = _vector(origin, "xyz", "0 0 0", place)
+    return Inertial(_scalar(element.find("mass"), "value", place), center, turn @ J @ turn.T)
+
+
+def _together(parts: Sequence[Inertial]) -> Inertial | None:
+    """Join masses that are fixed to each other (parallel axis theorem); None without any."""
+    if len(parts) <= 1:
+        return parts[0] if parts else None
+    mass = sum(part.mass for part in parts)
+    if mass <= 0:
+        return Inertial(mass, parts[0].center, np.sum([part.inertia for part in parts], axis=0))
+    center: FloatArray = np.sum([part.mass * part.center for part in parts], axis=0) / mass
+    inertia: FloatArray = np.zeros((3, 3))
+    for part in parts:
+        away = part.center - center
+        inertia += part.inertia + part.mass * (away @ away * np.eye(3) - np.outer(away, away))
+    return Inertial(mass, center, inertia)
