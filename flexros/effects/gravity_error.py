@@ -38,7 +38,7 @@ class GravityError(AbstractArmLaw):
     plain: ClassVar[bool] = True
     size: ClassVar[str] = "relative"
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
-        {"relative": Range("relative", 0.003, 0.9, 4, signed=True)}
+        {"relative": Range("relative", 0.003, 0.9, 4, signed=True, widest=9.0)}
     )
     signatures: ClassVar[tuple[str, ...]] = ("torque_over_position", "tool_error")
     fingerprint: ClassVar[str] = (

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from flexros.record.checks.run import check_record
 from flexros.record.read import read_record
+from flexros.record.resampled import at_usual_rate
 from flexros.scenario.recorded_experiment import with_recorded_parts
 
 if TYPE_CHECKING:
@@ -25,10 +26,10 @@ def checked_log(log: Log, robot: Robot, *, name: str, torque: TorqueSource = "co
         torque: Torque that is taken where both were recorded; the other one is taken where it alone was.
 
     Returns:
-        The record; its warnings state what was repaired or is doubtful.
+        The record, of a very fast recorder at a lower rate; its warnings state what was repaired or is doubtful.
 
     Raises:
         InputError: There is no usable position or torque, or a check rejects the log.
     """
     record = read_record(log, robot, name=name, torque=torque, positions=True)
-    return check_record(with_recorded_parts(record, log), robot)
+    return at_usual_rate(check_record(with_recorded_parts(record, log), robot))

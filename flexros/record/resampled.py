@@ -1,4 +1,4 @@
-"""A record at another sample time, such as a second log of a recorder whose rate differs a little."""
+"""A record at another sample time: a second log whose rate differs a little, or one of a very fast recorder."""
 
 from __future__ import annotations
 
@@ -20,6 +20,25 @@ MOST_RAISED = 0.05
 """Relative increase of the rate up to which a record is resampled [1] (chosen): beyond it there would be more samples
 than measurements, whose noise is not independent."""
 
+FASTEST = 2000.0
+"""Highest rate of a real machine's log that is used as it is [Hz] (chosen): above, samples cost time and tell nothing
+more about a robot arm."""
+
+USUAL = 1000.0
+"""Rate to which a faster one is lowered, by a whole factor [Hz] (chosen)."""
+
+
+def at_usual_rate(record: Record) -> Record:
+    """Lower the rate of a real machine's log above `FASTEST`; return any other as it is.
+
+    Args:
+        record: The record.
+    """
+    rate = 1 / record.sample_time
+    if not record.imported or rate <= (1 + SAME_RATE) * FASTEST:
+        return record
+    return resampled(record, round(rate / USUAL) * record.sample_time, "which suffices for a robot arm")
+
 
 def may_be_resampled(record: Record, sample_time: float) -> bool:
     """Whether a record holds enough samples for another sample time.
@@ -31,7 +50,7 @@ def may_be_resampled(record: Record, sample_time: float) -> bool:
     return record.sample_time <= (1 + MOST_RAISED) * sample_time
 
 
-def resampled(record: Record, sample_time: float) -> Record:
+def resampled(record: Record, sample_time: float, reason: str = "the rate of the fitted log") -> Record:
     """Resample a record.
 
     Positions are interpolated by cubics, torques and commanded positions averaged over each new sample, and other
@@ -40,6 +59,7 @@ def resampled(record: Record, sample_time: float) -> Record:
     Args:
         record: The record.
         sample_time: The new sample time [s].
+        reason: Why, for the warning.
 
     Returns:
         The record at that sample time, without periodic parts, whose samples were counted at the old one; the same
@@ -68,10 +88,7 @@ def resampled(record: Record, sample_time: float) -> Record:
         return np.asarray(np.diff(sums, axis=0) / spans[:, None])
 
     position = local_cubic(before[record.valid], record.position[record.valid], at)
-    text = (
-        f"{record.name} has {1 / old:.6g} samples per second; it was resampled to {1 / sample_time:.6g}, the rate of "
-        "the fitted log"
-    )
+    text = f"{record.name} has {1 / old:.6g} samples per second; it was resampled to {1 / sample_time:.6g}, {reason}"
     return replace(
         record,
         sample_time=sample_time,

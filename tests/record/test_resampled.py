@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from flexros.record.record import Record
-from flexros.record.resampled import may_be_resampled, resampled
+from flexros.record.resampled import at_usual_rate, may_be_resampled, resampled
 
 N = 2000
 OLD = 1 / 100.235
@@ -47,3 +49,13 @@ def test_the_same_rate_changes_nothing() -> None:
 @pytest.mark.parametrize(("sample_time", "allowed"), [(0.01, True), (0.02, True), (0.005, False)])
 def test_a_rate_is_not_raised_much(sample_time: float, allowed: bool) -> None:
     assert may_be_resampled(record_of(), sample_time) == allowed
+
+
+def test_a_very_fast_recorder_is_slowed_down_for_an_imported_log_alone() -> None:
+    fast = record_of(1 / 5000)
+    assert at_usual_rate(fast) is fast
+    slow = at_usual_rate(replace(fast, imported=True))
+    assert slow.sample_time == pytest.approx(1e-3)
+    np.testing.assert_allclose(slow.position, fast.position[::5], atol=1e-9)
+    np.testing.assert_allclose(slow.torque[:-1, 0], fast.torque.reshape(-1, 5).mean(axis=1)[:-1])
+    assert at_usual_rate(replace(record_of(1 / 2000), imported=True)).sample_time == 1 / 2000

@@ -331,12 +331,7 @@ class Search:
             A fit without such parameters, or the same fit.
         """
         for _ in range(2 * fit.predictor.n_effect):
-            values = fit.predictor.values(fit.theta)
-            limited = [
-                (candidate, name)
-                for candidate, of_effect in zip(fit.hypothesis, values)
-                for name in sorted(candidate.at_limit(of_effect))
-            ]
+            limited = at_limits(fit)
             if not limited:
                 break
             candidate, name = limited[0]
@@ -512,6 +507,15 @@ class Search:
                 self.deadline.abandon()
                 raise
         return results
+
+
+def at_limits(fit: CandidateFit) -> list[tuple[Candidate, str]]:
+    """List the parameters of a fit that ended at a limit of their search, with their effects."""
+    return [
+        (candidate, name)
+        for candidate, values in zip(fit.hypothesis, fit.predictor.values(fit.theta))
+        for name in sorted(candidate.at_limit(values))
+    ]
 
 
 def _best_starts(direction: Directions, surroundings: Surroundings, most: int = 2) -> IntArray:

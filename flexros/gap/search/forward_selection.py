@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.candidates.candidate import names_of
+from flexros.gap.search.candidate_fits import at_limits
 from flexros.gap.search.curve_candidates import within_motion
 from flexros.gap.search.curves import curves_of, in_place_of_laws, with_curves
 from flexros.gap.search.elimination import reduced, with_asymmetry, with_dropped
@@ -215,11 +216,28 @@ def _pruned(search: Search, explanations: Explanations) -> Explanations:
     chosen = search.within_limits(pruned[explanations.chosen])
     fits = [pruned.get(fit, fit) for fit in explanations.comparison.fits if fit is not explanations.chosen]
     if chosen.predictor.n_effect < explanations.chosen.predictor.n_effect:  # without a parameter one may be needless
-        chosen = reduced(search, chosen, fits, search.settings.search.removed)
+        chosen = _best_within_limits(search, reduced(search, chosen, fits, search.settings.search.removed), fits)
     if not chosen.hypothesis:
         return _explanations(search, compared(search, fits), search.null.fit, detected=False)
     comparison = compared(search, [*(fit for fit in fits if fit.names != chosen.names), chosen])
     return _explanations(search, comparison, chosen, detected=True)
+
+
+def _best_within_limits(search: Search, chosen: CandidateFit, fits: Sequence[CandidateFit]) -> CandidateFit:
+    """Return what is left of an explanation without what ended at a limit, or an earlier fit that explains more.
+
+    Args:
+        search: The search.
+        chosen: What is left of the explanation.
+        fits: The other fits.
+    """
+    earlier = [fit for fit in fits if fit.hypothesis and not at_limits(fit)]
+    if not earlier:
+        return chosen
+    best = min(earlier, key=lambda fit: fit.chi2)
+    if not worth(search, compared(search, [chosen, best]), chosen, best, search.settings.search.removed):
+        return chosen
+    return search.within_limits(search.pruned(best))
 
 
 def _explanations(search: Search, comparison: ModelComparison, chosen: CandidateFit, *, detected: bool) -> Explanations:

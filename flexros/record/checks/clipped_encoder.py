@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from flexros.record.checks.base import AbstractCheck, Finding
-from flexros.record.checks.repeated_values import change_beside, slow_change
+from flexros.record.checks.repeated_values import comes_to_rest, slow_change
 from flexros.record.missing_samples import MOST_BRIDGED, runs
 from flexros.record.quantization import encoder_step
 
@@ -87,6 +87,6 @@ def _flat_tops(values: FloatArray, step: float, valid: BoolArray) -> BoolArray:
     for level in (values.max(), values.min()):
         for begin, length in zip(*runs(values == level), strict=True):
             inside = begin > 0 and begin + length < len(values)
-            if inside and length >= PLATEAU and change_beside(values, int(begin), int(length)) > slow:
+            if inside and length >= PLATEAU and not comes_to_rest(values, int(begin), int(length), slow):
                 spoilt[rows[begin : begin + length]] = True
     return spoilt

@@ -25,6 +25,12 @@ SLOW = 0.02
 """The same over the largest change within as many samples, for a signal without noise, as a simulator writes it
 (chosen)."""
 
+NEAR = 64
+"""Samples before and after repeated values in which the resolution there is looked for (chosen)."""
+
+REPEATED = 0.25
+"""Share of these samples equal to the one before from which the signal is coarse there (chosen)."""
+
 NOISELESS = 1e-4
 """Noise over that largest change below which a filtered signal has practically none (chosen)."""
 
@@ -44,14 +50,27 @@ def slow_change(values: FloatArray, step: float) -> float:
     return SLOW * largest if noiseless else 0.0
 
 
-def change_beside(values: FloatArray, begin: int, length: int) -> float:
-    """Return the largest change within `BESIDE` samples beside a stretch of repeated values.
+def comes_to_rest(values: FloatArray, begin: int, length: int, slow: float) -> bool:
+    """Return whether a signal comes to a stretch of repeated values slowly, as before rest and at a turning point.
 
     Args:
         values: Positions [rad or m], shape (n,).
         begin: First sample of the stretch.
         length: Number of its samples.
+        slow: Change of `slow_change` [rad or m].
     """
     before = values[max(0, begin - BESIDE) : begin]
     after = values[begin + length : begin + length + BESIDE]
-    return float(np.abs(np.concatenate([before, after]) - values[begin]).max(initial=0.0))
+    change = float(np.abs(np.concatenate([before, after]) - values[begin]).max(initial=0.0))
+    return change <= max(slow, STEPS * _resolution_beside(values, begin, length))
+
+
+def _resolution_beside(values: FloatArray, begin: int, length: int) -> float:
+    """Return the usual change beside a stretch where many samples repeat the one before; 0 where they do not.
+
+    Numbers that a recorder rounds to some digits have no common step, and a sum of two encoders has none either.
+    """
+    sides = values[max(0, begin - NEAR) : begin], values[begin + length : begin + length + NEAR]
+    changes = np.abs(np.concatenate([np.diff(side)[side[1:] != values[begin]] for side in sides]))
+    moved = changes[changes > 0]
+    return float(np.median(moved)) if len(moved) and len(moved) < (1 - REPEATED) * len(changes) else 0.0

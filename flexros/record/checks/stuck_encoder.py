@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from flexros.record.checks.base import AbstractCheck, Finding
-from flexros.record.checks.repeated_values import change_beside, slow_change
+from flexros.record.checks.repeated_values import comes_to_rest, slow_change
 from flexros.record.missing_samples import runs
 from flexros.record.quantization import encoder_step
 
@@ -73,7 +73,7 @@ def _stuck(values: FloatArray, step: float) -> BoolArray:
     stuck = np.zeros(len(values), dtype=bool)
     ends = values == values.max(), values == values.min()  # flat tops belong to another check
     for begin, length in zip(*runs(same), strict=True):
-        rests = change_beside(values, int(begin), int(length)) <= slow
+        rests = comes_to_rest(values, int(begin), int(length), slow)
         if length >= LONGEST and not rests and not any(end[begin] for end in ends):
             stuck[begin : begin + length] = True
     outside = same[~stuck & ~ends[0] & ~ends[1]]

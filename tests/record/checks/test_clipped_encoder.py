@@ -73,3 +73,14 @@ def test_encoder_that_changes_once_is_at_rest(found, healthy) -> None:
     position[:, 1] = position[0, 1] + 1e-4 * (np.arange(record.n_samples) > record.n_samples - 50)
     texts = [finding.text for finding in found("elbow", position=position)]
     assert not any("jumps" in text or "repeats its value" in text for text in texts)
+
+
+def test_turning_point_of_numbers_with_few_digits_is_not_clipped(found, healthy) -> None:
+    """Positions of the motor side above 100 rad with five digits, as a recorder writes them, have no common step."""
+    record = healthy("emps")
+    time = np.arange(record.n_samples) * record.sample_time
+    motion = 120 * np.cos(2 * np.pi * 0.31 * time) + 30 * np.cos(2 * np.pi * 0.083 * time)
+    position = np.array([[float(f"{one:.5g}")] for one in motion])
+    assert not any("stays at the end" in finding.text for finding in found("emps", position=position / 3000))
+    clipped = np.minimum(position, 135)
+    assert any("stays at the end" in finding.text for finding in found("emps", position=clipped / 3000))
