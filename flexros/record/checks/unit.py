@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from flexros.record.balance.spectra import rotor_unknown
 from flexros.record.checks.base import AbstractCheck, Finding
 
 if TYPE_CHECKING:
@@ -28,6 +27,9 @@ REFUSED = 2.7
 
 LOADED = 50.0
 """Factor up to which a load that the model lacks explains the torque of a light wrist (chosen)."""
+
+FEWEST = 3
+"""Fewest motors of an arm with light wrists (chosen)."""
 
 LIKE = 1.3
 """Factor within which a level is attributed to a known mistake (chosen)."""
@@ -64,13 +66,13 @@ class Unit(AbstractCheck):
 
 
 def _model_may_be_rough(checked: CheckedRecord, refused: dict[int, BalanceFit]) -> bool:
-    """Return whether a model without rotors, as from a URDF, may lack a load too: joints with large torques fit it.
+    """Return whether a model of an arm may lack a load, or rotors, at light wrists: joints with large torques fit it.
 
     A load at the tool multiplies the torque of light wrists, and hardly that of the joints near the base; a wrong unit
     multiplies all of them.
     """
     balance = checked.balance
-    if balance is None or not np.any(rotor_unknown(checked.robot)):
+    if balance is None or checked.robot.n_motors < FEWEST or not any(checked.robot.spec.gravity.value):
         return False
     if any(fit.factor > LOADED or fit.factor < 1 for fit in refused.values()):
         return False
