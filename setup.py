@@ -91,6 +91,7 @@ setup(
         "console_scripts": console_scripts,
         "flexros.commands": [f"{name} = flexros.validation.commands.{name}" for name in ("bench", "blind", "campaign")],
         "flexros.transports": ["ros = flexros_nodes.bringup.run:run_scenario"],
+        "flexros.view": ["ros = flexros_nodes.bringup.live_view:view_topics"],
         "flexros.replay": ["ros = flexros_nodes.bringup.replay_run:replay_log"],
     },
 )

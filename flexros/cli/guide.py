@@ -225,6 +225,7 @@ GUIDES: dict[str, Guide] = {
             "flexros view log                     # the arm, its deflection, path error and signals",
             "flexros view six_axis                # a robot: motors by sliders, modes in motion",
             "flexros view diagnosis --log log     # robot, nominal and repaired model side by side",
+            "flexros view topics --model e12      # a robot that is running over ROS 2",
         ),
     ),
     "identify": Guide(IDENTIFY, "springs, dampers, friction by experiments", ()),

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import time
 import webbrowser
+from importlib import metadata
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,15 +14,23 @@ import typer
 from flexros.cli.options import NamespaceOption
 from flexros.cli.output import say
 from flexros.cli.progress import progress_shown
+from flexros.errors import InputError
 
 if TYPE_CHECKING:
     from flexros.view.player import LogPlayer
     from flexros.view.robot_page import RobotPage
 
 
+TOPICS = "topics"
+"""What is given for a running robot."""
+GROUP = "flexros.view"
+"""Entry points that listen to a running robot; the package of the nodes registers "ros"."""
+
+
 def view(
     what: str = typer.Argument(
-        help="A log (rosbag2 folder or .mcap file), the folder of a diagnosis, or a robot: its name or file, a patch."
+        help="A log (rosbag2 folder or .mcap file), the folder of a diagnosis, a robot (its name or file, a patch), or "
+        "the word topics for a running robot."
     ),
     model: str = typer.Option("", "--model", help="Robot of the log; default: from its provenance."),
     log: Path = typer.Option(None, "--log", help="Log of a diagnosis; default: looked for beside its folder."),
@@ -36,6 +46,9 @@ def view(
     from flexros.view.shown import is_diagnosis, is_log, shown_diagnosis, shown_log
 
     require_viewer()
+    if what == TOPICS:
+        live(model, namespace, host, port, browser)
+        return
     path = Path(what)
     with progress_shown() as show:
         if is_diagnosis(path):
@@ -57,6 +70,38 @@ def view(
 
         page = LogPlayer(shown, host=host, port=port, factor=magnification)
     serve(page, browser)
+
+
+def live(model: str, namespace: str, host: str, port: int, browser: bool) -> None:
+    """Show a running robot until Ctrl-C.
+
+    Args:
+        model: Its robot name, robot file or patch.
+        namespace: Namespace of its topics.
+        host: Address the page listens on.
+        port: Port of the page.
+        browser: Whether to open it.
+
+    Raises:
+        InputError: No robot was given, or ROS 2 is not installed.
+    """
+    from flexros.effects.patching.patched_robot import load_model
+    from flexros.view.live import LivePage
+
+    if not model:
+        raise InputError("no robot was given for the topics; give its name or file", argument="model")
+    source = next(iter(metadata.entry_points(group=GROUP)), None)
+    if source is None or find_spec("rclpy") is None:
+        raise InputError("topics need ROS 2, which is not installed here: source it, or install the extra ros")
+    listen = source.load()
+    page = LivePage(load_model(model).robot, host=host, port=port)
+    say(f"Open {page.address} in a browser; Ctrl-C ends.")
+    try:
+        if browser:
+            webbrowser.open(page.address)
+        listen(page, namespace=namespace)
+    finally:
+        page.stop()
 
 
 def require_viewer() -> None:

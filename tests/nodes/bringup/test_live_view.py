@@ -1,0 +1,84 @@
+from __future__ import annotations
+
+import importlib.util
+import threading
+from typing import Any
+
+import numpy as np
+import pytest
+
+from flexros.robot import load_robot
+from flexros.robot.arm_view import ArmView
+from tests.browser import wait
+
+
+class Page:
+    """Stands for the page in the browser."""
+
+    def __init__(self) -> None:
+        self.motors: list[tuple[float, list[str], list[float]]] = []
+        self.bars: list[tuple[np.ndarray, np.ndarray]] = []
+
+    def take_motors(self, stamp: float, names: Any, positions: Any) -> None:
+        self.motors.append((stamp, list(names), list(positions)))
+
+    def take_bars(self, true: np.ndarray, stiff: np.ndarray) -> None:
+        self.bars.append((true, stiff))
+
+
+def test_topics_reach_the_page(ros_domain: int) -> None:
+    import rclpy
+    from rclpy.context import Context
+    from sensor_msgs.msg import JointState
+
+    from flexros_nodes.bringup.live_view import view_topics
+    from flexros_nodes.plant.arm_markers import ArmMarkers
+
+    robot, page, end = load_robot("e12"), Page(), threading.Event()
+    state = robot.equilibrium(np.array([0.1, 0.2, 0.01]))
+    thread = threading.Thread(target=lambda: view_topics(page, namespace="cell", ended=end.is_set))  # type: ignore[arg-type]
+    thread.start()
+    context = Context()
+    rclpy.init(context=context, args=[])
+    node = rclpy.create_node("source", context=context, namespace="cell")
+    try:
+        from visualization_msgs.msg import MarkerArray
+
+        states = node.create_publisher(JointState, "joint_states", 5)
+        markers = node.create_publisher(MarkerArray, "arm_markers", 5)
+        message = JointState(name=["motor_1", "motor_2"], position=[0.3, 0.4])
+        message.header.stamp.sec = 2
+        shown = ArmMarkers(robot).fill(2_000_000_000, state, 1.0)
+
+        def arrived() -> bool:
+            states.publish(message)
+            markers.publish(shown)
+            return bool(page.motors and page.bars)
+
+        wait(arrived, 30, "the topics")
+    finally:
+        end.set()
+        thread.join(10)
+        node.destroy_node()
+        rclpy.try_shutdown(context=context)
+    assert page.motors[0] == (2.0, ["motor_1", "motor_2"], [0.3, 0.4])
+    np.testing.assert_allclose(page.bars[0][0], ArmView(robot).bars(state, 1.0).true)
+
+
+@pytest.mark.skipif(importlib.util.find_spec("viser") is None, reason="needs viser: pip install 'flexros[view]'")
+def test_page_draws_magnified_bars_or_stiff_motors() -> None:
+    from flexros.view.live import LivePage
+
+    robot = load_robot("e12")
+    page = LivePage(robot, port=18460)
+    try:
+        page.take_motors(1.0, ["gripper", "motor_2", "motor_1"], [9.0, 0.4, 0.3])
+        wait(lambda: page.drawn is not None, 10, "the first picture")
+        expected = ArmView(robot).at(np.array([robot.arm_from_gears(np.array([0.3, 0.4]))]))[0]
+        np.testing.assert_allclose(page.drawn, expected)
+        stiff = expected
+        true = stiff + 0.001
+        page.take_bars(true, stiff)
+        wait(lambda: abs(float(page.drawn[0, 0, 0] - stiff[0, 0, 0]) - 0.01) < 1e-9, 10, "the deflection x 10")
+    finally:
+        page.stop()
