@@ -79,3 +79,9 @@ def test_load_and_rotors_that_a_urdf_lacks_are_no_unit(ur5e, ur5e_record) -> Non
 def test_wrong_units_of_such_a_robot_are_refused(ur5e, ur5e_record, torque, words: str) -> None:
     wrong = replace(ur5e_record, torque=torque * ur5e_record.torque)
     assert words in refusal(findings(wrong, ur5e))
+
+
+def test_rotors_that_are_far_off_are_no_unit(ur5e, ur5e_record) -> None:
+    """Public models of this arm state a tenth of a kg m2 at every joint."""
+    rotors = ur5e.with_values({f"{name}.inertia": 0.1 for name in ur5e.joint_names})
+    assert not any(finding.hopeless for finding in findings(ur5e_record, rotors))
