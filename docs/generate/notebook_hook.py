@@ -67,7 +67,7 @@ def page_of(path: Path) -> str:
 
 def _blocks(notebook: Any, name: str) -> Iterator[str]:
     """Yield the cells with their outputs; the first text cell has the heading."""
-    yield f'<script src="../{LIBRARY}"></script>'
+    yield f'<script src="../{LIBRARY}"></script>\n<style>.modebar-container {{ display: none; }}</style>'
     pictures = 0
     for number, cell in enumerate(notebook.cells):
         if cell.cell_type == "markdown":
