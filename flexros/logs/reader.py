@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ctypes
 from collections import Counter
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -67,10 +69,12 @@ def read_log(path: Path | str, namespace: str | None = None) -> Log:
     used = set()
     for name, topic in contract.items():
         full_name = f"{prefix}/{name}"
-        decoder = content.decoders.get(full_name)
+        decoder = content.decoders.pop(full_name, None)
         if decoder is not None:
             used.add(full_name)
             series[name] = assemble_series(series_codecs()[topic.type], full_name, decoder, warnings)
+            del decoder
+            give_memory_back()
         elif full_name in content.refused:
             warnings.append(content.refused[full_name])
         if topic.required and series.get(name) is None:
@@ -84,6 +88,12 @@ def read_log(path: Path | str, namespace: str | None = None) -> Log:
         other_topics=others,
         plant_figures=content.figures.get(f"{prefix}/{_PLANT}".strip("/"), {}),
     )
+
+
+def give_memory_back() -> None:
+    """Return freed memory to the system: the C library keeps that of many small arrays, here as much as the log."""
+    with suppress(OSError, AttributeError):  # another C library
+        ctypes.CDLL(None).malloc_trim(0)
 
 
 @dataclass

@@ -103,10 +103,19 @@ def read_record(
         command_rate=reader.commanded_rate(grid, rows, instants) if servos else None,
         simulated=bool(log.provenance.get("scenario")),
         imported=bool(log.provenance.get("import")),
+        thinned=_thinned(log),
         encoder_steps=_steps(recorded[:, reader.columns]) if instants or states.position is not recorded else (),
         first=begin + rows.start,
         warnings=tuple(dict.fromkeys(warnings)),
     )
+
+
+def _thinned(log: Log) -> float:
+    """Return how many commands the controller of a scenario gave for each one in the log; 1 where it is not known."""
+    commands, period = log.joint_commands, log.provenance.get("sample_time")
+    if commands is None or len(commands.stamp) < 2 or not isinstance(period, float) or period <= 0.0:
+        return 1.0
+    return float(np.median(np.diff(commands.stamp))) * 1e-9 / period
 
 
 def torque_source(log: Log, wanted: TorqueSource, name: str, warnings: list[str]) -> TorqueSource:

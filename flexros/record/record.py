@@ -48,6 +48,7 @@ class Record:
         command: Commanded positions of servos, each held to the next sample [rad or m], shape (n, M), for a log without
             torques, whose `torque` then follows from the nominal servo; None where torques were recorded.
         command_rate: Commanded speeds of servos [rad/s or m/s], shape (n, M); None where not recorded.
+        thinned: Commands of the controller for each one in the log; 1 where all were recorded or nothing is known.
         parts: Periodic parts of the motion, as far as they are known.
         encoder_steps: Resolution of each encoder before its positions were interpolated [rad or m], 0 without one,
             length M; empty where they are as measured.
@@ -72,6 +73,7 @@ class Record:
     imported: bool = False
     command: FloatArray | None = None
     command_rate: FloatArray | None = None
+    thinned: float = 1.0
     parts: tuple[PeriodicPart, ...] = ()
     encoder_steps: tuple[float, ...] = ()
     first: int = 0

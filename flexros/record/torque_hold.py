@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 _SHARED = 0.5
 """Share of measurements with a command of the same stamp above which every one is expected to have one (chosen)."""
 
+_DENSE = 0.75
+"""Time between two commands, in samples, below which there are some between the measurements (chosen)."""
+
 _SAME_INSTANT = 1e-3  # distance, in samples, up to which two stamps count as the same instant
 
 
@@ -81,7 +84,8 @@ def held_torque(
     """Average held commands over each sample (zero-order hold from the stamp of each).
 
     Commands that share the stamps of the measurements belong to their slots, unless jittering stamps are the true
-    instants. Others act for the part of the sample in which they are the last.
+    instants or there are commands between the measurements. Others act for the part of the sample in which they are the
+    last.
 
     Args:
         stamp: Stamps of the commands [ns], increasing, shape (k,).
@@ -94,7 +98,8 @@ def held_torque(
         The torque.
     """
     shared = np.isin(states[grid.rows], stamp)
-    if shared.mean() > _SHARED and not true_instants:
+    between = len(stamp) > 1 and float(np.median(np.diff(stamp))) * 1e-9 < _DENSE * grid.sample_time
+    if shared.mean() > _SHARED and not true_instants and not between:
         return _slot_by_slot(stamp, effort, grid, states)
     time = (stamp - grid.origin) * 1e-9
     begin = grid.instants

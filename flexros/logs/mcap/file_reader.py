@@ -34,6 +34,9 @@ if TYPE_CHECKING:
 _RECORD_HEAD = struct.Struct("<BQ")
 _SHORTEST_MESSAGE = MESSAGE_HEADER.itemsize - LENGTH_FIELD_END
 
+_RELEASED = 1 << 24
+"""Bytes of a file whose memory is released together, chosen."""
+
 _MOST_LOOSE = 100_000
 """Largest number of messages outside of chunks in one block [1], chosen."""
 
@@ -72,6 +75,8 @@ class McapFileReader:
     _definitions: set[bytes] = field(default_factory=set, init=False)
     _definition_room: int = field(default=LARGEST_DEFINITIONS, init=False)
     _n_unreported: int = field(default=0, init=False)
+    _content: mmap.mmap = field(init=False, repr=False)
+    _released: int = field(default=0, init=False)
 
     def blocks(self) -> Iterator[MessageBlock]:
         """Read the file.
@@ -94,6 +99,7 @@ class McapFileReader:
                 f"{self.path} is not an MCAP file (it begins with {content[:8]!r}); give a rosbag2 folder or .mcap"
             )
         self._room = room_of(len(content))
+        self._content, self._released = content, 0
         yield from self._file_records(memoryview(content), len(MAGIC))
         if self._n_unreported:
             self.warnings.append(f"{self.path} has damage at {self._n_unreported} further positions")
@@ -133,6 +139,8 @@ class McapFileReader:
             elif opcode in (Opcode.DATA_END, Opcode.FOOTER):
                 break
             position = start + length
+            if not loose:
+                self._release(position)
         else:
             self.warnings.append(f"{self.path} has no end record (recorder killed); every complete chunk was read")
         if n_beyond:
@@ -142,6 +150,13 @@ class McapFileReader:
             )
         if loose:
             yield self._block(data, np.array(loose))
+
+    def _release(self, position: int) -> None:
+        """Release the memory of the file before a position: pages that were read count as memory of the process."""
+        end = position - position % mmap.PAGESIZE
+        if end - self._released >= _RELEASED and hasattr(self._content, "madvise"):
+            self._content.madvise(mmap.MADV_DONTNEED, self._released, end - self._released)
+            self._released = end
 
     def _chunk(self, record: memoryview, where: str) -> Iterator[MessageBlock]:
         """Read the messages of a chunk; none and a warning if it is damaged."""

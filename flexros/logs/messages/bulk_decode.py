@@ -163,5 +163,7 @@ class TopicDecoder(Generic[L]):
         if not matching.all():
             rows, decoded = left[matching], candidates[matching]
         numbers = tuple(layout.message.numbers(decoded, i) for i in range(len(layout.message.spans)))
-        self.segments.append(Segment(layout, order[rows], log_time[rows], layout.message.stamps(decoded), numbers))
+        stamp, received = layout.message.stamps(decoded), log_time[rows]
+        received = stamp if np.array_equal(stamp, received) else received  # in lock-step: memory of a long log
+        self.segments.append(Segment(layout, order[rows], received, stamp, numbers))
         return left[~matching]

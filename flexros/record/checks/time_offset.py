@@ -8,6 +8,7 @@ import numpy as np
 
 from flexros.record.balance.torque_balance import AGREED
 from flexros.record.checks.base import AbstractCheck, Finding
+from flexros.record.checks.thinned_commands import THINNED
 
 if TYPE_CHECKING:
     from flexros.record.checks.checked_record import CheckedRecord
@@ -20,6 +21,10 @@ NOTED, REFUSED = 0.3, 0.6
 
 LONGEST = 0.01
 """Delay of the torque beyond which an offset between topics is more likely than a delay of the robot [s] (chosen)."""
+
+ALIKE = 0.12
+"""Difference of that lead from half of what the controller is faster, up to which thinned commands explain it
+[samples] (chosen)."""
 
 
 class TimeOffset(AbstractCheck):
@@ -42,6 +47,14 @@ class TimeOffset(AbstractCheck):
                 f"the torques are stamped too late: the motions precede them by {1e3 * early:.2g} ms; give time_offset "
                 "when importing, so that commands and measurements of the same instant have the same stamp"
             )
+            period = checked.robot.sample_time
+            if THINNED * period < T and abs(early - (T - period) / 2) < ALIKE * T:
+                text = (
+                    f"the motions precede the torques by {1e3 * early:.2g} ms, as where the log holds one of "
+                    f"{T / period:.3g} commands of a controller at {1 / period:.6g} Hz, the rate of the robot "
+                    "file: then record every command; if the controller is as slow as the log, give time_offset when "
+                    "importing"
+                )
             hopeless = early > REFUSED * T and _agreement(checked, tau) > AGREED
             return (Finding(text, hopeless=hopeless, like_parameters=True),)
         if tau > LONGEST:
