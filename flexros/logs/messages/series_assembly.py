@@ -93,7 +93,8 @@ def sorted_rows(
     if np.any(np.diff(stamp[arrival]) < 0):
         warnings.append(f"{topic}: messages are not in the order of their stamps, they were sorted")
     order = arrival[np.argsort(stamp[arrival], kind="stable")]
-    stamp, log_time, merged = stamp[order], log_time[order], [values[order] for values in merged]
+    if np.any(np.diff(order) != 1):  # else they are in order, and a copy of a long log takes as much memory again
+        stamp, log_time, merged = stamp[order], log_time[order], [values[order] for values in merged]
     repeated = np.flatnonzero(np.diff(stamp) == 0) + 1
     if len(repeated):
         keep = np.ones(len(stamp), bool)
