@@ -131,6 +131,11 @@ const narrow = (layout, width) => {
   margin.l = Math.min(margin.l, Math.max(56, 0.32 * width));
   margin.r = Math.min(margin.r, 10);
   if (layout.scene) for (const axis of "xyz") layout.scene.camera.eye[axis] *= 1.6;
+  if (layout.updatemenus && layout.legend) {  // the menus take the whole width
+    Object.assign(layout.legend, {y: -60 / (layout.height - margin.t - margin.b), yanchor: "top"});
+    margin.b += 90;
+    layout.height += 90;
+  }
   const notes = (layout.annotations || []).filter((note) => note.xref === "paper" && note.yref === "paper");
   if (columns === 2) {
     const across = (name) => "yaxis" + name.slice(5);
