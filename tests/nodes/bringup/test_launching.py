@@ -40,7 +40,8 @@ CHECKOUT = Path(__file__).parents[3]
 FILES = {path.name.split(".")[0]: path for path in sorted((CHECKOUT / "nodes" / "launch").glob("*.launch.py"))}
 ONE_ROBOT = sorted(set(FILES) - {"several_robots"})
 needs_ros2 = pytest.mark.skipif(
-    shutil.which("ros2") is None, reason="needs a full ROS 2: there is no command ros2 here"
+    shutil.which("ros2") is None,
+    reason="needs a full ROS 2: ros2cli, launch and launch_ros are not on PyPI; source a distribution or build them",
 )
 
 
