@@ -1,9 +1,9 @@
 """Fetch public logs of robots: python docs/results/fetch_real_robots.py FOLDER [--from PATH]...
 
-The logs of three public repositories, without a licence for copies or with one that does not fit, are brought into
-FOLDER, at the commits below and with
-their checksums; they are not part of this repository. `--from` names a clone, a bare clone or a plain folder of one of
-them that is there already. What cannot be reached is skipped with its reason, and the exit code is then 1.
+The logs of four public repositories, without a licence for copies or with one that does not fit, are brought into
+FOLDER, at the commits below and with their checksums; they are not part of this repository. `--from` names a clone, a
+bare clone or a plain folder of one of them that is there already. What cannot be reached is skipped with its reason,
+and the exit code is then 1.
 """
 
 from __future__ import annotations
@@ -27,6 +27,10 @@ TIMEOUT = 30.0
 
 PANDA_LOG = "matlab/data/Exciting_Traj/Trajectory_1/rbt_log/exciting_traj"
 """Begin of the names of the files of the Panda: one value per line, seven of each sample."""
+
+
+TX40 = "examples/staubli_TX40"
+"""Folder of the files of the TX40: positions and torques of the motors, in a table each."""
 
 
 @dataclass(frozen=True)
@@ -96,6 +100,16 @@ REPOSITORIES = (
             f"{PANDA_LOG}_time.txt": ("031063612f297011dc005ab29830903e36f4bfeba77bce59c0fbde13620fb20d"),
         },
     ),
+    Repository(
+        "thanhndv212",
+        "figaroh-examples",
+        "c0b5c7f0fda10078be55104f9ee76ac106b7a5ee",
+        {
+            f"{TX40}/data/curr_data.csv": ("f4592f4ba4db42f5d7625688986be25b575ca34d0504b27979ca6b0276bd3af9"),
+            f"{TX40}/data/pos_read_data.csv": ("5cc1cecc1024ef0e331d0caba06f689456ab789ec3f1e904599c0a8be5c27bc8"),
+            f"{TX40}/urdf/tx40_mdh_modified.urdf": ("3d00cbd46279c915d594b1bb4610dbac78d1e99ed27f95de70984bde13486074"),
+        },
+    ),
 )
 """The files that docs/results/real_robots.py reads."""
 
@@ -158,6 +172,23 @@ def assemble_panda(folder: Path) -> None:
     part.replace(part.with_name("panda.csv"))
 
 
+def assemble_tx40(folder: Path) -> None:
+    """Put positions and torques of the motors of the TX40 into a CSV file, where they are there.
+
+    Args:
+        folder: The folder of the files of all repositories.
+    """
+    here = folder / "figaroh-examples"
+    files = [here / TX40 / "data" / f"{name}.csv" for name in ("pos_read_data", "curr_data")]
+    if not all(file.is_file() for file in files):
+        return
+    names = ",".join(f"{quantity}_{joint}" for quantity in ("position", "torque") for joint in range(1, 7))
+    tables = [file.read_text().splitlines()[1:] for file in files]
+    part = here / ".tx40.csv.part"
+    part.write_text("\n".join((names, *(",".join(rows) for rows in zip(*tables)))) + "\n")
+    part.replace(part.with_name("tx40.csv"))
+
+
 def _checksum(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
 
@@ -204,6 +235,7 @@ def main() -> int:
     given = parser.parse_args()
     skipped = fetch(given.folder, given.sources)
     assemble_panda(given.folder)
+    assemble_tx40(given.folder)
     for reason in skipped:
         print(f"skipped: {reason}", file=sys.stderr)
     here = sum(

@@ -107,6 +107,8 @@ _UR = (
     "Innopolis University, [github.com/shamilmamedov/dynamic_calibration](https://github.com/shamilmamedov/"
     "dynamic_calibration), no licence stated: fetched by `fetch_real_robots.py`."
 )
+_TX40_COULOMB = ((7.14,), (8.26,), (6.34,), (2.48,), (3.03, 4.98), (2.232,))
+_TX40_VISCOUS = ((8.05, 8.05), (5.53, 5.53), (1.97, 1.97), (1.11, 1.11), (1.86, 2.476), (1.266, 1.266))
 _UR_FRICTION = ((21.256, 12.548), (20.221, 13.266), (10.378, 4.994), (3.575, 1.998), (2.491, 2.690), (3.026, 2.298))
 """Published viscous and Coulomb friction of the six joints [Nm s/rad, Nm]."""
 _PANDA_FRICTION = (
@@ -270,6 +272,25 @@ CASES = (
         by_hand=tuple(
             f"coulomb_friction@motor_{joint}:level={high}" for joint, (_, high) in enumerate(_PANDA_FRICTION, start=1)
         ),
+        fetched=True,
+    ),
+    Case(
+        name="tx40",
+        title="Six axes of a Staubli TX40",
+        about="The example of FIGAROH, [github.com/thanhndv212/figaroh-examples](https://github.com/thanhndv212/"
+        "figaroh-examples), no licence stated: fetched by `fetch_real_robots.py`. 5 kHz, 9 s, torques by currents; "
+        "the wrist is coupled: motor 6 turns by the sum of joints 5 and 6, as does its friction. Nominal: its URDF, "
+        "without friction and rotors, tolerance 3 %. A single log: its last third is not fitted.",
+        folder="figaroh-examples",
+        robot="examples/staubli_TX40/urdf/tx40_mdh_modified.urdf",
+        mapping="tx40.yaml",
+        fitted=("tx40.csv",),
+        known=(
+            *(_coulomb(joint, *sizes) for joint, sizes in enumerate(_TX40_COULOMB, start=1)),
+            *(Known("viscous friction", f"motor_{k}", *sizes, "Nm s/rad") for k, sizes in enumerate(_TX40_VISCOUS, 1)),
+        ),
+        source="the configuration of the example; at joint 5 without to with the friction of motor 6, at joint 6 that "
+        "of the joint and of the motor",
         fetched=True,
     ),
     Case(
