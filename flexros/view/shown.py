@@ -113,7 +113,7 @@ def shown_diagnosis(
     error = _path_error(log, best)
     text = (
         f"{motion.note} The models predict the motion **0.1 s ahead** from the motor torques; the difference of each "
-        "from the robot is magnified like the deflection."
+        "from the robot has a magnification of its own."
     )
     plots = signal_plots(log, best.robot, motion, error, predicted)
     title = f"Diagnosis {folder.absolute().name}"
