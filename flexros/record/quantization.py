@@ -7,6 +7,7 @@ it. A signal with noise of its own in every sample has no such step.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from hashlib import blake2b
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -32,11 +33,15 @@ MATTERS = 0.05
 ROUNDED = 1e-5
 """Differences over the largest one up to which they are rounding of the file, such as decimals of text (chosen)."""
 
+SOME = 4000
+"""Differences of which most steps are ruled out already, before all are looked at (chosen)."""
+
 AT_REST = 0.9
 """Share of samples equal to the one before above which a signal is at rest (chosen)."""
 
 _DIVISORS = range(1, 7)  # number of steps that the quantile may be
 _MULTIPLES = (8.0, 64.0, 512.0)  # differences up to these numbers of steps refine it in turn
+_KNOWN: dict[bytes, float | None] = {}  # steps by the digests of the signals
 
 
 @dataclass(frozen=True)
@@ -63,6 +68,13 @@ def lattice_step(values: FloatArray) -> float | None:
     Returns:
         The step in the unit of the signal; None without quantisation.
     """
+    key = blake2b(values.tobytes(), digest_size=16).digest()
+    if key not in _KNOWN:  # checks, noise and weights ask for the same signals
+        _KNOWN[key] = _found_step(values)
+    return _KNOWN[key]
+
+
+def _found_step(values: FloatArray) -> float | None:
     signal = values[np.isfinite(values)]
     if len(signal) < FEWEST or len(np.unique(signal)) < 3:
         return None
@@ -71,12 +83,22 @@ def lattice_step(values: FloatArray) -> float | None:
     change = change[change > resolution]
     if len(change) < FEWEST:
         return None
+    some = change[:: max(1, len(change) // SOME)]
     for smallest in np.unique(np.quantile(change, QUANTILES)):
         for divisor in _DIVISORS:
+            if _is_none(float(smallest) / divisor, some, resolution):
+                continue
             step = _refined(float(smallest) / divisor, change)
             if step > 4 * resolution and _distance(change, step, resolution) < OFF_LATTICE:
                 return step
     return None
+
+
+def _is_none(step: float, some: FloatArray, resolution: float) -> bool:
+    """Return whether some differences suffice to see that they are no multiples of a step."""
+    step = _refined(step, some)
+    distance = _distance(some, step, resolution)
+    return bool(np.isfinite(distance)) and distance > 2 * OFF_LATTICE
 
 
 def encoder_step(record: Record, motor: int) -> float:
