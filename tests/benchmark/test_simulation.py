@@ -7,15 +7,25 @@ from pathlib import Path
 
 import numpy as np
 
+from flexros.arrays import FloatArray
 from flexros.benchmark.controllers import load_controller
 from flexros.benchmark.disturbances import DISTURBANCES
 from flexros.benchmark.evaluate import NOISE
 from flexros.benchmark.models import NOMINAL, ROBOT, benchmark_robot, set_values
 from flexros.benchmark.simulation import RegulatorSimulation
-from flexros.robot import load_robot
+from flexros.control.base import AbstractControlLaw
+from flexros.robot import Robot, load_robot
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import load_scenario
+
+
+def nominal_run(robot: Robot, law: AbstractControlLaw, seed: int) -> tuple[FloatArray, FloatArray]:
+    """Run the nominal model of the benchmark; return tool deflection [mm] and torque command [Nm]."""
+    runs = RegulatorSimulation(robot).run(
+        law, set_values(robot, NOMINAL), lambda _, z, u: (z.copy(), u.copy()), noise=NOISE, seeds=(seed,)
+    )
+    return runs[0][0]
 
 
 def test_scenario_has_the_disturbances_and_noise_of_the_benchmark() -> None:
@@ -27,14 +37,7 @@ def test_scenario_has_the_disturbances_and_noise_of_the_benchmark() -> None:
 def test_nominal_run_equals_the_scenario_to_the_last_bit() -> None:
     scenario = load_scenario("feedback_benchmark")
     robot = load_robot(ROBOT)
-    runs = RegulatorSimulation(robot).run(
-        scenario.controller,
-        set_values(robot, NOMINAL),
-        lambda _, z, u: (z.copy(), u.copy()),
-        noise=NOISE,
-        seeds=(scenario.seed,),
-    )
-    deflection, command = runs[0][0]
+    deflection, command = nominal_run(robot, scenario.controller, scenario.seed)
     log = closed_loop(Experiment.prepare(scenario))
     assert np.array_equal(command, log.joint_commands.effort[:, 0])
     assert np.array_equal(deflection, 1e3 * log.tool_pose.position[:, 0])
@@ -49,14 +52,7 @@ def test_design_with_tool_acceleration_equals_its_scenario_to_the_last_bit(tmp_p
     scenario = load_scenario("feedback_benchmark").with_values(
         {"robot": str(tmp_path / "robot.yaml"), "controller": law, "duration": 4.0}
     )
-    runs = RegulatorSimulation(robot).run(
-        controller.nominal,
-        set_values(robot, NOMINAL),
-        lambda _, z, u: (z.copy(), u.copy()),
-        noise=NOISE,
-        seeds=(scenario.seed,),
-    )
-    deflection, command = runs[0][0]
+    deflection, command = nominal_run(robot, controller.nominal, scenario.seed)
     log = closed_loop(Experiment.prepare(scenario))
     assert log.joint_commands is not None
     assert log.tool_pose is not None
