@@ -110,7 +110,7 @@ def require_viewer() -> None:
     Raises:
         InputError: viser is missing.
     """
-    from flexros.view.scene import check_viewer
+    from flexros.view.page import check_viewer
 
     check_viewer()
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +11,8 @@ from flexros.report.base import FACTORS
 from flexros.report.colours import FLOOR, REPAIRED
 from flexros.report.theme import run_colour
 from flexros.robot.arm_view import ArmView
-from flexros.view.scene import new_server, rgb
+from flexros.view.page import AbstractPage
+from flexros.view.scene import rgb
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -28,7 +28,7 @@ _FACTOR = 10
 """Magnification of the deflection at first (chosen)."""
 
 
-class LivePage:
+class LivePage(AbstractPage):
     """Shows a running robot in the browser.
 
     Args:
@@ -42,10 +42,10 @@ class LivePage:
     """
 
     def __init__(self, robot: Robot, *, host: str = "127.0.0.1", port: int = 8080) -> None:
-        self.robot, self.server = robot, new_server(f"{robot.name}, live", host, port)
+        super().__init__(f"{robot.name}, live", host, port)
+        self.robot = robot
         self.drawn: FloatArray | None = None
         self._view = ArmView(robot)
-        self._lock, self._ended = threading.Lock(), threading.Event()
         self._motors: tuple[float, FloatArray] | None = None
         self._bars: tuple[FloatArray, FloatArray] | None = None
         self._past: deque[tuple[float, FloatArray]] = deque(maxlen=KEPT)
@@ -67,19 +67,7 @@ class LivePage:
         self.server.scene.add_grid("/floor", width=4 * extent, height=4 * extent, plane="xy")
         self.server.initial_camera.position = tuple(look + np.array([0.12, -1.1, 0.3]) * extent)
         self.server.initial_camera.look_at = tuple(look)
-        self._thread = threading.Thread(target=self._draw_on, name="flexros view", daemon=True)
-        self._thread.start()
-
-    @property
-    def address(self) -> str:
-        """Address of the page."""
-        return f"http://{self.server.get_host()}:{self.server.get_port()}"
-
-    def stop(self) -> None:
-        """End the page."""
-        self._ended.set()
-        self._thread.join(2.0)
-        self.server.stop()
+        self._move(self._draw_on)
 
     def take_motors(self, stamp: float, names: Sequence[str], positions: Sequence[float]) -> None:
         """Take over motor positions; messages that lack a motor are passed over.

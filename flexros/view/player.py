@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -14,7 +13,8 @@ from flexros.report.colours import NOMINAL
 from flexros.report.theme import run_colour
 from flexros.robot.arm_view import ArmView
 from flexros.view.drawing import magnification
-from flexros.view.scene import ArmShown, PathShown, new_server
+from flexros.view.page import AbstractPage
+from flexros.view.scene import ArmShown, PathShown
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -76,7 +76,7 @@ class Shown:
     plots: tuple[SignalPlot, ...]
 
 
-class LogPlayer:
+class LogPlayer(AbstractPage):
     """Plays a log in the browser.
 
     Args:
@@ -94,10 +94,9 @@ class LogPlayer:
     """
 
     def __init__(self, shown: Shown, *, host: str = "127.0.0.1", port: int = 8080, factor: int | None = None) -> None:
+        super().__init__(shown.title, host, port)
         self.shown, self.row, self._time = shown, 0, shown.motion.time
         self._first_factor = factor
-        self.server = new_server(shown.title, host, port)
-        self._lock, self._ended = threading.RLock(), threading.Event()
         self._ribbon_colour = NOMINAL if len(shown.arms) == 1 else "#009e73"
         view = ArmView(shown.robot)
         self._view = view
@@ -112,19 +111,7 @@ class LogPlayer:
         self._add_controls()
         self._place()
         self.show(0)
-        self._thread = threading.Thread(target=self._play, name="flexros view", daemon=True)
-        self._thread.start()
-
-    @property
-    def address(self) -> str:
-        """Address of the page."""
-        return f"http://{self.server.get_host()}:{self.server.get_port()}"
-
-    def stop(self) -> None:
-        """End playback and page."""
-        self._ended.set()
-        self._thread.join(2.0)
-        self.server.stop()
+        self._move(self._play)
 
     def show(self, row: int) -> None:
         """Show one instant.

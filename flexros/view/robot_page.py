@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from typing import TYPE_CHECKING
 
@@ -12,7 +11,8 @@ from flexros.report.colours import REPAIRED
 from flexros.robot.arm_view import ArmView
 from flexros.robot.linear.linearise import linear_model
 from flexros.view.motion import Motion
-from flexros.view.scene import ArmShown, new_server
+from flexros.view.page import AbstractPage
+from flexros.view.scene import ArmShown
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -49,7 +49,7 @@ def modes(robot: Robot, pose: FloatArray) -> list[tuple[float, FloatArray]]:
     return sorted(found, key=lambda mode: mode[0])
 
 
-class RobotPage:
+class RobotPage(AbstractPage):
     """Shows a robot in the browser.
 
     Args:
@@ -65,9 +65,9 @@ class RobotPage:
     """
 
     def __init__(self, robot: Robot, *, host: str = "127.0.0.1", port: int = 8080) -> None:
-        self.robot, self.server = robot, new_server(f"Robot {robot.name}", host, port)
+        super().__init__(f"Robot {robot.name}", host, port)
+        self.robot = robot
         self._view = ArmView(robot)
-        self._lock, self._ended = threading.RLock(), threading.Event()
         gears = np.array(robot.home)[list(robot.gear_rows)]
         self._set_scene()
         gui = self.server.gui
@@ -85,19 +85,7 @@ class RobotPage:
         self._mode.on_update(lambda _: self._pose(new_modes=False))
         gui.add_markdown("Modes are those at this pose, with free motors; their size is chosen to be seen.")
         self._pose()
-        self._thread = threading.Thread(target=self._play, name="flexros view", daemon=True)
-        self._thread.start()
-
-    @property
-    def address(self) -> str:
-        """Address of the page."""
-        return f"http://{self.server.get_host()}:{self.server.get_port()}"
-
-    def stop(self) -> None:
-        """End motion and page."""
-        self._ended.set()
-        self._thread.join(2.0)
-        self.server.stop()
+        self._move(self._play)
 
     def _set_scene(self) -> None:
         server = self.server

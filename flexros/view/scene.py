@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
-import io
 from dataclasses import dataclass
-from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexros.errors import InputError
 from flexros.report.colours import FLOOR
 from flexros.view.drawing import evenly, ribbon, turned_z
 
@@ -21,38 +17,6 @@ if TYPE_CHECKING:
 
 _GHOST = 0.35
 """Opacity of the arm with stiff springs [1] (chosen)."""
-
-
-def check_viewer() -> None:
-    """Raise an `InputError` where viser is not installed."""
-    if find_spec("viser") is None:
-        raise InputError("the viewer needs the package viser; install it with: pip install 'flexros[view]'")
-
-
-def new_server(title: str, host: str, port: int) -> Any:
-    """Start a viewer page.
-
-    Args:
-        title: Title of the panel.
-        host: Address it listens on.
-        port: Port; the next free one is taken where it is in use.
-
-    Returns:
-        The `viser.ViserServer`.
-
-    Raises:
-        InputError: viser is not installed.
-    """
-    check_viewer()
-    import viser
-
-    with contextlib.redirect_stdout(io.StringIO()):  # it prints addresses of its own
-        server = viser.ViserServer(host=host, port=port, label="FlexROS", verbose=False)
-    server.gui.configure_theme(control_width="large", show_logo=False, show_share_button=False)
-    server.gui.set_panel_label(title)
-    server.gui.main_panel.dock_right()
-    server.scene.world_axes.visible = False
-    return server
 
 
 def rgb(colour: str) -> tuple[int, int, int]:

@@ -7,8 +7,8 @@ from flexros.errors import InputError
 from flexros.robot import load_robot
 from flexros.robot.linear.linearise import linear_model
 from flexros.robot.linear.zeros import poles
+from flexros.view.page import new_server
 from flexros.view.robot_page import modes
-from flexros.view.scene import new_server
 
 
 def test_modes_have_the_frequencies_of_the_poles() -> None:
@@ -19,6 +19,6 @@ def test_modes_have_the_frequencies_of_the_poles() -> None:
 
 
 def test_missing_viewer_is_said_in_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("flexros.view.scene.find_spec", lambda _: None)
+    monkeypatch.setattr("flexros.view.page.find_spec", lambda _: None)
     with pytest.raises(InputError, match=r"flexros\[view\]"):
         new_server("title", "127.0.0.1", 0)
