@@ -18,6 +18,7 @@ help:
 	@echo "make docs    the guide as pages, in site/"
 	@echo "make clean   remove .venv and all generated files"
 
+demo: EXTRAS = view
 demo: environment
 	@$(BIN)/flexros demo
 
