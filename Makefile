@@ -24,7 +24,7 @@ demo: environment
 
 test: EXTRAS = test
 test: environment
-	@$(BIN)/python -m pytest -n 3 --dist loadfile $(PYTEST_OPTIONS)
+	@$(BIN)/python -m pytest -n 3 --dist loadfile --max-worker-restart=0 $(PYTEST_OPTIONS)
 
 test-fast: EXTRAS = test
 test-fast: environment
