@@ -223,21 +223,22 @@ def _pruned(search: Search, explanations: Explanations) -> Explanations:
     return _explanations(search, comparison, chosen, detected=True)
 
 
-def _best_within_limits(search: Search, chosen: CandidateFit, fits: Sequence[CandidateFit]) -> CandidateFit:
+def _best_within_limits(search: Search, chosen: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
     """Return what is left of an explanation without what ended at a limit, or an earlier fit that explains more.
 
     Args:
         search: The search.
         chosen: What is left of the explanation.
-        fits: The other fits.
+        fits: The other fits; new ones are appended.
     """
+    removed = search.settings.search.removed
     earlier = [fit for fit in fits if fit.hypothesis and not at_limits(fit)]
     if not earlier:
         return chosen
     best = min(earlier, key=lambda fit: fit.chi2)
-    if not worth(search, compared(search, [chosen, best]), chosen, best, search.settings.search.removed):
+    if not worth(search, compared(search, [chosen, best]), chosen, best, removed):
         return chosen
-    return search.within_limits(search.pruned(best))
+    return reduced(search, search.within_limits(search.pruned(best)), fits, removed)
 
 
 def _explanations(search: Search, comparison: ModelComparison, chosen: CandidateFit, *, detected: bool) -> Explanations:
