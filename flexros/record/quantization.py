@@ -36,6 +36,9 @@ ROUNDED = 1e-5
 SOME = 4000
 """Differences of which most steps are ruled out already, before all are looked at (chosen)."""
 
+MOST_KNOWN = 1000
+"""Signals whose steps are remembered (chosen): those of many logs."""
+
 AT_REST = 0.9
 """Share of samples equal to the one before above which a signal is at rest (chosen)."""
 
@@ -70,6 +73,8 @@ def lattice_step(values: FloatArray) -> float | None:
     """
     key = blake2b(values.tobytes(), digest_size=16).digest()
     if key not in _KNOWN:  # checks, noise and weights ask for the same signals
+        if len(_KNOWN) >= MOST_KNOWN:
+            _KNOWN.clear()
         _KNOWN[key] = _found_step(values)
     return _KNOWN[key]
 

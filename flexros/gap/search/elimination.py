@@ -6,6 +6,8 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from flexros.gap.fit.estimates import parameters_of
 from flexros.gap.search.worth import compared, unique, worth
 
@@ -72,7 +74,8 @@ def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit
         before, after = replace(fit, chi2=cheaper), replace(fit, chi2=every)
         if candidate.name in search.base.names:
             clear = search.settings.search.clear_in_torques
-            worth_it = any(abs(size.value) > clear * size.std for size in parameters.values())
+            matters = least - every > np.log(n)  # one of size zero seems to be sharply known
+            worth_it = matters and any(abs(size.value) > clear * size.std for size in parameters.values())
         else:
             worth_it = worth(search, comparison, before, after, removed)
         if least < max(without) and not worth_it:

@@ -32,6 +32,9 @@ def test_second_producer_of_a_topic_is_refused_until_the_first_releases_it() -> 
 @pytest.mark.parametrize("other", [(DOMAIN + 1, TOPIC), (DOMAIN, "/left/joint_commands"), (DOMAIN, "/joint_states")])
 def test_other_domains_namespaces_and_topics_do_not_collide(other: tuple[int, str]) -> None:
     first, second = TopicClaim(DOMAIN, TOPIC, "one", {}), TopicClaim(*other, "two", {})
+    for held in ((DOMAIN, TOPIC), other):
+        with pytest.raises(InputError):
+            TopicClaim(*held, "three", {})
     first.release()
     second.release()
 
