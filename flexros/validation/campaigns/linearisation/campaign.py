@@ -37,12 +37,12 @@ class Linearisation(AbstractCampaign):
         """Run the campaign, or what is left of it; see `AbstractCampaign.run`."""
         from dataclasses import replace
 
-        from flexros.json_text import json_text
         from flexros.validation.campaigns.linearisation.conclusions import answer
-        from flexros.validation.campaigns.linearisation.figures import Results, record_of
+        from flexros.validation.campaigns.linearisation.figures import COLUMNS, Results, record_of, record_text
         from flexros.validation.campaigns.linearisation.law_part import law_part
         from flexros.validation.campaigns.linearisation.page import page
         from flexros.validation.campaigns.linearisation.pictures import pictures
+        from flexros.validation.campaigns.linearisation.robustness import robustness_part
 
         settings = self._settings
         if request.repetitions is not None:
@@ -61,10 +61,23 @@ class Linearisation(AbstractCampaign):
             law_part,
             lambda done: request.progress("laws on robots", done, len(jobs)),
         )
+        robust = finished_parts(
+            request.work,
+            request.client,
+            {f"{robot.name}_sensitivity": (settings, robot) for robot in settings.robots},
+            robustness_part,
+            lambda done: request.progress("margins of the robots", done, len(settings.robots)),
+        )
         by_key = {(robot.name, how, law): part for (robot, how, law), part in zip(keys, found.values(), strict=True)}
-        results = Results(settings, by_key)
+        results = Results(settings, by_key, {name.removesuffix("_sensitivity"): part for name, part in robust.items()})
         used = versions_of(found.values())
-        record = {"settings": asdict(settings), "results": record_of(results), "versions": used}
-        files = {PAGE: page(results, used), FIGURES: json_text(record)}
+        record = {
+            "settings": asdict(settings),
+            "columns": COLUMNS,
+            "results": record_of(results),
+            "robustness": results.robustness,
+            "versions": used,
+        }
+        files = {PAGE: page(results, used), FIGURES: record_text(record)}
         files |= {f"linearisation_{name}.svg": drawing.svg() for name, drawing in pictures(results).items()}
         return CampaignResult(files=files, record=record, summary=answer(results))

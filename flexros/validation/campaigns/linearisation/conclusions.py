@@ -30,7 +30,19 @@ def answer(results: Results) -> tuple[str, ...]:
     fit = {law.name for law in results.laws(ELBOW, TUNINGS[0])} if TUNINGS[0] in results.settings.tunings else set()
     if not {STATES, STATIC, QUASI, PD} <= fit:
         return ("The laws that are to be compared were not all run.",)
-    aspects = (_verdict, _exact, _errors, _timing, _noise, _disturbances, _sag, _motors_only, _rigid_in_the_loop)
+    aspects = (
+        _lead,
+        _verdict,
+        _where_it_wins,
+        _exact,
+        _errors,
+        _timing,
+        _noise,
+        _disturbances,
+        _sag,
+        _motors_only,
+        _rigid_in_the_loop,
+    )
     return tuple(sentence for aspect in aspects for sentence in aspect(results)) + _structure(results)
 
 
@@ -45,6 +57,27 @@ def duels(results: Results, first: str, second: str, key: str, tuning: str = TUN
     }
 
 
+def _lead(results: Results) -> list[str]:
+    """Say where the model belongs: clear if the better side wins twice as often against both rivals."""
+    counts = []
+    for law in (STATIC, QUASI):
+        found = duels(results, law, STATES, "track").values()
+        counts.append((sum(each.low > 1.0 for each in found), sum(each.high < 1.0 for each in found)))
+    if all(wins > 2 * losses for wins, losses in counts):
+        place = "**In the feedforward.** The nonlinear model serves better there than in the feedback loop"
+    elif all(losses > 2 * wins for wins, losses in counts):
+        place = "**In the feedback loop.** The nonlinear model serves better there than in the feedforward"
+    else:
+        place = "**Neither clearly.** Whether the loop or the feedforward is the better place depends on the condition"
+    held = {
+        name: results.figure(ELBOW, TUNINGS[0], name, EXACT.name, "push").median for name in (STATES, STATIC, QUASI)
+    }
+    least = min(held, key=lambda name: held[name])
+    return [
+        f"{place}, for tracking; under a force at the tool the stiffest of the three is {least} ({held[least]:.3g} mm)."
+    ]
+
+
 def _verdict(results: Results) -> list[str]:
     lines = []
     for law in (STATIC, QUASI):
@@ -57,6 +90,17 @@ def _verdict(results: Results) -> list[str]:
             f"{law} under {wins} of {len(found)} conditions, and worse under {losses} (95 % intervals of the median "
             f"ratio of the largest errors; median over the conditions {_middle(found):.2f})."
         )
+    return lines
+
+
+def _where_it_wins(results: Results) -> list[str]:
+    """Name the conditions under which a linearising law tracks better, with either tuning."""
+    lines = []
+    for tuning in results.settings.tunings:
+        for law in (STATIC, QUASI):
+            names = [name for name, found in duels(results, law, STATES, "track", tuning).items() if found.high < 1.0]
+            if names:
+                lines.append(f"With {tuning}, {law} tracks better than 5.12 under: {', '.join(names)}.")
     return lines
 
 
@@ -142,15 +186,13 @@ def _motors_only(results: Results) -> list[str]:
             f"{name} {_mm(results, name, 'model error: 15 %')} instead of {_mm(results, full, 'model error: 15 %')} "
             f"(sensitivity {tuning['sensitivity']:.3g})"
         )
-    return (
-        [
-            "From motor encoders alone, with a Kalman filter, largest error at a model error of 15 % (mm): "
-            + "; ".join(parts)
-            + "."
-        ]
-        if "model error: 15 %" in _conditions(results)
-        else []
-    )
+    if "model error: 15 %" not in _conditions(results):
+        return []
+    simple = _mm(results, PD, "model error: 15 %")
+    return [
+        "From motor encoders alone, with a Kalman filter, largest error at a model error of 15 % (mm): "
+        f"{'; '.join(parts)}. The PD controller with DAE feedforward needs no estimate: {simple}."
+    ]
 
 
 def _rigid_in_the_loop(results: Results) -> list[str]:

@@ -138,7 +138,8 @@ def plant_effects(robot: Robot, condition: Condition) -> tuple[str, ...]:
 
 def _groups(robot: Robot, condition: Condition) -> list[tuple[tuple[str, ...], float]]:
     """Return the parameters that share one random factor, each with its largest relative deviation."""
-    p, groups = condition.error, []
+    p = condition.error
+    groups: list[tuple[tuple[str, ...], float]] = []
     names = list(robot.parameters)
     for name in (name for name in names if name.endswith(".stiffness")):
         groups.append(((name,), condition.stiffness or p))

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.stats import binom
 
+from flexros.json_text import json_text
 from flexros.validation.campaigns.linearisation.laws import LAWS
 
 if TYPE_CHECKING:
@@ -16,8 +18,12 @@ if TYPE_CHECKING:
     from flexros.validation.campaigns.linearisation.laws import Law
     from flexros.validation.campaigns.linearisation.settings import LinearisationSettings
 
+_NUMBERS = re.compile(r"\[\s*((?:[-+.\deE]+|null)(?:,\s*(?:[-+.\deE]+|null))*)\s*\]")
+
 LEVEL = 0.95
 """Confidence of the intervals."""
+COLUMNS = ("median", "low", "high", "lost", "runs")
+"""Meaning of the numbers of a figure in the record."""
 
 
 @dataclass(frozen=True)
@@ -38,13 +44,10 @@ class Figure:
     lost: int
     runs: int
 
-    def as_dict(self) -> dict[str, float | int | None]:
-        """Return the figure for JSON; None where infinite."""
-        ends = {"median": self.median, "low": self.low, "high": self.high}
-        return {key: float(f"{value:.4g}") if np.isfinite(value) else None for key, value in ends.items()} | {
-            "lost": self.lost,
-            "runs": self.runs,
-        }
+    def as_row(self) -> list[float | int | None]:
+        """Return the figure for JSON in the order of `COLUMNS`; None where infinite."""
+        ends = (self.median, self.low, self.high)
+        return [*(float(f"{value:.4g}") if np.isfinite(value) else None for value in ends), self.lost, self.runs]
 
 
 def figure_of(values: Sequence[float | None]) -> Figure:
@@ -67,10 +70,12 @@ class Results:
     Attributes:
         settings: Settings.
         parts: Results of `law_part` by robot, tuning and name of the law.
+        robustness: Results of `robustness_part` by robot.
     """
 
     settings: LinearisationSettings
     parts: Mapping[tuple[str, str, str], Mapping[str, Any]]
+    robustness: Mapping[str, Mapping[str, Any]]
 
     def laws(self, robot: str, tuning: str) -> tuple[Law, ...]:
         """Return the laws that fit a robot, in order."""
@@ -136,7 +141,7 @@ def duel(first: Sequence[float | None], second: Sequence[float | None]) -> Duel:
 
 
 def record_of(results: Results) -> dict[str, Any]:
-    """Return all figures for JSON: by robot, tuning and law the numbers of the law, then by condition and figure."""
+    """Return all figures for JSON: by robot, tuning and law the numbers of the law, then rows by condition."""
     record: dict[str, Any] = {}
     for (robot, tuning, law), part in results.parts.items():
         entry = record.setdefault(robot, {}).setdefault(tuning, {})
@@ -144,8 +149,17 @@ def record_of(results: Results) -> dict[str, Any]:
             entry[law] = {"refused": part["refused"]}
             continue
         runs = {
-            condition: {key: figure_of(values).as_dict() for key, values in figures.items()}
+            condition: {key: figure_of(values).as_row() for key, values in figures.items()}
             for condition, figures in part["runs"].items()
         }
         entry[law] = {"tuning": part["tuning"], "conditions": runs}
     return record
+
+
+def record_text(record: Mapping[str, Any]) -> str:
+    """Return the record as JSON text, each list of numbers on one line."""
+
+    def one_line(found: re.Match[str]) -> str:
+        return f"[{', '.join(part.strip() for part in found[1].split(','))}]"
+
+    return _NUMBERS.sub(one_line, json_text(record))

@@ -120,10 +120,16 @@ def _why() -> list[str]:
         "- *Poles far below the resonance cost robustness.* The laws that place all poles of a link need "
         "sensitivities far "
         "above 2 at low bandwidths, where the PD controllers are most robust: they push a resonance that the "
-        "robot keeps by itself to where the designer wants it (tables of equal bandwidth).",
+        "robot keeps by itself to where the designer wants it (table of sensitivities below).",
         "- *Delay acts on all that passes through the loop.* In feedforward nothing but the correction is late; the "
         "motion "
         "as a whole comes later by the delay of the command, which preview would remove.",
+        "- *Two errors may cancel.* What quasi-static linearisation neglects of the dampers acts against a delay: its "
+        "error "
+        "falls with the first milliseconds before it rises.",
+        "- *Estimated states are those of a model.* With motor encoders alone the Kalman filter predicts the links "
+        "with the "
+        "nominal model, whose errors then enter either law through the estimate.",
         "- *Dampers of the gears.* The linearising laws are exact without them (5.4); the DAE contains them. See the "
         "row "
         "of gears without dampers, where the laws of feedforward have the wrong model.",
@@ -165,6 +171,25 @@ def _tuning(results: Results) -> list[str]:
                 shown = " | ".join("unstable" if cell is None else number(cell, 3) for cell in cells)
                 lines.append(f"| {robot} | {tuning} | {law.name} | {shown} |")
     lines += ["", *(f"- {name}: {text}." for name, text in texts.items()), ""]
+    return [*lines, *_robustness(results)]
+
+
+def _robustness(results: Results) -> list[str]:
+    """Return the sensitivity of every law over its bandwidth."""
+    lines = []
+    for robot, part in results.robustness.items():
+        bandwidths = [f"{w:g}" for w in part["bandwidths"]]
+        lines += [
+            f"Largest sensitivity on {robot} over the bandwidth [rad/s], the second number as in the tuning of equal "
+            "bandwidth:",
+            "",
+            f"| law | {' | '.join(bandwidths)} |",
+            "|---" * (len(bandwidths) + 1) + "|",
+        ]
+        for law, values in part["sensitivity"].items():
+            cells = " | ".join("unstable" if value is None else number(value, 3) for value in values)
+            lines.append(f"| {law} | {cells} |")
+        lines.append("")
     return lines
 
 
@@ -236,6 +261,10 @@ def _limits() -> list[str]:
         "ratio of its gains, not the term that reads loads as accelerations.",
         "- State feedback is diagonal, with LQ gains of single axes; a design of all axes together would be better, in "
         "particular on e12, whose axes are strongly coupled.",
+        "- *Feedforward + states, estimated* ends at the edge of the grid of its two numbers on the elbow: a better "
+        "design "
+        "may exist. On e12 the references of the links are those of the rigid arm and not of the DAE, which costs "
+        "*feedforward + states* 1 to 2 mm with the exact model.",
         f"- Gains are not designed again for longer sample times (up to {1e3 * largest:g} ms) or more noise.",
         "- Neither integral action nor a disturbance observer in the linearising laws; the author expects that "
         "industry "

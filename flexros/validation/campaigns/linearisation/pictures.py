@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.report.drawing import Band, Drawing, Line, Panel
-from flexros.report.theme import run_colour
+from flexros.report.theme import MUTED, run_colour
 from flexros.validation.campaigns.linearisation.conditions import EXACT
+from flexros.validation.campaigns.linearisation.laws import LAWS
 from flexros.validation.campaigns.linearisation.settings import TUNINGS
 
 if TYPE_CHECKING:
@@ -53,7 +54,7 @@ def _drawing(results: Results, robot: str, key: str) -> Drawing:
         if len(chosen) < 3:
             continue
         panels.append(_panel(results, robot, key, label, chosen, attribute, unit, laws))
-    legend = tuple((law.name, run_colour(place)) for place, law in enumerate(laws))
+    legend = tuple((law.name, _colour(law)) for law in laws)
     return Drawing(tuple(panels), min(3, max(len(panels), 1)), width=250, height=190, legend=legend)
 
 
@@ -70,14 +71,20 @@ def _panel(
     x = np.array([unit * getattr(each, attribute) for each in conditions])
     items: list[Line | Band] = []
     low, high = np.inf, 0.0
-    for place, law in enumerate(laws):
+    for law in laws:
         figures = [results.figure(robot, TUNINGS[0], law.name, each.name, key) for each in conditions]
         y = np.array([figure.median if np.isfinite(figure.median) else _HIDDEN for figure in figures])
         seen = y[y < _HIDDEN]
         if len(seen):
             low, high = min(low, float(np.min(seen))), max(high, float(np.max(seen)))
-        items.append(Line(x, y, run_colour(place), 1.8))
+        items.append(Line(x, y, _colour(law), 1.8))
     if not np.isfinite(low) or high <= 0.0:
         low, high = 1.0, 10.0
     logarithmic = attribute in ("noise", "sample_time")
     return Panel(title, (float(x[0]), float(x[-1])), (low / 1.5, high * 1.5), tuple(items), x_log=logarithmic)
+
+
+def _colour(law: Law) -> str:
+    """Return the colour of a law, the same in all pictures; the first one, the simplest, is grey."""
+    place = LAWS.index(law)
+    return run_colour(place - 1) if place else MUTED
