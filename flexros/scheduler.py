@@ -42,7 +42,7 @@ def connected(address: str = "", threads: int | None = None) -> Iterator[Client]
 
     if address:
         try:
-            client = Client(address, timeout=ANSWER)
+            client = Client(address, timeout=ANSWER, set_as_default=False)
         except (OSError, ValueError) as error:
             raise InputError(
                 f"no Dask scheduler answers at '{address}' ({error}); start one (dask scheduler), or give no address",
@@ -64,6 +64,7 @@ def connected(address: str = "", threads: int | None = None) -> Iterator[Client]
             worker_dashboard_address=LOCAL,
             local_directory=scratch,
             protocol="inproc",
+            set_as_default=False,  # other users of Dask in this process keep theirs
         ) as client,
     ):
         yield client

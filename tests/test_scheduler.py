@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 
+import dask
 import psutil  # type: ignore[import-untyped]
 import pytest
 from distributed import LocalCluster
@@ -40,6 +41,17 @@ def test_missing_scheduler_is_reported(address: str, monkeypatch: pytest.MonkeyP
     message = f"no Dask scheduler answers at '{address}'"
     with pytest.raises(InputError, match=message), connected(address):
         pytest.fail("nobody answers there")
+
+
+def test_other_work_of_this_process_keeps_its_own_scheduler(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Writing a NetCDF file asks Dask for the scheduler, also after none has answered."""
+    monkeypatch.setattr("flexros.scheduler.ANSWER", 0.2)
+    with dask.config.set(scheduler="threads"):
+        with pytest.raises(InputError), connected("tcp://127.0.0.1:1"):
+            pytest.fail("nobody answers there")
+        assert dask.config.get("scheduler") == "threads"
+        with connected(threads=1):
+            assert dask.config.get("scheduler") == "threads"
 
 
 def test_workers_of_this_process_listen_to_this_machine_only() -> None:
