@@ -87,7 +87,7 @@ def finished(client: Client, submitted: Iterable[Future]) -> Iterator[Future]:
 
     waiting = list(submitted)
     try:
-        for job in as_completed(waiting):
+        for job in as_completed(waiting, loop=client.loop):
             job.result()
             yield job
             job.release()

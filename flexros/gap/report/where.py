@@ -108,7 +108,8 @@ def _map(locations: Sequence[Excess], labels: Sequence[str], title: str) -> go.F
             hovertemplate="%{y}, %{x}: %{z:.3g} % of the excess, p = %{customdata:.2g}<extra></extra>",
         )
     )
-    _write_cells(figure, rows, columns, share, p_value)
+    # All at once: each call of add_annotation() checks those of before again.
+    figure.update_layout(annotations=_cell_texts(rows, columns, share, p_value))
     figure.update_yaxes(autorange="reversed", showgrid=False)
     figure.update_xaxes(title_text=title, showgrid=False, type="category", automargin=True, tickfont={"size": 11})
     lines = 1 + max(label.count("<br>") for label in columns)
@@ -116,23 +117,21 @@ def _map(locations: Sequence[Excess], labels: Sequence[str], title: str) -> go.F
     return figure
 
 
-def _write_cells(
-    figure: go.Figure, rows: Sequence[str], columns: Sequence[str], share: FloatArray, p_value: FloatArray
-) -> None:
-    """Write share and significance into the cells."""
-    largest = float(np.nanmax(share))
-    for r, row in enumerate(rows):
-        for c, column in enumerate(columns):
-            if np.isfinite(share[r, c]):
-                dot = "<br>●" if p_value[r, c] < SIGNIFICANT else ""
-                dark = share[r, c] > 0.55 * max(largest, 1.0)
-                figure.add_annotation(
-                    x=column,
-                    y=row,
-                    text=f"{share[r, c]:.0f}{dot}",
-                    showarrow=False,
-                    font={"size": 11, "color": "#ffffff" if dark else "#1b1f24"},
-                )
+def _cell_texts(
+    rows: Sequence[str], columns: Sequence[str], share: FloatArray, p_value: FloatArray
+) -> list[dict[str, object]]:
+    """Annotations with share and significance, one per cell."""
+    dark_from = 0.55 * max(float(np.nanmax(share)), 1.0)
+    return [
+        {
+            "x": columns[c],
+            "y": rows[r],
+            "text": f"{share[r, c]:.0f}" + ("<br>●" if p_value[r, c] < SIGNIFICANT else ""),
+            "showarrow": False,
+            "font": {"size": 11, "color": "#ffffff" if share[r, c] > dark_from else "#1b1f24"},
+        }
+        for r, c in np.argwhere(np.isfinite(share))
+    ]
 
 
 def _row(location: Excess) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import casadi as ca
-from scipy.spatial.transform import Rotation
 
 from flexros.robot.further_sensors import mounting
 
@@ -55,6 +54,8 @@ def _in_sensor(model: SymbolicModel, vector: ca.SX) -> ca.SX:
     angles = mounting(model.specification).orientation
     if not any(angles):
         return vector
+    from scipy.spatial.transform import Rotation  # here, because it loads slowly and every run would wait for it
+
     return ca.DM(Rotation.from_euler("xyz", angles).as_matrix()).T @ vector
 
 
