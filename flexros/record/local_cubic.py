@@ -9,7 +9,8 @@ import numpy as np
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
 
-_POINTS = 4
+FEWEST = 4
+"""Samples through which the cubic goes."""
 
 
 def local_cubic(time: FloatArray, values: FloatArray, at: FloatArray) -> FloatArray:
@@ -25,12 +26,12 @@ def local_cubic(time: FloatArray, values: FloatArray, at: FloatArray) -> FloatAr
     Returns:
         Interpolated values, shape (k, M).
     """
-    first = np.clip(np.searchsorted(time, at, side="right") - _POINTS // 2, 0, len(time) - _POINTS)
-    points = time[first[:, None] + np.arange(_POINTS)]
+    first = np.clip(np.searchsorted(time, at, side="right") - FEWEST // 2, 0, len(time) - FEWEST)
+    points = time[first[:, None] + np.arange(FEWEST)]
     result = np.zeros((len(at), values.shape[1]))
-    for k in range(_POINTS):
+    for k in range(FEWEST):
         weight = np.ones(len(at))
-        for other in range(_POINTS):
+        for other in range(FEWEST):
             if other != k:
                 weight *= (at - points[:, other]) / (points[:, k] - points[:, other])
         result += weight[:, None] * values[first + k]

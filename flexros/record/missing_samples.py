@@ -6,11 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.record.local_cubic import FEWEST, local_cubic
+
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray, IntArray
 
 MOST_BRIDGED = 5
-"""Most samples in a row that may be missing and still be bridged (chosen): positions are interpolated linearly, a
+"""Most samples in a row that may be missing and still be bridged (chosen): positions are interpolated by a cubic, a
 command is held. A longer hole is a loss of the recorder, in which neither motion nor torque is known."""
 
 
@@ -50,7 +52,9 @@ def long_holes(valid: BoolArray) -> BoolArray:
 
 
 def bridged(values: FloatArray, valid: BoolArray) -> FloatArray:
-    """Interpolate linearly over samples that were not measured.
+    """Interpolate over samples that were not measured: by a cubic over short holes, linearly over long ones.
+
+    Straight lines over short holes would be corners of the motion, whose accelerations are far above the true ones.
 
     Args:
         values: Signals, shape (n, M).
@@ -62,4 +66,9 @@ def bridged(values: FloatArray, valid: BoolArray) -> FloatArray:
     if np.all(valid):
         return values
     rows = np.arange(len(values))
-    return np.column_stack([np.interp(rows, rows[valid], column[valid]) for column in values.T])
+    filled = np.column_stack([np.interp(rows, rows[valid], column[valid]) for column in values.T])
+    measured, short = np.flatnonzero(valid), np.flatnonzero(~valid & ~long_holes(valid))
+    short = short[(short > measured[0]) & (short < measured[-1])]
+    if len(short) and len(measured) >= FEWEST:
+        filled[short] = local_cubic(measured.astype(float), values[valid], short.astype(float))
+    return filled

@@ -37,6 +37,8 @@ class Record:
         valid: Whether a sample was measured; false where messages are missing and values are held, shape (n,).
         late: Samples without a command of their own, in which the one before is held, shape (n,); None where all have
             one.
+        bridged: Samples of long holes, whose interpolated positions keep the prediction near the motion; they do not
+            count, shape (n,); None where there are none, or where nothing was predicted yet.
         velocity: Measured motor speeds [rad/s or m/s], shape (n, M); None where not recorded.
         effort: Measured motor torques at the samples [Nm or N], shape (n, M); None where not recorded.
         reference: Reference of the motor positions [rad or m], shape (n, M); None where not recorded.
@@ -63,6 +65,7 @@ class Record:
     torque: FloatArray
     valid: BoolArray
     late: BoolArray | None = None
+    bridged: BoolArray | None = None
     velocity: FloatArray | None = None
     effort: FloatArray | None = None
     reference: FloatArray | None = None
@@ -103,6 +106,11 @@ class Record:
         return self.torque if self.command is None else self.command
 
     @property
+    def correcting(self) -> BoolArray:
+        """Samples whose positions correct the prediction, shape (n,)."""
+        return self.valid if self.bridged is None else self.valid | self.bridged
+
+    @property
     def duration(self) -> float:
         """Time from the first sample to the last [s]."""
         return (self.n_samples - 1) * self.sample_time
@@ -133,6 +141,7 @@ class Record:
             command_rate=None if self.command_rate is None else self.command_rate[cut],
             valid=self.valid[cut],
             late=None if self.late is None else self.late[cut],
+            bridged=None if self.bridged is None else self.bridged[cut],
             velocity=None if self.velocity is None else self.velocity[cut],
             effort=None if self.effort is None else self.effort[cut],
             reference=None if self.reference is None else self.reference[cut],

@@ -21,7 +21,7 @@ def test_holes_are_long_beyond_the_limit() -> None:
     np.testing.assert_array_equal(np.flatnonzero(long_holes(valid)), np.arange(20, 21 + MOST_BRIDGED))
 
 
-def test_holes_are_bridged_by_straight_lines() -> None:
+def test_long_holes_are_bridged_by_straight_lines() -> None:
     time = 1e-3 * np.arange(4000)
     position = np.column_stack([2.0 * time, 1.0 - time])
     valid = np.ones(len(time), dtype=bool)
@@ -29,3 +29,18 @@ def test_holes_are_bridged_by_straight_lines() -> None:
     holed = np.where(valid[:, None], position, 99.0)
     np.testing.assert_allclose(bridged(holed, valid), position, atol=1e-12)
     assert bridged(position, np.ones(len(time), dtype=bool)) is position
+
+
+def test_short_holes_are_bridged_without_corners() -> None:
+    time = 1e-3 * np.arange(400)
+    position = np.sin(20 * time)[:, None]
+    valid = np.random.default_rng(1).random(len(time)) > 0.1
+    valid[[0, -1]] = True
+    filled = bridged(np.where(valid[:, None], position, 99.0), valid)
+    np.testing.assert_array_equal(filled[valid], position[valid])
+    np.testing.assert_allclose(filled, position, atol=1e-6)
+
+
+def test_samples_missing_at_the_ends_are_held() -> None:
+    values, valid = np.arange(9.0)[:, None], np.array([0, 0, 1, 1, 1, 1, 1, 1, 0], dtype=bool)
+    np.testing.assert_array_equal(bridged(values, valid)[[0, 1, 8], 0], [2.0, 2.0, 7.0])

@@ -160,7 +160,7 @@ class Predictor:
             self.model.corrections(gain.gain),
             self._driving(record, sets, list(columns.T)),
             record.position,
-            record.valid.astype(float),
+            record.correcting.astype(float),
             pose_samples=pose_samples,
             record_states=record_states,
         )

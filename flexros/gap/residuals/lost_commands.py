@@ -1,4 +1,4 @@
-"""Lost commands: samples at which the torque that acted is not known, and what that leaves of the prediction errors."""
+"""Samples at which the torque that acted is not known, and what that leaves of the prediction errors."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from scipy.linalg import expm
 
 from flexros.errors import InputError
-from flexros.record.missing_samples import MOST_BRIDGED, runs
+from flexros.record.missing_samples import MOST_BRIDGED, bridged, long_holes, runs
 from flexros.robot.linear.linearise import linear_model
 from flexros.robot.parameters import SERVO
 
@@ -33,8 +33,9 @@ class LostCommands:
     """What lost commands leave of a log.
 
     Attributes:
-        record: The log, with torques interpolated where commands were lost.
-        deviation: Standard deviation of the prediction errors by the unknown torques [rad or m], shape (n, M).
+        record: The log, with torques interpolated where they are not known, and positions in long holes.
+        deviation: Standard deviation of the prediction errors by the unknown torques [rad or m], shape (n, M); infinite
+            in long holes and until the prediction has settled behind them.
     """
 
     record: Record
@@ -49,7 +50,7 @@ class LostCommands:
         Returns:
             Standard deviations, infinite where the unknown torques dominate, shape (n, M).
         """
-        share = self.deviation / spread
+        share = self.deviation / np.where(np.isfinite(spread), spread, 1.0)
         wider = np.where(share > LEAST_DOUBTFUL, np.hypot(spread, self.deviation), spread)
         wider[np.any(share > MOST_DOUBTFUL, axis=1)] = np.inf
         return np.asarray(wider)
@@ -65,10 +66,11 @@ def lost_commands(
 ) -> LostCommands:
     """Find the commands that were lost, and what the unknown torques add to the prediction errors.
 
-    A controller that is late holds its command; a recorder may lose a command. In long holes the torque is not known.
-    Short holes count as held commands, unless the nominal model predicts the log better with torques interpolated over
-    them, in which case these commands were lost too. An interpolated torque errs as much as it does where commands are
-    known; the error that this leaves in the prediction decays as the error of a state does, and is added to its spread.
+    A controller that is late holds its command; a recorder may lose a command. In long holes the torque is not known:
+    the prediction is led through them by interpolated positions, and counts again once it has settled. Short holes
+    count as held commands, unless the nominal model predicts the log better with torques interpolated over them, in
+    which case these commands were lost too. An interpolated torque errs as much as it does where commands are known;
+    the error that this leaves in the prediction decays as the error of a state does, and is added to its spread.
 
     Args:
         record: The log.
@@ -80,7 +82,8 @@ def lost_commands(
     """
     nothing = np.zeros_like(record.position)
     late = np.zeros(record.n_samples, dtype=bool) if record.late is None else record.late
-    lost = late & ~record.valid
+    # a measured torque is lost with its sample, though one that is held over a few does no harm
+    lost = long_holes(record.valid) if record.measured_torque else late & ~record.valid
     if np.any(late & ~lost) and _better_interpolated(record, late, nominal, gain, state, settings.lost_commands):
         lost = late
     if not lost.any():
@@ -88,12 +91,17 @@ def lost_commands(
     delay = 0.0 if record.measured_torque else nominal.robot.delay / record.sample_time
     variance = nothing**2
     begins, lengths = runs(lost)
-    for length in np.unique(lengths).tolist():
+    for length in np.unique(lengths[lengths <= MOST_BRIDGED]).tolist():
         added = _variance(nominal.robot, record, gain, pose, length, delay)
         for begin in begins[lengths == length].tolist():
             n = min(len(added), record.n_samples - begin)
             variance[begin : begin + n] += added[:n]
-    return LostCommands(_interpolated(record, lost), np.sqrt(variance))
+    holes = long_holes(~lost)
+    for begin, length in zip(*runs(holes), strict=True):
+        variance[begin : begin + length + int(np.ceil(delay)) + gain.settling] = np.inf
+    position = bridged(record.position, ~holes)
+    led = replace(record, position=position, bridged=holes) if holes.any() else record
+    return LostCommands(_interpolated(led, lost), np.sqrt(variance))
 
 
 def check_enough_left(record: Record, without: FloatArray, spread: FloatArray, settings: ResidualSettings) -> None:
@@ -122,14 +130,12 @@ def check_enough_left(record: Record, without: FloatArray, spread: FloatArray, s
 def _variance(
     robot: Robot, record: Record, gain: ObserverGain, pose: FloatArray, length: int, delay: float
 ) -> FloatArray:
-    """Compute the variance of the prediction errors from the first of `length` lost commands on, shape (k, M).
+    """Compute the variance of the prediction errors from the first of a few lost commands on, shape (k, M).
 
-    In a short hole the error of the torque has one sign. In a long one it may oscillate with any mode, so that the sum
-    of the magnitudes of the impulse response, times the largest error, is the bound.
+    The error of the torque has one sign in a short hole.
     """
     A, B, _, _ = linear_model(robot, pose).matrices()
-    short = length <= MOST_BRIDGED
-    error = _interpolation_error(record.driving, length, short)
+    error = _interpolation_error(record.driving, length)
     if record.command is not None:
         error = error * [robot.parameters[f"{name}.{SERVO}stiffness"].value for name in robot.joint_names]
     states = _held(A, B[:, : robot.n_motors], record.sample_time) * error
@@ -137,7 +143,7 @@ def _variance(
     for _ in range(min(gain.settling, record.n_samples)):
         impulse.append(gain.readout @ states)
         states = gain.transition @ states
-    response = np.stack(impulse) if short else np.abs(impulse)
+    response = np.stack(impulse)
     total = np.cumsum(np.concatenate([response, np.zeros((length, *response.shape[1:]))]), axis=0)
     total[length:] -= total[:-length].copy()
     errors = np.sum(total**2, axis=2)
@@ -152,15 +158,14 @@ def _held(A: FloatArray, B: FloatArray, sample_time: float) -> FloatArray:
     return np.asarray(whole[:n, n:])
 
 
-def _interpolation_error(torque: FloatArray, length: int, short: bool) -> FloatArray:
-    """Return the rms error, in long holes the largest, of torques interpolated where they are known, shape (M,)."""
+def _interpolation_error(torque: FloatArray, length: int) -> FloatArray:
+    """Return the rms error of torques interpolated where they are known, shape (M,)."""
     middle = (length + 1) // 2
     if len(torque) < 2 * length + 4:
         return np.asarray(np.ptp(torque, axis=0))
     first, last = torque[: -length - 1], torque[length + 1 :]
     known, share = torque[middle : middle + len(first)], middle / (length + 1)
-    error = np.abs(known - (1 - share) * first - share * last)
-    return np.asarray(np.sqrt(np.mean(error**2, axis=0)) if short else error.max(axis=0))
+    return np.asarray(np.sqrt(np.mean((known - (1 - share) * first - share * last) ** 2, axis=0)))
 
 
 def _interpolated(record: Record, lost: BoolArray) -> Record:

@@ -10,7 +10,7 @@ import numpy as np
 from flexros.errors import InputError
 from flexros.record.balance.inverse_dynamics import ElasticInverseDynamics, rigid_inverse_dynamics
 from flexros.record.balance.torque_balance import TorqueBalance
-from flexros.record.missing_samples import bridged
+from flexros.record.missing_samples import bridged, long_holes, runs
 from flexros.record.smoothing import noise_power, smooth_motion
 
 if TYPE_CHECKING:
@@ -111,8 +111,7 @@ def torque_balance(record: Record, robot: Robot, sample_time: float | None = Non
     """
     T = record.sample_time if sample_time is None else sample_time
     position = bridged(record.position, record.valid)
-    length = min(len(position) - 2, round(STRETCH / T))
-    starts = np.arange(0, len(position) - 2 - length + 1, length)
+    length, starts = _stretches(record, T)
     try:
         need = ElasticInverseDynamics.of(robot, np.stack([position[1:-1][k : k + length].mean(axis=0) for k in starts]))
     except InputError:
@@ -123,7 +122,7 @@ def torque_balance(record: Record, robot: Robot, sample_time: float | None = Non
     pieces = [signals.spectra(int(k), int(k) + length, lowest, highest, bins, need) for k in starts]
     slow = min(lowest, signals.rigid_below)
     whole = len(position) - 2
-    if len(starts) > 1 and slow > _PERIODS / (whole * T):
+    if len(starts) > 1 and not np.any(long_holes(record.valid)) and slow > _PERIODS / (whole * T):
         pieces.append(signals.spectra(0, whole, _PERIODS / (whole * T), slow, BINS, None))
     return TorqueBalance(
         *(
@@ -131,6 +130,15 @@ def torque_balance(record: Record, robot: Robot, sample_time: float | None = Non
             for name in ("frequency", "band", "given", "needed", "own", "clear")
         )
     )
+
+
+def _stretches(record: Record, T: float) -> tuple[int, IntArray]:
+    """Return length and starts of the stretches that are transformed, all between long holes."""
+    begins, lengths = runs(~long_holes(record.valid))
+    lengths -= 2  # the first and the last sample have no acceleration
+    length = min(int(lengths.max()), round(STRETCH / T))
+    starts = [np.arange(begin, begin + n - length + 1, length) for begin, n in zip(begins, lengths, strict=True)]
+    return length, np.concatenate(starts)
 
 
 def rotor_unknown(robot: Robot) -> BoolArray:
@@ -151,7 +159,7 @@ def _signals(record: Record, robot: Robot, position: FloatArray, T: float, lowes
         sample_time=T,
         position=position[1:-1],
         acceleration=np.diff(position, 2, axis=0) / T**2,
-        given=record.torque[1:-1],
+        given=bridged(record.torque, record.valid)[1:-1],
         rigid=rigid_inverse_dynamics(robot, position, T, rigid_below)[1:-1],
         sign=np.sign(smooth_motion(position, T, min(0.05 / T, 4 * RIGID_HIGHEST))[1])[1:-1],
         noise=noise_power(position),

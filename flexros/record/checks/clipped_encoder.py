@@ -80,13 +80,14 @@ def _flat_tops(values: FloatArray, step: float, valid: BoolArray) -> BoolArray:
     """Mark the samples in which the position is cut off at its largest or smallest value.
 
     At a turning point and at rest an encoder without noise repeats its value too, but comes there slowly. A log that
-    begins or ends at the extreme begins or ends at rest.
+    begins or ends at the extreme, or is interrupted there, tells too little.
     """
     rows, spoilt = np.flatnonzero(valid), np.zeros(len(valid), dtype=bool)
     slow = slow_change(values, step)
     for level in (values.max(), values.min()):
         for begin, length in zip(*runs(values == level), strict=True):
-            inside = begin > 0 and begin + length < len(values)
+            around = rows[max(begin - 1, 0) : begin + length + 1]
+            inside = len(around) == length + 2 and int(np.diff(around).max()) <= MOST_BRIDGED
             if inside and length >= PLATEAU and not comes_to_rest(values, int(begin), int(length), slow):
                 spoilt[rows[begin : begin + length]] = True
     return spoilt

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from flexros.record.balance.spectra import rotor_unknown
 from flexros.record.checks.base import AbstractCheck, Finding
 
 if TYPE_CHECKING:
@@ -24,6 +25,9 @@ NOTED = 2.0
 
 REFUSED = 2.7
 """Factor for rejection of a log (chosen)."""
+
+BARE = 5.0
+"""Factor up to which rotors and friction explain the largest torque of an arm whose file leaves rotors out (chosen)."""
 
 LOADED = 50.0
 """Factor up to which a load that the model lacks explains the torque of a light wrist (chosen)."""
@@ -79,7 +83,8 @@ def _model_may_be_rough(checked: CheckedRecord, refused: dict[int, BalanceFit]) 
     power = np.sum(np.abs(balance.needed) ** 2, axis=0)
     most = int(np.argmax([0.0 if fit is None else power[motor] for motor, fit in enumerate(checked.own)]))
     largest = checked.own[most]
-    return largest is not None and largest.agreement > LARGE_CLEAR and 1 / REFUSED < largest.factor < REFUSED
+    highest = BARE if rotor_unknown(checked.robot)[most] else REFUSED
+    return largest is not None and largest.agreement > LARGE_CLEAR and 1 / REFUSED < largest.factor < highest
 
 
 def _is_significant(fit: BalanceFit) -> bool:

@@ -84,3 +84,13 @@ def test_turning_point_of_numbers_with_few_digits_is_not_clipped(found, healthy)
     assert not any("stays at the end" in finding.text for finding in found("emps", position=position / 3000))
     clipped = np.minimum(position, 135)
     assert any("stays at the end" in finding.text for finding in found("emps", position=clipped / 3000))
+
+
+def test_motor_that_rests_at_its_end_before_a_hole_is_not_clipped(found, healthy) -> None:
+    record = healthy("emps")
+    position, valid = record.position.copy(), record.valid.copy()
+    at = int(np.argmax(position[:, 0]))
+    position[at - 20 : at + 1] = position[at]
+    assert any("stays at the end" in finding.text for finding in found("emps", position=position))
+    valid[at + 1 : at + 2_000] = False
+    assert not any("stays at the end" in finding.text for finding in found("emps", position=position, valid=valid))

@@ -75,6 +75,12 @@ def test_load_and_rotors_that_a_urdf_lacks_are_no_unit(ur5e, ur5e_record) -> Non
     assert any("motor_5" in finding.text for finding in problems)
 
 
+def test_friction_and_rotors_that_a_urdf_lacks_may_be_most_of_the_torque(ur5e, ur5e_record) -> None:
+    problems = findings(replace(ur5e_record, torque=1.6 * ur5e_record.torque), ur5e)
+    assert any("the torque of motor_2 is" in finding.text for finding in problems)
+    assert not any(finding.hopeless for finding in problems)
+
+
 @pytest.mark.parametrize(("torque", "words"), [(1000.0, "motor_2"), (np.array([1, 1, 1, 1, 1000, 1]), "motor_5")])
 def test_wrong_units_of_such_a_robot_are_refused(ur5e, ur5e_record, torque, words: str) -> None:
     wrong = replace(ur5e_record, torque=torque * ur5e_record.torque)
