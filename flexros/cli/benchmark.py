@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import typer
 from rich.table import Table
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from flexros.benchmark.controllers import BenchmarkController
     from flexros.benchmark.evaluate import BenchmarkResult, FeedbackBenchmark
+    from flexros.benchmark.multivariable.evaluate import MotionResult
     from flexros.benchmark.tables import Row
 
 
@@ -28,11 +29,17 @@ def benchmark(
     ),
     noise: float = typer.Option(3e-4, "--noise", help="Standard deviation of the measurement noise [rad]; 0 for none."),
     seeds: str = typer.Option("1,2,3,4,5", "--seeds", help="Seeds of the noise, over which the measures are averaged."),
+    on: str = typer.Option(
+        "", "--on", help="Multivariable benchmark on a robot with a moving reference, e12 or six_axis, instead."
+    ),
     report: Path = typer.Option(None, "--report", help="Write an HTML report that opens offline."),
     out: Path = typer.Option(None, "--out", help="Write the results to this JSON file."),
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
     """Evaluate controllers on the feedback benchmark of Paper C: cost V, measures and demands of 21 models."""
+    if on:
+        _on_robot(on, controller or [], noise, seeds, report, out, as_json)
+        return
     from flexros.benchmark.controllers import load_controller
     from flexros.benchmark.evaluate import FeedbackBenchmark, check_noise
     from flexros.benchmark.recorded import is_recording
@@ -91,6 +98,64 @@ def _evaluated(
             results.append(benches[one.sensors].evaluate(one, noise=noise, seeds=seeds, progress=tell))
             bar.update(task, completed=steps * (number + 1))
     return results
+
+
+def _on_robot(
+    on: str, names: Sequence[str], noise: float, seeds: str, report: Path | None, out: Path | None, as_json: bool
+) -> None:
+    """Evaluate controllers on the multivariable benchmark."""
+    from flexros.benchmark.evaluate import check_noise
+    from flexros.benchmark.multivariable.evaluate import (
+        MotionBenchmark,
+        load_motion_controller,
+        motion_controller_names,
+    )
+    from flexros.benchmark.multivariable.problem import problem_named
+    from flexros.benchmark.simulation import NOISE
+
+    problem = problem_named(on)
+    if report is not None:
+        raise InputError(f"a report was asked for ({report}), but the multivariable benchmark writes JSON", "report")
+    if noise not in (0.0, NOISE):
+        raise InputError(f"the noise is {noise} rad, allowed on {on} is 0 or that of its robot file", "noise")
+    numbers = _seeds(seeds)
+    check_noise(noise, numbers)
+    loaded = [load_motion_controller(problem, name) for name in names or motion_controller_names(problem)]
+    if not names:
+        content: list[dict[str, Any]] = [{"name": one.name, "description": one.description} for one in loaded]
+        if as_json:
+            print_json(content)
+            return
+        table = Table("controller", "description")
+        for one in loaded:
+            table.add_row(one.name, one.description)
+        console.print(table)
+        return
+    bench, results = MotionBenchmark(problem), []
+    with progress_bar() as bar:
+        task = bar.add_task(f"models of {on}", total=len(loaded))
+        for done, one in enumerate(loaded, start=1):
+            results.append(bench.evaluate(one, noise=noise > 0.0, seeds=numbers))
+            bar.update(task, completed=done)
+    content = [result.as_dict() for result in results]
+    if out:
+        from flexros.atomic_file import write_result
+        from flexros.json_text import json_text
+
+        write_result(out, json_text(content[0] if len(content) == 1 else content), "results")
+    if as_json:
+        print_json(content[0] if len(content) == 1 else content)
+        return
+    _print_motion(results)
+
+
+def _print_motion(results: Sequence[MotionResult]) -> None:
+    from flexros.benchmark.multivariable.tables import motion_demand_rows, motion_rows
+
+    names = [result.name for result in results]
+    for heading, rows in motion_rows(results).items():
+        console.print(_table(heading, names, rows))
+    console.print(_table("demand", names, motion_demand_rows(results)))
 
 
 def _show_log(path: Path, as_json: bool) -> None:

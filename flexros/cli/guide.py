@@ -86,8 +86,11 @@ def _after_design(given: Mapping[str, Any], _: int) -> str:
 
 def _after_benchmark(given: Mapping[str, Any], _: int) -> str:
     if not given["controller"]:
-        return "flexros benchmark pid_optimised lqg    evaluate two of them"
+        two = f"pid state_feedback --on {word(given['on'])}" if given["on"] else "pid_optimised lqg"
+        return f"flexros benchmark {two}    evaluate two of them"
     names = " ".join(map(word, given["controller"]))
+    if given["on"]:
+        return f"flexros robot {word(given['on'])}    modes and zeros behind these figures"
     if not given["report"]:
         return f"flexros benchmark {names} --report benchmark.html    the same with pictures"
     return "flexros design structure --tune 200 --out tuned.yaml    tune one of your own"

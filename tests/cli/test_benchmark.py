@@ -41,3 +41,11 @@ def test_wrong_options_are_named(flexros: Flexros, option: str, value: str) -> N
     ended = flexros("benchmark", "pid_check", option, value)
     assert ended.code == 2
     assert option in ended.err
+
+
+def test_on_a_robot_of_several_axes(flexros: Flexros) -> None:
+    assert {"pid", "cascade"} <= {row["name"] for row in json.loads(flexros("benchmark", "--on", "e12", "--json").out)}
+    content = json.loads(flexros("benchmark", "pid", "--on", "e12", "--noise", "0", "--json").out)
+    assert set(content["sets"]["M1"]) == {"e", "Ts", "T_NOISE", "T_MAX", "V"}
+    assert flexros("benchmark", "pid", "--on", "elbow").code == 2
+    assert flexros("benchmark", "pid", "--on", "e12", "--noise", "1e-5").code == 2

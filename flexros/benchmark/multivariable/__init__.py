@@ -1,0 +1,1 @@
+"""The multivariable benchmark: robots of several axes with moving references, by the rules of Paper C."""
