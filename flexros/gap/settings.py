@@ -288,6 +288,16 @@ class SearchSettings(Settings):
         description="share of the remaining gap that every effect must remove in the end, all others in place [1]; "
         "spurious ones remove up to 0.3 (development seeds)",
     )
+    removed_of_little: float = Field(
+        default=0.6,
+        gt=0,
+        lt=1,
+        description="the same where little more than noise is left, within the model-form error of the gap: there "
+        "imitations of the form removed up to 0.41 [1] (development seeds)",
+    )
+    little: float = Field(
+        default=0.2, ge=0, description="excess of the level of the prediction errors over the floor that is little [1]"
+    )
     least_of_gap: float = Field(
         default=1e-7,
         ge=0,
@@ -343,6 +353,12 @@ class RankingSettings(Settings):
         default=2e-3,
         ge=0,
         description="the same for effects with a law of their own: friction, backlash, ripple [1] (development seeds)",
+    )
+    form_over_rest: float = Field(
+        default=4.0,
+        ge=0,
+        description="largest power of the model-form errors of all effects in the deviations of sizes, over what the "
+        "explanation leaves above noise [1] (development seeds)",
     )
     along: float = Field(
         default=0.6,

@@ -91,7 +91,8 @@ def fit_covariance(fit: CandidateFit, data: FitData, form: RankingSettings | Non
 
     with the prior P of the tolerated deviations. With S = 1 this is H^-1. No law of a machine has exactly the form of
     the library's, and what differs is fitted by the sizes of all effects: the share `plain_form` or `shaped_form` of
-    the spectrum of what each effect changes is added to S. It is computed once for a fit and a log.
+    the spectrum of what each effect changes is added to S, all together at most `form_over_rest` times the power of
+    what is left. It is computed once for a fit and a log.
 
     Args:
         fit: The fit, at its minimum.
@@ -129,14 +130,25 @@ def _sandwich(fit: CandidateFit, data: FitData, form: RankingSettings | None) ->
 
 
 def _form_errors(fit: CandidateFit, data: FitData, residual: FloatArray, form: RankingSettings) -> FloatArray:
-    """Return what each effect changes in the prediction errors of the motors, times its model-form error."""
+    """Return what each effect changes in the prediction errors of the motors, times its model-form error.
+
+    What sizes take up of an error of form leaves a rest. So all errors together have at most `form_over_rest` times the
+    power of the rest above noise, or of what noise may hide: a large effect of exactly the true form does not make the
+    small ones beside it undetermined. On a real machine the floor is a tolerance, above which the rest says nothing.
+    """
     if not fit.hypothesis:
         return np.zeros((data.spread.size, 0))
     plain = np.array([candidate.effect.plain for candidate in fit.hypothesis])
     errors = np.sqrt(np.where(plain, form.plain_form, form.shaped_form))
     rows = np.arange(data.spread.size)
     changes: FloatArray = np.nan_to_num(switched_off(fit, data, residual, rows)) * errors
-    return changes
+    if data.record.imported:
+        return changes
+    power = float(np.sum(changes**2))
+    seen = max(float(np.sum(residual[rows] ** 2)) - data.n_values, 0.0)
+    hidden = form.significant * float(np.hypot(np.sqrt(2.0 * data.n_values), data.floor_error * data.n_values))
+    most = form.form_over_rest * (seen + hidden)
+    return changes * np.sqrt(most / power) if power > most else changes
 
 
 def smoothed(periodogram: FloatArray) -> FloatArray:

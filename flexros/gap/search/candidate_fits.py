@@ -40,6 +40,8 @@ if TYPE_CHECKING:
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.settings import DiagnosisSettings
 
+SMALLEST = 1e-12
+"""Size over an initial one below which an effect does nothing [1]."""
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
@@ -61,6 +63,24 @@ class Addition:
     start: FloatArray
     replaced: BoolArray
     change: NDArray[np.float32]
+
+    def sized(self, size: float) -> Addition:
+        """Return the same with its sizes scaled; one that linear theory turns around begins where it does nothing.
+
+        A candidate in place of a tolerated number keeps its initial value, and so do parameters that shape it.
+
+        Args:
+            size: Size over the initial one, positive or negative [1].
+        """
+        if self.replaced.any():
+            return self
+        start = self.start.copy()
+        for index, free in enumerate(self.candidate.free):
+            low, high = free.bounds
+            if self.candidate.neutral(free) not in (None, high):
+                scaled = start[index] * size if free.signed else start[index] + np.log(max(size, SMALLEST))
+                start[index] = np.clip(scaled, low, high)
+        return replace(self, start=start)
 
 
 @dataclass(frozen=True, eq=False)

@@ -52,6 +52,47 @@ def exchanged(
     return fit
 
 
+def corrected(
+    search: Search, fit: CandidateFit, directions: Sequence[Directions], fits: list[CandidateFit]
+) -> CandidateFit:
+    """Exchange an effect for the candidate that does best in its place, in simulated logs.
+
+    The first effect of several stands for all of them, and a rich law does that best. Kept, it makes others imitate
+    what it lacks. A simpler candidate at the same place comes first, else the best one counts.
+
+    Args:
+        search: The search.
+        fit: The explanation.
+        directions: All candidates but those of harmonics.
+        fits: All fits so far; new ones are appended.
+    """
+    if search.base is not search.null.fit or len(fit.hypothesis) < 2 or search.deadline.stops():
+        return fit
+    surroundings = search.surroundings(fit)
+    pairs = [
+        (candidate.name, addition)
+        for candidate, rest in zip(fit.hypothesis, search.removals(fit, surroundings), strict=True)
+        for addition in _simple_there_first(candidate, _replacements(search, fit, rest, directions))[:1]
+    ]
+    plants = search.plants(fit, [addition.candidate for _, addition in pairs])
+    exchange = partial(_exchange, search, fit, plants)
+    fits += search.visible(search.parallel("effects exchanged", exchange, pairs))
+    comparison = compared(search, unique(fits))
+    level = [one for one in comparison.fits if len(one.hypothesis) == len(fit.hypothesis)]
+    best = max(level, key=comparison.score, default=fit)
+    return best if comparison.score(best) > comparison.score(fit) else fit
+
+
+def _simple_there_first(candidate: Candidate, additions: Sequence[Addition]) -> list[Addition]:
+    """Sort candidates so that those at the place of another one that have fewer parameters come first."""
+
+    def later(addition: Addition) -> bool:
+        one = addition.candidate
+        return one.location != candidate.location or len(one.free) >= len(candidate.free)
+
+    return sorted(additions, key=later)
+
+
 def _exchange(
     search: Search, fit: CandidateFit, plants: Mapping[Candidate, CompiledPlant], pair: tuple[str, Addition]
 ) -> CandidateFit:

@@ -122,5 +122,7 @@ def test_model_form_errors_of_effects_widen_the_deviations_of_all_sizes() -> Non
         return [next(iter(one.values())).std for one in parameters_of(found, data, form)]
 
     assert np.all(np.array(deviations(RankingSettings())) > deviations(None))
+    limited, free = (RankingSettings(form_over_rest=most) for most in (0.1, 1e9))  # what is left limits them
+    assert np.all(np.array(deviations(limited)) < deviations(free))
     without = RankingSettings(plain_form=0.0, shaped_form=0.0)
     np.testing.assert_allclose(deviations(without), deviations(None))

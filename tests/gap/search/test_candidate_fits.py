@@ -10,10 +10,12 @@ import pytest
 from flexros.effects import effects
 from flexros.effects.kinds.tool_error import AbstractToolError
 from flexros.errors import InputError
+from flexros.gap.candidates.candidate import Candidate
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.least_squares import CandidateFit
 from flexros.gap.fit.null_fit import fit_null
+from flexros.gap.search.candidate_fits import Addition
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.search.worth import unique
 from flexros.gap.settings import SearchSettings
@@ -79,6 +81,20 @@ def test_an_effect_far_from_its_starts_is_found(effect: str, size: str, true: fl
     best, *_ = search.singles(search.directions(among))
     assert best.predictor.hypothesis[0].name == name
     assert best.predictor.values(best.theta)[0][size] == pytest.approx(true, rel=0.05)
+
+
+def test_sizes_of_an_addition_are_scaled_and_not_turned_around() -> None:
+    friction, soft = (candidates_of()[name] for name in SOME[:2])
+    level, relative = friction.free[0], soft.free[0]
+
+    def start(candidate: Candidate, value: float, size: float) -> float:
+        encoded = np.array([candidate.free[0].encode(value)])
+        nothing = np.zeros(0, dtype=bool), np.zeros(0, dtype=np.float32)
+        return float(Addition(candidate, 1.0, encoded, *nothing).sized(size).start[0])
+
+    assert start(friction, 2 * level.low, 3.0) == pytest.approx(level.encode(6 * level.low))
+    assert start(friction, 2 * level.low, -3.0) == pytest.approx(level.encode(level.low))
+    assert start(soft, 0.01 * relative.high, -3.0) == pytest.approx(relative.encode(-0.03 * relative.high))
 
 
 def test_the_nominal_model_takes_up_what_is_tolerated() -> None:

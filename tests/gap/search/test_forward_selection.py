@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 
 from flexros.gap.deadline import Deadline
+from flexros.gap.search.candidate_fits import Search
 from flexros.gap.search.elimination import reduced
-from flexros.gap.search.exchange import exchanged
+from flexros.gap.search.exchange import corrected, exchanged
 from flexros.gap.search.forward_selection import Explanations, explain
 from flexros.gap.search.model_probability import RANKING
 from tests.gap.diagnosis_logs import search_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.search.candidate_fits import Addition
 
 pytestmark = pytest.mark.slow
 
@@ -61,13 +69,30 @@ def test_a_crowd_of_effects_is_found_together() -> None:
     assert found.remainder == 0.0
 
 
-def test_an_effect_that_was_taken_for_another_one_isexchanged() -> None:
+def test_candidates_that_fit_badly_from_their_common_start_are_tried_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Initial values of several, each the best one alone, may end in another minimum; the search goes on with one."""
+    together, groups = Search.together, []
+
+    def far_off(search: Search, fit: CandidateFit, additions: Sequence[Addition], **others: Any) -> CandidateFit:
+        found = together(search, fit, additions, **others)
+        groups.append(len(additions))
+        return replace(found, chi2=2 * fit.chi2) if len(additions) > 1 else found
+
+    monkeypatch.setattr(Search, "together", far_off)
+    crowd = (FRICTION, SOFT, "torque_bias@motor_1:level=0.02")
+    found = explain(search_of(*crowd, among=SOME))
+    assert max(groups) > 1
+    assert names(found) == {name.partition(":")[0] for name in crowd}
+
+
+@pytest.mark.parametrize("exchange", [exchanged, corrected])
+def test_an_effect_that_was_taken_for_another_one_is_exchanged(exchange: Callable[..., CandidateFit]) -> None:
     search = search_of(FRICTION, SOFT, among=(*SOME, "viscous_friction"))
     directions = search.directions(search.candidates())
     by_name = {direction.candidate.name: direction for direction in directions}
     wrong = search.singles([by_name["viscous_friction@motor_1"]])[0]
     second = search.additions([by_name[SOFT.partition(":")[0]]], wrong, search.surroundings(wrong))
-    fit = exchanged(search, search.together(wrong, second), directions, [])
+    fit = exchange(search, search.together(wrong, second), directions, [])
     assert fit.names == {name.partition(":")[0] for name in (FRICTION, SOFT)}
 
 
