@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 
 from flexros.effects.kinds.bristle_friction import AbstractBristleFriction, Bristle
 from flexros.effects.kinds.ranges import Range
-from flexros.effects.stribeck_friction import GAUSSIAN, hump
+from flexros.effects.stribeck_friction import GAUSSIAN, SLOWEST, hump
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -28,8 +28,9 @@ class PreslidingFriction(AbstractBristleFriction):
 
     With bristle deflection z, speed v, stiffness s0 and damping s1 the torque against the motion is s0 z + s1 dz/dt,
     where dz/dt = v - s0 |v| z / g(v) and g(v) = level + extra exp(-|v / velocity|^exponent). Steady sliding has torque
-    g(v); below break-away the motor moves as on a spring of stiffness s0. Integration: `bristle_friction`, of order two
-    in the integration step where it resolves the motion.
+    g(v); below break-away the motor moves as on a spring of stiffness s0. With a `damping_velocity` w the damping fades
+    with the speed, s1 exp(-(v / w)^2) (eq. 3.15c); no fit looks for w. Integration: `bristle_friction`, of order two in
+    the integration step where it resolves the motion.
     """
 
     name: ClassVar[str] = "presliding_friction"
@@ -63,6 +64,9 @@ class PreslidingFriction(AbstractBristleFriction):
     exponent: float = Field(GAUSSIAN, gt=0.0, le=8.0, description="shape of the Stribeck hump [1]; 2 is Gaussian")
     stiffness: float = Field(0.0, ge=0.0, description="bristle stiffness s0 at the motor [Nm/rad or N/m]")
     damping: float = Field(0.0, ge=0.0, description="bristle damping s1 at the motor [Nm s/rad or N s/m]")
+    damping_velocity: float = Field(
+        0.0, ge=0.0, description="speed over which the bristle damping fades [rad/s or m/s]; 0 for constant damping"
+    )
 
     @model_validator(mode="after")
     def _stiff(self) -> PreslidingFriction:
@@ -78,8 +82,15 @@ class PreslidingFriction(AbstractBristleFriction):
     def bristle(self, speed: ca.SX, values: Mapping[str, Value]) -> Bristle:
         """Evaluate the Stribeck curve."""
         level = values["level"] + hump(speed, values["extra"], values["velocity"], values["exponent"])
-        return Bristle(ca.SX(level), values["stiffness"], values["damping"])
+        return Bristle(ca.SX(level), values["stiffness"], _faded(speed, values["damping"], values["damping_velocity"]))
 
     def visible(self, noise: float) -> bool:
         """Return whether the deflection of the bristles exceeds the encoder noise; otherwise it is Coulomb friction."""
         return self.level + self.extra > SEEN * noise * self.stiffness
+
+
+def _faded(speed: ca.SX, damping: Value, velocity: Value) -> Value:
+    """Evaluate the bristle damping at a speed, damping exp(-(v / velocity)^2), constant for a velocity of 0."""
+    if not isinstance(velocity, ca.SX) and velocity == 0:
+        return damping
+    return damping * ca.if_else(velocity > 0, ca.exp(-((speed / ca.fmax(velocity, SLOWEST)) ** 2)), 1.0)

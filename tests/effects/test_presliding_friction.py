@@ -25,14 +25,17 @@ def curve(speed: FloatArray | float) -> FloatArray | float:
     return LEVEL + EXTRA * np.exp(-((speed / VELOCITY) ** 2))
 
 
-def lugre(force: float, start: tuple[float, float, float], times: FloatArray, ripple: float = 0.0) -> FloatArray:
+def lugre(
+    force: float, start: tuple[float, float, float], times: FloatArray, ripple: float = 0.0, fading: float = np.inf
+) -> FloatArray:
     """Integrate the equations as they stand; columns position, speed, deflection."""
 
     def rate(time: float, x: FloatArray) -> list[float]:
         _, v, z = x
         slip = v - STIFFNESS * abs(v) / curve(v) * z
         push = force + ripple * np.sin(20 * time)
-        return [v, (push - STIFFNESS * z - DAMPING * slip) / MASS, slip]
+        damping = DAMPING * np.exp(-((v / fading) ** 2))
+        return [v, (push - STIFFNESS * z - damping * slip) / MASS, slip]
 
     solution = solve_ivp(rate, (0, times[-1]), start, "LSODA", times, rtol=1e-10, atol=1e-14, max_step=1e-3)
     result: FloatArray = solution.y.T
@@ -65,6 +68,16 @@ def test_motion_with_presliding_stops_and_reversals_is_that_of_the_equations(for
     path = states(plant(BRISTLES), 600, lambda time: force + ripple * np.sin(20 * (time + 5e-4)))
     assert np.any(np.diff(np.sign(exact[10:, 1])) != 0) or force > 0
     np.testing.assert_allclose(path, exact[:, :2], atol=2e-3 * np.max(np.abs(exact[:, :2]), axis=0).min())
+
+
+def test_damping_that_fades_with_the_speed_is_that_of_the_equations() -> None:
+    times, fading = 1e-3 * np.arange(601), 0.01
+    exact, constant = (lugre(0.0, (0.0, 0.0, 0.0), times, 50.0, w)[:, :2] for w in (fading, np.inf))
+    text = f"{BRISTLES},damping_velocity={fading}"
+    path = states(plant(text), 600, lambda time: 50.0 * np.sin(20 * (time + 5e-4)))
+    scale = np.max(np.abs(exact), axis=0)
+    error, change = (np.max(np.abs(other - exact) / scale) for other in (path, constant))
+    assert error < 0.1 * change
 
 
 def test_stiff_bristles_are_dry_friction() -> None:
