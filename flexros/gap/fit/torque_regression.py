@@ -41,6 +41,8 @@ LEAST_SHARE = 0.1
 """Contribution to the torque, over the rest at that motor, from which it is kept, rms [1] (chosen)."""
 KINDS = ("inertia", "viscous_friction", "coulomb_friction", "torque_offset")
 """Columns of every motor."""
+FEWEST = 2
+"""Fewest samples after decimation, over the columns of a motor [1] (chosen)."""
 LOAD = ("mass", "first_moment.x", "first_moment.y", "first_moment.z")
 """Columns of a load."""
 
@@ -125,7 +127,7 @@ def _rows(record: Record, regressor: RigidRegressor) -> RegressionRows | None:
     factor = decimation(part.sample_time, cutoff)
     counts = untouched_rows(long_holes(part.valid), factor)
     torque = decimate(acting[begin:], factor)[counts]
-    if not motion.moving.any() or len(torque) < 2 * len(KINDS) * robot.n_motors:
+    if not motion.moving.any() or len(torque) < FEWEST * len(KINDS):  # each has an equation for every motor
         return None
     return RegressionRows(part, motion, regressor, tuple(range(len(regressor.parameters))), cutoff, counts, torque, [])
 

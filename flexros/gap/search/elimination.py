@@ -54,7 +54,27 @@ def reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed
 
 
 def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed: float) -> CandidateFit:
-    """Leave out at once all effects that are not worth their parameters by linear theory, but the best one.
+    """Leave out the effects that are not worth their parameters by linear theory, but the best one.
+
+    Of effects at the same motor that do much the same, such as Coulomb and viscous friction, each seems needless beside
+    the others. So of those that torques show one at a motor is left out at a time, unless the time is over.
+
+    Args:
+        search: The search.
+        fit: The fit.
+        fits: All fits so far; new ones are appended.
+        removed: Share of the remaining gap that every effect must remove [1].
+    """
+    while needless := _needless(search, fit, removed):
+        fit = search.without(fit, *needless)
+        fits.append(fit)
+        if search.base is search.null.fit or search.deadline.stops():
+            break
+    return fit
+
+
+def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
+    """List effects that are not worth their parameters by linear theory, one of each motor while there is time.
 
     Effects that torques show are worth it where their size is clearly not zero: at a joint that moves little or carries
     little they remove a small part of the gap of all joints, and are as real as at the others.
@@ -62,13 +82,12 @@ def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit
     Args:
         search: The search.
         fit: The fit.
-        fits: All fits so far; a new one is appended.
         removed: Share of the remaining gap that every effect must remove [1].
     """
     surroundings, n, comparison = search.surroundings(fit), search.data.n_values, compared(search, [fit])
     every, without = surroundings.least, [rest.least for rest in search.removals(fit, surroundings)]
     sizes = parameters_of(fit, search.data) if search.base is not search.null.fit else [{} for _ in fit.hypothesis]
-    needless = []
+    needless: list[tuple[float, Candidate]] = []
     for candidate, least, parameters in zip(fit.hypothesis, without, sizes, strict=True):
         cheaper = least * n ** (-len(candidate.free) / n)  # of the same score as with the parameters of the effect
         before, after = replace(fit, chi2=cheaper), replace(fit, chi2=every)
@@ -79,11 +98,11 @@ def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit
         else:
             worth_it = worth(search, comparison, before, after, removed)
         if least < max(without) and not worth_it:
-            needless.append(candidate.name)
-    if not needless:
-        return fit
-    fits.append(search.without(fit, *needless))
-    return fits[-1]
+            needless.append((least, candidate))
+    if search.base is search.null.fit or search.deadline.stops():
+        return [candidate.name for _, candidate in needless]
+    first = {one.location: one.name for _, one in sorted(needless, key=lambda pair: -pair[0])}  # the least one is last
+    return list(first.values())
 
 
 def with_asymmetry(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:

@@ -136,7 +136,7 @@ def fit_rigid(
     regressor = RigidRegressor(robot, settings.asymmetric)
     base = base_parameters(regressor, robot.n_motors)
     rows = RegressionRows.of_log(log, settings, label, regressor, base)
-    check_rows(len(rows.torque), len(base.leading))
+    check_rows(len(rows.torque), len(base.leading), rows.torque.shape[1])
     held = None if settings.hold else rows.torque_as_it_acts()
     factor = rows.triangular(held, progress)
     return _fit(rows, factor, robot, settings, base, label)

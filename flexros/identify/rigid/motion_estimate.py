@@ -146,17 +146,18 @@ def untouched_rows(spoilt: BoolArray, factor: int) -> BoolArray:
     return np.asarray(before[first + _LENGTH * factor + 1] == before[first])
 
 
-def check_rows(rows: int, parameters: int) -> None:
+def check_rows(rows: int, parameters: int, motors: int = 1) -> None:
     """Reject records that are too short for a regression.
 
     Args:
-        rows: Rows after decimation.
+        rows: Samples after decimation, with an equation for every motor each.
         parameters: Number of parameters.
+        motors: Number of motors.
 
     Raises:
         InputError: There are too few rows.
     """
-    least = max(_FEWEST, 2 * parameters)
+    least = max(_FEWEST, -(-2 * parameters // motors))
     if rows < least:
         raise InputError(
             f"{rows} samples are left after filtering and decimation, but {parameters} parameters need at least {least}"

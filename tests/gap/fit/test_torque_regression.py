@@ -64,6 +64,14 @@ def test_load_that_a_urdf_lacks_is_estimated_beside_friction_and_rotors() -> Non
     assert dict(zip(tolerance.names, tolerance.deviations))["body_7.mass"] == UNCERTAIN_LOAD
 
 
+def test_three_seconds_suffice_as_each_sample_has_an_equation_for_every_motor() -> None:
+    """After decimation fewer samples are left than twice the columns of all six motors."""
+    found = regress_torque(ur5e_record().part(0, 1600), ur5e(), Tolerance(), load=True)
+    assert found is not None
+    np.testing.assert_allclose(found.inertia, (1.4, 1.4, 1.1, 0.25, 0.25, 0.25), rtol=0.15)
+    assert found.load[0] == pytest.approx(1.5, rel=0.05)
+
+
 def test_arm_that_carries_nothing_has_no_load() -> None:
     assert unknown_numbers(record_of_arm(), RobotWithEffects(arm(), ()), tolerance_of(arm(), {})).load is None
 

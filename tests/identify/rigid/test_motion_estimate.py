@@ -79,3 +79,9 @@ def test_too_few_rows_for_a_regression() -> None:
     check_rows(50, 4)
     with pytest.raises(InputError, match="90 samples are left after filtering and decimation, but 60 parameters need"):
         check_rows(90, 60)
+
+
+def test_every_sample_has_an_equation_for_each_motor() -> None:
+    check_rows(90, 60, 2)
+    with pytest.raises(InputError, match="90 samples .* need at least 100"):
+        check_rows(90, 100, 2)

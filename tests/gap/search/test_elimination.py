@@ -1,0 +1,108 @@
+"""Elimination of the effects that torques show, and of further ones, by linear theory and by fits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from flexros.gap.deadline import Deadline
+from flexros.gap.search import elimination
+from flexros.gap.settings import DiagnosisSettings
+
+COULOMB, VISCOUS, BIAS = "coulomb_friction@motor_1", "viscous_friction@motor_1", "torque_bias@motor_2"
+N = 1000
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fit of named effects."""
+
+    kept: tuple[str, ...]
+    chi2: float
+
+    @property
+    def names(self) -> frozenset[str]:
+        return frozenset(self.kept)
+
+    @property
+    def hypothesis(self) -> tuple[Any, ...]:
+        return tuple(SimpleNamespace(name=one, location=one.partition("@")[2], free=("size",)) for one in self.kept)
+
+
+class Search:
+    """A search whose fits and estimates are given by the effects they have.
+
+    Args:
+        chi2: Sum of squares of a fit, by its effects.
+        estimated: Sum of squares without one of several effects, by linear theory.
+        base: Effects that the torques show.
+    """
+
+    def __init__(self, chi2: dict[frozenset[str], float], estimated: dict[str, float], base: tuple[str, ...]) -> None:
+        self.chi2, self.estimated = chi2, estimated
+        self.base = Fit(base, 0.0)
+        self.null = SimpleNamespace(fit=None)
+        self.data = SimpleNamespace(n_values=N, record=SimpleNamespace(imported=True))
+        self.settings = DiagnosisSettings()
+        self.deadline = Deadline()
+
+    def surroundings(self, fit: Fit) -> Any:
+        return SimpleNamespace(least=fit.chi2)
+
+    def removals(self, fit: Fit, surroundings: Any) -> list[Any]:
+        return [SimpleNamespace(least=surroundings.least + self.estimated[name]) for name in fit.kept]
+
+    def without(self, fit: Fit, *names: str) -> Fit:
+        rest = tuple(name for name in fit.kept if name not in names)
+        return Fit(rest, self.chi2[frozenset(rest)])
+
+
+@pytest.fixture(autouse=True)
+def plain_rules(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Friction is clear once it is alone at its motor; an effect must remove a fifth of what is left."""
+
+    def sizes(fit: Fit, _: Any) -> list[dict[str, Any]]:
+        both = {COULOMB, VISCOUS} <= fit.names
+        return [{"size": SimpleNamespace(value=1.0, std=1.0 if both else 0.1)} for _ in fit.kept]
+
+    def worth(search: Any, comparison: Any, before: Fit, after: Fit, removed: float) -> bool:
+        return before.chi2 - after.chi2 > removed * before.chi2
+
+    monkeypatch.setattr(elimination, "parameters_of", sizes)
+    monkeypatch.setattr(elimination, "worth", worth)
+    monkeypatch.setattr(elimination, "compared", lambda *_: None)
+
+
+def test_of_two_effects_that_do_much_the_same_the_better_one_stays() -> None:
+    base = (COULOMB, VISCOUS, "coulomb_friction@motor_2")
+    rest = frozenset({COULOMB, "coulomb_friction@motor_2"})
+    search: Any = Search({rest: 2010.0}, {COULOMB: 20.0, VISCOUS: 10.0, "coulomb_friction@motor_2": 500.0}, base)
+    fits: list[Any] = []
+    assert elimination.reduced(search, Fit(base, 2000.0), fits, 0.2).names == rest  # type: ignore[arg-type]
+    assert len(fits) == 1
+
+
+def test_a_further_effect_that_removes_little_is_left_out() -> None:
+    every = Fit((COULOMB, BIAS), 2000.0)
+    search: Any = Search({frozenset({COULOMB}): 2050.0}, {COULOMB: 900.0, BIAS: 50.0}, (COULOMB,))
+    assert elimination.reduced(search, every, [], 0.2).names == {COULOMB}  # type: ignore[arg-type]
+
+
+def test_without_time_all_that_seems_needless_is_left_out_at_once() -> None:
+    base = (COULOMB, VISCOUS, "coulomb_friction@motor_2")
+    search: Any = Search(
+        {frozenset({"coulomb_friction@motor_2"}): 2400.0},
+        {COULOMB: 20.0, VISCOUS: 10.0, "coulomb_friction@motor_2": 500.0},
+        base,
+    )
+    search.deadline = over()
+    found = elimination.reduced(search, Fit(base, 2000.0), [], 0.2)  # type: ignore[arg-type]
+    assert found.names == {"coulomb_friction@motor_2"}
+
+
+def over() -> Deadline:
+    """Return a deadline that is over."""
+    return Deadline(interrupted=lambda: True)
