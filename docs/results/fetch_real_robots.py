@@ -1,6 +1,6 @@
 """Fetch public logs of robots: python docs/results/fetch_real_robots.py FOLDER [--from PATH]...
 
-The logs of four public repositories, without a licence for copies or with one that does not fit, are brought into
+The logs of five public repositories, without a licence for copies or with one that does not fit, are brought into
 FOLDER, at the commits below and with their checksums; they are not part of this repository. `--from` names a clone, a
 bare clone or a plain folder of one of them that is there already. What cannot be reached is skipped with its reason,
 and the exit code is then 1.
@@ -108,6 +108,25 @@ REPOSITORIES = (
             f"{TX40}/data/curr_data.csv": ("f4592f4ba4db42f5d7625688986be25b575ca34d0504b27979ca6b0276bd3af9"),
             f"{TX40}/data/pos_read_data.csv": ("5cc1cecc1024ef0e331d0caba06f689456ab789ec3f1e904599c0a8be5c27bc8"),
             f"{TX40}/urdf/tx40_mdh_modified.urdf": ("3d00cbd46279c915d594b1bb4610dbac78d1e99ed27f95de70984bde13486074"),
+        },
+    ),
+    Repository(
+        "NKU-ZiXuan",
+        "xMate7p_dyn_ident",
+        "7d8c9246adfc2a14d161df41a21a70671471ac1c",
+        {
+            "data/robotparams/XM7p/urdf/XM7p.urdf": (
+                "525104b34c64a42504ebca5741ad0d0b0963ae8d62de17b6159b2bf56194dfe4"
+            ),
+            "data/recdata/xMate7p_traj1_results.csv": (
+                "84bcef00b1410b98f962d6edf354e3aa5f11c43c9645b8b7bdfb8b4dad87d67f"
+            ),
+            "data/recdata/xMate7p_traj2_results.csv": (
+                "9fe697240cc64a06306c12aaa36c21f51619facccc92d0b0de51d07519806dfc"
+            ),
+            "data/recdata/xMate7p_traj3_results.csv": (
+                "b8cf0a91bf58d4afafa7a65c9e69c7916ad63759248ef60e477c59db1d0af5e6"
+            ),
         },
     ),
 )
