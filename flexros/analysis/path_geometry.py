@@ -13,6 +13,16 @@ if TYPE_CHECKING:
 
 _SAME_POINT = 1e-7
 """Samples closer than this [m] to the previous one are the same vertex (the path is at rest there)."""
+_STRAIGHT = 1e-8
+"""Deviation from the line through its neighbours [m] up to which a vertex is left out (chosen)."""
+_LONGEST = 1e-3
+"""Length of a segment over the extent of the path up to which vertices are left out [1] (chosen)."""
+_WORTH = 0.01
+"""Share of vertices that must go for another pass over those that are left [1] (chosen)."""
+_SAME_PASS = 1e-9
+"""Distance [m] up to which a path that repeats itself has the same vertices again (chosen)."""
+_MOST_DISTANCES = 2_000_000
+"""Distances that are computed at once (chosen): some 200 MB."""
 _FIRST_CANDIDATES = 8
 """Number of candidate segments of each point at first; more are taken until the nearest one is proved."""
 
@@ -83,7 +93,10 @@ class CommandedPath:
 
 
 def path_through(points: FloatArray) -> CommandedPath:
-    """Build the polyline through samples of a commanded path, without the samples at rest.
+    """Build the polyline through samples of a commanded path, without samples at rest and needless ones.
+
+    A path that repeats itself from its first sample on is taken once. Samples on a straight line, to 10 nm, are left
+    out: slow motions would have thousands of segments where fast ones have one.
 
     Args:
         points: Commanded positions in order of time [m], shape (n, 3), n >= 1.
@@ -97,8 +110,38 @@ def path_through(points: FloatArray) -> CommandedPath:
             if np.linalg.norm(points[index] - points[kept[-1]]) >= _SAME_POINT:
                 kept.append(index)
         vertices = np.array(points[kept], dtype=np.float64)
+    vertices = _thinned(_one_pass(vertices))
     lengths = np.linalg.norm(np.diff(vertices, axis=0), axis=1)
     return CommandedPath(vertices, np.concatenate([[0.0], np.cumsum(lengths)]))
+
+
+def _one_pass(vertices: FloatArray) -> FloatArray:
+    """Return the first pass of a path that repeats itself, else the path."""
+    back = 1 + np.flatnonzero(np.linalg.norm(vertices[1:] - vertices[0], axis=1) < _SAME_PASS)
+    for period in back.tolist():
+        if np.all(np.linalg.norm(vertices[period:] - vertices[:-period], axis=1) < _SAME_PASS):
+            return vertices[: period + 1]
+    return vertices
+
+
+def _thinned(vertices: FloatArray) -> FloatArray:
+    """Leave out vertices on the line through their neighbours, every other one at a time."""
+    if len(vertices) < 3:
+        return vertices
+    steps = np.linalg.norm(np.diff(vertices, axis=0), axis=1)
+    longest = max(float(steps.max()), _LONGEST * float(np.linalg.norm(np.ptp(vertices, axis=0))))
+    while len(vertices) > 2:
+        middle = vertices[1:-1:2]
+        start, end = vertices[:-2:2], vertices[2::2]
+        chord = end - start
+        square = np.sum(chord**2, axis=1)
+        along = np.sum((middle - start) * chord, axis=1) / np.where(square > 0, square, np.inf)
+        off = np.linalg.norm(middle - start - np.clip(along, 0.0, 1.0)[:, None] * chord, axis=1)
+        needless = (off < _STRAIGHT) & (square <= longest**2)
+        if np.count_nonzero(needless) <= _WORTH * len(vertices):
+            break
+        vertices = np.delete(vertices, 1 + 2 * np.flatnonzero(needless), axis=0)
+    return vertices
 
 
 def _project(path: CommandedPath, points: FloatArray) -> Projection:
@@ -109,25 +152,30 @@ def _project(path: CommandedPath, points: FloatArray) -> Projection:
     distance = np.empty(n)
     segment = np.empty(n, dtype=np.int64)
     fraction = np.empty(n)
-    open_points: IntArray = np.arange(n)
-    k = min(_FIRST_CANDIDATES, len(starts))
-    while len(open_points):
-        far, candidates = tree.query(points[open_points], k=k)
-        far, candidates = far.reshape(-1, k), candidates.reshape(-1, k)
-        offset = points[open_points][:, None, :] - starts[candidates]
-        along = np.clip(np.sum(offset * steps[candidates], axis=2) / np.sum(steps[candidates] ** 2, axis=2), 0.0, 1.0)
-        gap = np.linalg.norm(offset - along[..., None] * steps[candidates], axis=2)
-        best = np.argmin(gap, axis=1)
-        row = np.arange(len(open_points))
-        distance[open_points], segment[open_points] = gap[row, best], candidates[row, best]
-        fraction[open_points] = along[row, best]
-        # The centre of any other segment is beyond the farthest candidate, so the segment is at least far - half away.
-        proved = (far[:, -1] - half >= gap[row, best]) | (k == len(starts))
-        open_points = open_points[~proved]
+    waiting, k = [np.arange(n)], min(_FIRST_CANDIDATES, len(starts))
+    while waiting:
+        unproved = []
+        for part in (part for rows in waiting for part in _parts(rows, k)):
+            far, candidates = (values.reshape(-1, k) for values in tree.query(points[part], k=k))
+            offset = points[part][:, None, :] - starts[candidates]
+            step = steps[candidates]
+            along = np.clip(np.sum(offset * step, axis=2) / np.sum(step**2, axis=2), 0.0, 1.0)
+            gap = np.linalg.norm(offset - along[..., None] * step, axis=2)
+            best = np.argmin(gap, axis=1)
+            row = np.arange(len(part))
+            distance[part], segment[part], fraction[part] = gap[row, best], candidates[row, best], along[row, best]
+            # The centre of any other segment is beyond the farthest candidate, so it is at least far - half away.
+            unproved.append(part[(far[:, -1] - half < gap[row, best]) & (k < len(starts))])
+        waiting = [part for part in unproved if len(part)]
         k = min(4 * k, len(starts))
     nearest = starts[segment] + fraction[:, None] * steps[segment]
     position = path.arc_length[segment] + fraction * np.diff(path.arc_length)[segment]
     return Projection(distance, nearest, position)
+
+
+def _parts(rows: IntArray, k: int) -> list[IntArray]:
+    """Split rows so that their distances to k candidates fit into memory."""
+    return np.array_split(rows, 1 + len(rows) * k // _MOST_DISTANCES)
 
 
 @dataclass(frozen=True, eq=False)
