@@ -15,7 +15,7 @@ import numpy as np
 from flexros.errors import InputError
 from flexros.monitor.topic_queue import Counts, TopicQueue
 from flexros.record.even_grid import HIGHEST_RATE, LOWEST_RATE
-from flexros.record.missing_samples import MOST_BRIDGED, bridged, longest_run
+from flexros.record.missing_samples import MOST_BRIDGED, bridged, bridged_motion, longest_run
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -190,7 +190,7 @@ class SampleStream:
         else:
             position = np.empty((n, self.motors))
             position[numbers] = states.values[first:last]
-            position = bridged(position, measured)
+            position = bridged_motion(position, measured)
             window = Window(round(self._origin + self._next * T), position, torque, measured, self._restarted)
         self._restarted = torque is None
         self._next += n

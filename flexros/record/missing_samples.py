@@ -52,9 +52,7 @@ def long_holes(valid: BoolArray) -> BoolArray:
 
 
 def bridged(values: FloatArray, valid: BoolArray) -> FloatArray:
-    """Interpolate over samples that were not measured: by a cubic over short holes, linearly over long ones.
-
-    Straight lines over short holes would be corners of the motion, whose accelerations are far above the true ones.
+    """Interpolate linearly over samples that were not measured.
 
     Args:
         values: Signals, shape (n, M).
@@ -66,9 +64,25 @@ def bridged(values: FloatArray, valid: BoolArray) -> FloatArray:
     if np.all(valid):
         return values
     rows = np.arange(len(values))
-    filled = np.column_stack([np.interp(rows, rows[valid], column[valid]) for column in values.T])
+    return np.column_stack([np.interp(rows, rows[valid], column[valid]) for column in values.T])
+
+
+def bridged_motion(position: FloatArray, valid: BoolArray) -> FloatArray:
+    """Interpolate positions over samples that were not measured: by a cubic over short holes, linearly over long ones.
+
+    A straight line over a short hole has a corner on either side, with accelerations far above those of the motion.
+
+    Args:
+        position: Positions [rad or m], shape (n, M).
+        valid: Which samples were measured, shape (n,).
+
+    Returns:
+        Positions without holes, shape (n, M).
+    """
     measured, short = np.flatnonzero(valid), np.flatnonzero(~valid & ~long_holes(valid))
+    if not len(short) or len(measured) < FEWEST:
+        return bridged(position, valid)
     short = short[(short > measured[0]) & (short < measured[-1])]
-    if len(short) and len(measured) >= FEWEST:
-        filled[short] = local_cubic(measured.astype(float), values[valid], short.astype(float))
+    filled = bridged(position, valid)
+    filled[short] = local_cubic(measured.astype(float), position[valid], short.astype(float))
     return filled

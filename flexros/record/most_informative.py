@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.record.missing_samples import bridged
+from flexros.record.missing_samples import bridged_motion
 from flexros.record.smoothing import motion_cutoff, smooth_motion
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ def _information(record: Record, step: int) -> FloatArray:
     cutoff = motion_cutoff(record.sample_time)
     n_blocks = len(record.position) // step
     result: FloatArray = np.empty((n_blocks, record.position.shape[1], 4, 4))
-    for motor, position in enumerate(bridged(record.position, record.valid).T):
+    for motor, position in enumerate(bridged_motion(record.position, record.valid).T):
         _, speed, acceleration = smooth_motion(position[:, None], record.sample_time, cutoff)[:, :, 0]
         moving = np.abs(speed) > 0.01 * np.abs(speed).max()
         W = np.stack([acceleration, speed, np.sign(speed) * moving, np.ones_like(speed)], axis=-1)

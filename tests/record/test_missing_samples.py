@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexros.record.missing_samples import MOST_BRIDGED, bridged, long_holes, longest_run, runs
+from flexros.record.missing_samples import MOST_BRIDGED, bridged, bridged_motion, long_holes, longest_run, runs
 
 
 def test_runs_have_begin_and_length() -> None:
@@ -36,11 +36,11 @@ def test_short_holes_are_bridged_without_corners() -> None:
     position = np.sin(20 * time)[:, None]
     valid = np.random.default_rng(1).random(len(time)) > 0.1
     valid[[0, -1]] = True
-    filled = bridged(np.where(valid[:, None], position, 99.0), valid)
+    filled = bridged_motion(np.where(valid[:, None], position, 99.0), valid)
     np.testing.assert_array_equal(filled[valid], position[valid])
     np.testing.assert_allclose(filled, position, atol=1e-6)
 
 
 def test_samples_missing_at_the_ends_are_held() -> None:
     values, valid = np.arange(9.0)[:, None], np.array([0, 0, 1, 1, 1, 1, 1, 1, 0], dtype=bool)
-    np.testing.assert_array_equal(bridged(values, valid)[[0, 1, 8], 0], [2.0, 2.0, 7.0])
+    np.testing.assert_array_equal(bridged_motion(values, valid)[[0, 1, 8], 0], [2.0, 2.0, 7.0])

@@ -24,7 +24,7 @@ from flexros.identify.rigid.record import torque_as_it_acts
 from flexros.identify.rigid.regression_rows import RegressionRows
 from flexros.identify.rigid.regressor import RigidRegressor
 from flexros.identify.rigid.standard_parameters import standard_parameters
-from flexros.record.missing_samples import bridged, long_holes
+from flexros.record.missing_samples import bridged_motion, long_holes
 from flexros.record.smoothing import motion_cutoff
 
 if TYPE_CHECKING:
@@ -123,7 +123,7 @@ def _rows(record: Record, regressor: RigidRegressor) -> RegressionRows | None:
     acting, begin = torque_as_it_acts(record, 0.0 if record.measured_torque else robot.delay)
     part = record.part(begin, record.n_samples)
     cutoff = motion_cutoff(record.sample_time)
-    motion = estimate_motion(bridged(part.position, part.valid), part.sample_time, cutoff)
+    motion = estimate_motion(bridged_motion(part.position, part.valid), part.sample_time, cutoff)
     factor = decimation(part.sample_time, cutoff)
     counts = untouched_rows(long_holes(part.valid), factor)
     torque = decimate(acting[begin:], factor)[counts]

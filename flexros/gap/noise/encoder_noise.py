@@ -12,7 +12,7 @@ from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.noise.autoregression import TREND, colour_of, without_trend
 from flexros.gap.prediction.predictor import Predictor
 from flexros.prediction.observer import observer_gain
-from flexros.record.missing_samples import bridged, runs
+from flexros.record.missing_samples import bridged_motion, runs
 from flexros.record.quantization import encoder_quantization, lattice_step
 from flexros.record.smoothing import HIGH_DIFFERENCE, smooth_motion
 
@@ -76,7 +76,7 @@ def measure_noise(record: Record, robot: Robot, settings: DiagnosisSettings) -> 
         settings: Settings of the diagnosis.
     """
     numbers = settings.noise
-    position = bridged(record.position, record.valid)
+    position = bridged_motion(record.position, record.valid)
     cutoff = min(_LOOK, 0.1 / record.sample_time)
     smooth, speed, _ = smooth_motion(position, record.sample_time, cutoff)
     M = robot.n_motors

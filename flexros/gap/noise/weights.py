@@ -9,7 +9,7 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.gap.noise.encoder_noise import measure_noise
-from flexros.record.missing_samples import bridged
+from flexros.record.missing_samples import bridged_motion
 from flexros.record.quantization import encoder_quantization, encoder_step
 from flexros.record.smoothing import smooth_motion
 
@@ -169,7 +169,7 @@ def spread_of(record: Record, gain: ObserverGain, measurement: Measurement, *, f
     if from_rest:
         spread[:early] *= gain.early(early) / gain.spread
     if measurement.jitter > 0:
-        position = bridged(record.position, record.valid)
+        position = bridged_motion(record.position, record.valid)
         speed = smooth_motion(position, record.sample_time, min(SMOOTH_CUTOFF, 0.1 / record.sample_time))[1]
         added = np.abs(speed) * measurement.jitter
         if np.any(added.max(axis=0) > LEAST_JITTER * measurement.deviation):

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.linalg import expm
 
 from flexros.errors import InputError
-from flexros.record.missing_samples import MOST_BRIDGED, bridged, long_holes, runs
+from flexros.record.missing_samples import MOST_BRIDGED, bridged_motion, long_holes, runs
 from flexros.robot.linear.linearise import linear_model
 from flexros.robot.parameters import SERVO
 
@@ -99,7 +99,7 @@ def lost_commands(
     holes = long_holes(~lost)
     for begin, length in zip(*runs(holes), strict=True):
         variance[begin : begin + length + int(np.ceil(delay)) + gain.settling] = np.inf
-    position = bridged(record.position, ~holes)
+    position = bridged_motion(record.position, ~holes)
     led = replace(record, position=position, bridged=holes) if holes.any() else record
     return LostCommands(_interpolated(led, lost), np.sqrt(variance))
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.record.missing_samples import bridged
+from flexros.record.missing_samples import bridged_motion
 from flexros.record.smoothing import smooth_motion
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ def _leads_when_driven(sensor: SensorRecord, record: Record, robot: Robot) -> fl
     of the model do not matter.
     """
     grid = np.arange(record.n_samples) * record.sample_time
-    position = bridged(record.position, record.valid).copy()
+    position = bridged_motion(record.position, record.valid).copy()
     for one in record.sensors:
         if one.quantity == "link position":
             position[:, one.index] = np.interp(grid, one.time, one.values)

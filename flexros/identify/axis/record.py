@@ -10,7 +10,7 @@ import numpy as np
 
 from flexros.compile.command_delay import split_delay
 from flexros.errors import InputError
-from flexros.record.missing_samples import MOST_BRIDGED, bridged, long_holes, runs
+from flexros.record.missing_samples import MOST_BRIDGED, bridged_motion, long_holes, runs
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
@@ -133,7 +133,7 @@ def axis_record(record: Record, motor: int, output: OutputQuantity, delay: float
         quantity=output,
         sample_time=record.sample_time,
         torque=record.torque[rows, motor].copy(),
-        output=bridged(measured[rows, motor : motor + 1], valid)[:, 0].copy(),
+        output=bridged_motion(measured[rows, motor : motor + 1], valid)[:, 0].copy(),
         delay=0.0 if record.measured_torque else delay,
         valid=None if valid.all() else valid,
         warnings=warnings,

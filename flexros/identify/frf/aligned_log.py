@@ -15,7 +15,7 @@ from flexros.errors import InputError
 from flexros.identify.frf.checks.record_timing import check_equal_rates, check_no_gap, sample_numbers
 from flexros.logs.stamps import START_NS
 from flexros.record.joint_columns import motor_columns
-from flexros.record.missing_samples import MOST_BRIDGED, bridged
+from flexros.record.missing_samples import MOST_BRIDGED, bridged_motion
 from flexros.record.read import torque_source
 from flexros.record.torque_hold import HeldCommands
 
@@ -199,7 +199,7 @@ def _bridged(numbers: IntArray, values: FloatArray, warnings: list[str]) -> tupl
     measured = np.isin(every, numbers, assume_unique=True)
     whole = np.zeros((len(every), values.shape[1]))
     whole[measured] = values
-    return every, bridged(whole, measured)
+    return every, bridged_motion(whole, measured)
 
 
 def _check_recorded(given: IntArray, numbers: IntArray, warnings: list[str]) -> None:

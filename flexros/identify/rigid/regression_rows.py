@@ -18,7 +18,7 @@ from flexros.identify.rigid.motion_estimate import (
 )
 from flexros.identify.rigid.record import torque_as_it_acts, torque_at_samples
 from flexros.record.identification_record import identification_record
-from flexros.record.missing_samples import bridged, long_holes
+from flexros.record.missing_samples import bridged_motion, long_holes
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -85,7 +85,7 @@ class RegressionRows:
             acting, begin = torque_as_it_acts(record, robot.delay)
             record, torque = record.part(begin, record.n_samples), acting[begin:]
         cutoff = settings.cutoff_at(1 / record.sample_time)
-        motion = estimate_motion(bridged(record.position, record.valid), record.sample_time, cutoff)
+        motion = estimate_motion(bridged_motion(record.position, record.valid), record.sample_time, cutoff)
         _check_motion(motion, robot.joint_names, label)
         factor = decimation(record.sample_time, cutoff)
         counts = untouched_rows(long_holes(record.valid), factor)

@@ -10,7 +10,7 @@ import numpy as np
 from flexros.errors import InputError
 from flexros.record.balance.inverse_dynamics import ElasticInverseDynamics, rigid_inverse_dynamics
 from flexros.record.balance.torque_balance import TorqueBalance
-from flexros.record.missing_samples import bridged, long_holes, runs
+from flexros.record.missing_samples import bridged, bridged_motion, long_holes, runs
 from flexros.record.smoothing import noise_power, smooth_motion
 
 if TYPE_CHECKING:
@@ -110,7 +110,7 @@ def torque_balance(record: Record, robot: Robot, sample_time: float | None = Non
         The balance; None where the robot has no equilibrium near the motion.
     """
     T = record.sample_time if sample_time is None else sample_time
-    position = bridged(record.position, record.valid)
+    position = bridged_motion(record.position, record.valid)
     length, starts = _stretches(record, T)
     try:
         need = ElasticInverseDynamics.of(robot, np.stack([position[1:-1][k : k + length].mean(axis=0) for k in starts]))

@@ -11,7 +11,7 @@ import numpy as np
 from flexros.record.balance.joint_assignments import DOUBTFUL, best_assignment, clearly_better, own_fits, score
 from flexros.record.balance.spectra import torque_balance
 from flexros.record.balance.torque_balance import Delay
-from flexros.record.missing_samples import bridged
+from flexros.record.missing_samples import bridged_motion
 from flexros.record.quantization import encoder_step
 from flexros.record.smoothing import noise_power, smooth_motion
 
@@ -47,7 +47,7 @@ class CheckedRecord:
     @cached_property
     def position(self) -> FloatArray:
         """Motor positions without holes [rad or m], shape (n, M)."""
-        return bridged(self.record.position, self.record.valid)
+        return bridged_motion(self.record.position, self.record.valid)
 
     @cached_property
     def motion(self) -> FloatArray:

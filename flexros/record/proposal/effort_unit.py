@@ -10,7 +10,7 @@ from scipy.signal import butter, sosfiltfilt
 
 from flexros.errors import InputError
 from flexros.record.balance.inverse_dynamics import rigid_inverse_dynamics
-from flexros.record.missing_samples import bridged
+from flexros.record.missing_samples import bridged_motion
 from flexros.record.smoothing import smooth_motion
 
 if TYPE_CHECKING:
@@ -93,7 +93,7 @@ def effort_unit(record: Record, robot: Robot) -> EffortUnit:
 def _compare(record: Record, robot: Robot) -> list[_Comparison]:
     """Regress the effort of every motor; without correlation where the robot has no equilibrium near the motion."""
     T, M = record.sample_time, robot.n_motors
-    position = bridged(record.position, record.valid)
+    position = bridged_motion(record.position, record.valid)
     cutoff = min(SLOW, 0.1 / T)
     try:
         needed = rigid_inverse_dynamics(robot, position, T, cutoff)
