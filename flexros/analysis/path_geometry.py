@@ -17,12 +17,14 @@ _STRAIGHT = 1e-8
 """Deviation from the line through its neighbours [m] up to which a vertex is left out (chosen)."""
 _LONGEST = 1e-3
 """Length of a segment over the extent of the path up to which vertices are left out [1] (chosen)."""
-_WORTH = 0.01
+_WORTH = 0.002
 """Share of vertices that must go for another pass over those that are left [1] (chosen)."""
-_SAME_PASS = 1e-9
-"""Distance [m] up to which a path that repeats itself has the same vertices again (chosen)."""
-_MOST_DISTANCES = 2_000_000
-"""Distances that are computed at once (chosen): some 200 MB."""
+_PIECE = 2.0
+"""Length of the pieces into which a path is cut to search it, over the median of its segments [1] (chosen)."""
+_SAME_PASS = 1e-8
+"""Distance between vertices of two passes [m] up to which the second repeats the first (chosen)."""
+_MOST_DISTANCES = 500_000
+"""Distances that are computed at once (chosen): some 50 MB."""
 _FIRST_CANDIDATES = 8
 """Number of candidate segments of each point at first; more are taken until the nearest one is proved."""
 
@@ -93,10 +95,7 @@ class CommandedPath:
 
 
 def path_through(points: FloatArray) -> CommandedPath:
-    """Build the polyline through samples of a commanded path, without samples at rest and needless ones.
-
-    A path that repeats itself from its first sample on is taken once. Samples on a straight line, to 10 nm, are left
-    out: slow motions would have thousands of segments where fast ones have one.
+    """Build the polyline through samples of a commanded path, without the samples at rest.
 
     Args:
         points: Commanded positions in order of time [m], shape (n, 3), n >= 1.
@@ -110,42 +109,63 @@ def path_through(points: FloatArray) -> CommandedPath:
             if np.linalg.norm(points[index] - points[kept[-1]]) >= _SAME_POINT:
                 kept.append(index)
         vertices = np.array(points[kept], dtype=np.float64)
-    vertices = _thinned(_one_pass(vertices))
     lengths = np.linalg.norm(np.diff(vertices, axis=0), axis=1)
     return CommandedPath(vertices, np.concatenate([[0.0], np.cumsum(lengths)]))
 
 
-def _one_pass(vertices: FloatArray) -> FloatArray:
-    """Return the first pass of a path that repeats itself, else the path."""
-    back = 1 + np.flatnonzero(np.linalg.norm(vertices[1:] - vertices[0], axis=1) < _SAME_PASS)
-    for period in back.tolist():
-        if np.all(np.linalg.norm(vertices[period:] - vertices[:-period], axis=1) < _SAME_PASS):
-            return vertices[: period + 1]
-    return vertices
+def _searched(path: CommandedPath) -> tuple[FloatArray, FloatArray]:
+    """Return vertices with their distances along the path that have all of it, and segments of similar length.
 
-
-def _thinned(vertices: FloatArray) -> FloatArray:
-    """Leave out vertices on the line through their neighbours, every other one at a time."""
-    if len(vertices) < 3:
-        return vertices
+    A path that repeats itself is searched once, and vertices on a straight line, to 10 nm, are left out: slow motions
+    would have thousands of segments where fast ones have one. Long segments are cut, because the longest one decides
+    how many others may be nearer than the best of those that were looked at.
+    """
+    kept = _needed(path.vertices[: _first_passes(path.vertices)])
+    vertices, arc_length = path.vertices[kept], path.arc_length[kept]
     steps = np.linalg.norm(np.diff(vertices, axis=0), axis=1)
-    longest = max(float(steps.max()), _LONGEST * float(np.linalg.norm(np.ptp(vertices, axis=0))))
-    while len(vertices) > 2:
-        middle = vertices[1:-1:2]
-        start, end = vertices[:-2:2], vertices[2::2]
-        chord = end - start
+    pieces = np.ceil(steps / (_PIECE * np.median(steps))).astype(np.int64)
+    segment = np.repeat(np.arange(len(steps)), pieces)
+    share = (np.arange(len(segment)) - np.repeat(np.cumsum(pieces) - pieces, pieces)) / pieces[segment]
+    cut = vertices[segment] + share[:, None] * np.diff(vertices, axis=0)[segment]
+    at = arc_length[segment] + share * np.diff(arc_length)[segment]
+    return np.vstack([cut, vertices[-1:]]), np.append(at, arc_length[-1])
+
+
+def _first_passes(vertices: FloatArray) -> int:
+    """Return the number of vertices after which a path only repeats segments that were before."""
+    new = np.ones(len(vertices) - 1, dtype=bool)
+    factors = np.random.default_rng(0).integers(1, 2**62, size=(2, 3)) | 1
+    for offset in (0.0, 0.5):  # two grids, since equal numbers may round differently in one
+        cells = np.floor(vertices / _SAME_PASS + offset).astype(np.int64)
+        keys = (cells[:-1] * factors[0]).sum(axis=1) ^ (cells[1:] * factors[1]).sum(axis=1)
+        first = np.zeros(len(keys), dtype=bool)
+        first[np.unique(keys, return_index=True)[1]] = True
+        new &= first
+    return int(np.flatnonzero(new)[-1]) + 2
+
+
+def _needed(vertices: FloatArray) -> IntArray:
+    """Return the vertices that are not on the line through their neighbours, leaving out every other one at a time."""
+    kept = np.arange(len(vertices))
+    longest = float(np.linalg.norm(np.diff(vertices, axis=0), axis=1).max())
+    longest = max(longest, _LONGEST * float(np.linalg.norm(np.ptp(vertices, axis=0))))
+    while len(kept) > 2:
+        start, middle, end = (vertices[kept[k::2]] for k in range(3))
+        n = len(end)
+        chord, offset = end - start[:n], middle[:n] - start[:n]
         square = np.sum(chord**2, axis=1)
-        along = np.sum((middle - start) * chord, axis=1) / np.where(square > 0, square, np.inf)
-        off = np.linalg.norm(middle - start - np.clip(along, 0.0, 1.0)[:, None] * chord, axis=1)
-        needless = (off < _STRAIGHT) & (square <= longest**2)
-        if np.count_nonzero(needless) <= _WORTH * len(vertices):
+        along = np.clip(np.sum(offset * chord, axis=1) / np.where(square > 0, square, np.inf), 0.0, 1.0)
+        off = np.linalg.norm(offset - along[:, None] * chord, axis=1)
+        needless = np.flatnonzero((off < _STRAIGHT) & (square <= longest**2))
+        if len(needless) <= _WORTH * len(kept):
             break
-        vertices = np.delete(vertices, 1 + 2 * np.flatnonzero(needless), axis=0)
-    return vertices
+        kept = np.delete(kept, 1 + 2 * needless)
+    return kept
 
 
 def _project(path: CommandedPath, points: FloatArray) -> Projection:
-    starts, steps = path.vertices[:-1], np.diff(path.vertices, axis=0)
+    vertices, arc_length = _searched(path)
+    starts, steps = vertices[:-1], np.diff(vertices, axis=0)
     half = 0.5 * float(np.max(np.linalg.norm(steps, axis=1)))
     tree = cKDTree(starts + 0.5 * steps)
     n = len(points)
@@ -169,7 +189,7 @@ def _project(path: CommandedPath, points: FloatArray) -> Projection:
         waiting = [part for part in unproved if len(part)]
         k = min(4 * k, len(starts))
     nearest = starts[segment] + fraction[:, None] * steps[segment]
-    position = path.arc_length[segment] + fraction * np.diff(path.arc_length)[segment]
+    position = arc_length[segment] + fraction * np.diff(arc_length)[segment]
     return Projection(distance, nearest, position)
 
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.analysis.path_geometry import circle_behind, path_through
+from flexros.analysis.path_geometry import _searched, circle_behind, path_through
 
 
 def brute_force_distance(vertices, point):
@@ -75,3 +75,27 @@ def test_chord_error_of_a_coarse_circle_is_its_sagitta():
     points = radius * np.column_stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)])
     sagitta = radius * (1 - np.cos(np.pi / steps))
     assert path_through(points).chord_error() == pytest.approx(sagitta, rel=0.01)
+
+
+def slow_and_fast(passes: int) -> np.ndarray:
+    """A closed curve whose speed changes by a factor of 1000."""
+    angle = 2 * np.pi * (np.arange(3000 * passes + 1) / 3000 % 1)
+    turned = angle - 0.999 * np.sin(angle)
+    return np.column_stack([np.cos(turned), np.sin(2 * turned), 0.3 * np.cos(3 * turned)])
+
+
+def test_nearest_segment_of_a_path_with_slow_parts_that_repeats_itself():
+    path = path_through(slow_and_fast(3))
+    points = slow_and_fast(1)[::37] + np.random.default_rng(1).normal(scale=0.01, size=(82, 3))
+    expected = [brute_force_distance(path.vertices, point) for point in points]
+    projection = path.project(points)
+    np.testing.assert_allclose(projection.distance, expected, atol=3e-8)
+    along = [np.interp(projection.position, path.arc_length, path.vertices[:, k]) for k in range(3)]
+    np.testing.assert_allclose(projection.nearest, np.column_stack(along), atol=1e-6)
+
+
+def test_what_repeats_is_searched_once_and_slow_parts_like_fast_ones():
+    once, thrice = (_searched(path_through(slow_and_fast(passes)))[0] for passes in (1, 3))
+    assert len(thrice) <= len(once) + 2
+    steps = np.linalg.norm(np.diff(once, axis=0), axis=1)
+    assert steps.max() < 3 * np.median(steps)
