@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects import PlacedEffect, effects
+from flexros.effects.kinds.command_law import AbstractCommandLaw
 from flexros.effects.kinds.curve import AbstractCurve
 
 if TYPE_CHECKING:
@@ -89,6 +90,11 @@ class Candidate:
     def name(self) -> str:
         """Effect and location, e.g. "coulomb_friction@motor_1"."""
         return f"{self.effect.name}@{self.location}"
+
+    @property
+    def cuts_off(self) -> bool:
+        """Whether it limits the torque of a motor."""
+        return issubclass(self.effect, AbstractCommandLaw) and self.effect.cuts_off
 
     def starts(self) -> list[tuple[float, ...]]:
         """List initial values of all free parameters in the units of the fit."""

@@ -333,8 +333,7 @@ class Predictor:
         delays = [one for one in self.hypothesis if _delays(one)]
         if self.robot.commands == "position":  # the torque is made behind the delay
             return False
-        cuts = issubclass(candidate.effect, AbstractCommandLaw) and candidate.effect.cuts_off
-        return cuts and any(one.location in ("all", candidate.location) for one in delays)
+        return candidate.cuts_off and any(one.location in ("all", candidate.location) for one in delays)
 
 
 def _delays(candidate: Candidate) -> bool:

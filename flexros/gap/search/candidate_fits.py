@@ -122,13 +122,17 @@ class Search:
         return self.null.data
 
     def candidates(self) -> tuple[Candidate, ...]:
-        """List the candidates that come from the ranges of effects; those of harmonics follow from a fit."""
+        """List the candidates that come from the ranges of effects; those of harmonics follow from a fit.
+
+        A measured torque is what a limit left of it, so that no limit competes.
+        """
         tool = self.data.tool is not None
         return tuple(
             candidate
             for candidate in list_candidates(self.null.model.robot, self.scales, measured=self.data.record.imported)
             if self.competitors.contain(candidate)
             and self._known(candidate)
+            and not (self.data.record.measured_torque and candidate.cuts_off)
             and (tool or not issubclass(candidate.effect, AbstractToolError))
         )
 

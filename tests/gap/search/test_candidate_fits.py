@@ -41,6 +41,14 @@ def test_every_effect_with_ranges_is_a_candidate_but_those_of_an_unmeasured_tool
     assert {"torque_ripple", "encoder_eccentricity", "transmission_error"} <= listed
 
 
+def test_a_measured_torque_is_not_limited() -> None:
+    search = search_of()
+    data = replace(search.data, record=replace(search.data.record, measured_torque=True))
+    measured = replace(search, null=replace(search.null, data=data))
+    left_out = {one.name for one in search.candidates()} - {one.name for one in measured.candidates()}
+    assert left_out == {"torque_saturation@motor_1"}
+
+
 @pytest.mark.parametrize("threads", [1, 3])
 def test_the_true_effect_fits_best_with_any_number_of_threads(threads: int) -> None:
     search = replace(search_of(FRICTION), threads=threads)
