@@ -104,8 +104,9 @@ def _low_lags(points: FloatArray) -> IntArray:
     n = len(points)
     centred = points - points.mean(axis=0)
     size = next_fast_len(2 * n)
-    spectrum = rfft(centred, size, axis=0)
-    correlation = irfft(np.abs(spectrum) ** 2, size, axis=0)[:n].sum(axis=1)
+    correlation = np.zeros(n)
+    for column in centred.T:
+        correlation += irfft(np.abs(rfft(column, size)) ** 2, size)[:n]
     square = np.sum(centred**2, axis=1)
     total = np.concatenate([[0.0], np.cumsum(square)])
     lag = np.arange(n)

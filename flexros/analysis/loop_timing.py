@@ -53,8 +53,8 @@ class TopicTiming:
         duplicates: Number of messages whose stamp occurred before.
         out_of_order: Number of messages whose stamp is older than the previous one.
         exact: Whether the stamps are on an exact grid: no step differs from the period by more than rounding.
-        steps: Steps between consecutive different stamps, in order of stamps [s], shape (n - 1,).
-        step_time: Time of the end of each step, from the start of the log [s], shape (n - 1,).
+        stamps: The different stamps, increasing [ns], shape (n,).
+        begin: Stamp of the start of the log [ns].
     """
 
     topic: str
@@ -70,8 +70,18 @@ class TopicTiming:
     duplicates: int
     out_of_order: int
     exact: bool
-    steps: FloatArray
-    step_time: FloatArray
+    stamps: IntArray
+    begin: int
+
+    @property
+    def steps(self) -> FloatArray:
+        """Steps between consecutive stamps [s], shape (n - 1,)."""
+        return elapsed_seconds(np.diff(self.stamps), 0)
+
+    @property
+    def step_time(self) -> FloatArray:
+        """Time of the end of each step, from the start of the log [s], shape (n - 1,)."""
+        return elapsed_seconds(self.stamps[1:], self.begin)
 
     def as_dict(self) -> dict[str, object]:
         """Return the figures as plain numbers with their units in the keys."""
@@ -183,7 +193,7 @@ def topic_timing(topic: str, stamp: IntArray, start: int) -> TopicTiming:
     Returns:
         Period, jitter, misses, duplicates and order.
     """
-    different = np.unique(stamp)
+    different = stamp if np.all(np.diff(stamp) > 0) else np.unique(stamp)  # that of the log, not a copy
     step = np.diff(different)
     period = float(np.median(step)) if len(step) else float("nan")
     missing = np.where(step > _GAP * period, np.rint(step / period) - 1.0, 0.0) if len(step) else np.empty(0)
@@ -205,6 +215,6 @@ def topic_timing(topic: str, stamp: IntArray, start: int) -> TopicTiming:
         duplicates=len(stamp) - len(different),
         out_of_order=int(np.count_nonzero(np.diff(stamp) < 0)),
         exact=bool(np.all(np.abs(step - period) <= _ROUND_OFF)) and len(stamp) == len(different),
-        steps=elapsed_seconds(step, 0),
-        step_time=elapsed_seconds(different[1:], start),
+        stamps=different,
+        begin=start,
     )

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
 AXES = ("x", "y", "z")
 
+AT_ONCE = 100_000
+"""Orientations that are interpolated at once (chosen): rotations take several times the memory of their numbers."""
+
 
 @dataclass(frozen=True, eq=False)
 class PathError:
@@ -95,16 +98,13 @@ def path_error(
     Raises:
         InputError: The two series share no time or contain values that are not finite, or `axes` is not of x, y, z.
     """
-    run = _common_run(pose, reference, int(pose.stamp[0]) if start is None else start)
-    if not turned:
-        run = Cycle(run.time, run.commanded, run.attained)
+    run = _common_run(pose, reference, int(pose.stamp[0]) if start is None else start, turned)
     used = _moving_axes(run) if axes is None else axes
     if not used or not set(used) <= set(AXES):
         raise InputError(f"axes {', '.join(used) or 'none'} were given for the path error: use one or more of x, y, z")
     keep = np.array([axis in used for axis in AXES], dtype=np.float64)
-    run = Cycle(
-        run.time, run.commanded * keep, run.attained * keep, run.commanded_orientation, run.attained_orientation
-    )
+    for position in (run.commanded, run.attained):
+        position *= keep
     path = path_through(np.asarray(reference.position, dtype=np.float64) * keep)
     circle = circle_behind(path)
     projection = path.project(run.attained) if circle is None else circle.project(run.attained)
@@ -133,8 +133,8 @@ def _shape(path: CommandedPath, circle: Circle | None) -> str:
     return f"path of {path.length:.4g} m" if path.length > 0.0 else "position"
 
 
-def _common_run(pose: PoseSeries, reference: PoseSeries, start: int) -> Cycle:
-    """Resample both series at the stamps of the pose that the reference covers."""
+def _common_run(pose: PoseSeries, reference: PoseSeries, start: int, turned: bool) -> Cycle:
+    """Resample both series, with orientations where the tool is turned, at the stamps that the reference covers."""
     first, last = int(reference.stamp[0]), int(reference.stamp[-1])
     inside = (pose.stamp >= first) & (pose.stamp <= last)
     if not np.any(inside):
@@ -154,8 +154,8 @@ def _common_run(pose: PoseSeries, reference: PoseSeries, start: int) -> Cycle:
                 f"{name} has a position that is not finite near {(stamp[row] - start) * 1e-9:.4f} s after the start: "
                 "every position must be a number [m]; cut the log or repair the recording"
             )
-    commanded_turn, attained_turn = _orientations(pose, reference, inside.nonzero()[0], at, known)
-    return Cycle(elapsed_seconds(stamp, start), commanded, attained, commanded_turn, attained_turn)
+    orientations = _orientations(pose, reference, inside.nonzero()[0], at, known) if turned else (None, None)
+    return Cycle(elapsed_seconds(stamp, start), commanded, attained, *orientations)
 
 
 def _orientations(
@@ -168,7 +168,8 @@ def _orientations(
         return None, None
     if float(np.max(np.abs(quaternion[:, :3]))) < 1e-9 or len(known) < 2:
         return None, None
-    commanded = Slerp(known, Rotation.from_quat(quaternion))(at).as_quat()
+    between = Slerp(known, Rotation.from_quat(quaternion))
+    commanded = np.vstack([between(part).as_quat() for part in np.array_split(at, 1 + len(at) // AT_ONCE)])
     # Both in the same half of the quaternion sphere as their neighbours, so that rows can be interpolated.
     return _continuous(commanded), _continuous(attained)
 
@@ -194,5 +195,7 @@ def _moving_axes(run: Cycle) -> tuple[str, ...]:
 def _angle(run: Cycle) -> FloatArray | None:
     if run.commanded_orientation is None or run.attained_orientation is None:
         return None
-    goal, actual = Rotation.from_quat(run.commanded_orientation), Rotation.from_quat(run.attained_orientation)
-    return np.asarray((actual * goal.inv()).magnitude(), dtype=np.float64)
+    n = 1 + len(run.time) // AT_ONCE
+    pairs = zip(np.array_split(run.commanded_orientation, n), np.array_split(run.attained_orientation, n), strict=True)
+    angles = [(Rotation.from_quat(actual) * Rotation.from_quat(goal).inv()).magnitude() for goal, actual in pairs]
+    return np.asarray(np.concatenate(angles), dtype=np.float64)
