@@ -57,7 +57,9 @@ def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit
     """Leave out the effects that are not worth their parameters by linear theory, but the best one.
 
     Of effects at the same motor that do much the same, such as Coulomb and viscous friction, each seems needless beside
-    the others. So of those that torques show one at a motor is left out at a time, unless the time is over.
+    the others. So of those that torques show one at a motor is left out at a time, unless the time is over. Behind
+    springs all go at once and compete again later: friction may drown there in the error of a spring, and one of its
+    terms would stand for that.
 
     Args:
         search: The search.
@@ -68,7 +70,7 @@ def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit
     while needless := _needless(search, fit, removed):
         fit = search.without(fit, *needless)
         fits.append(fit)
-        if search.base is search.null.fit or search.deadline.stops():
+        if _all_at_once(search):
             break
     return fit
 
@@ -99,10 +101,16 @@ def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
             worth_it = worth(search, comparison, before, after, removed)
         if least < max(without) and not worth_it:
             needless.append((least, candidate))
-    if search.base is search.null.fit or search.deadline.stops():
+    if _all_at_once(search):
         return [candidate.name for _, candidate in needless]
     first = {one.location: one.name for _, one in sorted(needless, key=lambda pair: -pair[0])}  # the least one is last
     return list(first.values())
+
+
+def _all_at_once(search: Search) -> bool:
+    """Return whether effects that seem needless are left out together: no torques show them, or no time is left."""
+    robot = search.null.model.robot
+    return search.base is search.null.fit or robot.n_coordinates > robot.n_motors or search.deadline.stops()
 
 
 def with_asymmetry(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:

@@ -44,7 +44,8 @@ class Search:
     def __init__(self, chi2: dict[frozenset[str], float], estimated: dict[str, float], base: tuple[str, ...]) -> None:
         self.chi2, self.estimated = chi2, estimated
         self.base = Fit(base, 0.0)
-        self.null = SimpleNamespace(fit=None)
+        robot = SimpleNamespace(n_coordinates=2, n_motors=2)
+        self.null = SimpleNamespace(fit=None, model=SimpleNamespace(robot=robot))
         self.data = SimpleNamespace(n_values=N, record=SimpleNamespace(imported=True))
         self.settings = DiagnosisSettings()
         self.deadline = Deadline()
@@ -101,6 +102,14 @@ def test_without_time_all_that_seems_needless_is_left_out_at_once() -> None:
     search.deadline = over()
     found = elimination.reduced(search, Fit(base, 2000.0), [], 0.2)  # type: ignore[arg-type]
     assert found.names == {"coulomb_friction@motor_2"}
+
+
+def test_behind_springs_all_that_seems_needless_is_left_out_at_once() -> None:
+    """See test_flexible_drive.py: one friction term would stand for an error of the spring."""
+    search: Any = Search({frozenset({BIAS}): 2400.0}, {COULOMB: 20.0, VISCOUS: 10.0, BIAS: 500.0}, (COULOMB, VISCOUS))
+    search.null.model.robot.n_coordinates = 4
+    found = elimination.reduced(search, Fit((COULOMB, VISCOUS, BIAS), 2000.0), [], 0.2)  # type: ignore[arg-type]
+    assert found.names == {BIAS}
 
 
 def over() -> Deadline:
