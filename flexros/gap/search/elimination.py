@@ -6,8 +6,6 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from flexros.gap.fit.estimates import parameters_of
 from flexros.gap.search.worth import compared, unique, worth
 
@@ -18,6 +16,10 @@ if TYPE_CHECKING:
 
 ASYMMETRY = "asymmetry"
 """Parameter by which friction differs between the directions."""
+
+NOTHING = 1e-3
+"""Size over the largest one of its search below which an effect is none [1] (chosen): one of size zero seems to be
+sharply known."""
 
 
 def reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed: float) -> CandidateFit:
@@ -95,8 +97,10 @@ def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
         before, after = replace(fit, chi2=cheaper), replace(fit, chi2=every)
         if candidate.name in search.base.names:
             clear = search.settings.search.clear_in_torques
-            matters = least - every > np.log(n)  # one of size zero seems to be sharply known
-            worth_it = matters and any(abs(size.value) > clear * size.std for size in parameters.values())
+            most = {one.name: one.high for one in candidate.free}
+            worth_it = any(
+                abs(size.value) > max(clear * size.std, NOTHING * most[name]) for name, size in parameters.items()
+            )
         else:
             worth_it = worth(search, comparison, before, after, removed)
         if least < max(without) and not worth_it:

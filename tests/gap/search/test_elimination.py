@@ -29,7 +29,8 @@ class Fit:
 
     @property
     def hypothesis(self) -> tuple[Any, ...]:
-        return tuple(SimpleNamespace(name=one, location=one.partition("@")[2], free=("size",)) for one in self.kept)
+        free = (SimpleNamespace(name="size", high=10.0),)
+        return tuple(SimpleNamespace(name=one, location=one.partition("@")[2], free=free) for one in self.kept)
 
 
 class Search:
@@ -102,6 +103,14 @@ def test_without_time_all_that_seems_needless_is_left_out_at_once() -> None:
     search.deadline = over()
     found = elimination.reduced(search, Fit(base, 2000.0), [], 0.2)  # type: ignore[arg-type]
     assert found.names == {"coulomb_friction@motor_2"}
+
+
+def test_an_effect_of_size_zero_is_left_out_though_its_deviation_is_small(monkeypatch: pytest.MonkeyPatch) -> None:
+    sizes = {COULOMB: SimpleNamespace(value=1.0, std=0.1), VISCOUS: SimpleNamespace(value=1e-5, std=1e-9)}
+    monkeypatch.setattr(elimination, "parameters_of", lambda fit, _: [{"size": sizes[name]} for name in fit.kept])
+    search: Any = Search({frozenset({COULOMB}): 2000.0}, {COULOMB: 900.0, VISCOUS: 1.0}, (COULOMB, VISCOUS))
+    found = elimination.reduced(search, Fit((COULOMB, VISCOUS), 2000.0), [], 0.2)  # type: ignore[arg-type]
+    assert found.names == {COULOMB}
 
 
 def test_behind_springs_all_that_seems_needless_is_left_out_at_once() -> None:
