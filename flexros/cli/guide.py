@@ -131,6 +131,14 @@ def _after_export(given: Mapping[str, Any], _: int) -> str:
     return f"flexros gap LOG --model {word(given['name'])}    compare it with a log of the other simulator"
 
 
+def _after_fastest(given: Mapping[str, Any], _: int) -> str:
+    changes = [word(change) for change in given["setting"]]
+    if not any("time_law" in change for change in changes) and "time_optimal" not in given["scenario"]:
+        changes.append("trajectory.time_law='{type: time_optimal}'")
+    settings = "".join(f" --set {change}" for change in changes)
+    return f"flexros run {word(given['scenario'])}{settings} --out log    run it"
+
+
 def _after_learn(given: Mapping[str, Any], _: int) -> str:
     if given["out"]:
         return f"flexros analyze {word(given['out'])} --report report.html    the last run"
@@ -176,6 +184,15 @@ GUIDES: dict[str, Guide] = {
             "flexros run circle_dae --transport direct --effect payload_error@tool:relative=0.1",
             "flexros run circle_pd --realtime --set duration=10",
         ),
+    ),
+    "fastest": Guide(
+        RUNS,
+        "time-optimal motion on a path",
+        (
+            "flexros fastest elbow_moves",
+            "flexros fastest elbow_time_optimal --set trajectory.time_law.smoothing=0.05    # less smooth",
+        ),
+        _after_fastest,
     ),
     "learn": Guide(
         RUNS, "iterative learning control", ("flexros learn circle_fj --trials 6 --out learned",), _after_learn

@@ -73,6 +73,12 @@ class RobotMotor:
         limit = self.specification.torque_limit
         return math.inf if limit is None else limit.value
 
+    @property
+    def speed_limit(self) -> float:
+        """Largest speed of the direction that it moves [rad/s or m/s], infinite for no limit."""
+        limit = self.specification.speed_limit
+        return math.inf if limit is None else limit.value
+
 
 def list_motors(chain: Chain) -> tuple[RobotMotor, ...]:
     """List the motors of a chain of joints, in order."""

@@ -57,6 +57,7 @@ UNITS = {
     "position": ("rad", "m"),
     "inertia": ("kg m2", "kg"),
     "torque": ("Nm", "N"),
+    "speed": ("rad/s", "m/s"),
     "stiffness": ("Nm/rad", "N/m"),
     "damping": ("Nm s/rad", "N s/m"),
 }

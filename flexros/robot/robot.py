@@ -175,6 +175,11 @@ class Robot:
         return np.array([motor.torque_limit for motor in self.motors])
 
     @cached_property
+    def speed_limits(self) -> FloatArray:
+        """Largest speed of the direction of each motor [rad/s or m/s], shape (M,); infinite for no limit."""
+        return np.array([motor.speed_limit for motor in self.motors])
+
+    @cached_property
     def encoder_noise(self) -> FloatArray:
         """Noise of the encoders, rms [rad or m], shape (M,)."""
         common = self.spec.sensors.encoder_noise

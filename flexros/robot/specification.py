@@ -73,15 +73,19 @@ class Motor(Settings):
     )
     viscous_friction: NotNegative = Field(default_factory=lambda: _zero(""), description="[Nm s/rad, or N s/m]")
     torque_limit: Positive | None = Field(None, description="largest absolute torque [Nm, or N]; default: unlimited")
+    speed_limit: Positive | None = Field(
+        None, description="largest speed of the direction that it moves [rad/s, or m/s]; default: unlimited"
+    )
     encoder_noise: NotNegative | None = Field(None, description="rms [rad, or m]; default: sensors.encoder_noise")
     servo: Servo | None = Field(None, description="position loop of the drive, for logs with position commands only")
 
     @model_serializer(mode="wrap")
-    def _without_absent_servo(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Leave out a servo that is not there, so that the fingerprints of robots without one remain."""
+    def _without_absent_keys(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Leave out servo and speed limit that are not there, so that fingerprints of robots without them remain."""
         data: dict[str, Any] = handler(self)
-        if self.servo is None:
-            data.pop("servo", None)
+        for key in ("servo", "speed_limit"):
+            if getattr(self, key) is None:
+                data.pop(key, None)
         return data
 
     def check_units(self, rotary: bool, key: str) -> None:
@@ -90,6 +94,7 @@ class Motor(Settings):
             "inertia": "inertia",
             "viscous_friction": "damping",
             "torque_limit": "torque",
+            "speed_limit": "speed",
             "encoder_noise": "position",
         }
         for field, kind in kinds.items():

@@ -16,17 +16,17 @@ from flexros.feedforward.compensation.uncompensated import uncompensated
 from flexros.feedforward.problem import rigid_kinematics
 from flexros.feedforward.reference import compute_reference, pre_actuation
 from flexros.feedforward.tool_geometry import ToolGeometry
-from flexros.identify.diagnosis_experiment.course import diagnosis_course
 from flexros.identify.experiment.limits import check_limits
 from flexros.identify.experiment.reference import identification_reference, moves_of
 from flexros.provenance import versions
 from flexros.scenario.identification_plan import plan_of_scenario
 from flexros.scenario.models import ScenarioModels
+from flexros.scenario.motion import planned_trajectory
 from flexros.simulate.plant import Plant
 from flexros.simulate.plant_model import PlantModel
 from flexros.simulate.sensor_timing import SensorTiming
 from flexros.simulate.signals import plant_signals
-from flexros.trajectory import Trajectory, build_trajectory, check_reachable, is_reachable
+from flexros.trajectory import Trajectory, check_reachable, is_reachable
 
 if TYPE_CHECKING:
     import casadi as ca
@@ -85,7 +85,7 @@ class Experiment:
                 "plan; choose a controller of the motor positions, such as pid"
             )
         plan = None if scenario.identification is None else plan_of_scenario(scenario)
-        trajectory = _trajectory(scenario, nominal, source, sample_time) if plan is None else moves_of(plan)
+        trajectory = planned_trajectory(scenario, models, source, sample_time) if plan is None else moves_of(plan)
         lead = 0.0 if plan is not None else _pre_actuation(scenario, models, trajectory, sample_time)
         if lead > trajectory.rest_before:
             trajectory = trajectory.delayed(lead - trajectory.rest_before)
@@ -308,36 +308,6 @@ def bytes_per_sample(robot: Robot, n_out: int, *, planned: bool = False, link_mo
     further = 2 * sum(sensor.size for sensor in robot.further_sensors) + (10 * m if link_motion else 0)
     reference, signal, derivatives, log = 8 + 3 * m + n_out, 3 * m, 5 * (m + n_out), 7 + 2 * m
     return 8 * (reference + signal + log + further + (1 if planned else reference + derivatives))
-
-
-def _trajectory(scenario: Scenario, robot: Robot, source: str, sample_time: float) -> Trajectory:
-    """Plan the motion from the start pose."""
-    near = robot.home
-    if scenario.start is not None:
-        with source_named(f"{source}, key start"):
-            near = robot.check_arm(scenario.start)
-    if scenario.diagnosis is not None:
-        with source_named(source):
-            return diagnosis_course(
-                scenario.diagnosis, robot, scenario.controller, sample_time, scenario.seed, near
-            ).trajectory
-    gears = near[list(robot.gear_rows)]
-    if scenario.trajectory is None:
-        return Trajectory.at_rest(gears)
-    if scenario.trajectory.joints:
-        return build_trajectory(scenario.trajectory, gears, source=f"{source}, key trajectory")
-    output = scenario.trajectory.output_of(scenario.feedforward.output or robot.controlled)
-    key = "trajectory.output" if scenario.trajectory.output else "feedforward.output"
-    with source_named(f"{source}, key {key}"):
-        begin = robot.forward_kinematics(near, output)
-    pose = robot.spec.outputs[output].pose
-    return build_trajectory(
-        scenario.trajectory,
-        begin,
-        output=output,
-        n_position=len([component for component in pose if component in ("x", "y", "z")]) or None,
-        source=f"{source}, key trajectory",
-    )
 
 
 def _pre_actuation(scenario: Scenario, models: ScenarioModels, trajectory: Trajectory, sample_time: float) -> float:

@@ -13,10 +13,20 @@ from flexros.trajectory.limits import LIMIT_NAMES, Limits, check_limits
 from flexros.trajectory.path import point, text
 from flexros.trajectory.path_specification import JointMovesSpecification, PathSpecification
 from flexros.trajectory.time_law_specification import TimeLawSpecification
+from flexros.trajectory.time_optimal.planner import checked_together
+from flexros.trajectory.time_optimal.specification import TimeOptimalSpecification
 from flexros.trajectory.trajectory import JOINTS, Move, Trajectory
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import ArrayLike
+
+    from flexros.trajectory.path import AbstractPath
+    from flexros.trajectory.time_optimal.path_dynamics import ArmOnPath
+
+CHECKED_CYCLES = 3
+"""Number of repetitions of a time-optimal motion that are compared with the limits (chosen)."""
 
 LONGEST = 3600.0
 """Longest trajectory [s] (chosen); a longer one indicates a wrong limit."""
@@ -63,7 +73,7 @@ class TrajectorySpecification(Settings):
 
     path: PathSpecification = Field(description="geometry: type line, circle, arc, lines or joint_moves, with its keys")
     time_law: TimeLawSpecification = Field(
-        description="motion along the path: type quintic, ninth_degree or bang_bang_snap, with its keys"
+        description="motion along the path: type quintic, ninth_degree, bang_bang_snap or time_optimal, with its keys"
     )
     output: str | None = Field(
         default=None,
@@ -101,6 +111,7 @@ def build_trajectory(
     *,
     output: str = "tool",
     n_position: int | None = None,
+    arm: ArmOnPath | None = None,
     source: str = "trajectory",
 ) -> Trajectory:
     """Build the trajectory of a specification.
@@ -111,6 +122,7 @@ def build_trajectory(
             `specification.joints`, shape (n_out,). With six tool coordinates the last are roll, pitch, yaw.
         output: Name of the robot's output whose coordinates these are; joint moves are labelled "joints".
         n_position: Number of leading coordinates that are positions; default: all, at most 3.
+        arm: The robot, for the time law time_optimal.
         source: Source of the specification; error messages begin with it.
 
     Returns:
@@ -118,7 +130,7 @@ def build_trajectory(
 
     Raises:
         InputError: Impossible geometry, limits that cannot be met, a repetition of an open path, a motion of more than
-            an hour, or a path for another output than that of the start.
+            an hour, a path for another output than that of the start, or a time-optimal motion without a robot.
     """
     with source_named(f"{source}.path"):
         if output == JOINTS and not specification.joints:
@@ -135,11 +147,11 @@ def build_trajectory(
         positions = min(3, origin.size) if n_position is None else n_position
         paths = specification.path.paths(origin, positions)
     with source_named(f"{source}.time_law"):
-        cycle = [Move(path, specification.time_law.law(path, specification.joints)) for path in paths]
-    if specification.return_to_start:
-        cycle += [Move(move.path, move.law.mirrored()) for move in reversed(cycle)]
+        cycle = _moves(specification, paths, arm)
     with source_named(source):
-        trajectory = Trajectory(_repeated(specification, cycle), JOINTS if specification.joints else output)
+        trajectory = Trajectory(
+            _repeated(specification, cycle, specification.repeat), JOINTS if specification.joints else output
+        )
         if trajectory.duration > LONGEST:
             raise InputError(
                 f"the trajectory lasts {trajectory.duration:.4g} s, allowed are at most {LONGEST:g} s; raise the "
@@ -150,7 +162,25 @@ def build_trajectory(
     return trajectory
 
 
-def _repeated(specification: TrajectorySpecification, cycle: list[Move]) -> tuple[Move, ...]:
+def _moves(specification: TrajectorySpecification, paths: Sequence[AbstractPath], arm: ArmOnPath | None) -> list[Move]:
+    """Return the moves along the paths, and back where the specification says so."""
+    law = specification.time_law
+    if isinstance(law, TimeOptimalSpecification):
+        if arm is None:
+            raise InputError(
+                "the time law time_optimal depends on the torques of a robot, but none was given; give the robot (arm) "
+                "or choose ninth_degree or bang_bang_snap"
+            )
+        planned = law.plan(paths, arm, return_to_start=specification.return_to_start)
+        repeat = min(specification.repeat, CHECKED_CYCLES)
+        return checked_together(planned, arm, lambda moves: _repeated(specification, moves, repeat))
+    cycle = [Move(path, law.law(path, specification.joints)) for path in paths]
+    if specification.return_to_start:
+        cycle += [Move(move.path, move.law.mirrored()) for move in reversed(cycle)]
+    return cycle
+
+
+def _repeated(specification: TrajectorySpecification, cycle: list[Move], repeat: int) -> tuple[Move, ...]:
     """Return successive cycles, with rests before, between and after them."""
     begin = cycle[0].path.point_at(cycle[0].law.start)
     end = cycle[-1].path.point_at(cycle[-1].law.end)
@@ -162,6 +192,6 @@ def _repeated(specification: TrajectorySpecification, cycle: list[Move]) -> tupl
         )
     later = [Move(move.path, move.law.held(before=specification.dwell)) for move in cycle]
     moves = [Move(cycle[0].path, cycle[0].law.held(before=specification.hold_before)), *later[1:]]
-    moves += later * (specification.repeat - 1)
+    moves += later * (repeat - 1)
     moves[-1] = Move(moves[-1].path, moves[-1].law.held(after=specification.hold_after))
     return tuple(moves)

@@ -14,6 +14,7 @@ from flexros.errors import InputError
 from flexros.trajectory.bang_bang_snap import bang_bang_snap
 from flexros.trajectory.limits import LIMIT_NAMES, Limits, joint_limits
 from flexros.trajectory.polynomial import ninth_degree, quintic
+from flexros.trajectory.time_optimal.specification import TimeOptimalSpecification
 
 if TYPE_CHECKING:
     from flexros.trajectory.path import AbstractPath
@@ -150,5 +151,5 @@ class BangBangSnapSpecification(AbstractTimeLawSpecification):
 
 
 TimeLawSpecification: TypeAlias = Annotated[
-    PolynomialSpecification | BangBangSnapSpecification, Field(discriminator="type")
+    PolynomialSpecification | BangBangSnapSpecification | TimeOptimalSpecification, Field(discriminator="type")
 ]

@@ -52,6 +52,7 @@ def test_a_key_that_is_not_described_is_found() -> None:
         ("analyze", str(SAMPLE), str(SAMPLE)),
         ("benchmark",),
         ("design",),
+        ("fastest", "elbow_moves", "--set", "trajectory.time_law={type: time_optimal, points: 51}"),
         ("design", "pole_placement", "--model", "two_mass"),
     ],
     ids=" ".join,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.robot import load_robot, robot_names
+from flexros.robot import load_robot, robot_from_data, robot_names
 
 
 @pytest.mark.parametrize(
@@ -35,3 +35,15 @@ def test_motor_without_limit_has_an_infinite_one() -> None:
 def test_ratings_are_those_of_the_robot_file() -> None:
     motor = load_robot("elbow").motors[1]
     assert (motor.gear_ratio, motor.inertia, motor.torque_limit) == (100, 25, 2000)
+    assert motor.speed_limit == np.inf
+
+
+def test_speed_limit_of_the_file_leaves_the_fingerprint_of_robots_without_one() -> None:
+    plain = load_robot("elbow")
+    data = plain.spec.model_dump()
+    motor = data["bodies"][0]["directions"]["ry"]["motor"]
+    assert "speed_limit" not in motor
+    motor["speed_limit"] = 2.5
+    limited = robot_from_data(data, "elbow")
+    np.testing.assert_array_equal(limited.speed_limits, [2.5, np.inf])
+    assert limited.model_hash != plain.model_hash

@@ -82,6 +82,7 @@ def test_wrong_unit_of_a_spring(e12_data: dict[str, Any]) -> None:
     ("key", "given", "message"),
     [
         ("torque_limit", {"value": 0.35, "unit": "kN"}, "has unit 'kN', but the unit here is 'Nm'"),
+        ("speed_limit", {"value": 3, "unit": "rpm"}, "has unit 'rpm', but the unit here is 'rad/s'"),
         ("encoder_noise", {"value": 1, "unit": "um"}, "has unit 'um', but the unit here is 'rad'"),
         ("viscous_friction", {"value": 1, "unit": "N s/m"}, "has unit 'N s/m', but the unit here is 'Nm s/rad'"),
         ("inertia", {"value": 100, "unit": "kg"}, "has unit 'kg', but the unit here is 'kg m2'"),
@@ -103,8 +104,8 @@ def test_units_of_a_linear_motor_are_those_of_a_translation() -> None:
     assert "directions.tx.motor.inertia has unit 'kg m2', but the unit here is 'kg'" in _refused(data)
 
 
-@pytest.mark.parametrize(("key", "value"), [("torque_limit", -5), ("torque_limit", 0), ("gear_ratio", 0)])
-def test_torque_limit_and_gear_ratio_are_positive(e12_data: dict[str, Any], key: str, value: float) -> None:
+@pytest.mark.parametrize(("key", "value"), [("torque_limit", -5), ("speed_limit", 0), ("gear_ratio", 0)])
+def test_limits_and_gear_ratio_are_positive(e12_data: dict[str, Any], key: str, value: float) -> None:
     e12_data["bodies"][0]["directions"]["ry"]["motor"][key] = value
     text = _refused(e12_data)
     assert f"bodies[0].directions.ry.motor.{key}" in text

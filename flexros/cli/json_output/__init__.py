@@ -13,7 +13,7 @@ from flexros.cli.json_output.identification import DesignedExperiment, FrictionM
 from flexros.cli.json_output.installation import Cleaned, Examined
 from flexros.cli.json_output.monitoring import Monitored
 from flexros.cli.json_output.robots import ExportedModel, ImportedModel, RobotAtPose, RobotEntry
-from flexros.cli.json_output.runs import Learned, Replayed, RunOutcome, ScenarioEntry
+from flexros.cli.json_output.runs import FastestMove, Learned, Replayed, RunOutcome, ScenarioEntry
 from flexros.gap.schema import Diagnosis, GapNumbers
 
 if TYPE_CHECKING:
@@ -28,6 +28,7 @@ OUTPUTS: dict[str, Any] = {
     "scenarios": list[ScenarioEntry],
     "run": RunOutcome,
     "learn": Learned,
+    "fastest": list[FastestMove],
     "replay": Replayed,
     "analyze": AnalysisOfRun | list[AnalysisOfRun],
     "benchmark": Benchmarked | list[Benchmarked] | BenchmarkLog | list[ControllerEntry],

@@ -35,6 +35,18 @@ class Learned(Output):
     rms_mm: list[float] = Field(description="rms of the tool error of each run [mm]")
 
 
+class FastestMove(Output):
+    """One time-optimal move."""
+
+    rigid_duration_s: float = Field(description="duration of the fastest motion of the rigid arm [s]")
+    duration_s: float = Field(description="duration of the smooth motion [s]")
+    at_limit: dict[str, float] = Field(
+        description="share of the rigid duration for which the torque of each motor, or speed, is at its limit [1]"
+    )
+    slowed_by: float = Field(description="factor by which the smooth motion was slowed down as a whole [1]")
+    excess: float = Field(description="largest excess over a limit, relative to it [1]")
+
+
 class Replayed(OpenOutput):
     """A replay; keys beside these are figures, messages by topic among them."""
 

@@ -7,6 +7,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from flexros.robot.exchange.urdf_tree import NO_LIMIT
 from flexros.robot.link_shape import link_shapes, tool_offset
 
 if TYPE_CHECKING:
@@ -26,9 +27,6 @@ FLEXIBLE: tuple[Flexible, ...] = ("fixed", "continuous")
 
 BASE_LINK = "base"
 TOOL_LINK = "tool"
-
-NO_LIMIT = 1e6
-"""Value of limits that a URDF requires and the robot file does not have [rad/s, m/s, m, Nm or N] (chosen)."""
 
 
 def urdf_text(robot: Robot, flexible: Flexible = "fixed") -> str:
@@ -93,8 +91,8 @@ def _connect(root: Element, joint: Joint, name: str, kind: str, parent: str, chi
     ElementTree.SubElement(element, "axis", xyz=_numbers(axis))
     is_motor = name != joint.name
     motor = joint.direction.motor if is_motor else None
-    torque = motor.torque_limit if motor else None
-    limit = {"effort": NO_LIMIT if torque is None else torque.value, "velocity": NO_LIMIT}
+    torque, speed = (motor.torque_limit, motor.speed_limit) if motor else (None, None)
+    limit = {key: NO_LIMIT if each is None else each.value for key, each in (("effort", torque), ("velocity", speed))}
     if kind == "prismatic":
         limit |= {"lower": -NO_LIMIT, "upper": NO_LIMIT}
     ElementTree.SubElement(element, "limit", {key: _number(value) for key, value in limit.items()})

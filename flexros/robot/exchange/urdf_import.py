@@ -13,7 +13,7 @@ from ruamel.yaml.comments import CommentedMap, CommentedSeq
 from flexros.config.text_file import read_text
 from flexros.errors import InputError
 from flexros.input_limits import LARGEST_URDF
-from flexros.robot.exchange.urdf_tree import MOVABLE, read_tree
+from flexros.robot.exchange.urdf_tree import MOVABLE, NO_LIMIT, read_tree
 from flexros.robot.physical import ROUNDED
 from flexros.robot.quantity import unit_of
 
@@ -129,6 +129,8 @@ def _gear(joint: UrdfJoint, opposite: bool) -> CommentedMap:
     motor = CommentedMap({"inertia": 0, "viscous_friction": _number(max(joint.damping, 0.0)) or 0})
     if joint.effort > 0:
         motor["torque_limit"] = joint.effort
+    if 0 < joint.velocity < NO_LIMIT:
+        motor["speed_limit"] = joint.velocity
     motor.fa.set_flow_style()
     gear = CommentedMap({"spring": "rigid", "damper": 0, "motor": motor})
     unit = unit_of("stiffness", joint.kind != "prismatic")

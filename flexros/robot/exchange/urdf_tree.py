@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
 MOVABLE = ("revolute", "continuous", "prismatic")
 
+NO_LIMIT = 1e6
+"""Value of limits that a URDF requires and a robot file does not have [rad/s, m/s, m, Nm or N] (chosen)."""
+
 
 @dataclass(frozen=True)
 class UrdfJoint:
@@ -32,6 +35,7 @@ class UrdfJoint:
         rotation: Its frame in that of the parent, shape (3, 3).
         axis: Its axis in its own frame, shape (3,).
         effort: Limit of its torque or force [Nm or N]; 0 without one.
+        velocity: Limit of its speed [rad/s or m/s]; 0 without one.
         damping: Viscous friction [Nm s/rad or N s/m].
         friction: Dry friction [Nm or N].
     """
@@ -44,6 +48,7 @@ class UrdfJoint:
     rotation: FloatArray
     axis: FloatArray
     effort: float
+    velocity: float
     damping: float
     friction: float
 
@@ -243,6 +248,7 @@ def _joint(element: ElementTree.Element, links: Mapping[str, ElementTree.Element
         rotation=Rotation.from_euler("xyz", _vector(origin, "rpy", "0 0 0", place)).as_matrix(),
         axis=_vector(element.find("axis"), "xyz", "1 0 0", place),
         effort=_scalar(element.find("limit"), "effort", place),
+        velocity=_scalar(element.find("limit"), "velocity", place),
         damping=_scalar(element.find("dynamics"), "damping", place),
         friction=_scalar(element.find("dynamics"), "friction", place),
     )

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from flexros.robot import Robot, load_robot, robot_names
+from flexros.robot import Robot, load_robot, robot_from_data, robot_names
 from flexros.robot.exchange.urdf_export import Flexible, urdf_text
 from flexros.robot.exchange.urdf_import import skeleton_from_urdf
 
@@ -139,9 +139,13 @@ def test_bar_of_a_body_points_along_its_length(pin: Any) -> None:
 
 def test_what_is_written_can_be_read_as_a_robot_file_again(tmp_path: Path) -> None:
     file = tmp_path / "elbow.urdf"
-    file.write_text(urdf_text(load_robot("elbow")))
+    data = load_robot("elbow").spec.model_dump()
+    data["bodies"][1]["directions"]["ry"]["motor"]["speed_limit"] = 2.5
+    robot = robot_from_data(data, "elbow")
+    file.write_text(urdf_text(robot))
     (tmp_path / "elbow.yaml").write_text(skeleton_from_urdf(file))
-    again, robot = load_robot(tmp_path / "elbow.yaml"), load_robot("elbow")
+    again = load_robot(tmp_path / "elbow.yaml")
     pose = [0.3, -0.4]
     np.testing.assert_allclose(again.tool_pose(pose), robot.tool_pose(pose), atol=1e-9)
     assert list(again.torque_limits) == [3000, 2000]
+    assert list(again.speed_limits) == [np.inf, 2.5]

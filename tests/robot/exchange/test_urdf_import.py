@@ -56,6 +56,7 @@ def test_skeleton_is_a_robot_file_with_the_dynamics_of_the_urdf(urdf: Path, tmp_
 def test_torque_limit_and_comment_are_written(urdf: Path) -> None:
     text = skeleton_from_urdf(urdf)
     assert "torque_limit: 150.0" in text
+    assert "speed_limit: 3.0" in text
     assert "replace by the gear's stiffness" in text
 
 
