@@ -29,6 +29,7 @@ class Curve:
         colour: Any SVG colour.
         width: Line width [px].
         dash: SVG dash pattern; empty: solid.
+        marks: Whether dots are drawn instead of the line.
     """
 
     x: FloatArray
@@ -37,6 +38,7 @@ class Curve:
     colour: str = "#1f5fa8"
     width: float = 1.2
     dash: str = ""
+    marks: bool = False
 
 
 @dataclass(frozen=True)
@@ -114,6 +116,10 @@ def _panel(panel: Panel, clip: str) -> str:
     for curve in panel.curves:
         abscissa, ordinate = _thinned(np.asarray(curve.x, dtype=float), np.asarray(curve.y, dtype=float))
         points = " ".join(f"{x:.1f},{y:.1f}" for x, y in zip(across(abscissa), upward(ordinate)))
+        if curve.marks:
+            dots = [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3"/>' for x, y in zip(across(abscissa), upward(ordinate))]
+            parts.append(f'<g fill="{curve.colour}">{"".join(dots)}</g>')
+            continue
         dash = f' stroke-dasharray="{curve.dash}"' if curve.dash else ""
         parts.append(
             f'<polyline points="{points}" fill="none" stroke="{curve.colour}" stroke-width="{curve.width}"{dash} '
@@ -129,7 +135,8 @@ def _legend(curves: Sequence[Curve]) -> list[str]:
         y = TOP + 14 + 15 * row
         dash = f' stroke-dasharray="{curve.dash}"' if curve.dash else ""
         stroke = f'stroke="{curve.colour}" stroke-width="{max(curve.width, 1.5)}"{dash}'
-        parts.append(f'<path d="M{LEFT + 8} {y - 4}h22" {stroke}/>')
+        line = f'<path d="M{LEFT + 8} {y - 4}h22" {stroke}/>'
+        parts.append(f'<circle cx="{LEFT + 19}" cy="{y - 4}" r="3" fill="{curve.colour}"/>' if curve.marks else line)
         parts.append(f'<text x="{LEFT + 36}" y="{y}">{curve.label}</text>')
     return parts
 

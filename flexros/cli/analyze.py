@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from flexros.cli.model import robot_of_run
 from flexros.cli.options import NamespaceOption
 from flexros.cli.output import console, print_json, say
 from flexros.cli.progress import progress_bar
@@ -15,7 +16,6 @@ from flexros.errors import FlexrosError
 if TYPE_CHECKING:
     from flexros.logs.time_series import Log
     from flexros.report.page import Chapter
-    from flexros.robot import Robot
 
 
 def analyze(
@@ -37,7 +37,7 @@ def analyze(
         for path, label in zip(bag, _labels(bag), strict=True):
             log = read_log(path, namespace=namespace or None)
             bar.update(task, advance=1, description=f"analysing {path.name}")
-            analyses.append(analyse(log, robot=_robot(model, log), label=label))
+            analyses.append(analyse(log, robot=robot_of_run(model, log), label=label))
             bar.update(task, advance=1, description="reading")
         if report:
             bar.update(task, description="writing the report")
@@ -72,17 +72,3 @@ def _labels(bag: list[Path]) -> list[str | None]:
         return [None]
     names = [path.absolute().name for path in bag]
     return [str(path) if names.count(name) > 1 else name for path, name in zip(bag, names, strict=True)]
-
-
-def _robot(model: str, log: Log) -> Robot | None:
-    """Load the robot of a run; return None where the provenance names none that can be loaded."""
-    from flexros.effects.patching.patched_robot import load_model
-
-    if model:
-        return load_model(model).robot
-    scenario = log.provenance.get("scenario")
-    name = scenario.get("robot") if isinstance(scenario, dict) else None
-    try:
-        return load_model(name).robot if isinstance(name, str) else None
-    except FlexrosError:
-        return None

@@ -6,7 +6,10 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from flexros.errors import FlexrosError
+
 if TYPE_CHECKING:
+    from flexros.logs.time_series import Log
     from flexros.robot import Robot
 
 ROBOT = "Built-in robot, or path of a robot YAML or of a patch.yaml."
@@ -36,3 +39,28 @@ def linear_robot(name_or_path: str) -> Robot:
             err=True,
         )
     return model.robot
+
+
+def robot_of_run(model: str, log: Log) -> Robot | None:
+    """Load the robot of a run.
+
+    Args:
+        model: Built-in robot, or path of a robot file or of a patch; empty for the one in the provenance of the log.
+        log: The log.
+
+    Returns:
+        The robot; None where the provenance names none that can be loaded.
+
+    Raises:
+        InputError: The given model cannot be loaded.
+    """
+    from flexros.effects.patching.patched_robot import load_model
+
+    if model:
+        return load_model(model).robot
+    scenario = log.provenance.get("scenario")
+    name = scenario.get("robot") if isinstance(scenario, dict) else None
+    try:
+        return load_model(name).robot if isinstance(name, str) else None
+    except FlexrosError:
+        return None

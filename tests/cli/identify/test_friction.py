@@ -4,6 +4,9 @@ import json
 from pathlib import Path
 
 import pytest
+from pydantic import TypeAdapter
+
+from flexros.cli.json_output import OUTPUTS
 
 pytestmark = pytest.mark.slow
 
@@ -21,3 +24,8 @@ def test_friction_of_runs_at_several_speeds(flexros, tmp_path: Path) -> None:
     assert len(record["points"]) == 4
     assert [law["equation"] for law in record["laws"]] == ["3.14"]
     assert record["laws"][0]["parameters"]["f_c"]["value"] == pytest.approx(7.0, rel=0.2)
+    TypeAdapter(OUTPUTS["identify friction"]).validate_python(record)
+    report = tmp_path / "friction.html"
+    ended = flexros("identify", "friction", *folders, "--report", str(report))
+    assert ended.code == 0, ended.err
+    assert "Friction of motor_1" in report.read_text(encoding="utf-8")
