@@ -82,7 +82,8 @@ class ExtraMode(AbstractArmLaw):
         """Return the tool, and the base if the first direction has a spring."""
         first, last = robot.joints[0], robot.joints[-1]
         axes = {(joint.rotary, joint.axis) for joint in robot.joints}
-        tool = ("tool",) if _load_mass(robot) > 0 or axes == {(last.rotary, last.axis)} else ()
+        alike = axes == {(last.rotary, last.axis)} and not robot.chain.turned
+        tool = ("tool",) if _load_mass(robot) > 0 or alike else ()
         rigid = first.motor is not None and first.motor_coordinate is None
         return tool if rigid else (*tool, "base")
 

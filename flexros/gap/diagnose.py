@@ -15,6 +15,7 @@ from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.null_fit import fit_null
+from flexros.gap.fit.torque_timing import shifted
 from flexros.gap.fit.unknown_numbers import unknown_numbers
 from flexros.gap.held_out.closed_loop_gap import closed_loop_gap
 from flexros.gap.held_out.predictions import prediction_of, sensor_errors, tool_errors
@@ -86,7 +87,7 @@ def diagnose(
     stages.begin("nominal model", 0.03)
     fitted, held = (record, holdout) if holdout is not None else split(record, settings.fitted_share)
     _check_alike(fitted, held)
-    held = resampled(held, fitted.sample_time)
+    held = resampled(shifted(held, fitted.torque_shift), fitted.sample_time)
     fitted, held = (most_informative(one, settings.most_values) for one in (fitted, held))
     tolerated = tolerance_of(model.robot, tolerance or {})
     unknown = unknown_numbers(fitted, model, tolerated)

@@ -45,6 +45,7 @@ class Record:
         tool: Positions seen by a tool tracker; None without one.
         sensors: Further sensors: link-side encoders, joint torque sensors, accelerometer and gyroscope of the tool.
         measured_torque: Whether the torques were measured at the motor, behind the delay of the command.
+        torque_shift: Samples from the stamp of a measured torque to the middle of the time in which it counts [1].
         simulated: Whether the provenance names a scenario of this program.
         imported: Whether the log was imported from files of a real machine, whose model is never exact.
         command: Commanded positions of servos, each held to the next sample [rad or m], shape (n, M), for a log without
@@ -72,6 +73,7 @@ class Record:
     tool: ToolRecord | None = None
     sensors: tuple[SensorRecord, ...] = ()
     measured_torque: bool = False
+    torque_shift: float = 0.0
     simulated: bool = False
     imported: bool = False
     command: FloatArray | None = None

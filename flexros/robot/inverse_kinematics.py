@@ -124,7 +124,8 @@ def link_lengths(specification: RobotSpecification, chain: Chain, source: str) -
     """
     axes = [(chain.joints[arm].rotary, chain.joints[arm].axis) for arm in chain.gear_rows]
     outputs = [output.pose for output in specification.outputs.values()]
-    if axes == [(True, 1), (True, 1)] and specification.tool.linear is None and ELBOW_OUTPUT in outputs:
+    flat = axes == [(True, 1), (True, 1)] and not chain.turned
+    if flat and specification.tool.linear is None and ELBOW_OUTPUT in outputs:
         values = {name: parameter.value for name, parameter in list_parameters(specification).items()}
         geometry = build_geometry(specification, chain, values.__getitem__)
         steps = np.array([ca.DM(step).full().ravel() for step in (*(f.offset for f in geometry.frames), geometry.tool)])

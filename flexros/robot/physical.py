@@ -32,7 +32,9 @@ def check_physical(specification: RobotSpecification, chain: Chain, source: str)
     """
     axes = {joint.axis for joint in chain.joints if joint.rotary}
     for index, body in enumerate(specification.bodies):
-        if len(axes) > 1 and not body.bending:  # the mass points of a link that bends have the rest of its inertia
+        if (
+            len(axes) > 1 or chain.turned
+        ) and not body.bending:  # the mass points of a link that bends have the rest of its inertia
             _check_tensor(body, f"{source}: body_{index + 1}")
     for joint in chain.joints:
         motor = joint.direction.motor

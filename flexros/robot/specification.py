@@ -40,6 +40,9 @@ def _zero(unit: str) -> Quantity:
     return Quantity(value=0.0, unit=unit)
 
 
+Orientation = tuple[float, float, float]
+"""Roll, pitch, yaw [rad]."""
+
 PositiveRatio = Annotated[Ratio, AfterValidator(positive)]
 NotNegativeRatio = Annotated[Ratio, AfterValidator(at_least_zero)]
 
@@ -161,7 +164,7 @@ class InertiaTensor(Settings):
 
 
 class Body(Settings):
-    """Rigid body, described in its own frame, which is parallel to the base frame at zero coordinates."""
+    """Rigid body, described in its own frame, at zero coordinates parallel to that before it, or turned from it."""
 
     label: str = ""
     parent: str = Field("", description="the body before; optional, since the bodies are in the order of the chain")
@@ -172,6 +175,11 @@ class Body(Settings):
     viscous_friction: RotaryFriction = Field(
         default_factory=lambda: _zero("Nm s/rad"), description="against the absolute rotation of the body [Nm s/rad]"
     )
+    orientation: Orientation = Field(
+        (0.0, 0.0, 0.0),
+        description="fixed turn of its frame from that of the body before, for axes that are not along x, y or z: "
+        "roll, pitch and yaw about fixed axes, as in a URDF [rad]",
+    )
     directions: dict[Axis, Direction] = Field(default_factory=dict, description="in the order of the chain")
     bending: dict[BendingAxis, Bending] = Field(
         default_factory=dict, description="bending of the link about an axis across its length, as assumed modes"
@@ -179,10 +187,12 @@ class Body(Settings):
 
     @model_serializer(mode="wrap")
     def _without_absent_bending(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Leave out bending that is not there, so that the fingerprints of robots without it remain."""
+        """Leave out bending and turns that are not there, so that the fingerprints of robots without them remain."""
         data: dict[str, Any] = handler(self)
         if not self.bending:
             data.pop("bending", None)
+        if not any(self.orientation):
+            data.pop("orientation", None)
         return data
 
     @model_validator(mode="after")
@@ -201,6 +211,13 @@ class Body(Settings):
                 check_unit(direction.zero, unit_of("position", rotary), f"{key}.zero")
             if direction.motor is not None:
                 direction.motor.check_units(rotary, f"{key}.motor")
+        if any(self.orientation) and all(
+            one.motor is None and one.spring == "rigid" for one in self.directions.values()
+        ):
+            raise ValueError(
+                "orientation turns a body in which no direction moves; turn the next body that has a direction, and "
+                "state centre of mass, inertia and length of this one in the frame before it"
+            )
         if self.bending:
             object.__setattr__(self, "bending", checked_bending(self))
             middle = tuple(component / 2.0 for component in self.length.value)

@@ -57,6 +57,7 @@ class TorqueRegression:
         coulomb_friction: Coulomb friction of every motor [Nm or N], shape (M,).
         deviations: Tolerated deviations, in standard deviations [1], shape (n_tolerated,).
         left: Rest of the torque of every motor over that of the nominal model, rms [1], shape (M,).
+        rest: Rest of the torque of every motor, rms [Nm or N], shape (M,).
         load: Mass [kg] and first moment [kg m] of a load on the last body that moves, shape (4,); zeros without one.
     """
 
@@ -65,6 +66,7 @@ class TorqueRegression:
     coulomb_friction: FloatArray
     deviations: FloatArray
     left: FloatArray
+    rest: FloatArray
     load: FloatArray
 
 
@@ -186,4 +188,4 @@ def _solved(
     shares = left / np.maximum(before, 1e-300)
     begin, end = len(KINDS) * M, len(KINDS) * M + len(load)
     found = solution[begin:end] if load else np.zeros(len(LOAD))
-    return TorqueRegression(inertias, viscous_friction, coulomb_friction, solution[end:], shares, found)
+    return TorqueRegression(inertias, viscous_friction, coulomb_friction, solution[end:], shares, left, found)

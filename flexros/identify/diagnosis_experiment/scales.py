@@ -33,6 +33,8 @@ TORQUE_SHARE = 0.75
 """Share of the torque limits that the experiment uses, loads at rest included [1] (chosen)."""
 NOISE_MULTIPLE = 30.0
 """Smallest slow reversal as a multiple of the encoder noise [1] (chosen)."""
+SMALLEST_SHARE = 1e-4
+"""Least slow reversal as a share of the creep stroke, also for robot files without encoder noise [1] (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +97,7 @@ def scales_of(specification: DiagnosisSpecification, robot: Robot, arm: FloatArr
         torque=np.abs(inertia) @ acceleration,
         inertia=inertia,
         creep=creep,
-        smallest=np.minimum(NOISE_MULTIPLE * robot.encoder_noise, 0.1 * creep),
+        smallest=np.clip(NOISE_MULTIPLE * robot.encoder_noise, SMALLEST_SHARE * creep, 0.1 * creep),
     )
 
 

@@ -9,12 +9,10 @@ import numpy as np
 
 from flexros.errors import InputError, unknown_name
 from flexros.robot.exchange.mujoco_model import mujoco_package
+from flexros.robot.exchange.slanted_axis import ALIGNED, turn_to
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
-
-ALIGNED = 1e-6
-"""Largest 1 - cosine between a joint axis and a coordinate axis that counts as parallel [1] (as for a URDF)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,13 +24,15 @@ class ArmJoint:
         name: Its name, empty for none.
         body: Name of the body that it belongs to, empty for none.
         rotary: Hinge (True) or slide (False).
-        axis: Index of the coordinate axis of the frame, 0 to 2.
+        axis: Index of the coordinate axis of its frame, 0 to 2.
         sign: -1 where the joint's axis points against the coordinate axis, else 1.
         anchor: Its anchor [m], shape (3,).
         mass: Mass that it carries [kg].
         center: Centre of this mass [m], shape (3,).
         inertia: Inertia about the centre [kg m2], shape (3, 3).
         bodies: Indices of the bodies that it carries.
+        turn: Rotation from its frame to that of the joint before, of an axis that is slanted there, shape (3, 3).
+        frame: Rotation from its frame to that of the arm, shape (3, 3).
     """
 
     index: int
@@ -46,6 +46,8 @@ class ArmJoint:
     center: FloatArray
     inertia: FloatArray
     bodies: tuple[int, ...]
+    turn: FloatArray
+    frame: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,8 +78,7 @@ def find_arm(model: Any, source: str, end: str = "") -> MjcfArm:
         end: Name of the body at the end of the arm; default: the only one that can be meant.
 
     Raises:
-        InputError: No arm, several without a name, a free or ball joint, a closed chain, or joint axes that are
-            neither parallel nor perpendicular to each other.
+        InputError: No arm, several without a name, a free or ball joint, or a closed chain.
     """
     mujoco = mujoco_package()
     last = _end_body(model, source, end)
@@ -89,14 +90,16 @@ def find_arm(model: Any, source: str, end: str = "") -> MjcfArm:
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
-    frame = _frame(np.array([data.xaxis[j] for j in indices]), [_joint_name(model, j) for j in indices], source)
-    joints = tuple(
-        _arm_joint(model, data, frame, j, np.flatnonzero(owner == k).tolist()) for k, j in enumerate(indices)
-    )
+    frame = _frame(np.array([data.xaxis[j] for j in indices]))
+    joints: list[ArmJoint] = []
+    own = np.eye(3)
+    for k, j in enumerate(indices):
+        joints.append(_arm_joint(model, data, frame, own, j, np.flatnonzero(owner == k).tolist()))
+        own = joints[-1].frame
     carried = [body for joint in joints for body in joint.bodies]
     frozen = [j for body in carried for j in _joints_of(model, body) if j not in indices]
     return MjcfArm(
-        joints,
+        tuple(joints),
         frame,
         frame @ np.array(model.opt.gravity),
         frame @ data.xpos[last],
@@ -196,8 +199,8 @@ def _refuse_loops(model: Any, indices: list[int], owner: FloatArray, source: str
             )
 
 
-def _frame(axes: FloatArray, names: list[str], source: str) -> FloatArray:
-    """Return a frame along whose axes all joints move: that of the world if it is one."""
+def _frame(axes: FloatArray) -> FloatArray:
+    """Return a frame along whose axes most joints move: that of the world if it is one for all."""
     if np.all(np.abs(axes).max(axis=1) > 1 - ALIGNED):
         return np.eye(3)
     first = axes[0]
@@ -205,20 +208,15 @@ def _frame(axes: FloatArray, names: list[str], source: str) -> FloatArray:
     second = others[0] if others else np.eye(3)[int(np.argmin(np.abs(first)))]
     second = second - (second @ first) * first
     second = second / np.linalg.norm(second)
-    frame = np.array([first, second, np.cross(first, second)])
-    for name, axis in zip(names, axes):
-        if np.abs(frame @ axis).max() <= 1 - ALIGNED:
-            raise InputError(
-                f"{source}: the axis of {name} is {np.round(axis, 4).tolist()} at the reference configuration, which "
-                f"is neither parallel nor perpendicular to those before ({np.round(first, 4).tolist()}, ...), but the "
-                "axes of a robot file lie along x, y or z; change the reference configuration"
-            )
-    return frame
+    found: FloatArray = np.array([first, second, np.cross(first, second)])
+    frames = [np.eye(3), found]
+    return max(frames, key=lambda frame: np.count_nonzero(np.abs(frame @ axes.T).max(axis=0) > 1 - ALIGNED))
 
 
-def _arm_joint(model: Any, data: Any, frame: FloatArray, index: int, bodies: list[int]) -> ArmJoint:
-    axis = frame @ data.xaxis[index]
-    along = int(np.argmax(np.abs(axis)))
+def _arm_joint(model: Any, data: Any, frame: FloatArray, before: FloatArray, index: int, bodies: list[int]) -> ArmJoint:
+    """Return a joint of an arm; the frame of the joint before it, shape (3, 3), is in that of the arm."""
+    axis = before.T @ frame @ data.xaxis[index]
+    along, turn = turn_to(axis)
     masses = model.body_mass[bodies]
     mass = float(masses.sum())
     anchor = frame @ data.xanchor[index]
@@ -226,9 +224,11 @@ def _arm_joint(model: Any, data: Any, frame: FloatArray, index: int, bodies: lis
     center = masses @ centers / mass if mass > 0 else anchor
     inertia = np.zeros((3, 3))
     for body, m, c in zip(bodies, masses, centers):
-        turn = frame @ data.ximat[body].reshape(3, 3)
+        rotation = frame @ data.ximat[body].reshape(3, 3)
         arm = c - center
-        inertia += turn @ np.diag(model.body_inertia[body]) @ turn.T + m * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+        inertia += rotation @ np.diag(model.body_inertia[body]) @ rotation.T + m * (
+            arm @ arm * np.eye(3) - np.outer(arm, arm)
+        )
     return ArmJoint(
         index=index,
         name=str(model.joint(index).name),
@@ -241,4 +241,6 @@ def _arm_joint(model: Any, data: Any, frame: FloatArray, index: int, bodies: lis
         center=center,
         inertia=inertia,
         bodies=tuple(bodies),
+        turn=turn,
+        frame=before @ turn,
     )

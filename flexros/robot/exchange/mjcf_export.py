@@ -72,6 +72,9 @@ class _Writer:
         offset = np.zeros(3)
         for index, body in enumerate(spec.bodies):
             place = ElementTree.SubElement(place, "body", name=f"body_{index + 1}", pos=numbers_text(offset))
+            if any(body.orientation):
+                place.set("euler", numbers_text(body.orientation))
+                self.root[0].set("eulerseq", "XYZ")  # about fixed axes, as in a URDF
             weight = self.numbers.bodies[index].weight_error
             if weight:
                 place.set("gravcomp", number(-weight))
@@ -194,7 +197,7 @@ class _Writer:
         """Write friction against the absolute rotation of bodies, as tendons over the joints before them."""
         rubbing = [k for k, body in enumerate(self.robot.spec.bodies) if body.viscous_friction.value]
         rotary = [joint for joint in self.robot.joints if joint.rotary]
-        if len({joint.axis for joint in rotary}) > 1:
+        if len({joint.axis for joint in rotary}) > 1 or self.robot.chain.turned:
             self.not_held += [
                 NotHeld(
                     f"body_{k + 1}",

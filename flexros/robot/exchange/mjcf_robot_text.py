@@ -9,6 +9,7 @@ import numpy as np
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
+from flexros.robot.exchange.slanted_axis import roll_pitch_yaw
 from flexros.robot.quantity import unit_of
 
 if TYPE_CHECKING:
@@ -47,7 +48,8 @@ def robot_text(model: Any, name: str, source: str, arm: MjcfArm, axes: Sequence[
     data["bodies"] = CommentedSeq(
         _body(model, axis, following[k] if k < len(following) else None) for k, axis in enumerate(axes)
     )
-    data["tool"] = CommentedMap({"position": _numbers(arm.end - axes[-1].joint.anchor)})
+    last = axes[-1].joint
+    data["tool"] = CommentedMap({"position": _numbers(last.frame.T @ (arm.end - last.anchor))})
     pose = CommentedSeq(["x", "y", "z"])
     pose.fa.set_flow_style()
     motors = CommentedSeq(axis.arm_coordinate for axis in axes if axis.is_motor)
@@ -56,7 +58,9 @@ def robot_text(model: Any, name: str, source: str, arm: MjcfArm, axes: Sequence[
     data["controlled"] = "joints"
     named = {axis.coordinate: axis.joint.name for axis in axes}
     named |= {axis.arm_coordinate: axis.deflection.name for axis in axes if axis.deflection}
-    data["tags"] = CommentedMap({f"{coordinate}.joint": joint for coordinate, joint in named.items() if joint})
+    tags = {f"{coordinate}.joint": joint for coordinate, joint in named.items() if joint}
+    tags |= {f"{axis.coordinate}.joint_sign": "-1" for axis in axes if axis.joint.sign < 0}
+    data["tags"] = CommentedMap(tags)
     stream = io.StringIO()
     yaml = YAML()
     yaml.width = 1000
@@ -66,17 +70,20 @@ def robot_text(model: Any, name: str, source: str, arm: MjcfArm, axes: Sequence[
 
 
 def _body(model: Any, axis: ArmAxis, following: FloatArray | None) -> CommentedMap:
-    carrier = axis.carrier
+    carrier, turn = axis.carrier, axis.joint.frame.T
     body = CommentedMap({"label": carrier.body})
     if carrier.mass > 0:
         body["mass"] = _number(carrier.mass)
-        body["center_of_mass"] = _numbers(carrier.center - axis.joint.anchor)
+        body["center_of_mass"] = _numbers(turn @ (carrier.center - axis.joint.anchor))
         pairs = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
-        inertia = CommentedMap({key: _number(carrier.inertia[at]) for key, at in pairs.items()})
+        tensor = turn @ carrier.inertia @ turn.T
+        inertia = CommentedMap({key: _number(tensor[at]) for key, at in pairs.items()})
         inertia.fa.set_flow_style()
         body["inertia"] = inertia
     if following is not None:
-        body["length"] = _numbers(following - axis.joint.anchor)
+        body["length"] = _numbers(turn @ (following - axis.joint.anchor))
+    if not np.array_equal(axis.joint.turn, np.eye(3)):
+        body["orientation"] = _numbers(roll_pitch_yaw(axis.joint.turn))
     gear = _gear(model, axis) if axis.is_motor else _spring(model, axis.joint)
     if axis.joint.sign < 0:
         opposite = "its joint has the opposite axis: coordinate and torque have the other sign"

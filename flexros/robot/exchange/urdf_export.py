@@ -32,10 +32,11 @@ TOOL_LINK = "tool"
 def urdf_text(robot: Robot, flexible: Flexible = "fixed") -> str:
     """Return the URDF of a robot.
 
-    Links are `base`, `body_1`, `body_2`, ... and `tool`; all frames are parallel to the base at zero. Motors are the
-    joints `motor_1`, `motor_2`, ..., as in the topic joint_states. Elastic directions are joints with the names of the
-    arm coordinates. With "continuous" a flexible gear is also a joint, behind its motor: the joint `body_1.ry` is then
-    the deflection of the gear, arm angle minus motor angle. Rotor inertias are omitted: a URDF has no gears.
+    Links are `base`, `body_1`, `body_2`, ... and `tool`; at zero all frames are parallel to the base, or turned as the
+    robot file says. Motors are the joints `motor_1`, `motor_2`, ..., as in the topic joint_states. Elastic directions
+    are joints with the names of the arm coordinates. With "continuous" a flexible gear is also a joint, behind its
+    motor: the joint `body_1.ry` is then the deflection of the gear, arm angle minus motor angle. Rotor inertias are
+    omitted: a URDF has no gears.
 
     Args:
         robot: The robot.
@@ -82,7 +83,9 @@ def _add_joint(root: Element, joint: Joint, flexible: Flexible, parent: str, chi
 
 
 def _connect(root: Element, joint: Joint, name: str, kind: str, parent: str, child: str, offset: FloatArray) -> None:
-    element = _joint(root, name, kind, parent, child, offset)
+    # the joint of the spring behind a motor is in the frame of the rotor, which is turned already
+    turned = joint.orientation if joint.motor is None or name != joint.name else (0.0, 0.0, 0.0)
+    element = _joint(root, name, kind, parent, child, offset, turned)
     ElementTree.SubElement(root, "link", name=child)
     if kind == "fixed":
         return
@@ -105,9 +108,19 @@ def _add_fixed(root: Element, name: str, parent: str, child: str, offset: FloatA
     return ElementTree.SubElement(root, "link", name=child)
 
 
-def _joint(root: Element, name: str, kind: str, parent: str, child: str, offset: FloatArray) -> Element:
+def _joint(
+    root: Element,
+    name: str,
+    kind: str,
+    parent: str,
+    child: str,
+    offset: FloatArray,
+    turned: tuple[float, float, float] = (0.0, 0.0, 0.0),
+) -> Element:
     element = ElementTree.SubElement(root, "joint", name=name, type=kind)
-    ElementTree.SubElement(element, "origin", xyz=_numbers(offset))
+    origin = ElementTree.SubElement(element, "origin", xyz=_numbers(offset))
+    if any(turned):
+        origin.set("rpy", _numbers(turned))
     ElementTree.SubElement(element, "parent", link=parent)
     ElementTree.SubElement(element, "child", link=child)
     return element

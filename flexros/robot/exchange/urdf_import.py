@@ -13,6 +13,7 @@ from ruamel.yaml.comments import CommentedMap, CommentedSeq
 from flexros.config.text_file import read_text
 from flexros.errors import InputError
 from flexros.input_limits import LARGEST_URDF
+from flexros.robot.exchange.slanted_axis import roll_pitch_yaw, turn_to
 from flexros.robot.exchange.urdf_tree import MOVABLE, NO_LIMIT, read_tree
 from flexros.robot.physical import ROUNDED
 from flexros.robot.quantity import unit_of
@@ -44,10 +45,10 @@ def skeleton_from_urdf(file: Path, tip: str = "") -> str:
 def skeleton_from_text(text: str, file: str, tip: str = "") -> str:
     """Return the text of a robot file (YAML) from that of a URDF with one serial chain.
 
-    All frames of a robot file are parallel to the base at zero; the URDF's inertias are rotated accordingly. The base
-    is turned where the first joint is slanted, and gravity with it. Every gear is initially rigid: the user replaces
-    the word by a stiffness, and adds elastic directions. The tags `motor_1.joint`, ... name the joints,
-    `motor_1.joint_sign`, ... are -1 where a joint turns the other way.
+    The frames of a robot file are parallel to the base at zero; the URDF's inertias are rotated accordingly. The base
+    is turned where the first joint is slanted, and gravity with it; a body where a later one is. Every gear is
+    initially rigid: the user replaces the word by a stiffness, and adds elastic directions. The tags `motor_1.joint`,
+    ... name the joints, `motor_1.joint_sign`, ... are -1 where a joint turns the other way.
 
     Args:
         text: The URDF.
@@ -56,8 +57,7 @@ def skeleton_from_text(text: str, file: str, tip: str = "") -> str:
             end of the only chain with joints that move.
 
     Raises:
-        InputError: Not a URDF, invalid numbers, a chain that branches or closes, or a joint axis that is not along
-            a coordinate axis at zero.
+        InputError: Not a URDF, invalid numbers, a chain that branches or closes, or a joint axis without direction.
     """
     tree = read_tree(text, file)
     joints = tree.chain(tip)
@@ -68,18 +68,24 @@ def skeleton_from_text(text: str, file: str, tip: str = "") -> str:
     tags: dict[str, str] = {}
     base = _base(joints)
     rotation = base
+    frame = np.eye(3)  # of the body, in the base: turned where an axis is slanted
     length_before = np.zeros(3)
     for joint, inertial in zip(joints, tree.carried(joints), strict=True):
         offset = rotation @ joint.origin
         if bodies:
-            bodies[-1]["length"] = _numbers(offset)
+            bodies[-1]["length"] = _numbers(frame.T @ offset)
         else:
             length_before = joint.origin
         rotation = rotation @ joint.rotation
-        body = _body(joint.child, inertial, rotation)
+        turn = np.eye(3)
         if joint.kind in MOVABLE:
-            axis = _base_axis(joint, rotation, file)
-            index = int(np.argmax(np.abs(axis)))
+            axis = frame.T @ _base_axis(joint, rotation, file)
+            index, turn = turn_to(axis)
+            frame = frame @ turn
+        body = _body(joint.child, inertial, frame.T @ rotation)
+        if joint.kind in MOVABLE:
+            if not np.array_equal(turn, np.eye(3)):
+                body["orientation"] = _numbers(roll_pitch_yaw(turn))
             direction = ("t" if joint.kind == "prismatic" else "r") + "xyz"[index]
             body["directions"] = CommentedMap({direction: _gear(joint, opposite=bool(axis[index] < 0))})
             outputs.append(f"body_{len(bodies) + 1}.{direction}")
@@ -110,18 +116,13 @@ def _base(joints: Sequence[UrdfJoint]) -> FloatArray:
 
 
 def _base_axis(joint: UrdfJoint, rotation: FloatArray, file: str) -> FloatArray:
-    """Return the axis of a joint at zero in the base frame, along a coordinate axis, shape (3,)."""
+    """Return the axis of a joint at zero in the base frame, a unit vector, shape (3,)."""
     length = float(np.linalg.norm(joint.axis))
     if not length > 0:
         raise InputError(
             f"{file}: joint '{joint.name}' has the axis {joint.axis.tolist()}, which has no direction; correct the URDF"
         )
     axis: FloatArray = rotation @ (joint.axis / length)
-    if np.max(np.abs(axis)) < 1 - 1e-6:
-        raise InputError(
-            f"{file}: joint '{joint.name}' turns about {np.round(axis, 4).tolist()} at zero, but axes must lie "
-            "along x, y or z of the base; turn the base frame or the zero pose"
-        )
     return axis
 
 

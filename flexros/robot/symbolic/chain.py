@@ -36,6 +36,7 @@ class Joint:
         motor_coordinate: Index of the motor's own coordinate among the motor coordinates; None for a rigid gear
             (the motor moves with the arm coordinate) and when not actuated.
         mode: Assumed mode of a link that bends, whose coordinate is its largest deflection [m]; None for a direction.
+        orientation: Roll, pitch and yaw of its frame at zero from the frame before it [rad].
     """
 
     name: str
@@ -48,6 +49,16 @@ class Joint:
     motor: int | None
     motor_coordinate: int | None
     mode: LinkMode | None = None
+    orientation: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    @property
+    def turn(self) -> FloatArray:
+        """Rotation at zero from its frame to the frame before it, R_z(yaw) R_y(pitch) R_x(roll), shape (3, 3)."""
+        roll, pitch, yaw = (np.array([np.cos(angle), np.sin(angle)]) for angle in self.orientation)
+        about_x = np.array([[1, 0, 0], [0, roll[0], -roll[1]], [0, roll[1], roll[0]]])
+        about_y = np.array([[pitch[0], 0, pitch[1]], [0, 1, 0], [-pitch[1], 0, pitch[0]]])
+        about_z = np.array([[yaw[0], -yaw[1], 0], [yaw[1], yaw[0], 0], [0, 0, 1]])
+        return np.asarray(about_z @ about_y @ about_x)
 
 
 @dataclass(frozen=True)
@@ -116,6 +127,11 @@ class Chain:
     def bends(self) -> bool:
         """Whether a link bends."""
         return any(joint.mode is not None for joint in self.joints)
+
+    @property
+    def turned(self) -> bool:
+        """Whether frames are turned at zero, so that joints with the same axis need not be parallel."""
+        return any(any(joint.orientation) for joint in self.joints)
 
     @property
     def gear_rows(self) -> tuple[int, ...]:
@@ -188,6 +204,7 @@ def build_chain(specification: RobotSpecification) -> Chain:
                     direction=direction,
                     motor=n_motors if direction.motor else None,
                     motor_coordinate=n_motor_coordinates if flexible else None,
+                    orientation=body.orientation if position == 0 else (0.0, 0.0, 0.0),
                 )
             )
             n_motors += direction.motor is not None

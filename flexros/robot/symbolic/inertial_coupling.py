@@ -38,7 +38,7 @@ def matrix(
         if joint.motor is None or joint.motor_coordinate is None or index == 0 or not joint.rotary:
             continue
         ratio = chain.motor(joint.motor).gear_ratio.value if specification.coordinates == "arm" else 1.0
-        speed = moving.angular[index - 1][joint.axis]
+        speed = ca.dot(ca.DM(joint.turn[:, joint.axis]), moving.angular[index - 1])
         momentum = values[f"motor_{joint.motor + 1}.inertia"] / ratio * speed
         S[:, joint.motor_coordinate] = ca.jacobian(momentum, v_a).T
     return S

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import casadi as ca
+import numpy as np
 
 from flexros.robot.beam import gauss_points
 
@@ -175,7 +176,7 @@ def joint_angle(joint: Joint, coordinate: ca.SX) -> ca.SX:
 
 
 def joint_rotation(chain: Chain, index: int, angle: ca.SX) -> ca.SX:
-    """Return the rotation from the frame of a joint to the frame before it, SX (3, 3).
+    """Return the rotation from the frame of a joint to the frame before it, SX (3, 3); at zero its fixed turn.
 
     Args:
         chain: The chain.
@@ -183,11 +184,12 @@ def joint_rotation(chain: Chain, index: int, angle: ca.SX) -> ca.SX:
         angle: Arm coordinate of the joint [rad or m].
 
     Returns:
-        Rotation matrix; the identity for a translation.
+        Rotation matrix.
     """
     joint = chain.joints[index]
+    turn = ca.SX(ca.sparsify(ca.DM(joint.turn)))
     if not joint.rotary and joint.mode is None:
-        return ca.SX.eye(3)
+        return turn
     angle = joint_angle(joint, angle)
     c, s = ca.cos(angle), ca.sin(angle)
     a, b = (joint.axis + 1) % 3, (joint.axis + 2) % 3
@@ -195,7 +197,7 @@ def joint_rotation(chain: Chain, index: int, angle: ca.SX) -> ca.SX:
     rotation[joint.axis, joint.axis] = 1
     rotation[a, a] = rotation[b, b] = c
     rotation[a, b], rotation[b, a] = -s, s
-    return rotation
+    return turn @ rotation if any(joint.orientation) else rotation
 
 
 def joint_origin(chain: Chain, geometry: Geometry, index: int, coordinate: ca.SX) -> ca.SX:
@@ -204,7 +206,7 @@ def joint_origin(chain: Chain, geometry: Geometry, index: int, coordinate: ca.SX
     origin = geometry.frames[index].offset
     if joint.mode is not None:
         return origin + unit_vector(joint.mode.across) * (joint.mode.tip * coordinate)
-    return origin if joint.rotary else origin + unit_vector(joint.axis) * coordinate
+    return origin if joint.rotary else origin + ca.DM(joint.turn[:, joint.axis]) * coordinate
 
 
 def unit_vector(axis: int) -> ca.SX:
@@ -237,6 +239,14 @@ def _quaternion(chain: Chain, q: ca.SX) -> ca.SX:
     """Return the orientation as a quaternion [x, y, z, w], continuous in q as a product over the joints."""
     x, y, z, w = ca.SX(0), ca.SX(0), ca.SX(0), ca.SX(1)
     for index, joint in enumerate(chain.joints):
+        if any(joint.orientation):
+            a, b, c, d = (ca.SX(part) for part in _turn_quaternion(joint))
+            x, y, z, w = (
+                w * a + x * d + y * c - z * b,
+                w * b - x * c + y * d + z * a,
+                w * c + x * b - y * a + z * d,
+                w * d - x * a - y * b - z * c,
+            )
         if not joint.rotary and joint.mode is None:
             continue
         angle = joint_angle(joint, q[index])
@@ -248,6 +258,17 @@ def _quaternion(chain: Chain, q: ca.SX) -> ca.SX:
         else:
             x, y, z, w = c * x + s * y, c * y - s * x, c * z + s * w, c * w - s * z
     return ca.vertcat(x, y, z, w)
+
+
+def _turn_quaternion(joint: Joint) -> tuple[float, float, float, float]:
+    """Return the fixed turn of a joint as a quaternion x, y, z, w."""
+    (cr, sr), (cp, sp), (cy, sy) = ((np.cos(angle / 2), np.sin(angle / 2)) for angle in joint.orientation)
+    return (
+        float(sr * cp * cy - cr * sp * sy),
+        float(cr * sp * cy + sr * cp * sy),
+        float(cr * cp * sy - sr * sp * cy),
+        float(cr * cp * cy + sr * sp * sy),
+    )
 
 
 def tool_pose(specification: RobotSpecification, chain: Chain, geometry: Geometry, q: ca.SX) -> ca.SX:

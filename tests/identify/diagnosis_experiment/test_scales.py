@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 
 from flexros.identify.diagnosis_experiment.scales import scales_of
@@ -43,3 +45,12 @@ def test_what_is_given_is_taken() -> None:
 def test_smallest_reversal_is_far_above_the_noise_of_the_encoder() -> None:
     robot = load_robot("e12")
     np.testing.assert_allclose(scales_of(DiagnosisSpecification(), robot, robot.home).smallest, 30 * 2e-6)
+
+
+def test_smallest_reversal_is_above_zero_without_encoder_noise(tmp_path: Path) -> None:
+    file = tmp_path / "silent.yaml"
+    bodies = "[{mass: 1, directions: {tx: {spring: rigid, motor: {inertia: 1}}}}]"
+    file.write_text(f"name: silent\nbodies: {bodies}\noutputs: {{j: {{coordinates: [body_1.tx]}}}}\ncontrolled: j\n")
+    robot = load_robot(file)
+    assert not robot.encoder_noise.any()
+    assert scales_of(DiagnosisSpecification(), robot, robot.home).smallest > 0

@@ -57,6 +57,31 @@ def test_mass_matrix_bias_and_gravity_are_those_of_mujoco(tmp_path: Path) -> Non
     compare_dynamics(written(tmp_path, ARM), tmp_path)
 
 
+SLANTED = """<mujoco><compiler angle="radian"/><worldbody><body name="a">
+  <joint axis="0 0 1"/><inertial pos="0 .1 .2" mass="2" diaginertia=".02 .01 .015"/>
+  <body pos=".1 0 .3" euler=".2 .5 0"><joint name="b" axis="0 -1 .4" armature=".05"/>
+    <inertial pos=".2 .05 0" mass="1" diaginertia=".01 .02 .03"/>
+    <body pos=".3 .1 0"><joint type="slide" axis="1 1 0"/><inertial pos=".1 0 0" mass="1" diaginertia=".01 .02 .02"/>
+      <body pos=".2 0 .1"><joint axis="1 0 1"/><inertial pos="0 .1 0" mass=".5" diaginertia=".004 .003 .002"/></body>
+</body></body></body></worldbody></mujoco>"""
+
+
+def test_slanted_axes_turn_the_frames_of_bodies(tmp_path: Path) -> None:
+    compare_dynamics(written(tmp_path, SLANTED), tmp_path)
+    robot = load_robot(tmp_path / "imported.yaml")
+    assert [any(body.orientation) for body in robot.spec.bodies] == [False, True, True, True]
+    again = written(tmp_path, export_model(load_patched(tmp_path / "imported.yaml"), "mjcf").text, "exported.xml")
+    compare_dynamics(again, tmp_path)
+
+
+def test_joints_against_their_axes_are_in_the_tags(tmp_path: Path) -> None:
+    imported = robot_from_mjcf(written(tmp_path, SLANTED))
+    tags = load_robot(written(tmp_path, imported.text, "imported.yaml")).spec.tags
+    signs = [int(tags.get(f"motor_{k}.joint_sign", "1")) for k in (1, 2, 3, 4)]
+    assert signs == [joint.sign for joint in imported.joints]
+    assert -1 in signs
+
+
 def test_base_that_is_turned_gives_a_frame_along_the_axes(tmp_path: Path) -> None:
     file = written(
         tmp_path,
@@ -128,7 +153,6 @@ def test_delay_and_lag_of_actuators(tmp_path: Path) -> None:
         (one_link(joint='<joint name="b" type="ball"/>'), "a ball joint"),
         (one_link(after='<equality><connect body1="link" body2="wall" anchor=".2 0 0"/></equality>'), "closes a chain"),
         (one_link(joint=""), "no joint"),
-        (one_link('<body><joint axis="1 1 0"/><geom size=".1"/></body>'), "neither parallel nor perpendicular"),
         ("<robot/>", "import-urdf"),
         ("<mujoco><worldbody><body/></mujoco>", "MuJoCo refuses"),
     ],

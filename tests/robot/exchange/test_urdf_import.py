@@ -9,6 +9,8 @@ import pytest
 
 from flexros.errors import InputError
 from flexros.robot import load_robot
+from flexros.robot.body_placement import BodyPlacements
+from flexros.robot.exchange.urdf_export import urdf_text
 from flexros.robot.exchange.urdf_import import skeleton_from_urdf
 
 URDF = """<robot name="little">
@@ -60,10 +62,41 @@ def test_torque_limit_and_comment_are_written(urdf: Path) -> None:
     assert "replace by the gear's stiffness" in text
 
 
-def test_slanted_axis_is_named(urdf: Path) -> None:
-    urdf.write_text(URDF.replace('<axis xyz="0 1 0"/>', '<axis xyz="0 1 1"/>'))
-    with pytest.raises(InputError, match="joint 'elbow' turns about"):
-        skeleton_from_urdf(urdf)
+def test_slanted_axis_turns_the_frame_of_its_body(urdf: Path, tmp_path: Path) -> None:
+    pin = pytest.importorskip("pinocchio", reason="Pinocchio is not installed")
+    text = URDF.replace('<axis xyz="0 1 0"/>', '<axis xyz="0.1 1 -0.7"/>')
+    urdf.write_text(text)
+    robot_file = tmp_path / "little.yaml"
+    rng = np.random.default_rng(0)
+    for _ in range(2):  # the second time as exported
+        robot_file.write_text(skeleton_from_urdf(urdf))
+        robot = load_robot(robot_file)
+        assert any(robot.spec.bodies[1].orientation)
+        model = pin.buildModelFromXML(text)
+        q, v, a = rng.normal(size=2), rng.normal(size=2), rng.normal(size=2)
+        ours = np.asarray(robot.model.arm_inverse_dynamics(q, v, a, [])).ravel()
+        np.testing.assert_allclose(ours, pin.rnea(model, model.createData(), q, v, a), rtol=1e-6)
+        urdf.write_text(text := urdf_text(robot).replace("continuous", "revolute"))
+
+
+def test_orientation_of_the_tool_is_that_of_the_turned_frames(urdf: Path, tmp_path: Path) -> None:
+    robot_file = tmp_path / "little.yaml"
+    urdf.write_text(URDF.replace('<axis xyz="0 1 0"/>', '<axis xyz="0.1 1 -0.7"/>'))
+    robot_file.write_text(skeleton_from_urdf(urdf))
+    robot = load_robot(robot_file)
+    q = np.array([0.4, -0.9])
+    pose = np.asarray(robot.model.tool_pose(q, robot.model.parameter_values)).ravel()
+    frame = BodyPlacements(robot).poses(q)[-1]
+    assert abs(pose[3:] @ frame[3:]) == pytest.approx(1.0, abs=1e-12)
+
+
+def test_body_that_does_not_move_is_not_turned(tmp_path: Path, urdf: Path) -> None:
+    robot_file = tmp_path / "little.yaml"
+    robot_file.write_text(
+        skeleton_from_urdf(urdf).replace("- label: hand", "- label: hand\n    orientation: [0.1, 0, 0]")
+    )
+    with pytest.raises(InputError, match="orientation"):
+        load_robot(robot_file)
 
 
 @pytest.mark.parametrize(
