@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import importlib
+import json
 import os
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import pytest
+from pydantic import TypeAdapter
 
 from flexros.cli import main
+from flexros.cli.json_output import OUTPUTS
 
 # The console keeps for good a width that is set when it is made; made without one it asks each time, as tests need it.
 os.environ.pop("COLUMNS", None)
@@ -25,14 +28,24 @@ class Ended:
     err: str
 
 
+def check_output(arguments: tuple[str, ...], text: str) -> None:
+    """Compare the JSON of a command with its description: every key, and no other."""
+    words = next((" ".join(arguments[:n]) for n in (2, 1) if " ".join(arguments[:n]) in OUTPUTS), None)
+    if words is not None:
+        TypeAdapter(OUTPUTS[words]).validate_python(json.loads(text))
+
+
 @pytest.fixture
 def flexros(capfd: pytest.CaptureFixture[str]) -> Callable[..., Ended]:
-    """Return a function that runs `flexros` with arguments."""
+    """Return a function that runs `flexros` with arguments; what it prints as JSON must be as described."""
 
     def run(*arguments: str) -> Ended:
         with pytest.raises(SystemExit) as caught:
             main(list(arguments))
         out, err = capfd.readouterr()
-        return Ended(int(caught.value.code or 0), out, err)
+        ended = Ended(int(caught.value.code or 0), out, err)
+        if "--json" in arguments and ended.code in (0, 1):
+            check_output(arguments, out)
+        return ended
 
     return run

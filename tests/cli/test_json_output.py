@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -37,7 +38,40 @@ def test_every_command_with_json_is_described() -> None:
     assert with_json(ROOT) == {*OUTPUTS, *RECORDS}
 
 
-def test_a_key_that_is_not_described_is_found() -> None:
+RUN_IN = {
+    "import": "test_import_log.py",
+    "import-mjcf": "test_exchange.py",
+    "replay": "test_replay.py",
+    "diagnose": "test_diagnose.py",
+    "doctor": "test_installation.py",
+    "clean": "test_installation.py",
+    "identify robot": "identify/test_procedure.py",
+    "identify design": "identify/test_procedure.py",
+    "identify fit": "identify/test_procedure.py",
+    "identify friction": "identify/test_friction.py",
+    "identify rigid": "identify/test_rigid.py",
+    "identify axis": "identify/test_axis.py",
+    "identify kinematics": "identify/test_kinematics.py",
+}
+"""Tests that run a command with --json where this file does not; the fixture `flexros` compares all that they print."""
+
+
+@pytest.mark.parametrize("command", OUTPUTS)
+def test_every_output_is_compared_with_its_description(command: str) -> None:
+    source = Path(__file__).parent / RUN_IN.get(command, Path(__file__).name)
+    tests = re.sub(r"RUN_IN = {.*?^}", "", source.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
+    words = r",\s*".join(f'"{word}"' for word in command.split())
+    assert re.search(words, tests), f"{source.name} does not run {command}; add a test of its output"
+    assert '"--json"' in tests
+
+
+def test_a_key_that_is_not_described_is_found(flexros: Flexros, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(OUTPUTS, "robots", list[dict[str, int]])
+    with pytest.raises(ValidationError, match="integer"):
+        flexros("robots", "--json")
+
+
+def test_a_key_of_a_model_that_is_not_described_is_found() -> None:
     with pytest.raises(ValidationError, match="new"):
         check("learn", '{"max_mm": [], "rms_mm": [], "new": 1}')
 

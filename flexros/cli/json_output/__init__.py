@@ -8,8 +8,21 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flexros.cli.json_output.analysis import AnalysisOfRun, ImportedLog
-from flexros.cli.json_output.control import Benchmarked, BenchmarkLog, ControllerEntry, Designed, MethodEntry
+from flexros.cli.json_output.control import (
+    Benchmarked,
+    BenchmarkedOnRobot,
+    BenchmarkLog,
+    ControllerEntry,
+    Designed,
+    MethodEntry,
+)
 from flexros.cli.json_output.identification import DesignedExperiment, FrictionMeasured, Identified, ResponseFigures
+from flexros.cli.json_output.identified_models import (
+    AxisIdentified,
+    KinematicIdentified,
+    PosesPlanned,
+    RigidIdentified,
+)
 from flexros.cli.json_output.installation import Cleaned, Examined
 from flexros.cli.json_output.monitoring import Monitored
 from flexros.cli.json_output.robots import ExportedModel, ImportedModel, RobotAtPose, RobotEntry
@@ -31,7 +44,12 @@ OUTPUTS: dict[str, Any] = {
     "fastest": list[FastestMove],
     "replay": Replayed,
     "analyze": AnalysisOfRun | list[AnalysisOfRun],
-    "benchmark": Benchmarked | list[Benchmarked] | BenchmarkLog | list[ControllerEntry],
+    "benchmark": Benchmarked
+    | list[Benchmarked]
+    | BenchmarkLog
+    | BenchmarkedOnRobot
+    | list[BenchmarkedOnRobot]
+    | list[ControllerEntry],
     "design": Designed | dict[str, MethodEntry],
     "diagnose": Diagnosis,
     "gap": GapNumbers,
@@ -43,13 +61,13 @@ OUTPUTS: dict[str, Any] = {
     "identify frf": list[ResponseFigures],
     "identify fit": Identified,
     "identify friction": FrictionMeasured,
+    "identify rigid": RigidIdentified,
+    "identify axis": AxisIdentified,
+    "identify kinematics": KinematicIdentified | PosesPlanned,
 }
 """Type of the output of each command, by its words."""
 
 RECORDS = {
-    "identify rigid": "the record of rigid.json",
-    "identify axis": "the record of axis.json",
-    "identify kinematics": "the record of kinematics.json",
     "demo": "the comparison of its runs, with the diagnosis and the budget",
     "bench": "figures by benchmark",
     "campaign": "figures by campaign",

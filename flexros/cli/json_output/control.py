@@ -88,6 +88,28 @@ class Benchmarked(Output):
     passed: bool = Field(description="whether all are met")
 
 
+class MotionMeasures(Output):
+    """Worst measures of a model set on a robot of several axes."""
+
+    e: list[float] = Field(description="tool deflections, by window [mm]")
+    Ts: list[float] = Field(description="settling times, by window that settles [s]")
+    T_NOISE: float = Field(description="torque due to noise, peak to peak, largest motor [% of its torque]")
+    T_MAX: float = Field(description="largest torque, largest motor [% of its torque]")
+    V: float = Field(description="cost of the set [1]")
+
+
+class BenchmarkedOnRobot(Output):
+    """A controller on the multivariable benchmark; of several a list of them."""
+
+    controller: str = Field(description="its name")
+    robot: str = Field(description="e12 or six_axis")
+    V: float = Field(description="cost, mean over the seeds [1]")
+    seeds: list[int] = Field(description="seeds of the noise")
+    sets: dict[str, MotionMeasures] = Field(description="by model set")
+    demands: list[DemandVerdict] = Field(description="all demands")
+    passed: bool = Field(description="whether all are met")
+
+
 class BenchmarkLog(Output):
     """Measures of a log of the scenario feedback_benchmark."""
 
