@@ -39,6 +39,9 @@ FEWEST_PHASES, WIDEST = 3, 2.0
 """Fewest bands with a usable phase, and ratio of the highest to the lowest of their frequencies, from which a delay is
 told from the error of a damper (chosen): in slow motion friction shifts the phase of one or two bands by more."""
 
+IN_LINE = 3.0
+"""Standard deviations up to which a phase counts as zero (chosen)."""
+
 MODEL_SHARE = 0.1
 """Share of the torque without inverse-dynamics torque that counts as an error of the phase of a band (chosen)."""
 
@@ -122,7 +125,9 @@ class TorqueBalance:
         """Estimate the delay of the torques with respect to their stamps, in addition to the delay of the robot.
 
         A search finds the time at which torques and inverse-dynamics torques agree best. The remaining phases are
-        fitted by -w tau + c / w: a delay, and the error of a damper.
+        fitted by -w tau + c / w: a delay, and the error of a damper. Agreement hardly falls with a phase that is small
+        and clear, and a resonance that the model lacks turns others by half a period; so a time counts only where it
+        brings as many phases in line as none does.
         """
         motors = range(self.given.shape[1])
         step = 0.1 / self.frequency[np.any(self.clear, axis=1)].max(initial=1.0)
@@ -136,6 +141,8 @@ class TorqueBalance:
         best = int(np.argmax(np.abs(shares)))
         better = float(abs(shares[best]) - abs(shares[count]))
         rough = float(tried[best]) if better > WORTH and abs(shares[best]) > AGREED else 0.0
+        if rough and sum(self._in_line(motor, rough) - self._in_line(motor, 0.0) for motor in motors) < 0:
+            rough = 0.0
         slopes = [slope for motor in motors for slope in self._phase_slopes(motor, rough)]
         if not slopes:
             return Delay(rough, float("inf"), better)
@@ -159,10 +166,22 @@ class TorqueBalance:
             size = float(np.sum(w**2 * product.real))
             tau = float(np.sum(w * product.imag)) / size
             middle = float(np.sqrt(size / product.real.sum()))
-            noise = np.sqrt(max(1 - share**2, 0.0) / rows.sum()) / share
-            least = np.hypot(LEAST_PHASE, MODEL_SHARE * np.sqrt(max(1 - share**2, 0.0)))
-            slopes.append((middle, tau, float(np.hypot(noise, least)) / middle))
+            slopes.append((middle, tau, _phase_deviation(share, int(rows.sum())) / middle))
         return slopes
+
+    def _in_line(self, motor: int, delay: float) -> int:
+        """Count the clear bands whose phase is zero, within its deviation, when the torque is delayed [s]."""
+        use = self.clear[:, motor]
+        count = 0
+        for band in np.unique(self.band[use]):
+            rows = use & (self.band == band)
+            needed, given = self.needed[rows, motor], self.given[rows, motor]
+            mean = np.sum(np.conj(needed) * given * np.exp(-2j * np.pi * self.frequency[rows] * delay))
+            power = np.sqrt(np.sum(np.abs(needed) ** 2) * np.sum(np.abs(given) ** 2))
+            share = float(np.abs(mean) / power) if power > 0 else 0.0
+            if share >= COHERENT and rows.sum() >= 4:
+                count += abs(np.angle(mean)) < IN_LINE * _phase_deviation(share, int(rows.sum()))
+        return count
 
 
 @dataclass(frozen=True)
@@ -178,6 +197,12 @@ class Delay:
     time: float
     deviation: float
     better: float
+
+
+def _phase_deviation(share: float, n_frequencies: int) -> float:
+    """Return the standard deviation of the phase of a band [rad], from the share of coherent torque [1]."""
+    other = np.sqrt(max(1 - share**2, 0.0))
+    return float(np.hypot(other / np.sqrt(n_frequencies) / share, np.hypot(LEAST_PHASE, MODEL_SHARE * other)))
 
 
 def _common_delay(slopes: FloatArray) -> tuple[float, float]:

@@ -82,6 +82,30 @@ def test_torques_that_agree_with_the_motion_at_no_time_are_not_late(share: float
     assert found.time == pytest.approx(0.02, abs=1e-3) or not late
 
 
+def test_a_resonance_that_the_model_lacks_is_no_offset() -> None:
+    """Above a resonance torques turn by 2 rad: 34 ms would undo that at 11 Hz, and turn the clear phases at 1 to 3 Hz.
+
+    The shares of coherent torque and the phases are those of a drive on a base that swings at 18 Hz.
+    """
+    from flexros.record.balance.torque_balance import TorqueBalance
+
+    random = np.random.default_rng(0)
+    bands = [(1.4, 4, 0.999, 0.0), (2.0, 6, 0.99, -0.01), (2.8, 8, 0.99, -0.08), (4.0, 10, 0.88, 0.32)]
+    bands += [(5.6, 16, 0.35, 1.5), (8.0, 22, 0.9, -2.0), (11.2, 15, 0.97, -2.06)]
+    frequency, share, phase = np.concatenate(
+        [
+            np.stack([middle * np.linspace(0.9, 1.1, n), np.full(n, coherent), np.full(n, turned)], axis=1)
+            for middle, n, coherent, turned in bands
+        ]
+    ).T
+    needed, other = ((random.normal(size=(2, len(frequency))) * [[1], [1j]]).sum(axis=0) for _ in range(2))
+    given = (share * needed * np.exp(1j * phase) + np.sqrt(1 - share**2) * other)[:, None]
+    band, still = np.repeat(np.arange(len(bands)), [n for _, n, *_ in bands]), np.zeros((len(frequency), 1, 2))
+    clear = np.ones((len(frequency), 1), dtype=bool)
+    found = TorqueBalance(frequency, band, given, needed[:, None], still.astype(complex), clear).delay()
+    assert abs(found.time) < 5 * found.deviation or abs(found.time) < 0.01
+
+
 def test_wrong_damping_in_one_band_of_slow_motion_is_no_offset() -> None:
     """The phase of one band tells a delay of 5 ms from wrong damping as little as 2.5 s of motion at 1 Hz do."""
     from flexros.record.balance.torque_balance import TorqueBalance
