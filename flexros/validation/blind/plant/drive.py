@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 
 KNEE = 1e-3
 """Relative width over which a saturating drive bends into its limit (chosen)."""
+LONGEST_HALF = 30.0
+"""Half a tick over the time constant of a lag from which nothing of it is left [1]."""
 
 
 def gain(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
@@ -48,12 +50,13 @@ def saturation(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
 
 
 def lag(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
-    """First-order lag of the current loop, moved by its exact solution."""
+    """First-order lag of the current loop, moved by its exact solution; its mean over a tick acts through the tick."""
     for motor in plant.motors(place):
         held, given = ca.SX.sym("lagged"), plant.torque[motor]
         update = given + (held - given) * ca.exp(-plant.step / p["time_constant"])
         plant.states.append(InnerState(held, update=update))
-        plant.torque[motor] = held
+        half = ca.fmin(plant.tick / 2 / p["time_constant"], LONGEST_HALF)  # `held` is the torque in the middle
+        plant.torque[motor] = given + (held - given) * ca.sinh(half) / half
 
 
 def delay(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:

@@ -62,6 +62,7 @@ class Equations:
     Attributes:
         robot: The robot; with a further body where a mode was added.
         load_body: Number of the last body in the robot file, which is the load.
+        tick: Time of an integration step [s].
         first_body: 1 where a body was put under the robot's first one, so that its names count from the second.
         q: Coordinates [q_a, q_m].
         v: Their rates.
@@ -81,6 +82,7 @@ class Equations:
 
     robot: Robot
     load_body: int
+    tick: float
     first_body: int = 0
     factors: dict[str, ca.SX] = field(default_factory=dict)
     twists: dict[int, Twist] = field(default_factory=dict)

@@ -108,7 +108,7 @@ class BlindPlant:
         self._context = LoopContext(robot, sample_time)
         self.ticks = math.ceil(sample_time / tick - 1e-9)
         self.robot, first_body = _robot_with_modes(robot, self.deviations)
-        plant = Equations(self.robot, len(robot.spec.bodies), first_body)
+        plant = Equations(self.robot, len(robot.spec.bodies), sample_time / self.ticks, first_body)
         names = [(at, name) for at, one in enumerate(self.deviations) for name in one.parameters]
         self._numbers = ca.SX.sym("numbers", len(names))
         symbols: list[dict[str, ca.SX]] = [{} for _ in self.deviations]

@@ -127,6 +127,16 @@ def test_error_of_the_gear_loses_no_power() -> None:
     assert np.ptp(whole) < 1e-6 * np.mean(whole)
 
 
+def test_lag_shorter_than_a_tick_comes_as_late_as_a_delay_of_its_time() -> None:
+    robot, short = load_robot("four_mass_linear"), 2e-5
+    inputs = swing(robot, 0.1)
+    inputs.reference[:] = 0.0
+    inputs.reference[:, 2] = 1.0
+    laws = ((), (hidden("actuator_lag", "motor_1", time_constant=short),), (hidden("delay", "motor_1", time=short),))
+    neither, lag, delay = (BlindPlant(robot, law, Pid(kp=0.0), STEP).run(inputs).states[-1] for law in laws)
+    assert np.linalg.norm(lag - delay) < 0.01 * np.linalg.norm(delay - neither)
+
+
 def test_point_mass_at_the_tool_moves_in_the_plane() -> None:
     robot = load_robot("e12")
     mode = hidden("extra_mode", "tool", frequency=15.0, ratio=0.1, damping=0.02, point=1.0)
