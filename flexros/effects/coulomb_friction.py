@@ -6,16 +6,19 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
 import casadi as ca
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from flexros.effects.kinds.dry_friction import AbstractDryFriction, FrictionLevels
 from flexros.effects.kinds.ranges import Range
+from flexros.effects.presliding_friction import PreslidingFriction
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flexros.effects.kinds.base import Stage
+    from flexros.effects.kinds.law import AbstractLaw
     from flexros.effects.kinds.motor_law import MotorState
+    from flexros.robot import Robot
     from flexros.robot.symbolic.kinematics import Value
 
 
@@ -25,6 +28,10 @@ class CoulombFriction(AbstractDryFriction):
     With level F and asymmetry a the torque on a moving motor is -F (1 + a/2) forward and +F (1 - a/2) backward. At
     standstill it balances all other torques between these bounds. A diagnosis finds an asymmetry as a torque bias in
     addition to the friction, which is equivalent except at standstill.
+
+    Contacts are not rigid: with a `stiffness` the motor is held by bristles, the law of `presliding_friction`, with
+    their `damping`. Bristles that bend by less than the encoder shows still move the instants of reversals, and with
+    them the sizes of everything else that is fitted.
     """
 
     name: ClassVar[str] = "coulomb_friction"
@@ -35,10 +42,39 @@ class CoulombFriction(AbstractDryFriction):
         "a disturbance torque of constant magnitude against the motion, which changes sign at each reversal, and "
         "sticking of the motor at standstill"
     )
-    ranges: ClassVar[Mapping[str, Range]] = MappingProxyType({"level": Range("torque", 1e-6, 1.0, starts=8)})
+    ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
+        {
+            "level": Range("torque", 1e-6, 1.0, starts=8),
+            "stiffness": Range("torque/angle", 1e-3, 1e9, starts=1, vanishes="never"),
+            "damping": Range("torque/speed", 1e-6, 1e6, starts=1),
+        }
+    )
 
     level: float = Field(0.0, ge=0.0, description="mean of both directions [Nm or N]")
     asymmetry: float = Field(0.0, ge=-2.0, le=2.0, description="(forward - backward) / mean [1]")
+    stiffness: float = Field(0.0, ge=0.0, description="bristle stiffness [Nm/rad or N/m]; 0 for rigid contacts")
+    damping: float = Field(0.0, ge=0.0, description="damping of these bristles [Nm s/rad or N s/m]")
+
+    @model_validator(mode="after")
+    def _even(self) -> CoulombFriction:
+        if self.stiffness > 0 and self.asymmetry != 0:
+            raise ValueError(
+                f"stiffness is {self.stiffness:g} and asymmetry {self.asymmetry:g}, but bristles hold evenly; give "
+                "torque_bias beside it instead of asymmetry"
+            )
+        return self
+
+    @property
+    def acting(self) -> AbstractLaw:
+        """Bristles where they have a stiffness."""
+        if self.stiffness == 0:
+            return self
+        return PreslidingFriction(level=self.level, stiffness=self.stiffness, damping=self.damping)
+
+    def fitted(self, robot: Robot, location: str) -> Mapping[str, Range]:
+        """Return the range of the level; bristles are fitted once the effect is found."""
+        del robot, location
+        return {"level": self.ranges["level"]}
 
     def levels(self, motor: MotorState, values: Mapping[str, Value]) -> FrictionLevels:
         """Return the two levels, independent of the speed."""

@@ -7,6 +7,7 @@ import pytest
 
 from flexros.arrays import FloatArray
 from flexros.effects import parse_effect, place_effects
+from flexros.errors import InputError
 from flexros.robot import Robot, load_robot, robot_from_data
 from flexros.simulate.disturbance import AbstractDisturbance, Pulse, Step
 from flexros.simulate.plant import Plant
@@ -126,3 +127,23 @@ def test_levels_at_one_motor_add() -> None:
         )
     )
     np.testing.assert_allclose(twice, once, atol=1e-15)
+
+
+def test_contacts_with_a_stiffness_are_bristles() -> None:
+    start, numbers = np.array([0.0, 0.0, 1.0, 1.0]), "level=20,stiffness=1e7,damping=2e3"
+    path, bristles, rigid = (
+        states(plant(TWO_MASS, f"{effect}_friction@motor_1:{values}", start), 400)
+        for effect, values in (("coulomb", numbers), ("presliding", numbers), ("coulomb", "level=20"))
+    )
+    assert np.array_equal(path[:, :4], bristles[:, :4])
+    assert 0 < np.max(np.abs(path[:, 1] - rigid[:, 1])) < 1e-3 * np.max(rigid[:, 1])
+
+
+def test_bristles_keep_the_name_of_the_effect() -> None:
+    placed = place_effects(TWO_MASS, [parse_effect("coulomb_friction@motor_1:level=20,stiffness=1e7", "test")])
+    assert [law.name for law in placed.with_effects([]).laws] == ["coulomb_friction@motor_1"]
+
+
+def test_uneven_bristles_are_refused() -> None:
+    with pytest.raises(InputError, match="asymmetry 0.3"):
+        parse_effect("coulomb_friction@motor_1:level=20,stiffness=1e7,asymmetry=0.3", "test")

@@ -31,6 +31,11 @@ class AbstractLaw(AbstractEffect):
         return bool(getattr(self, self.size) == 0)
 
     @property
+    def acting(self) -> AbstractLaw:
+        """The law that acts in the plant: itself, or one of another kind that some of its values select."""
+        return self
+
+    @property
     def parameter_values(self) -> dict[str, float]:
         """Numerical parameters of the law, by name."""
         dumped = self.model_dump()

@@ -24,13 +24,15 @@ class PlacedLaw:
 
     Attributes:
         name: Effect and location, e.g. "coulomb_friction@motor_1"; a second one of the same kind ends in "#2".
-        effect: The effect.
+        effect: The law that acts.
         location: A motor, a spring, a body, "tool" or "base".
+        given: The effect that selects this law, where that is another one.
     """
 
     name: str
     effect: AbstractLaw
     location: str
+    given: AbstractLaw | None = None
 
     @property
     def motor(self) -> int:
@@ -80,7 +82,7 @@ class RobotWithEffects:
         Raises:
             InputError: The robot has no such location.
         """
-        known = [PlacedEffect(law.effect, law.location) for law in self.laws]
+        known = [PlacedEffect(law.given or law.effect, law.location) for law in self.laws]
         return place_effects(self.robot, [*known, *placed])
 
 
@@ -110,5 +112,6 @@ def place_effects(robot: Robot, placed: Iterable[PlacedEffect], *, as_laws: bool
         name = f"{effect.name}@{location}"
         counts[name] += 1
         name = name if counts[name] == 1 else f"{name}#{counts[name]}"
-        laws.append(PlacedLaw(name, effect, location))
+        acting = effect.acting
+        laws.append(PlacedLaw(name, acting, location, given=None if acting is effect else effect))
     return RobotWithEffects(robot, tuple(laws))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import casadi as ca
@@ -144,12 +145,10 @@ def changed_names(robot: Robot, candidate: Candidate) -> tuple[str, ...]:
 
 def _kind(candidate: Candidate) -> Hashable:
     """Return what candidates of one group have in common: the effect where it is more than a torque."""
-    effect = candidate.effect
     if not is_law(candidate):
         return None
-    assert issubclass(effect, AbstractLaw)
-    plain = issubclass(effect, (AbstractMotorTorque, AbstractDryFriction)) and not _own_states(candidate)
-    return None if plain else effect.name if switchable(candidate) else candidate
+    plain = isinstance(_acting(candidate), (AbstractMotorTorque, AbstractDryFriction)) and not _own_states(candidate)
+    return None if plain else candidate.effect.name if switchable(candidate) else candidate
 
 
 def switchable(candidate: Candidate) -> bool:
@@ -160,23 +159,26 @@ def switchable(candidate: Candidate) -> bool:
 
 def _own_states(candidate: Candidate) -> int:
     """Return the number of states that a candidate adds to the plant."""
-    if not is_law(candidate):
-        return 0
-    assert issubclass(candidate.effect, AbstractLaw)
-    return candidate.effect.smooth_states + candidate.effect.stepwise_states
+    return _acting(candidate).n_states if is_law(candidate) else 0
 
 
 def _key(candidate: Candidate) -> Hashable:
-    """Return what makes a law: effect, location, and the flags that select its form."""
+    """Return what makes a law: its kind, location, and the flags that select its form."""
     flags = frozenset((name, value) for name, value in candidate.fixed if isinstance(value, bool))
-    return candidate.effect, candidate.location, flags
+    return candidate.effect, type(_acting(candidate)), candidate.location, flags
 
 
 def _law(place: int, candidate: Candidate) -> PlacedLaw:
     """Build the law of a candidate under a name that no law of the nominal model has."""
-    placed = candidate.typical()
-    assert isinstance(placed.effect, AbstractLaw)
-    return PlacedLaw(f"candidate {place}", placed.effect, placed.location)
+    return PlacedLaw(f"candidate {place}", _acting(candidate), candidate.location)
+
+
+@lru_cache(maxsize=4096)
+def _acting(candidate: Candidate) -> AbstractLaw:
+    """Make the law that acts for a candidate, with typical parameters."""
+    effect = candidate.typical().effect
+    assert isinstance(effect, AbstractLaw)
+    return effect.acting
 
 
 def _switched_off(candidate: Candidate, typical: AbstractLaw) -> list[float]:

@@ -269,7 +269,7 @@ class Predictor:
             effect = candidate.placed(numbers).effect
             if is_law(candidate):
                 assert isinstance(effect, AbstractLaw)
-                laws.append((candidate, None if self._cut_off_before(candidate) else effect))
+                laws.append((candidate, None if self._cut_off_before(candidate) else effect.acting))
             elif not _delays(candidate):
                 assert isinstance(effect, AbstractChangedValues)
                 for name, value in effect.values(self.robot, candidate.location).items():

@@ -451,14 +451,16 @@ class Search:
         return self._joint(predictor, fit.theta[~fit.columns(names)], finishing=True)
 
     def reshaped(self, fit: CandidateFit, hypothesis: Hypothesis) -> CandidateFit:
-        """Fit the effects of an explanation with other parameters free, from its values; new ones begin at zero.
+        """Fit the effects of an explanation with other parameters free, from its values.
+
+        New ones begin at zero where they may be negative, else at their first initial value.
 
         Args:
             fit: The explanation.
             hypothesis: The same effects, in the same order, each with as many free parameters or other ones.
         """
         sizes = [
-            free.encode(values.get(free.name, 0.0))
+            free.encode(values.get(free.name, 0.0 if free.signed else free.starts[0]))
             for candidate, values in zip(hypothesis, fit.predictor.values(fit.theta), strict=True)
             for free in candidate.free
         ]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.candidates.candidate import names_of
+from flexros.gap.search.bristles import with_bristles
 from flexros.gap.search.candidate_fits import at_limits
 from flexros.gap.search.curve_candidates import within_motion
 from flexros.gap.search.curves import curves_of, in_place_of_laws, with_curves
@@ -89,6 +90,8 @@ def explain(search: Search) -> Explanations:
         directions += search.directions(dropped, chosen)  # beside another effect they may be needed
     first = chosen
     for _ in range(settings.rounds if search.base is null else settings.rounds_after_torques):
+        chosen = with_bristles(search, chosen, fits)
+        comparison = compared(search, unique(fits))
         if len(chosen.hypothesis) >= settings.most_effects or not incomplete(search, comparison, chosen):
             break
         if search.deadline.stops():

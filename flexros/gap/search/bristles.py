@@ -1,0 +1,76 @@
+"""Bristles of dry friction: contacts that yield by less than an encoder shows."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from flexros.effects.coulomb_friction import CoulombFriction
+from flexros.effects.presliding_friction import SEEN
+from flexros.gap.candidates.candidate import FreeParameter
+from flexros.gap.search.candidate_fits import at_limits
+from flexros.gap.search.worth import compared, incomplete, worth
+
+if TYPE_CHECKING:
+    from flexros.gap.candidates.candidate import Candidate
+    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.search.candidate_fits import Search
+
+LEAST = 1e-3
+"""Smallest deflection of the bristles over the noise of the encoder [1] (chosen): less acts as rigid contacts."""
+BEGIN = 0.3
+"""Deflection at which a fit begins, over the noise of the encoder [1] (chosen)."""
+RELAXATION = 1e-3
+"""Damping over stiffness at which a fit begins [s] (chosen)."""
+RELAXATIONS = (1e-7, 1.0)
+"""Bounds of that ratio [s] (chosen)."""
+
+
+def with_bristles(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
+    """Let the Coulomb friction of an explanation hold by bristles, where that removes a good part of what is left.
+
+    Contacts that bend by less than the encoder shows shift the instants of reversals. Held rigidly, they leave a rest
+    there, which biases the sizes of all other effects and hides small ones. What bends by more is presliding friction,
+    which competes on its own. On a real machine the floor is a tolerance, and curves take up what laws leave.
+
+    Args:
+        search: The search.
+        fit: The explanation.
+        fits: All fits so far; a new one is appended.
+
+    Returns:
+        The explanation with bristles, under the same names, or the same fit.
+    """
+    rigid = [one for one in fit.hypothesis if one.effect is CoulombFriction and len(one.free) == 1]
+    imported = search.data.record.imported or search.base is not search.null.fit
+    if not rigid or imported or search.deadline.stops() or not incomplete(search, compared(search, [fit]), fit):
+        return fit
+    levels = {
+        one.name: values["level"]
+        for one, values in zip(fit.hypothesis, fit.predictor.values(fit.theta), strict=True)
+        if one in rigid
+    }
+    held = [_held(search, one, levels[one.name]) if one in rigid else one for one in fit.hypothesis]
+    bent = search.reshaped(fit, tuple(held))
+    firm = {candidate.name for candidate, _ in at_limits(bent)}
+    if firm and any(one.name not in firm for one in rigid):
+        pairs = zip(fit.hypothesis, held, strict=True)
+        bent = search.reshaped(fit, tuple(one if one.name in firm else other for one, other in pairs))
+    removed = search.settings.search.removed_by_step
+    if at_limits(bent) or not worth(search, compared(search, [fit, bent]), fit, bent, removed):
+        return fit
+    fits.append(bent)
+    return bent
+
+
+def _held(search: Search, candidate: Candidate, level: float) -> Candidate:
+    """Free the bristles of a friction whose level is roughly known."""
+    robot = search.null.model.robot
+    noise = float(robot.encoder_noise[robot.joint_names.index(candidate.location)])
+    soft, stiff, usual = (level / (share * noise) for share in (SEEN, LEAST, BEGIN))
+    low, high = (bound * ratio for bound, ratio in zip((soft, stiff), RELAXATIONS, strict=True))
+    bristles = (
+        FreeParameter("stiffness", soft, stiff, signed=False, starts=(usual,)),
+        FreeParameter("damping", low, high, signed=False, starts=(RELAXATION * usual,)),
+    )
+    return replace(candidate, free=(*candidate.free, *bristles))

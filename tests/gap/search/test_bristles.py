@@ -1,0 +1,40 @@
+"""Bristles of dry friction: found where contacts yield, and sizes beside them are right then."""
+
+from __future__ import annotations
+
+import pytest
+
+from flexros.gap.fit.estimates import parameters_of
+from flexros.gap.search.bristles import with_bristles
+from flexros.gap.search.candidate_fits import Search
+from tests.gap.diagnosis_logs import ROBOT, candidates_of, search_of
+
+pytestmark = pytest.mark.slow
+
+LEVEL, SOFT = 0.05, "stiffness_error@body_2.rz:relative=-0.05"
+BEND = 0.2 * float(ROBOT.encoder_noise[0])
+YIELDING = f"coulomb_friction@motor_1:level={LEVEL},stiffness={LEVEL / BEND:.6g},damping={1e-3 * LEVEL / BEND:.6g}"
+
+
+def fitted(search: Search) -> tuple:
+    """Fit rigid friction and the softer spring, then let bristles compete."""
+    both = search.singles(search.directions([candidates_of()["coulomb_friction@motor_1"]]))[0]
+    softer = search.directions([candidates_of()[SOFT.partition(":")[0]]], both)
+    rigid = search.together(both, search.additions(softer, both, search.surroundings(both)))
+    return rigid, with_bristles(search, rigid, [])
+
+
+def test_contacts_that_yield_are_found_and_bias_no_other_size() -> None:
+    search = search_of(YIELDING, SOFT)
+    rigid, held = fitted(search)
+    assert held.names == rigid.names
+    assert rigid.chi2 - held.chi2 > 100
+    friction, spring = parameters_of(held, search.data)
+    assert friction["stiffness"].value == pytest.approx(LEVEL / BEND, rel=0.2)
+    assert abs(friction["level"].value - LEVEL) < 3 * friction["level"].std
+    assert abs(spring["relative"].value + 0.05) < 3 * spring["relative"].std
+
+
+def test_rigid_contacts_stay_rigid() -> None:
+    rigid, held = fitted(search_of(f"coulomb_friction@motor_1:level={LEVEL}", SOFT))
+    assert held is rigid
