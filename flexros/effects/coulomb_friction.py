@@ -37,6 +37,7 @@ class CoulombFriction(AbstractDryFriction):
     name: ClassVar[str] = "coulomb_friction"
     stage: ClassVar[Stage] = "motor friction"
     size: ClassVar[str] = "level"
+    unsaid: ClassVar[tuple[str, ...]] = ("stiffness", "damping")
     signatures: ClassVar[tuple[str, ...]] = ("torque_over_speed", "torque_after_reversal")
     fingerprint: ClassVar[str] = (
         "a disturbance torque of constant magnitude against the motion, which changes sign at each reversal, and "

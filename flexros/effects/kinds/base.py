@@ -66,6 +66,8 @@ class AbstractEffect(Settings, ABC):
     harmonics: ClassVar[tuple[HarmonicEntry, ...]] = ()
     """Where its harmonic of the rotor angle enters, for effects with an `order`, which a diagnosis finds in the
     prediction errors."""
+    unsaid: ClassVar[tuple[str, ...]] = ()
+    """Parameters that a text names only where they are not at their defaults."""
     delays_commands: ClassVar[bool] = False
     """Whether it delays commands by its parameter `time` [s]. A predictor then shifts the recorded samples."""
 
@@ -123,10 +125,12 @@ class PlacedEffect:
     in_floors: tuple[str, ...] = ()
 
     def __str__(self) -> str:
-        """Format it as in a scenario, with all parameters."""
+        """Format it as in a scenario, with all parameters but those that go without saying."""
+        fields, unsaid = type(self.effect).model_fields, self.effect.unsaid
         parameters = ",".join(
             f"{name}={value}{WORD if name in self.in_floors else ''}"
             for name, value in self.effect.model_dump().items()
+            if name not in unsaid or value != fields[name].default
         )
         return f"{self.effect.name}@{self.location}:{parameters}"
 
