@@ -41,7 +41,11 @@ def with_bristles(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -
     Returns:
         The explanation with bristles, under the same names, or the same fit.
     """
-    rigid = [one for one in fit.hypothesis if one.effect is CoulombFriction and len(one.free) == 1]
+    rigid = [
+        one
+        for one in fit.hypothesis
+        if one.effect is CoulombFriction and len(one.free) == 1 and _noise(search, one) > 0
+    ]
     imported = search.data.record.imported or search.base is not search.null.fit
     if not rigid or imported or search.deadline.stops() or not incomplete(search, compared(search, [fit]), fit):
         return fit
@@ -65,12 +69,16 @@ def with_bristles(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -
 
 def _held(search: Search, candidate: Candidate, level: float) -> Candidate:
     """Free the bristles of a friction whose level is roughly known."""
-    robot = search.null.model.robot
-    noise = float(robot.encoder_noise[robot.joint_names.index(candidate.location)])
-    soft, stiff, usual = (level / (share * noise) for share in (SEEN, LEAST, BEGIN))
+    soft, stiff, usual = (level / (share * _noise(search, candidate)) for share in (SEEN, LEAST, BEGIN))
     low, high = (bound * ratio for bound, ratio in zip((soft, stiff), RELAXATIONS, strict=True))
     bristles = (
         FreeParameter("stiffness", soft, stiff, signed=False, starts=(usual,)),
         FreeParameter("damping", low, high, signed=False, starts=(RELAXATION * usual,)),
     )
     return replace(candidate, free=(*candidate.free, *bristles))
+
+
+def _noise(search: Search, candidate: Candidate) -> float:
+    """Return the noise of the encoder of a candidate's motor [rad or m]."""
+    robot = search.null.model.robot
+    return float(robot.encoder_noise[robot.joint_names.index(candidate.location)])
