@@ -186,6 +186,19 @@ def test_goal_is_followed_with_feedback_and_succeeds(robot: Robot) -> None:
     assert last.header.stamp.sec == 1
 
 
+def test_goal_as_moveit_fills_it_is_followed(robot: Robot) -> None:
+    """All joints by name, stamp 0, a frame, the present state first, velocities and accelerations, no tolerances."""
+    goal = Goal(trajectory(*((0.1 * k, *robot.near(0, 5e-4 * k**2)[1:]) for k in range(3)), names=NAMES))
+    goal.trajectory.header.frame_id = "base"
+    for k, point in enumerate(goal.trajectory.points):
+        point.velocities, point.accelerations = [0.01 * k * (2 - k), 0.0], [0.1 * (1 - k), 0.0]
+    handle = robot.server.send(goal)
+    assert handle is not None
+    robot.run_until(600)
+    assert (handle.state, handle.result) == ("succeeded", Result())
+    assert robot.controller.buffer.current[:2].tolist() == pytest.approx([robot.start[1], robot.start[0] + 0.002])
+
+
 def test_goal_that_leaves_its_path_is_aborted_and_the_robot_comes_to_rest(robot: Robot) -> None:
     goal = Goal(trajectory(robot.near(0.1, 0.5), robot.near(0.2, 0.5)), path_tolerance=[Tolerance("motor_2", 1e-3)])
     handle = robot.server.send(goal)
