@@ -114,7 +114,7 @@ class Page:
                 cells = "".join(_cell("td", text, column < table.left) for column, text in enumerate(row))
                 rows.append(f"<tr>{cells}</tr>")
         return (
-            f"<figure><figcaption><b>Table {self._tables}.</b> {escape(table.caption)}</figcaption>"
+            f'<figure class="table"><figcaption><b>Table {self._tables}.</b> {escape(table.caption)}</figcaption>'
             f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table></div>'
             "</figure>"
         )

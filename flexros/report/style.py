@@ -77,7 +77,8 @@ figcaption b { color: var(--ink); font-weight: 600; }
 table { border-collapse: collapse; font-size: 14px; font-variant-numeric: tabular-nums; min-width: 60%; }
 th, td { padding: 5px 14px 5px 0; text-align: right; border-bottom: 1px solid var(--grid); vertical-align: top; }
 th { font-weight: 600; border-bottom: 1.5px solid var(--ink); vertical-align: bottom; }
-th.left, td.left { text-align: left; overflow-wrap: break-word; min-width: 6.8em; max-width: 58ch; }
+th.left, td.left { text-align: left; overflow-wrap: break-word; max-width: 58ch; }
+th.left:first-child, td.left:first-child { min-width: 6.8em; }
 td.group { text-align: left; font-weight: 600; padding-top: 14px; max-width: 0; overflow-wrap: anywhere; }
 .picture { width: 100%; }
 .modebar-container { top: auto !important; bottom: 26px; }
@@ -108,6 +109,11 @@ noscript p { border: 1px solid var(--warn); padding: 10px 14px; }
   h2, h3 { break-after: avoid; }
   h2 { margin-top: 28px; }
   figure, .tile, tr { break-inside: avoid; }
+  figure.table { break-inside: auto; }
+  figure.table figcaption { break-after: avoid; }
+  .scroll { overflow: visible; }
+  table { font-size: 8.5pt; }
+  th, td { padding: 3px 8px 3px 0; }
   .tiles { grid-template-columns: repeat(4, 1fr); }
   .magnifier, .modebar, .listing button { display: none !important; }
   .listing pre { max-height: none; }
@@ -171,6 +177,13 @@ const narrow = (layout, width) => {
   }
 };
 
+// On paper two pictures share a page; one of many rows keeps 100 px for each.
+const paperHeight = (layout) => {
+  const axes = Object.keys(layout).filter((name) => /^yaxis\\d*$/.test(name));
+  const rows = new Set(axes.map((name) => ((layout[name] && layout[name].domain) || [0])[0].toFixed(3))).size;
+  return Math.min(layout.height, Math.max(420, 116 + 100 * rows));
+};
+
 const paint = (picture, plot) => {
   const element = document.getElementById(picture.id);
   if (!element.clientWidth || element.closest("details:not([open])")) return;
@@ -178,6 +191,7 @@ const paint = (picture, plot) => {
   if (night.matches && !printing) text = text.replace(/#[0-9a-f]{6}/g, (colour) => darker[colour] || colour);
   const figure = JSON.parse(text), small = element.clientWidth < 560;
   if (small) narrow(figure.layout, element.clientWidth);
+  if (printing) figure.layout.height = paperHeight(figure.layout);
   element.style.height = figure.layout.height + "px";
   const options = {responsive: true, displaylogo: false, displayModeBar: small ? false : undefined};
   options.modeBarButtons = figure.layout.scene ? undefined : [tools];

@@ -79,4 +79,6 @@ def test_contents_lead_to_every_heading_of_a_long_page() -> None:
 def test_folded_blocks_are_numbered_with_the_others() -> None:
     table = TextTable(("name", "value"), (("a", "1"),), "Values.")
     html = page_html("t", "s", [Chapter("c", (Folded("more < 1", (table,)), table))])
-    assert re.search(r"<details><summary>more &lt; 1</summary><figure>.*Table 1\..*</details>.*Table 2\.", html, re.S)
+    assert re.search(
+        r"<details><summary>more &lt; 1</summary><figure class=.table.>.*Table 1\..*</details>.*Table 2\.", html, re.S
+    )

@@ -94,3 +94,19 @@ def test_folded_picture_is_drawn_when_it_is_opened(browser: Browser) -> None:
     browser.value("document.querySelector('details').open = true")
     browser.until("document.querySelector('#picture-2 .main-svg') !== null")
     assert browser.value("document.getElementById('picture-2').clientWidth") > 600
+
+
+def test_on_paper_two_pictures_share_a_page_and_tables_are_whole(browser: Browser) -> None:
+    browser.size(1366, 768)
+    height = "document.getElementById('picture-1').layout.height"
+    browser.until(f"{height} > 420")
+    screen = browser.value(height)
+    browser.call("Emulation.setEmulatedMedia", media="print")
+    browser.value("window.dispatchEvent(new Event('beforeprint'))")
+    browser.until(f"{height} === 420")
+    table = browser.value("document.querySelector('table').getBoundingClientRect().width")
+    assert table <= browser.value("document.querySelector('main').clientWidth") <= 690
+    assert browser.value("getComputedStyle(document.querySelector('figure.table')).breakInside") == "auto"
+    browser.call("Emulation.setEmulatedMedia", media="")
+    browser.value("window.dispatchEvent(new Event('afterprint'))")
+    browser.until(f"{height} === {screen}")

@@ -61,6 +61,20 @@ def write_loop_report(
     write_result(file, page_html(title, subtitle, chapters), "report")
 
 
+def common_beginning(labels: Sequence[str]) -> str:
+    """Return the words with which all names begin, without the last word of any; empty for a single name."""
+    words = [label.split() for label in labels]
+    same = 0
+    while len(words) > 1 and same < min(map(len, words)) - 1 and len({each[same] for each in words}) == 1:
+        same += 1
+    return " ".join(words[0][:same]) if words else ""
+
+
+def _short(labels: Sequence[str]) -> list[str]:
+    beginning = common_beginning(labels)
+    return [label.removeprefix(beginning).strip() for label in labels]
+
+
 def loop_table(margins: Sequence[LoopMargins]) -> tuple[Paragraph, TextTable]:
     """Return the smallest margins in a sentence, and a table of all.
 
@@ -103,9 +117,10 @@ def _sentence(entries: Sequence[LoopMargins]) -> Paragraph:
 def _table(entries: Sequence[LoopMargins]) -> TextTable:
     header = ("Plant", "Motor", "Eigenvalue", "Gain margin", "Phase [deg]", "Delay [ms]", "Crossover [Hz]", "max |S|",
               "max |T|", "Overshoot [%]", "Settling [s]")  # fmt: skip
+    plants = [entry.plant for entry in entries]
     rows = tuple(
         (
-            entry.plant,
+            plant,
             f"motor_{entry.motor + 1}",
             f"{entry.largest_eigenvalue:.5f}",
             f"{number(entry.gain_down, 3)} to {number(entry.gain_up, 3)}",
@@ -117,9 +132,11 @@ def _table(entries: Sequence[LoopMargins]) -> TextTable:
             number(100 * entry.overshoot, 3),
             number(entry.settling, 3),
         )
-        for entry in entries
+        for plant, entry in zip(_short(plants), entries, strict=True)
     )
-    return TextTable(header, rows, "Margins of each loop with the others closed.", left=2)
+    of = common_beginning(plants)
+    caption = f"Margins of each loop with the others closed{f'; plants: {of}' if of else ''}."
+    return TextTable(header, rows, caption, left=2)
 
 
 def _pictures(
@@ -132,7 +149,7 @@ def _pictures(
     nyquist, steps = stacked(("Nyquist",), height=520), stacked(("Step of the reference",), height=240)
     samples = round(_STEP / plants.sample_time)
     time = np.asarray(np.arange(samples) * plants.sample_time, dtype=float)
-    for number_, label in enumerate(plants.labels):
+    for number_, label in enumerate(_short(plants.labels)):
         L, colour = response.loop[number_, :, motor], run_colour(number_)
         _draw(bode, response.frequency, _decibel(L), label, colour, 1, "Hz", "dB", legend=True)
         _draw(bode, response.frequency, np.degrees(np.unwrap(np.angle(L))), label, colour, 2, "Hz", "degrees")

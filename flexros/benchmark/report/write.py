@@ -12,7 +12,8 @@ from flexros.benchmark.models import NOMINAL, RULES, set_values
 from flexros.benchmark.published import PUBLISHED, PUBLISHED_V1, SOLUTIONS
 from flexros.benchmark.tables import MEASURE_NAMES, Row, cost_rows, demand_rows, measure_rows
 from flexros.control.linear_controller import linear_controller
-from flexros.report.base import Paragraph, Picture, TextTable
+from flexros.report.base import Folded, Paragraph, Picture, TextTable, Tiles
+from flexros.report.number_text import number
 from flexros.report.page import Chapter, page_html
 from flexros.report.theme import curve, run_colour, stacked
 
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from flexros.benchmark.controllers import BenchmarkController
     from flexros.benchmark.evaluate import BenchmarkResult, FeedbackBenchmark
     from flexros.control.context import LoopContext
+    from flexros.report.base import Block
 
 SCALE = (
     "Plant, kinds of disturbances, measures and demands are those of Moberg (2007), Paper C. Its model sets, noise, "
@@ -68,23 +70,39 @@ def write_report(
     runs = [_nominal_run(*all_of) for all_of in zip(benchmarks, controllers, results, strict=True)]
     contexts = [benchmark.context for benchmark in benchmarks]
     chapters = [
+        Chapter("", _summary(results)),
         Chapter("Cost", (Paragraph(SCALE), _table(cost_rows(results), names, "Cost V and its parts."), _published())),
         Chapter("Demands", (_table(demand_rows(results), names, "Demands; eigenvalues are those of the worst loop."),)),
         Chapter("Nominal model in time", (_run_picture(runs, contexts[0].sample_time),)),
-        Chapter(
-            "Measures",
-            (
-                *(
-                    _table(measure_rows(results, name), names, f"Worst measures of {name}, mean over the seeds.")
-                    for name in RULES
-                ),
-                _published_measures(),
-            ),
-        ),
         Chapter("Frequency responses", (_response_picture(controllers, contexts),)),
+        Chapter("Measures", (_measures(results, names),)),
     ]
     noise = f"noise {results[0].noise:g} rad, seeds {', '.join(map(str, results[0].seeds))}"
     write_result(file, page_html("Feedback benchmark", f"{', '.join(names)}; {noise}", chapters), "report")
+
+
+def _summary(results: Sequence[BenchmarkResult]) -> tuple[Block, ...]:
+    """Return the headline: the lowest cost, and which demands are missed; a tile for each controller."""
+    best = min(results, key=lambda result: result.cost)
+    missed = [demand.name for demand in best.demands if not demand.passed]
+    words = "costs least, " if len(results) > 1 else ""
+    text = f"{best.name}: {words}V = {number(best.cost, 5)}; it " + (
+        f"misses {', '.join(missed)}." if missed else f"meets all {len(best.demands)} demands."
+    )
+    tiles = tuple(
+        (result.name, number(result.cost, 5), "V", f"{sum(d.passed for d in result.demands)} of "
+         f"{len(result.demands)} demands met")
+        for result in results
+    )  # fmt: skip
+    return (Paragraph(text, "lead"), Tiles(tiles))
+
+
+def _measures(results: Sequence[BenchmarkResult], names: tuple[str, ...]) -> Folded:
+    tables = [
+        _table(measure_rows(results, name), names, f"Worst measures of {name}, mean over the seeds.") for name in RULES
+    ]
+    return Folded(f"Deflections, settling times and torques of {', '.join(RULES)}, and the published ones of M1",
+                  (*tables, _published_measures()))  # fmt: skip
 
 
 def _nominal_run(benchmark: FeedbackBenchmark, controller: BenchmarkController, result: BenchmarkResult) -> NominalRun:

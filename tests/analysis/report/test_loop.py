@@ -4,13 +4,23 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from flexros.analysis.report.loop import write_loop_report
+import pytest
+
+from flexros.analysis.report.loop import common_beginning, write_loop_report
 from flexros.control.context import LoopContext
 from flexros.control.design.margins import loop_margins
 from flexros.control.design.methods.base import DesignProblem
 from flexros.control.linear_controller import linear_controller
 from flexros.control.pid import Pid
 from flexros.robot import load_robot
+
+
+@pytest.mark.parametrize(
+    ("labels", "beginning"),
+    [(["a b 1 Nm", "a b 2 Nm"], "a b"), (["a b"], ""), (["a", "a"], ""), (["a b", "a b"], "a"), (["a 1", "b 1"], "")],
+)
+def test_words_that_all_plants_share_are_said_once(labels: list[str], beginning: str) -> None:
+    assert common_beginning(labels) == beginning
 
 
 def test_report_names_every_plant_and_the_margins(tmp_path: Path) -> None:
@@ -21,6 +31,10 @@ def test_report_names_every_plant_and_the_margins(tmp_path: Path) -> None:
     file = tmp_path / "loops.html"
     write_loop_report(problem.sampled, {"C": linear}, {"C": margins}, file, title="Loops")
     text = file.read_text()
-    assert all(label in text for label in problem.sampled.labels)
+    labels = problem.sampled.labels
+    beginning = common_beginning(labels)
+    assert beginning == "four_mass body_1.rz"
+    assert f"plants: {beginning}" in text
+    assert all(label.removeprefix(beginning).strip() in text for label in labels)
     for words in ("Bode", "Nyquist", "unit step", "Smallest margins"):
         assert words in text
