@@ -26,8 +26,9 @@ class CoulombFriction(AbstractDryFriction):
     """Coulomb friction at a motor, with true sticking.
 
     With level F and asymmetry a the torque on a moving motor is -F (1 + a/2) forward and +F (1 - a/2) backward. At
-    standstill it balances all other torques between these bounds. A diagnosis finds an asymmetry as a torque bias in
-    addition to the friction, which is equivalent except at standstill.
+    standstill it balances all other torques between these bounds. A level below zero reduces the Coulomb friction that
+    a nominal model has at that motor, such as the frictionloss of an MJCF, at most to zero. A diagnosis finds an
+    asymmetry as a torque bias in addition to the friction, which is equivalent except at standstill.
 
     Contacts are not rigid: with a `stiffness` the motor is held by bristles, the law of `presliding_friction`, with
     their `damping`. Bristles that bend by less than the encoder shows still move the instants of reversals, and with
@@ -38,6 +39,7 @@ class CoulombFriction(AbstractDryFriction):
     stage: ClassVar[Stage] = "motor friction"
     size: ClassVar[str] = "level"
     unsaid: ClassVar[tuple[str, ...]] = ("stiffness", "damping")
+    reduces: ClassVar[bool] = True
     signatures: ClassVar[tuple[str, ...]] = ("torque_over_speed", "torque_after_reversal")
     fingerprint: ClassVar[str] = (
         "a disturbance torque of constant magnitude against the motion, which changes sign at each reversal, and "
@@ -51,7 +53,9 @@ class CoulombFriction(AbstractDryFriction):
         }
     )
 
-    level: float = Field(0.0, ge=0.0, description="mean of both directions [Nm or N]")
+    level: float = Field(
+        0.0, description="mean of both directions; below zero where that of another one there is too large [Nm or N]"
+    )
     asymmetry: float = Field(0.0, ge=-2.0, le=2.0, description="(forward - backward) / mean [1]")
     stiffness: float = Field(0.0, ge=0.0, description="bristle stiffness [Nm/rad or N/m]; 0 for rigid contacts")
     damping: float = Field(0.0, ge=0.0, description="damping of these bristles [Nm s/rad or N s/m]")
@@ -62,6 +66,11 @@ class CoulombFriction(AbstractDryFriction):
             raise ValueError(
                 f"stiffness is {self.stiffness:g} and asymmetry {self.asymmetry:g}, but bristles hold evenly; give "
                 "torque_bias beside it instead of asymmetry"
+            )
+        if self.stiffness > 0 and self.level < 0:
+            raise ValueError(
+                f"stiffness is {self.stiffness:g} and level {self.level:g}, but bristles hold with a level above zero; "
+                "give no stiffness"
             )
         return self
 

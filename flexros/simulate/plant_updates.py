@@ -183,7 +183,7 @@ def _within_direction(speed: ca.SX, later: ca.SX) -> ca.SX:
 
 def _levels(plant: PlantSymbols, motor: int, speed: ca.SX, middle: ca.SX) -> FrictionLevels:
     """Sum the levels at a motor in the middle of a step, `middle` after its start."""
-    total, eased = FrictionLevels(ca.SX(0), ca.SX(0)), False
+    total, eased, kinds = FrictionLevels(ca.SX(0), ca.SX(0)), False, set()
     for law, effect in plant.laws.frictions:
         if law.motor == motor:
             seen = replace(plant.motor(law, plant.u), speed=speed)
@@ -191,5 +191,6 @@ def _levels(plant: PlantSymbols, motor: int, speed: ca.SX, middle: ca.SX) -> Fri
                 rates = ca.vertcat(effect.rates(seen, plant.values(law)), ca.SX.zeros(effect.stepwise_states))
                 seen = replace(seen, own=seen.own + middle * rates)
             total = total + effect.levels(seen, plant.values(law))
-            eased = eased or effect.eases
+            eased = eased or effect.eases or (effect.reduces and effect.name in kinds)
+            kinds.add(effect.name)
     return FrictionLevels(ca.fmax(total.forward, 0), ca.fmax(total.backward, 0)) if eased else total

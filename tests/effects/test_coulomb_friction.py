@@ -147,3 +147,14 @@ def test_bristles_keep_the_name_of_the_effect() -> None:
 def test_uneven_bristles_are_refused() -> None:
     with pytest.raises(InputError, match="asymmetry 0.3"):
         parse_effect("coulomb_friction@motor_1:level=20,stiffness=1e7,asymmetry=0.3", "test")
+
+
+def test_level_below_zero_reduces_another_one_at_most_to_zero() -> None:
+    start = np.array([0.0, 0.0, 0.3, 0.3])
+    both = plant(TWO_MASS, "coulomb_friction@motor_1:level=2 coulomb_friction@motor_1:level=-1.5", start)
+    np.testing.assert_allclose(
+        states(both, 200), states(plant(TWO_MASS, "coulomb_friction@motor_1:level=0.5", start), 200)
+    )
+    for wrong in ("level=-2.5", "level=-2.5,asymmetry=0.1"):
+        with pytest.raises(InputError, match="at least -2"):
+            plant(TWO_MASS, f"coulomb_friction@motor_1:level=2 coulomb_friction@motor_1:{wrong}", start)

@@ -67,6 +67,9 @@ class AbstractDryFriction(AbstractMotorLaw):
         """Return the motors."""
         return robot.joint_names
 
+    reduces: ClassVar[bool] = False
+    """Whether its levels may be negative beside another one of its kind at the motor."""
+
     @abstractmethod
     def levels(self, motor: MotorState, values: Mapping[str, Value]) -> FrictionLevels:
         """Return the levels, which are held through the step.

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from flexros.effects.patching.patched_robot import PatchedRobot
-    from flexros.robot.exchange.mjcf_import import ImportedRobot
+    from flexros.robot.exchange.imported import ImportedRobot
     from flexros.robot.exchange.numbers import Export
 
 Format = Literal["mjcf", "urdf", "sdf", "json"]
@@ -86,4 +86,4 @@ def patch_of_import(imported: ImportedRobot, robot: str) -> Patch | None:
         )
         for each in imported.effects
     )
-    return Patch(robot=robot, source="numbers of the MJCF that a robot file does not have", effects=effects)
+    return Patch(robot=robot, source="numbers of the imported file that a robot file does not have", effects=effects)

@@ -7,9 +7,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from flexros.config.settings import validate
+from flexros.effects.coulomb_friction import CoulombFriction
 from flexros.effects.kinds.base import PlacedEffect
 from flexros.effects.kinds.law import AbstractLaw
 from flexros.effects.kinds.model_change import AbstractModelChange
+from flexros.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -114,4 +116,19 @@ def place_effects(robot: Robot, placed: Iterable[PlacedEffect], *, as_laws: bool
         name = name if counts[name] == 1 else f"{name}#{counts[name]}"
         acting = effect.acting
         laws.append(PlacedLaw(name, acting, location, given=None if acting is effect else effect))
+    _check_levels(laws)
     return RobotWithEffects(robot, tuple(laws))
+
+
+def _check_levels(laws: list[PlacedLaw]) -> None:
+    """Refuse Coulomb friction that takes more away than other effects put there."""
+    for law in laws:
+        if not isinstance(law.effect, CoulombFriction) or law.effect.level >= 0:
+            continue
+        others = [other.effect for other in laws if other.location == law.location and other is not law]
+        most = sum(effect.level for effect in others if isinstance(effect, CoulombFriction))
+        if law.effect.level < -most - 1e-9 * abs(most):
+            raise InputError(
+                f"{law.name}: level is {law.effect.level:g}, but the model has a Coulomb friction of {most:g} there; "
+                f"give at least {-most:g}"
+            )

@@ -9,15 +9,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects import PlacedEffect, effects
+from flexros.effects.coulomb_friction import CoulombFriction
 from flexros.effects.kinds.command_law import AbstractCommandLaw
 from flexros.effects.kinds.curve import AbstractCurve
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from flexros.arrays import FloatArray
     from flexros.effects import AbstractEffect
     from flexros.effects.kinds.ranges import Range
+    from flexros.effects.patching.placement import PlacedLaw
     from flexros.gap.candidates.scales import Scales
     from flexros.robot import Robot
 
@@ -219,7 +221,9 @@ def below_nominal(free: FreeParameter, most: float) -> FreeParameter:
     return replace(free, high=max(free.high, most), signed=True, starts=starts, negative=most)
 
 
-def list_candidates(robot: Robot, scales: Scales, *, measured: bool = False) -> tuple[Candidate, ...]:
+def list_candidates(
+    robot: Robot, scales: Scales, *, measured: bool = False, known: Sequence[PlacedLaw] = ()
+) -> tuple[Candidate, ...]:
     """List every effect at every location, but for effects without ranges, those with a harmonic, and curves.
 
     The orders of harmonics are found in the prediction errors, see `flexros.gap.search.harmonic_candidates`. Curves
@@ -229,7 +233,9 @@ def list_candidates(robot: Robot, scales: Scales, *, measured: bool = False) -> 
         robot: The nominal robot.
         scales: Largest torques, speeds and deflections of the log.
         measured: Whether the log is one of a real machine, whose nominal numbers may also be far too large.
+        known: Laws of the nominal model, whose Coulomb friction may be too large as well.
     """
+    friction = coulomb_levels(known)
     candidates: list[Candidate] = []
     for effect in effects().values():
         if not effect.ranges or effect.harmonics or issubclass(effect, AbstractCurve):
@@ -240,9 +246,24 @@ def list_candidates(robot: Robot, scales: Scales, *, measured: bool = False) -> 
                 for name, allowed in effect().fitted(robot, location).items()
             ]
             reduced = effect().reductions(robot, location) if measured else {}
+            if measured and effect is CoulombFriction:
+                reduced = {"level": friction.get(location, 0.0)}
             free = [below_nominal(one, reduced[one.name]) if reduced.get(one.name) else one for one in free]
             candidates.append(Candidate(effect, location, tuple(free)))
     return tuple(candidates)
+
+
+def coulomb_levels(laws: Sequence[PlacedLaw]) -> dict[str, float]:
+    """Return the Coulomb friction that a model has, by motor [Nm or N].
+
+    Args:
+        laws: The laws of the model.
+    """
+    levels: dict[str, float] = {}
+    for law in laws:
+        if isinstance(law.effect, CoulombFriction):
+            levels[law.location] = levels.get(law.location, 0.0) + law.effect.level
+    return levels
 
 
 def distinct_locations(effect: type[AbstractEffect], robot: Robot) -> tuple[str, ...]:

@@ -15,8 +15,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.optimize import lsq_linear
 
+from flexros.effects.coulomb_friction import CoulombFriction
 from flexros.effects.left_out.tool_load import last_moved
 from flexros.errors import InputError
+from flexros.gap.candidates.candidate import coulomb_levels
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.prediction.predictor import FARTHEST
 from flexros.identify.rigid.motion_estimate import decimate, decimation, estimate_motion, untouched_rows
@@ -29,6 +31,7 @@ from flexros.record.smoothing import motion_cutoff
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
+    from flexros.effects import RobotWithEffects
     from flexros.gap.fit.arm_torque import ArmTorque
     from flexros.record.record import Record
     from flexros.robot import Robot
@@ -54,7 +57,7 @@ class TorqueRegression:
     Attributes:
         inertia: Added inertia of every motor [kg m2 or kg], shape (M,).
         viscous_friction: Added viscous friction of every motor [Nm s/rad or N s/m], shape (M,).
-        coulomb_friction: Coulomb friction of every motor [Nm or N], shape (M,).
+        coulomb_friction: Added Coulomb friction of every motor [Nm or N], shape (M,).
         deviations: Tolerated deviations, in standard deviations [1], shape (n_tolerated,).
         left: Rest of the torque of every motor over that of the nominal model, rms [1], shape (M,).
         rest: Rest of the torque of every motor, rms [Nm or N], shape (M,).
@@ -71,13 +74,13 @@ class TorqueRegression:
 
 
 def regress_torque(
-    record: Record, robot: Robot, tolerance: Tolerance, arm: ArmTorque | None = None, *, load: bool = False
+    record: Record, model: RobotWithEffects, tolerance: Tolerance, arm: ArmTorque | None = None, *, load: bool = False
 ) -> TorqueRegression | None:
     """Regress the torques of a log on friction, motor inertias and tolerated parameters of the bodies.
 
     Args:
         record: The log.
-        robot: The nominal robot.
+        model: The nominal model, with no laws but Coulomb friction.
         tolerance: Parameters of the robot that may deviate.
         arm: What the arm takes from the motors; None for locked springs.
         load: Whether the last body that moves may carry a load, with locked springs. The tolerated parameters are
@@ -86,6 +89,8 @@ def regress_torque(
     Returns:
         The regression; None for a log in which no motor moves, or that is too short, and for links that bend.
     """
+    robot, levels = model.robot, coulomb_levels(model.laws)
+    known = np.array([levels.get(name, 0.0) for name in robot.joint_names])
     try:
         regressor = RigidRegressor(robot)
         rows = _rows(record, regressor)
@@ -116,7 +121,14 @@ def regress_torque(
         b = b - decimate(arm.torque[begin:], factor)[rows.counts]
         slopes = decimate(arm.slopes[begin:].reshape(rows.record.n_samples, -1), factor)[rows.counts]
         A = np.concatenate([A, slopes.reshape(*b.shape, -1)], axis=-1)
-    return _solved(A, b, robot, len(tolerance.names), rows.motion.moving, LOAD if load else ())
+    column = KINDS.index("coulomb_friction") * M
+    b = b - A[:, :, column : column + M] @ known
+    return _solved(A, b, robot, known, len(tolerance.names), rows.motion.moving, LOAD if load else ())
+
+
+def only_coulomb(model: RobotWithEffects) -> bool:
+    """Return whether a model has no laws but Coulomb friction alike in both directions, which a regression takes."""
+    return all(isinstance(law.effect, CoulombFriction) and law.effect.asymmetry == 0 for law in model.laws)
 
 
 def _rows(record: Record, regressor: RigidRegressor) -> RegressionRows | None:
@@ -153,7 +165,13 @@ def _tolerated(robot: Robot, tolerance: Tolerance, nominal: FloatArray) -> Float
 
 
 def _solved(
-    A: FloatArray, b: FloatArray, robot: Robot, tolerated: int, moving: BoolArray, load: tuple[str, ...]
+    A: FloatArray,
+    b: FloatArray,
+    robot: Robot,
+    known: FloatArray,
+    tolerated: int,
+    moving: BoolArray,
+    load: tuple[str, ...],
 ) -> TorqueRegression:
     """Solve the regression within physical bounds, each motor weighted by what is left of its torque."""
     n, M, k = A.shape
@@ -162,7 +180,7 @@ def _solved(
     endless = np.full(M, np.inf)
     carried = np.full(len(load), np.inf)
     lightest = np.where([name == "mass" for name in load], 0.0, -carried)
-    low = np.concatenate([-0.9 * inertia, -viscous, np.zeros(M), -endless, lightest, np.full(tolerated, -FARTHEST)])
+    low = np.concatenate([-0.9 * inertia, -viscous, -known, -endless, lightest, np.full(tolerated, -FARTHEST)])
     high = np.concatenate([endless, endless, endless, endless, carried, np.full(tolerated, FARTHEST)])
     prior = np.hstack([np.zeros((tolerated, k - tolerated)), np.eye(tolerated)])
     before = np.sqrt(np.mean(b**2, axis=0))

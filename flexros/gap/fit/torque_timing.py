@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.effects import RobotWithEffects
 from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.fit.torque_regression import regress_torque
 
@@ -72,5 +73,5 @@ def _later(values: FloatArray, samples: int) -> FloatArray:
 
 def _left(record: Record, robot: Robot, tolerance: Tolerance, load: bool) -> float:
     """Return the sum of the logarithms of what the rigid model leaves of the torques; infinite where it has none."""
-    fit = regress_torque(record, robot, tolerance, load=load)
+    fit = regress_torque(record, RobotWithEffects(robot, ()), tolerance, load=load)
     return np.inf if fit is None else float(np.log(np.maximum(fit.rest, 1e-300)).sum())

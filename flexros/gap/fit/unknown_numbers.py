@@ -11,7 +11,7 @@ from flexros.effects import PlacedEffect, RobotWithEffects
 from flexros.effects.left_out.rotor_inertia import RotorInertia
 from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_moved
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.fit.torque_regression import regress_torque
+from flexros.gap.fit.torque_regression import only_coulomb, regress_torque
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -128,12 +128,12 @@ def unknown_numbers(record: Record, model: RobotWithEffects, tolerance: Toleranc
     """
     robot = model.robot
     lacking = [name for name in robot.joint_names if robot.parameters[f"{name}.inertia"].value == 0]
-    if record.simulated or record.command is not None or model.laws or not lacking:
+    if record.simulated or record.command is not None or not only_coulomb(model) or not lacking:
         return UnknownNumbers()
-    regression = regress_torque(record, robot, tolerance)
+    regression = regress_torque(record, model, tolerance)
     if regression is None:
         return UnknownNumbers()
-    loaded, load = _load(record, robot, tolerance, len(lacking))
+    loaded, load = _load(record, model, tolerance, len(lacking))
     regression = loaded or regression
     found = dict(zip(robot.joint_names, regression.inertia.tolist(), strict=True))
     state = robot.equilibrium(motor_position=np.median(record.position, axis=0))
@@ -145,13 +145,14 @@ def unknown_numbers(record: Record, model: RobotWithEffects, tolerance: Toleranc
 
 
 def _load(
-    record: Record, robot: Robot, tolerance: Tolerance, lacking: int
+    record: Record, model: RobotWithEffects, tolerance: Tolerance, lacking: int
 ) -> tuple[TorqueRegression | None, ToolLoad | None]:
     """Estimate the load of an arm that lacks all rotors, as one from a URDF does, and its regression; None for none."""
+    robot = model.robot
     if lacking < robot.n_motors or robot.n_motors < 2 or not any(robot.spec.gravity.value) or not last_moved(robot):
         return None, None
-    without = regress_torque(record, robot, Tolerance())
-    loaded = regress_torque(record, robot, tolerance, load=True)
+    without = regress_torque(record, model, Tolerance())
+    loaded = regress_torque(record, model, tolerance, load=True)
     if without is None or loaded is None:
         return None, None
     mass, moment = float(loaded.load[0]), loaded.load[1:]

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.effects import place_effects
 from flexros.gap.prediction.predicted_log import PredictedLog
 from flexros.gap.signatures.signature_data import SignatureData
 from flexros.gap.where.prediction_errors import SensorErrors
@@ -81,7 +80,7 @@ def signature_evidence(
         before: The nominal model with its predictions.
         after: The repaired model with its predictions; None where no effect was found.
     """
-    repaired = None if after is None else place_effects(model.robot, after.effects).robot
+    repaired = None if after is None else model.with_effects(after.effects).robot
     tool, error = tool_errors(nothing, data) or (data.record.tool, None)
     return SignatureData(
         robot=model.robot,

@@ -127,9 +127,10 @@ class Search:
         A measured torque is what a limit left of it, so that no limit competes.
         """
         tool = self.data.tool is not None
+        model, measured = self.null.model, self.data.record.imported
         return tuple(
             candidate
-            for candidate in list_candidates(self.null.model.robot, self.scales, measured=self.data.record.imported)
+            for candidate in list_candidates(model.robot, self.scales, measured=measured, known=model.laws)
             if self.competitors.contain(candidate)
             and self._known(candidate)
             and not (self.data.record.measured_torque and candidate.cuts_off)

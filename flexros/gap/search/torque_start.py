@@ -12,7 +12,7 @@ from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.scales import scales_of_motors
 from flexros.gap.fit.arm_torque import arm_torque
 from flexros.gap.fit.least_squares import CandidateFit, chi2_of, fit
-from flexros.gap.fit.torque_regression import regress_torque
+from flexros.gap.fit.torque_regression import only_coulomb, regress_torque
 from flexros.gap.search.model_probability import compare
 
 if TYPE_CHECKING:
@@ -36,13 +36,18 @@ class TorqueStart:
 
     Attributes:
         regression: The regression that shows them.
-        robot: The nominal robot.
+        model: The nominal model.
         record: The log.
     """
 
     regression: TorqueRegression
-    robot: Robot
+    model: RobotWithEffects
     record: Record
+
+    @property
+    def robot(self) -> Robot:
+        """The nominal robot."""
+        return self.model.robot
 
     def hypothesis(self) -> list[tuple[Candidate, float]]:
         """List the effects with the initial values of their sizes [their units]."""
@@ -56,7 +61,9 @@ class TorqueStart:
             values["motor_inertia_error", name] = inertia / nominal if nominal > 0 else 0.0
         return [
             (replace(candidate, free=candidate.free[:1]), value)
-            for candidate in list_candidates(self.robot, scales_of_motors(self.robot, self.record), measured=True)
+            for candidate in list_candidates(
+                self.robot, scales_of_motors(self.robot, self.record), measured=True, known=self.model.laws
+            )
             if (value := values.get((candidate.effect.name, candidate.location), 0.0)) != 0
         ]
 
@@ -71,15 +78,15 @@ def torque_start(data: FitData, model: RobotWithEffects, tolerance: Tolerance) -
 
     Returns:
         What the torques show; None where that is nothing, where positions were commanded, and for a model with known
-        laws, which the regression lacks.
+        laws other than Coulomb friction, which the regression lacks.
     """
     record = data.record
-    if not record.imported or record.command is not None or model.laws:
+    if not record.imported or record.command is not None or not only_coulomb(model):
         return None
-    regression = regress_torque(record, model.robot, tolerance, arm_torque(data, model, tolerance))
+    regression = regress_torque(record, model, tolerance, arm_torque(data, model, tolerance))
     if regression is None:
         return None
-    start = TorqueStart(regression, model.robot, record)
+    start = TorqueStart(regression, model, record)
     return start if start.hypothesis() else None
 
 

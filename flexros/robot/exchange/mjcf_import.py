@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexros.robot.exchange.imported import ImportedEffect, ImportedJoint, ImportedRobot
 from flexros.robot.exchange.mjcf_arm import find_arm
 from flexros.robot.exchange.mjcf_axes import axes_of
 from flexros.robot.exchange.mjcf_robot_text import robot_text
@@ -19,60 +19,6 @@ if TYPE_CHECKING:
 
     from flexros.robot.exchange.mjcf_actuators import JointActuator
     from flexros.robot.exchange.mjcf_arm import ArmJoint, MjcfArm
-
-
-@dataclass(frozen=True)
-class ImportedEffect:
-    """A number of the MJCF that a robot file states as an effect.
-
-    Attributes:
-        effect: Name of the effect.
-        location: Motor or body.
-        parameter: Its parameter.
-        value: Value of the parameter.
-        unit: SI unit.
-    """
-
-    effect: str
-    location: str
-    parameter: str
-    value: float
-    unit: str
-
-
-@dataclass(frozen=True)
-class ImportedJoint:
-    """How a coordinate of the robot follows from a joint of the MJCF: sign (position - reference).
-
-    Attributes:
-        coordinate: Motor, or arm coordinate of a joint without an actuator; behind a motor the joint is the deflection
-            of its gear, arm minus motor.
-        joint: Name of the joint in the MJCF.
-        sign: Sign of the coordinate relative to the joint.
-        reference: Joint position at the zero of the coordinate [rad or m].
-    """
-
-    coordinate: str
-    joint: str
-    sign: int
-    reference: float
-
-
-@dataclass(frozen=True)
-class ImportedRobot:
-    """A robot from an MJCF.
-
-    Attributes:
-        text: Robot file (YAML).
-        effects: Numbers that belong in a patch.
-        joints: Where the coordinates come from.
-        not_held: Numbers that neither holds.
-    """
-
-    text: str
-    effects: tuple[ImportedEffect, ...]
-    joints: tuple[ImportedJoint, ...]
-    not_held: tuple[NotHeld, ...]
 
 
 def robot_from_mjcf(file: Path, end: str = "") -> ImportedRobot:

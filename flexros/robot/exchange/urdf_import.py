@@ -13,6 +13,7 @@ from ruamel.yaml.comments import CommentedMap, CommentedSeq
 from flexros.config.text_file import read_text
 from flexros.errors import InputError
 from flexros.input_limits import LARGEST_URDF
+from flexros.robot.exchange.imported import ImportedEffect, ImportedRobot
 from flexros.robot.exchange.slanted_axis import roll_pitch_yaw, turn_to
 from flexros.robot.exchange.urdf_tree import MOVABLE, NO_LIMIT, read_tree
 from flexros.robot.physical import ROUNDED
@@ -27,6 +28,19 @@ if TYPE_CHECKING:
 
 ALUMINIUM = 2700.0
 """Density of links whose inertia was rounded to zero, as URDFs of light last links have it [kg/m3] (chosen)."""
+
+
+def robot_from_urdf(file: Path, tip: str = "") -> ImportedRobot:
+    """Return a robot file from a URDF with one serial chain, and its dry friction as effects; see `skeleton_from_text`.
+
+    Args:
+        file: The URDF.
+        tip: Last link of the chain.
+
+    Raises:
+        InputError: The file cannot be read, or as in `skeleton_from_text`.
+    """
+    return _robot(read_text(file, "URDF", LARGEST_URDF), str(file), tip)
 
 
 def skeleton_from_urdf(file: Path, tip: str = "") -> str:
@@ -59,12 +73,17 @@ def skeleton_from_text(text: str, file: str, tip: str = "") -> str:
     Raises:
         InputError: Not a URDF, invalid numbers, a chain that branches or closes, or a joint axis without direction.
     """
+    return _robot(text, file, tip).text
+
+
+def _robot(text: str, file: str, tip: str) -> ImportedRobot:
     tree = read_tree(text, file)
     joints = tree.chain(tip)
     if not any(joint.kind in MOVABLE for joint in joints):
         raise InputError(f"{file}: no revolute, continuous or prismatic joint was found; give the URDF of a robot arm")
     bodies = CommentedSeq()
     outputs: list[str] = []
+    effects: list[ImportedEffect] = []
     tags: dict[str, str] = {}
     base = _base(joints)
     rotation = base
@@ -89,9 +108,13 @@ def skeleton_from_text(text: str, file: str, tip: str = "") -> str:
             direction = ("t" if joint.kind == "prismatic" else "r") + "xyz"[index]
             body["directions"] = CommentedMap({direction: _gear(joint, opposite=bool(axis[index] < 0))})
             outputs.append(f"body_{len(bodies) + 1}.{direction}")
-            tags[f"motor_{len(outputs)}.joint"] = joint.name
+            motor = f"motor_{len(outputs)}"
+            tags[f"{motor}.joint"] = joint.name
+            if joint.friction > 0:
+                unit = unit_of("torque", joint.kind != "prismatic")
+                effects.append(ImportedEffect("coulomb_friction", motor, "level", joint.friction, unit))
             if axis[index] < 0:
-                tags[f"motor_{len(outputs)}.joint_sign"] = "-1"
+                tags[f"{motor}.joint_sign"] = "-1"
         bodies.append(body)
     path = PurePath(file)
     place = f"Skeleton made from {path.name}; the first joint is at {length_before.tolist()} m in the URDF's base"
@@ -100,7 +123,7 @@ def skeleton_from_text(text: str, file: str, tip: str = "") -> str:
     head = CommentedMap({"name": tree.name or path.stem, "description": f"{place}."})
     head["defaults"] = CommentedMap({"source": path.name, "tolerance": 0.03})
     head["gravity"] = _numbers(base @ [0, 0, -9.81])
-    return _text(head, bodies, outputs, tags)
+    return ImportedRobot(_text(head, bodies, outputs, tags), tuple(effects), (), ())
 
 
 def _base(joints: Sequence[UrdfJoint]) -> FloatArray:

@@ -58,8 +58,8 @@ def test_effects_have_the_given_values_and_their_own_defaults() -> None:
             r"patch\.yaml, key effects\[0\] \(coulomb_friction@motor_1\): unknown key 'levle': did you mean 'level'\?",
         ),
         (
-            {"effect": "coulomb_friction", "location": "motor_1", "parameters": {"level": -1}},
-            r"patch\.yaml, key effects\[0\] \(coulomb_friction@motor_1\).*level.*-1",
+            {"effect": "stribeck_friction", "location": "motor_1", "parameters": {"extra": -1}},
+            r"patch\.yaml, key effects\[0\] \(stribeck_friction@motor_1\).*extra.*-1",
         ),
     ],
 )

@@ -18,9 +18,9 @@ STIFFNESS = "body_1.rz.stiffness"
 
 def test_behind_springs_friction_shows_that_locked_springs_hide() -> None:
     data = data_of("coulomb_friction@motor_1:level=0.5", "viscous_friction@motor_1:coefficient=0.02")
-    found = regress_torque(data.record, ROBOT, Tolerance(), arm_torque(data, MODEL, Tolerance()))
+    found = regress_torque(data.record, MODEL, Tolerance(), arm_torque(data, MODEL, Tolerance()))
     assert found is not None
-    locked = regress_torque(data.record, ROBOT, Tolerance())
+    locked = regress_torque(data.record, MODEL, Tolerance())
     assert locked is not None
     assert found.left[0] < 0.3 * locked.left[0]
     assert found.coulomb_friction[0] > 0.1  # a first value: speeds are low-passed, so that viscous friction shares it

@@ -15,7 +15,7 @@ from tests.ur5e import ur5e, ur5e_record
 
 
 def test_friction_and_inertia_of_all_motors_are_found_at_once() -> None:
-    found = regress_torque(record_of_arm(), arm(), tolerance_of(arm(), {}))
+    found = regress_torque(record_of_arm(), RobotWithEffects(arm(), ()), tolerance_of(arm(), {}))
     assert found is not None
     np.testing.assert_allclose(found.inertia, INERTIA, rtol=0.03)
     np.testing.assert_allclose(found.viscous_friction, VISCOUS, rtol=0.03)
@@ -25,7 +25,7 @@ def test_friction_and_inertia_of_all_motors_are_found_at_once() -> None:
 
 def test_a_body_that_is_heavier_within_tolerance_is_a_deviation_not_friction() -> None:
     light = arm().with_values({"body_2.mass": 3 / 1.1})
-    found = regress_torque(record_of_arm(), light, Tolerance(("body_2.mass",), (0.05,)))
+    found = regress_torque(record_of_arm(), RobotWithEffects(light, ()), Tolerance(("body_2.mass",), (0.05,)))
     assert found is not None
     assert found.deviations[0] == pytest.approx(np.log(1.1) / 0.05, rel=0.1)
     np.testing.assert_allclose(found.coulomb_friction, COULOMB, rtol=0.05)
@@ -33,7 +33,7 @@ def test_a_body_that_is_heavier_within_tolerance_is_a_deviation_not_friction() -
 
 def test_a_log_without_motion_shows_nothing() -> None:
     still = Record("still", T, np.zeros((4000, 2)), np.ones((4000, 2)), np.ones(4000, dtype=bool))
-    assert regress_torque(still, arm(), Tolerance()) is None
+    assert regress_torque(still, RobotWithEffects(arm(), ()), Tolerance()) is None
 
 
 def test_inertias_that_a_robot_file_lacks_are_estimated_and_uncertain() -> None:
@@ -66,7 +66,7 @@ def test_load_that_a_urdf_lacks_is_estimated_beside_friction_and_rotors() -> Non
 
 def test_three_seconds_suffice_as_each_sample_has_an_equation_for_every_motor() -> None:
     """After decimation fewer samples are left than twice the columns of all six motors."""
-    found = regress_torque(ur5e_record().part(0, 1600), ur5e(), Tolerance(), load=True)
+    found = regress_torque(ur5e_record().part(0, 1600), RobotWithEffects(ur5e(), ()), Tolerance(), load=True)
     assert found is not None
     np.testing.assert_allclose(found.inertia, (1.4, 1.4, 1.1, 0.25, 0.25, 0.25), rtol=0.15)
     assert found.load[0] == pytest.approx(1.5, rel=0.05)

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 import yaml
 
-from flexros.effects import RobotWithEffects
+from flexros.effects import PlacedEffect, RobotWithEffects
+from flexros.effects.coulomb_friction import CoulombFriction
 from flexros.gap.candidates.tolerance import Tolerance, tolerance_of
 from flexros.gap.diagnose import diagnose
 from flexros.gap.fit.least_squares import CandidateFit
@@ -142,6 +143,20 @@ def test_friction_whose_mean_is_nominal_returns_for_its_asymmetry() -> None:
     parameters = {f"{cause.effect}@{cause.location}": cause.parameters for cause in found.causes}
     assert parameters.keys() == FRICTION - {"viscous_friction@motor_2"}
     assert parameters["viscous_friction@motor_1"]["asymmetry"].value == pytest.approx(1.0, rel=0.1)
+
+
+def test_friction_of_the_nominal_model_that_is_too_large_is_reduced() -> None:
+    """Rotors are estimated beside it, and what the model has too much of is a negative level."""
+    record = record_of_arm(imported=True)
+    level = CoulombFriction(level=1.5 * COULOMB[0])
+    model = RobotWithEffects(arm(), ()).with_effects([PlacedEffect(level, "motor_1")])
+    unknown = unknown_numbers(record, model, tolerance_of(model.robot, {}))
+    assert list(unknown.inertias.values()) == pytest.approx(INERTIA, rel=0.1)
+    settings = DiagnosisSettings(where=None, next_experiment=None)
+    found = diagnose(record, model, holdout=record_of_arm(imported=True, seed=6), settings=settings).diagnosis
+    levels = {one.location: one.parameters["level"].value for one in found.causes if one.effect == "coulomb_friction"}
+    assert levels["motor_1"] == pytest.approx(-0.5 * COULOMB[0], rel=0.05)
+    assert levels["motor_2"] == pytest.approx(COULOMB[1], rel=0.05)
 
 
 def test_a_load_of_many_times_the_last_body_is_found() -> None:

@@ -11,7 +11,7 @@ from flexros.errors import InputError
 from flexros.robot import load_robot
 from flexros.robot.body_placement import BodyPlacements
 from flexros.robot.exchange.urdf_export import urdf_text
-from flexros.robot.exchange.urdf_import import skeleton_from_urdf
+from flexros.robot.exchange.urdf_import import robot_from_urdf, skeleton_from_urdf
 
 URDF = """<robot name="little">
   <link name="base"/>
@@ -190,6 +190,13 @@ def test_friction_and_names_of_joints_are_kept(tmp_path: Path) -> None:
     assert robot.motors[0].specification.viscous_friction.value == 4
     assert robot.spec.tags["motor_2.joint"] == "elbow"
     assert "dry friction of 2" in robot_file.read_text()
+    (effect,) = robot_from_urdf(file).effects
+    assert (effect.effect, effect.location, effect.parameter, effect.value) == (
+        "coulomb_friction",
+        "motor_1",
+        "level",
+        2,
+    )
 
 
 GRIPPER = """<link name="left"><inertial><origin xyz="0 0.02 0.03"/><mass value="0.3"/>
