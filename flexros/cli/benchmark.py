@@ -40,12 +40,12 @@ def benchmark(
     if on:
         _on_robot(on, controller or [], noise, seeds, report, out, as_json)
         return
-    from flexros.benchmark.controllers import load_controller
+    from flexros.benchmark.controllers import controller_names, load_controller
     from flexros.benchmark.evaluate import FeedbackBenchmark, check_noise
     from flexros.benchmark.recorded import is_recording
 
     if not controller:
-        _list_controllers(as_json)
+        _list([load_controller(name) for name in controller_names()], as_json)
         return
     if len(controller) == 1 and is_recording(controller[0]):
         _show_log(Path(controller[0]), as_json)
@@ -58,23 +58,30 @@ def benchmark(
         raise InputError(f"controllers {', '.join(names)} do not all have names of their own; rename a file")
     benches = {one.sensors: FeedbackBenchmark(one.sensors) for one in loaded}
     results = _evaluated(benches, loaded, noise, numbers)
-    content = [result.as_dict() for result in results]
     if report:
         from flexros.benchmark.report.write import write_report
 
         write_report([benches[one.sensors] for one in loaded], loaded, results, report)
-    if out:
-        from flexros.atomic_file import write_result
-        from flexros.json_text import json_text
-
-        write_result(out, json_text(content[0] if len(content) == 1 else content), "results")
+    content = _content(results, out)
     if as_json:
-        print_json(content[0] if len(content) == 1 else content)
+        print_json(content)
         return
     _print_results(results)
     for file, what in ((report, "report"), (out, "results")):
         if file:
             say(f"{what}: {file}")
+
+
+def _content(results: Sequence[BenchmarkResult | MotionResult], out: Path | None) -> Any:
+    """Return results as JSON has them, one alone without a list; write them to a file where one is given."""
+    every = [result.as_dict() for result in results]
+    content = every[0] if len(every) == 1 else every
+    if out:
+        from flexros.atomic_file import write_result
+        from flexros.json_text import json_text
+
+        write_result(out, json_text(content), "results")
+    return content
 
 
 def _evaluated(
@@ -122,14 +129,7 @@ def _on_robot(
     check_noise(noise, numbers)
     loaded = [load_motion_controller(problem, name) for name in names or motion_controller_names(problem)]
     if not names:
-        content: list[dict[str, Any]] = [{"name": one.name, "description": one.description} for one in loaded]
-        if as_json:
-            print_json(content)
-            return
-        table = Table("controller", "description")
-        for one in loaded:
-            table.add_row(one.name, one.description)
-        console.print(table)
+        _list(loaded, as_json)
         return
     bench, results = MotionBenchmark(problem), []
     with progress_bar() as bar:
@@ -137,16 +137,13 @@ def _on_robot(
         for done, one in enumerate(loaded, start=1):
             results.append(bench.evaluate(one, noise=noise > 0.0, seeds=numbers))
             bar.update(task, completed=done)
-    content = [result.as_dict() for result in results]
-    if out:
-        from flexros.atomic_file import write_result
-        from flexros.json_text import json_text
-
-        write_result(out, json_text(content[0] if len(content) == 1 else content), "results")
+    content = _content(results, out)
     if as_json:
-        print_json(content[0] if len(content) == 1 else content)
+        print_json(content)
         return
     _print_motion(results)
+    if out:
+        say(f"results: {out}")
 
 
 def _print_motion(results: Sequence[MotionResult]) -> None:
@@ -174,10 +171,8 @@ def _show_log(path: Path, as_json: bool) -> None:
     console.print(table)
 
 
-def _list_controllers(as_json: bool) -> None:
-    from flexros.benchmark.controllers import controller_names, load_controller
-
-    loaded = [load_controller(name) for name in controller_names()]
+def _list(loaded: Sequence[BenchmarkController], as_json: bool) -> None:
+    """Show names and descriptions of controllers."""
     if as_json:
         print_json([{"name": one.name, "description": one.description} for one in loaded])
         return

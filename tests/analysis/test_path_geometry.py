@@ -92,6 +92,7 @@ def test_nearest_segment_of_a_path_with_slow_parts_that_repeats_itself():
     np.testing.assert_allclose(projection.distance, expected, atol=3e-8)
     along = [np.interp(projection.position, path.arc_length, path.vertices[:, k]) for k in range(3)]
     np.testing.assert_allclose(projection.nearest, np.column_stack(along), atol=1e-6)
+    assert path.project(path.vertices).distance.max() < 3e-8
 
 
 def test_what_repeats_is_searched_once_and_slow_parts_like_fast_ones():

@@ -121,33 +121,37 @@ class Problem:
         return groups
 
 
+def _windows(moved: float, settled: float, end: float) -> tuple[Window, ...]:
+    """Return the windows of a run.
+
+    Args:
+        moved: End of the motion [s].
+        settled: End of the rest after it [s].
+        end: End of the run [s].
+    """
+    chirp = 2.0
+    return (
+        Window("step of the force", 1.5, 3.0, settles=True),
+        Window("step of the torque", 3.0, 4.5, settles=True),
+        Window("motion", 4.5, moved),
+        Window("after the motion", moved, settled, settles=True),
+        Window("chirp of the force", settled, settled + chirp),
+        Window("chirp of the torque", settled + chirp, settled + 2 * chirp),
+        Window("pulse of the force", settled + 2 * chirp, end),
+    )
+
+
 PROBLEMS: dict[str, Problem] = {
     "e12": Problem(
         "e12",
-        (
-            Window("step of the force", 1.5, 3.0, settles=True),
-            Window("step of the torque", 3.0, 4.5, settles=True),
-            Window("motion", 4.5, 6.1),
-            Window("after the motion", 6.1, 7.6, settles=True),
-            Window("chirp of the force", 7.6, 9.6),
-            Window("chirp of the torque", 9.6, 11.6),
-            Window("pulse of the force", 11.6, 12.6),
-        ),
+        _windows(6.1, 7.6, 12.6),
         (3000.0, 3000.0),
         ((0.0, 0.3, 0.0), (0.0, 0.6, 0.0)),
         {NOMINAL: 0.2, "M1": 0.2, "M2": 0.5},
     ),
     "six_axis": Problem(
         "six_axis",
-        (
-            Window("step of the force", 1.5, 3.0, settles=True),
-            Window("step of the torque", 3.0, 4.5, settles=True),
-            Window("motion", 4.5, 6.73),
-            Window("after the motion", 6.73, 8.0, settles=True),
-            Window("chirp of the force", 8.0, 10.0),
-            Window("chirp of the torque", 10.0, 12.0),
-            Window("pulse of the force", 12.0, 13.2),
-        ),
+        _windows(6.73, 8.0, 13.2),
         (15000.0, 15000.0, 8000.0, 1500.0, 1200.0, 800.0),
         (),
         {NOMINAL: 0.2, "M1": 0.2, "M2": 0.5},

@@ -121,6 +121,11 @@ class Search:
         """Log and weights."""
         return self.null.data
 
+    @property
+    def from_torques(self) -> bool:
+        """Whether the search begins with effects that measured torques show, rather than with the nominal model."""
+        return self.base is not self.null.fit
+
     def candidates(self) -> tuple[Candidate, ...]:
         """List the candidates that come from the ranges of effects; those of harmonics follow from a fit.
 

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import TYPE_CHECKING
 
 from flexros.gap.search.worth import compared, simplest, unique
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Sequence
 
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.least_squares import CandidateFit
-    from flexros.gap.fit.screening import Directions, Surroundings
-    from flexros.gap.prediction.compiled_plant import CompiledPlant
+    from flexros.gap.fit.screening import Directions
     from flexros.gap.search.candidate_fits import Addition, Search
+    from flexros.gap.search.model_probability import ModelComparison
 
 
 def exchanged(
@@ -32,18 +31,12 @@ def exchanged(
     for _ in range(settings.rounds if len(fit.hypothesis) > 1 else 0):
         if search.deadline.stops():
             break
-        surroundings = search.surroundings(fit)
-        pairs = [
-            (candidate.name, addition)
-            for candidate, rest in zip(fit.hypothesis, search.removals(fit, surroundings))
-            if candidate.name not in search.base.names
-            for addition in _replacements(search, fit, rest, directions)[: settings.added]
+        exchanges = [
+            (candidate, addition)
+            for candidate, additions in _replacements(search, fit, directions)
+            for addition in additions[: settings.added]
         ]
-        plants = search.plants(fit, [addition.candidate for _, addition in pairs])
-        exchange = partial(_exchange, search, fit, plants)
-        fits += search.visible(search.parallel("effects exchanged", exchange, pairs))
-        comparison = compared(search, unique(fits))
-        level = [one for one in comparison.fits if len(one.hypothesis) == len(fit.hypothesis)]
+        comparison, level = _compared(search, fit, exchanges, fits)
         best = simplest(search, comparison, comparison.ranked(level)[0], level)
         if best.names == fit.names or best.chi2 > fit.chi2:
             break
@@ -55,7 +48,7 @@ def exchanged(
 def corrected(
     search: Search, fit: CandidateFit, directions: Sequence[Directions], fits: list[CandidateFit]
 ) -> CandidateFit:
-    """Exchange an effect for the candidate that does best in its place, in simulated logs.
+    """Exchange an effect for the candidate that does best in its place, where no torques show the first effects.
 
     The first effect of several stands for all of them, and a rich law does that best. Kept, it makes others imitate
     what it lacks. A simpler candidate at the same place comes first, else the best one counts.
@@ -66,19 +59,14 @@ def corrected(
         directions: All candidates but those of harmonics.
         fits: All fits so far; new ones are appended.
     """
-    if search.base is not search.null.fit or len(fit.hypothesis) < 2 or search.deadline.stops():
+    if search.from_torques or len(fit.hypothesis) < 2 or search.deadline.stops():
         return fit
-    surroundings = search.surroundings(fit)
-    pairs = [
-        (candidate.name, addition)
-        for candidate, rest in zip(fit.hypothesis, search.removals(fit, surroundings), strict=True)
-        for addition in _simple_there_first(candidate, _replacements(search, fit, rest, directions))[:1]
+    exchanges = [
+        (candidate, addition)
+        for candidate, additions in _replacements(search, fit, directions)
+        for addition in _simple_there_first(candidate, additions)[:1]
     ]
-    plants = search.plants(fit, [addition.candidate for _, addition in pairs])
-    exchange = partial(_exchange, search, fit, plants)
-    fits += search.visible(search.parallel("effects exchanged", exchange, pairs))
-    comparison = compared(search, unique(fits))
-    level = [one for one in comparison.fits if len(one.hypothesis) == len(fit.hypothesis)]
+    comparison, level = _compared(search, fit, exchanges, fits)
     best = max(level, key=comparison.score, default=fit)
     return best if comparison.score(best) > comparison.score(fit) else fit
 
@@ -93,18 +81,29 @@ def _simple_there_first(candidate: Candidate, additions: Sequence[Addition]) -> 
     return sorted(additions, key=later)
 
 
-def _exchange(
-    search: Search, fit: CandidateFit, plants: Mapping[Candidate, CompiledPlant], pair: tuple[str, Addition]
-) -> CandidateFit:
-    """Fit an explanation with one candidate in place of one of its own."""
-    name, addition = pair
-    return search.together(fit, [addition], without=name, plant=plants[addition.candidate], rival=fit.chi2)
-
-
 def _replacements(
-    search: Search, fit: CandidateFit, rest: Surroundings, directions: Sequence[Directions]
-) -> list[Addition]:
-    """List the candidates that may regain most of what is lost without an effect."""
-    lost = rest.least - fit.chi2
-    additions = search.additions(directions, fit, rest)
-    return [addition for addition in additions if addition.gain > search.settings.search.regained * lost]
+    search: Search, fit: CandidateFit, directions: Sequence[Directions]
+) -> Iterator[tuple[Candidate, list[Addition]]]:
+    """Yield effects that no torques show, with the candidates that may regain most of what is lost without them."""
+    surroundings = search.surroundings(fit)
+    for candidate, rest in zip(fit.hypothesis, search.removals(fit, surroundings), strict=True):
+        if candidate.name not in search.base.names:
+            regained = search.settings.search.regained * (rest.least - fit.chi2)
+            additions = search.additions(directions, fit, rest)
+            yield candidate, [addition for addition in additions if addition.gain > regained]
+
+
+def _compared(
+    search: Search, fit: CandidateFit, exchanges: Sequence[tuple[Candidate, Addition]], fits: list[CandidateFit]
+) -> tuple[ModelComparison, list[CandidateFit]]:
+    """Fit an explanation with each exchange; return the comparison of all fits, and those of as many effects."""
+    plants = search.plants(fit, [addition.candidate for _, addition in exchanges])
+
+    def exchange(pair: tuple[Candidate, Addition]) -> CandidateFit:
+        candidate, addition = pair
+        plant = plants[addition.candidate]
+        return search.together(fit, [addition], without=candidate.name, plant=plant, rival=fit.chi2)
+
+    fits += search.visible(search.parallel("effects exchanged", exchange, exchanges))
+    comparison = compared(search, unique(fits))
+    return comparison, [one for one in comparison.fits if len(one.hypothesis) == len(fit.hypothesis)]

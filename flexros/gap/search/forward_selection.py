@@ -75,21 +75,21 @@ def explain(search: Search) -> Explanations:
     settings = search.settings.search
     null = search.null.fit
     directions = search.directions(search.candidates())
-    if search.base is null:
-        fits = unique(search.singles([*directions, *search.directions(search.harmonics(null))]))
-    else:
+    if search.from_torques:
         fits = [search.base]
+    else:
+        fits = unique(search.singles([*directions, *search.directions(search.harmonics(null))]))
     comparison = compared(search, fits)
     if not comparison.detected:
         return _explanations(search, comparison, null, detected=False)
     chosen = simplest(search, comparison, comparison.ranked(fits)[0], fits)
-    if search.base is not null:
+    if search.from_torques:
         chosen = reduced(search, chosen, fits, settings.removed_by_step)
         chosen = with_asymmetry(search, chosen, fits)
         dropped = [one for one in search.candidates() if one.name in search.base.names - chosen.names]
         directions += search.directions(dropped, chosen)  # beside another effect they may be needed
     first = chosen
-    for _ in range(settings.rounds if search.base is null else settings.rounds_after_torques):
+    for _ in range(settings.rounds_after_torques if search.from_torques else settings.rounds):
         chosen = with_bristles(search, chosen, fits)
         comparison = compared(search, unique(fits))
         if len(chosen.hypothesis) >= settings.most_effects or not incomplete(search, comparison, chosen):
@@ -112,7 +112,7 @@ def explain(search: Search) -> Explanations:
             chosen = reduced(search, other, fits, _removed(search, other, settings.removed_by_step))
         if chosen.names == before.names:
             break
-    if search.base is not null and chosen.names != first.names:
+    if search.from_torques and chosen.names != first.names:
         chosen = with_dropped(search, chosen, fits)
     if len(chosen.hypothesis) > 1:
         fits.append(search.completed(chosen))
@@ -145,7 +145,7 @@ def _removed(search: Search, fit: CandidateFit, usual: float) -> float:
     """
     n, null = search.data.n_values, search.null.fit
     settings, form = search.settings.search, search.settings.ranking.shaped_form * (null.chi2 - n)
-    little = search.base is null and fit.chi2 - n < min(form, settings.little * n)
+    little = not search.from_torques and fit.chi2 - n < min(form, settings.little * n)
     return settings.removed_of_little if little and compared(search, [fit]).significant(fit) else usual
 
 
@@ -173,18 +173,17 @@ def _grown(
         return None
     changes = np.stack([addition.change for addition in additions], axis=-1)
     group = [additions[index] for index in surroundings.independent(changes, settings.grouped, settings.kept)]
-    if search.base is not search.null.fit:
+    if search.from_torques:
         rest = fit.chi2 - search.data.n_values
         group = [addition for addition in group if addition.gain > settings.hopeful * settings.removed_of_all * rest]
         if not group:
             return None
-    simulated = search.base is search.null.fit
-    if simulated and len(group) > 1:
+    elif len(group) > 1:
         sizes = surroundings.sizes(np.stack([addition.change for addition in group], axis=-1))
         group = [addition.sized(size) for addition, size in zip(group, sizes, strict=True)]
     grown = _fitted(search, fit, [group], fits) if len(group) > 1 else None
     least = fit.chi2 - settings.removed_by_step * max(fit.chi2 - search.data.n_values, 0.0)
-    if grown is None or (grown.chi2 > least and simulated and not search.deadline.stops()):
+    if grown is None or (grown.chi2 > least and not search.from_torques and not search.deadline.stops()):
         alone = _fitted(search, fit, [[addition] for addition in additions[: settings.added]], fits)
         grown = min((one for one in (grown, alone) if one is not None), key=lambda one: one.chi2, default=None)
     return grown

@@ -42,6 +42,8 @@ class Search:
         base: Effects that the torques show.
     """
 
+    from_torques = True
+
     def __init__(self, chi2: dict[frozenset[str], float], estimated: dict[str, float], base: tuple[str, ...]) -> None:
         self.chi2, self.estimated = chi2, estimated
         self.base = Fit(base, 0.0)

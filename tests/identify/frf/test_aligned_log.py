@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.interpolate import BarycentricInterpolator
 
 from flexros.errors import InputError
 from flexros.identify.frf.aligned_log import align
@@ -122,8 +123,9 @@ def test_missing_samples_are_interpolated(recorded: Recorded) -> None:
     kept = np.delete(np.arange(recorded.plan.n_samples), [700, 701])
     found = align(replace(recorded.log, joint_states=rows(replace(states, position=position), kept)), recorded.plan)
     np.testing.assert_array_equal(found.numbers, np.arange(recorded.plan.n_samples))
-    for lost in (5, 700, 701):
-        np.testing.assert_allclose(found.position[lost], np.asarray(states.position)[lost], atol=1e-5)
+    for lost, around in ((5, [3, 4, 6, 7]), (700, [698, 699, 702, 703]), (701, [698, 699, 702, 703])):
+        cubic = BarycentricInterpolator(around, np.asarray(states.position)[around])
+        np.testing.assert_allclose(found.position[lost], cubic(lost), rtol=1e-12)
     (warning,) = found.warnings
     assert "3 samples of joint_states are missing or not finite" in warning
 
