@@ -13,7 +13,8 @@ from flexros.compile.object_cache import fingerprint, kept_or_made
 from flexros.compile.operations import LIBRARY_SYMBOLS
 from flexros.errors import InputError
 
-_COMPILING = Lock()
+_PREPARING = Lock()
+"""Held for what LLVM keeps for the whole process; threads compile side by side, each in a context of its own."""
 
 
 def can_compile() -> bool:
@@ -43,14 +44,15 @@ class MachineCode:
         import llvmlite
         import llvmlite.binding as llvm
 
-        with _COMPILING:
+        with _PREPARING:
             _prepare()
             target = llvm.Target.from_default_triple()
             cpu, features = _host()
             machine = target.create_target_machine(cpu=cpu, features=features, opt=level, jit=True)
-            compiler = (llvmlite.__version__, str(llvm.llvm_version_info), target.triple, cpu, features, str(level))
-            name = fingerprint(*compiler, text)
-            object_code = kept_or_made(name, lambda: _compiled(text, machine))
+        compiler = (llvmlite.__version__, str(llvm.llvm_version_info), target.triple, cpu, features, str(level))
+        name = fingerprint(*compiler, text)
+        object_code = kept_or_made(name, lambda: _compiled(text, machine))
+        with _PREPARING:
             self._engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
             self._engine.add_object_file(llvm.ObjectFileRef.from_data(object_code))
             self._engine.finalize_object()
@@ -74,7 +76,7 @@ def _compiled(text: str, machine: Any) -> bytes:
     """Return the object code of a module."""
     import llvmlite.binding as llvm
 
-    module = llvm.parse_assembly(text)
+    module = llvm.parse_assembly(text, context=llvm.create_context())
     module.verify()
     with module:
         return bytes(machine.emit_object(module))

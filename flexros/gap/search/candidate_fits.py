@@ -185,7 +185,8 @@ class Search:
             candidates: The candidates.
         """
         groups = grouped(tuple(dict.fromkeys(candidates)), self.settings.search.compiled)
-        plants = [self.null.plant((*fit.hypothesis, *group)) for group in groups]
+        with ThreadPoolExecutor(self.threads) as pool:
+            plants = list(pool.map(lambda group: self.null.plant((*fit.hypothesis, *group)), groups))
         return {one: plant for group, plant in zip(groups, plants, strict=True) for one in group}
 
     def _directions(self, fit: CandidateFit, residual: FloatArray, pair: tuple[Candidate, CompiledPlant]) -> Directions:

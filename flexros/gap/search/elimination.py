@@ -10,6 +10,8 @@ from flexros.gap.fit.estimates import parameters_of
 from flexros.gap.search.worth import compared, unique, worth
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.search.candidate_fits import Search
@@ -21,12 +23,16 @@ NOTHING = 1e-3
 """Size over the largest one of its search below which an effect is none [1] (chosen): one of size zero seems to be
 sharply known."""
 
+TRIED = 2
+"""Effects without which an explanation is fitted at once (chosen): two that do the same compete."""
+
 
 def reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed: float) -> CandidateFit:
     """Leave out the effects without which hardly more is left, one after the other.
 
-    Effects that are indispensable by linear theory are not tried. Without time for fits, and of the crowd of effects
-    that torques show, all are left out at once that are needless by linear theory.
+    Effects that are indispensable by linear theory are not tried, and those that seem least needed by it come first.
+    Without time for fits, and of the crowd of effects that torques show, all are left out at once that are needless by
+    linear theory.
 
     Args:
         search: The search.
@@ -44,15 +50,39 @@ def reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed
         surroundings = search.surroundings(fit)  # of some rows: they tell how much is lost, not how much is left
         lost = [max(rest.least - surroundings.least, 0.0) for rest in search.removals(fit, surroundings)]
         left = max(fit.chi2 - n, 0.0)
-        doubtful = [one.name for one, rise in zip(fit.hypothesis, lost) if rise < certain * (rise + left) or rise == 0]
-        without = search.parallel("effects left out", partial(search.without, fit), doubtful, needed=len(doubtful))
+        doubtful = [
+            (rise, one.name)
+            for one, rise in zip(fit.hypothesis, lost, strict=True)
+            if rise < certain * (rise + left) or rise == 0
+        ]
+        rest = _without_one(search, fit, [name for _, name in sorted(doubtful)], fits, removed)
+        if rest is None:
+            break
+        fit = rest
+    return fit
+
+
+def _without_one(
+    search: Search, fit: CandidateFit, names: Sequence[str], fits: list[CandidateFit], removed: float
+) -> CandidateFit | None:
+    """Leave out an effect without which hardly more is left, a few at a time being tried; None where there is none.
+
+    Args:
+        search: The search.
+        fit: The fit.
+        names: The effects that are tried, the most doubtful first.
+        fits: All fits so far; new ones are appended.
+        removed: Share of the remaining gap that every effect must remove [1].
+    """
+    for begin in range(0, len(names), TRIED):
+        tried = names[begin : begin + TRIED]
+        without = search.parallel("effects left out", partial(search.without, fit), tried, needed=TRIED)
         fits += without
         comparison = compared(search, unique(fits))
         needless = [rest for rest in without if not worth(search, comparison, rest, fit, removed)]
-        if not needless:
-            break
-        fit = min(needless, key=lambda rest: rest.chi2)
-    return fit
+        if needless:
+            return min(needless, key=lambda rest: rest.chi2)
+    return None
 
 
 def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed: float) -> CandidateFit:
