@@ -46,7 +46,7 @@ def with_bristles(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -
         for one in fit.hypothesis
         if one.effect is CoulombFriction and len(one.free) == 1 and _noise(search, one) > 0
     ]
-    imported = search.data.record.imported or search.base is not search.null.fit
+    imported = search.data.record.imported or search.from_torques
     if not rigid or imported or search.deadline.stops() or not incomplete(search, compared(search, [fit]), fit):
         return fit
     levels = {
