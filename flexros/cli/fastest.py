@@ -25,9 +25,11 @@ def fastest(
     if as_json:
         print_json([move.summary() for move in moves])
         return
-    table = Table("move", "rigid arm [s]", "smooth [s]", "at its limit, share of the time of the rigid arm")
+    table = Table(
+        "move", "rigid arm [s]", "smooth [s]", "smoothing [s]", "at its limit, share of the time of the rigid arm"
+    )
     for number, move in enumerate(moves, start=1):
         shares = ", ".join(f"{name} {100 * share:.0f} %" for name, share in move.limiting().items() if share > 0.005)
-        table.add_row(str(number), f"{move.least_duration:.4f}", f"{move.duration:.4f}", shares)
+        table.add_row(str(number), f"{move.least_duration:.4f}", f"{move.duration:.4f}", f"{move.smoothing:g}", shares)
     console.print(table)
     say("Rigid arm: the bound with jumps of the acceleration. Smooth: what a run with this time law does.")

@@ -55,9 +55,11 @@ def test_way_back_is_planned_by_itself() -> None:
     assert largest_use(experiment) == pytest.approx(1.0, abs=2 * TOLERANCE)
 
 
-def test_circle_of_the_tool_with_limits_of_the_time_law() -> None:
+def test_repeated_circle_of_the_tool_with_limits_of_the_time_law() -> None:
+    """One circle shakes the arm for the next: the limits hold for both."""
     law = {**FAST, "torque_limit": [2000, 1000], "smoothing": 0.2}
-    experiment = Experiment.prepare(load_scenario("circle_dae2").with_values({"trajectory.time_law": law}))
+    changes = {"trajectory.time_law": law, "trajectory.repeat": 2}
+    experiment = Experiment.prepare(load_scenario("circle_dae2").with_values(changes))
     largest = np.abs(experiment.reference.torque).max(axis=0)
     assert np.all(largest <= np.array([2000.0, 1000.0]) * (1.0 + 2 * TOLERANCE))
     assert np.max(largest / [2000.0, 1000.0]) > 0.97
@@ -68,6 +70,14 @@ def test_path_speed_is_the_speed_of_the_tool() -> None:
     trajectory = Experiment.prepare(load_scenario("circle_dae2").with_values({"trajectory.time_law": law})).trajectory
     speed = np.linalg.norm(trajectory.evaluate(np.linspace(0.0, trajectory.duration, 500), 1)[1], axis=1)
     assert speed.max() == pytest.approx(0.15, rel=1e-3)
+
+
+def test_smoothing_too_short_for_a_soft_arm_is_lengthened() -> None:
+    law = {**FAST, "points": 51, "torque_limit": [2000, 1000], "smoothing": 0.02}
+    (move,) = fastest_moves(load_scenario("circle_fj").with_values({"trajectory.time_law": law}))
+    assert move.smoothing in (0.04, 0.08, 0.16)
+    assert move.duration < 1.3 * move.least_duration
+    assert move.excess <= TOLERANCE
 
 
 def test_figures_of_the_moves() -> None:

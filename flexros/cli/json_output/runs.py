@@ -43,6 +43,7 @@ class FastestMove(Output):
     at_limit: dict[str, float] = Field(
         description="share of the rigid duration for which the torque of each motor, or speed, is at its limit [1]"
     )
+    smoothing_s: float = Field(description="time over which a step of the acceleration is spread [s]")
     slowed_by: float = Field(description="factor by which the smooth motion was slowed down as a whole [1]")
     excess: float = Field(description="largest excess over a limit, relative to it [1]")
 

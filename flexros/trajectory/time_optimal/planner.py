@@ -41,7 +41,8 @@ class OptimalMove:
         move: Path and smooth time law.
         profile: The fastest motion of the rigid arm, with jumps of the acceleration.
         dynamics: Torques and limits of the rigid arm on the path.
-        rounds: Number of smoothed laws that were tried.
+        smoothing: Time over which a step of the acceleration is spread [s].
+        rounds: Number of limits that were tried.
         slower_by: Factor by which the last one was slowed down, 1 for none.
         excess: Largest excess of a torque or speed over its limit, relative to the limit; 0 or less for none.
     """
@@ -49,6 +50,7 @@ class OptimalMove:
     move: Move
     profile: FastestProfile
     dynamics: PathDynamics
+    smoothing: float
     rounds: int
     slower_by: float
     excess: float
@@ -76,6 +78,7 @@ class OptimalMove:
             "rigid_duration_s": self.least_duration,
             "duration_s": self.duration,
             "at_limit": self.limiting(),
+            "smoothing_s": self.smoothing,
             "slowed_by": self.slower_by,
             "excess": self.excess,
         }
@@ -93,9 +96,9 @@ def optimal_move(
     """Plan the fastest smooth move along a path.
 
     The fastest profile of the rigid arm is smoothed (`smoothed_law`), and the torques that the feedforward commands for
-    it are compared with the limits. Where they exceed them, the limits of the profile are tightened by the excess, and
-    the profile is found anew. The law that is fastest after what is left of the excess is removed by slowing the whole
-    move down is taken.
+    it are compared with the limits. Where they exceed them, the smoothing time is doubled as long as this makes the
+    move faster; then the limits of the profile are tightened by the excess, and the profile is found anew. The law that
+    is fastest after what is left of the excess is removed by slowing the whole move down is taken.
 
     Args:
         path: The path.
@@ -104,7 +107,7 @@ def optimal_move(
         begin: Gear positions near those at the start of the path [rad or m], shape (M,); None: those of the run.
         end: Gear positions at the end of the path [rad or m], shape (M,): the path is travelled backwards; None:
             forwards.
-        smoothing: Time over which a step of the acceleration is spread [s], above 0.
+        smoothing: Least time over which a step of the acceleration is spread [s], above 0.
 
     Returns:
         The move.
@@ -116,19 +119,40 @@ def optimal_move(
     near = end if backwards else begin
     dynamics = dynamics.backwards() if backwards else dynamics
     profile = fastest_profile(dynamics)
-    task = _Task(path, arm, near, dynamics, smoothing, backwards)
-    tight, tight_profile = dynamics, profile
-    trials: list[_Trial] = []
-    while len(trials) < ROUNDS:
-        trial = task.tried(task.law(tight_profile))
-        trials.append(trial)
-        best = min(trials, key=lambda each: each.estimate)
-        if trial.excess <= TOLERANCE or len(trials) - trials.index(best) > WORSE:
+    tasks = _smooth_enough(_Task(path, arm, near, dynamics, smoothing, backwards), profile)
+    return min((_within_limits(task, trial, profile) for task, trial in tasks), key=lambda move: move.duration)
+
+
+def _smooth_enough(task: _Task, profile: FastestProfile) -> list[tuple[_Task, _Trial]]:
+    """Double the smoothing time as long as limits are exceeded and the slower law that they ask for gets faster.
+
+    Returns:
+        The last two, or the first alone.
+    """
+    tried = [(task, task.tried(task.law(profile)))]
+    while tried[-1][1].excess > TOLERANCE:
+        longer = replace(task, smoothing=2.0 * tried[-1][0].smoothing)
+        trial = longer.tried(longer.law(profile))
+        if trial.estimate >= tried[-1][1].estimate:
             break
-        tight = _tightened(tight, dynamics, tight_profile, trial, smoothing)
-        tight_profile = fastest_profile(tight)
+        tried.append((longer, trial))
+    return tried[-2:]
+
+
+def _within_limits(task: _Task, first: _Trial, profile: FastestProfile) -> OptimalMove:
+    """Tighten the limits of the profile until the smooth law keeps them, and slow down what is left of the excess."""
+    tight, tight_profile, best, trials = task.dynamics, profile, first, [first]
+    while trials[-1].excess > TOLERANCE and len(trials) < ROUNDS and len(trials) - trials.index(best) <= WORSE:
+        tight = _tightened(tight, task.dynamics, tight_profile, trials[-1], task.smoothing)
+        try:
+            tight_profile = fastest_profile(tight)
+        except InputError:  # tightened to a standstill somewhere on the path; the best law so far is slowed down
+            break
+        trials.append(task.tried(task.law(tight_profile)))
+        best = min(trials, key=lambda each: each.estimate)
     factor, last = task.slowed(best)
-    return OptimalMove(Move(path, last.law), profile, dynamics, len(trials), factor, last.excess)
+    move = Move(task.path, last.law)
+    return OptimalMove(move, profile, task.dynamics, task.smoothing, len(trials), factor, last.excess)
 
 
 def checked_together(

@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 PASSES = 60
 """Largest number of passes in which the viscous torque is brought into agreement with the speed (chosen)."""
 
+KEPT = 0.05
+"""Least share of the squared speed that is left at the next grid point, so that the motion stops at its end alone."""
+
 AGREEMENT = 1e-6
 """Relative change of the squared speed between two passes that counts as agreement (chosen)."""
 
@@ -102,16 +105,15 @@ def _one_pass(dynamics: PathDynamics, viscous: FloatArray) -> FastestProfile:
     for i in range(n - 2, -1, -1):
         slope = -0.5 / step[i]
         steeper = rows.low_slope[i] > slope
-        bound = (reachable[i + 1] / (2.0 * step[i]) - rows.low[i]) / np.where(
-            steeper, rows.low_slope[i] - slope, np.inf
-        )
+        bound = (reachable[i + 1] / (2.0 * step[i]) - rows.low[i]) / np.where(steeper, rows.low_slope[i] - slope, 1.0)
         reachable[i] = min(largest[i], float(np.min(np.where(steeper, bound, np.inf))))
         if not np.isfinite(reachable[i]):
             raise InputError(
                 f"nothing limits the motion: {', '.join(dynamics.names)} have neither torque nor speed limits; give "
                 "torque_limit or speed_limit in the robot file or in the time law"
             )
-        reachable[i] = max(reachable[i], 0.0)
+        if i < n - 2:
+            reachable[i] = min(reachable[i], reachable[i + 1] / KEPT)
     x, u = np.zeros(n), np.zeros(n - 1)
     for i in range(n - 1):
         most = float(np.min(rows.high[i] + rows.high_slope[i] * x[i]))
@@ -162,7 +164,8 @@ class _Rows:
         closing = self.low_slope[:, None, :] - self.high_slope[:, :, None]
         with np.errstate(divide="ignore", invalid="ignore"):
             pairs = np.where(closing > 0.0, gap / closing, np.inf).min(axis=(1, 2))
-            stop = np.where(-0.5 / step > self.high_slope, self.high / (-0.5 / step - self.high_slope), np.inf)
+            slowing = -0.5 * (1.0 - np.where(np.arange(len(step)) < len(step) - 1, KEPT, 0.0))[:, None] / step
+            stop = np.where(slowing > self.high_slope, self.high / (slowing - self.high_slope), np.inf)
         x = np.minimum(np.minimum(pairs, stop.min(axis=1)), self.direct)
         return np.asarray(np.minimum(x, limit[:-1]))
 

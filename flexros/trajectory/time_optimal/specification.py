@@ -44,8 +44,8 @@ class TimeOptimalSpecification(Settings):
         default=0.1,
         gt=0.0,
         le=10.0,
-        description="time over which a step of the acceleration is spread [s]; "
-        "the jerk is at most the step of the acceleration divided by half of it",
+        description="least time over which a step of the acceleration is spread [s], doubled "
+        "where that is faster; the jerk is at most the step of the acceleration divided by half of it",
     )
     points: int = Field(default=801, ge=11, le=20001, description="number of grid points on every path [1]")
 
