@@ -116,7 +116,7 @@ noscript p { border: 1px solid var(--warn); padding: 10px 14px; }
   th, td { padding: 3px 8px 3px 0; }
   .tiles { grid-template-columns: repeat(4, 1fr); }
   .magnifier, .modebar, .listing button { display: none !important; }
-  .listing pre { max-height: none; }
+  .listing pre { max-height: none; white-space: pre-wrap; overflow: visible; }
 }
 """
 )
@@ -177,8 +177,9 @@ const narrow = (layout, width) => {
   }
 };
 
-// On paper two pictures share a page; one of many rows keeps 100 px for each.
-const paperHeight = (layout) => {
+// On paper two pictures share a page; one of many rows keeps 100 px for each, bars and cells keep their height.
+const paperHeight = ({data, layout}) => {
+  if (data.some((trace) => trace.type === "bar" || trace.type === "heatmap")) return layout.height;
   const axes = Object.keys(layout).filter((name) => /^yaxis\\d*$/.test(name));
   const rows = new Set(axes.map((name) => ((layout[name] && layout[name].domain) || [0])[0].toFixed(3))).size;
   return Math.min(layout.height, Math.max(420, 116 + 100 * rows));
@@ -191,7 +192,7 @@ const paint = (picture, plot) => {
   if (night.matches && !printing) text = text.replace(/#[0-9a-f]{6}/g, (colour) => darker[colour] || colour);
   const figure = JSON.parse(text), small = element.clientWidth < 560;
   if (small) narrow(figure.layout, element.clientWidth);
-  if (printing) figure.layout.height = paperHeight(figure.layout);
+  if (printing) figure.layout.height = paperHeight(figure);
   element.style.height = figure.layout.height + "px";
   const options = {responsive: true, displaylogo: false, displayModeBar: small ? false : undefined};
   options.modeBarButtons = figure.layout.scene ? undefined : [tools];
