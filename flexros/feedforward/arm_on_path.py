@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -47,6 +47,7 @@ class FeedforwardOnPath:
     output: str
     near: FloatArray | None = None
     laws: tuple[PlacedLaw, ...] = ()
+    _without_lead: set[tuple[AbstractPath, ...]] = field(default_factory=set, init=False, repr=False)
 
     def dynamics(self, path: AbstractPath, near: FloatArray | None, points: int) -> PathDynamics:
         """See `ArmOnPath.dynamics`."""
@@ -84,8 +85,13 @@ class FeedforwardOnPath:
         if specification.method == "none":
             specification = FeedforwardSpecification(method="rigid", friction=specification.friction)
         trajectory = Trajectory(tuple(moves), self.output)
-        start = self._arm(near)
-        lead = pre_actuation(self.robot, trajectory, specification, self.sample_time, start, self.laws)
+        start, paths, lead = self._arm(near), tuple(move.path for move in moves), 0.0
+        if paths in self._without_lead:  # the zero dynamics depend on the poses of the path, not on the time law
+            specification = specification.model_copy(update={"zero_dynamics_poses": 1})
+        else:
+            lead = pre_actuation(self.robot, trajectory, specification, self.sample_time, start, self.laws)
+            if lead == 0.0:
+                self._without_lead.add(paths)
         lead = max(0.0, lead - trajectory.rest_before)
         trajectory = trajectory.delayed(lead) if lead > 0.0 else trajectory
         reference = compute_reference(
