@@ -250,6 +250,11 @@ class SearchSettings(Settings):
         description="predicted gain from which a further effect is fitted beside those that torques show, over what it "
         "must remove [1]: linear theory underestimates some",
     )
+    resumed: int = Field(
+        default=2,
+        ge=0,
+        description="times that the search goes on after exchanges, in simulated logs [1] (chosen)",
+    )
     removed_by_step: float = Field(
         default=0.1,
         gt=0,

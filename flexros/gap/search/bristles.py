@@ -9,9 +9,11 @@ from flexros.effects.coulomb_friction import CoulombFriction
 from flexros.effects.presliding_friction import SEEN
 from flexros.gap.candidates.candidate import FreeParameter
 from flexros.gap.search.candidate_fits import at_limits
-from flexros.gap.search.worth import compared, incomplete, worth
+from flexros.gap.search.worth import compared, incomplete
 
 if TYPE_CHECKING:
+    from collections.abc import Collection
+
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.search.candidate_fits import Search
@@ -27,11 +29,12 @@ RELAXATIONS = (1e-7, 1.0)
 
 
 def with_bristles(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
-    """Let the Coulomb friction of an explanation hold by bristles, where that removes a good part of what is left.
+    """Let the Coulomb friction of an explanation hold by bristles, where what is left shows them.
 
     Contacts that bend by less than the encoder shows shift the instants of reversals. Held rigidly, they leave a rest
-    there, which biases the sizes of all other effects and hides small ones. What bends by more is presliding friction,
-    which competes on its own. On a real machine the floor is a tolerance, and curves take up what laws leave.
+    there, which biases the sizes of all other effects and hides small ones; a lag may explain it better than the delay
+    that is there. What bends by more is presliding friction, which competes on its own. On a real machine the floor is
+    a tolerance, and curves take up what laws leave.
 
     Args:
         search: The search.
@@ -56,15 +59,20 @@ def with_bristles(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -
     }
     held = [_held(search, one, levels[one.name]) if one in rigid else one for one in fit.hypothesis]
     bent = search.reshaped(fit, tuple(held))
-    firm = {candidate.name for candidate, _ in at_limits(bent)}
-    if firm and any(one.name not in firm for one in rigid):
+    if firm := _at_limits(bent, levels):
         pairs = zip(fit.hypothesis, held, strict=True)
         bent = search.reshaped(fit, tuple(one if one.name in firm else other for one, other in pairs))
-    removed = search.settings.search.removed_by_step
-    if at_limits(bent) or not worth(search, compared(search, [fit, bent]), fit, bent, removed):
+    comparison = compared(search, [fit, bent])
+    gains = comparison.score(bent) - comparison.score(fit) > comparison.threshold
+    if not gains or _at_limits(bent, levels.keys() - firm):
         return fit
     fits.append(bent)
     return bent
+
+
+def _at_limits(fit: CandidateFit, names: Collection[str]) -> set[str]:
+    """Return which of some candidates ended at a limit of their search."""
+    return {candidate.name for candidate, _ in at_limits(fit)}.intersection(names)
 
 
 def _held(search: Search, candidate: Candidate, level: float) -> Candidate:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from flexros.gap.search.worth import compared, simplest, unique
 
 if TYPE_CHECKING:
@@ -14,6 +16,10 @@ if TYPE_CHECKING:
     from flexros.gap.fit.screening import Directions
     from flexros.gap.search.candidate_fits import Addition, Search
     from flexros.gap.search.model_probability import ModelComparison
+
+
+RICH = 3
+"""Parameters from which a law that extends others may stand for two effects [1]."""
 
 
 def exchanged(
@@ -51,7 +57,8 @@ def corrected(
     """Exchange an effect for the candidate that does best in its place, where no torques show the first effects.
 
     The first effect of several stands for all of them, and a rich law does that best. Kept, it makes others imitate
-    what it lacks. A simpler candidate at the same place comes first, else the best one counts.
+    what it lacks. A simpler candidate at the same place comes first, else the best one counts; and two candidates whose
+    gains add up stand against a law with as many parameters.
 
     Args:
         search: The search.
@@ -67,8 +74,32 @@ def corrected(
         for addition in _simple_there_first(candidate, additions)[:1]
     ]
     comparison, level = _compared(search, fit, exchanges, fits)
-    best = max(level, key=comparison.score, default=fit)
+    divisions = _divisions(search, fit, directions)
+    divided = search.parallel("effects divided", lambda one: search.together(fit, one[1], without=one[0]), divisions)
+    divided = search.visible(divided)
+    fits += divided
+    best = max([*level, *divided], key=comparison.score, default=fit)
     return best if comparison.score(best) > comparison.score(fit) else fit
+
+
+def _divisions(
+    search: Search, fit: CandidateFit, directions: Sequence[Directions]
+) -> list[tuple[str, list[Addition]]]:
+    """List the rich laws that explain a simulated log, each with two candidates whose gains in its place add up."""
+    settings, found = search.settings.search, []
+    rich = [one for one in fit.hypothesis if len(one.free) >= RICH and one.effect.extends]
+    if search.data.record.imported or not rich:
+        return []
+    for candidate, rest in zip(fit.hypothesis, search.removals(fit, search.surroundings(fit)), strict=True):
+        additions = search.additions(directions, fit, rest)[: settings.screened] if candidate in rich else []
+        if not additions:
+            continue
+        changes = np.stack([addition.change for addition in additions], axis=-1)
+        group = [additions[index] for index in rest.independent(changes, 2, settings.kept)]
+        if len(group) > 1:
+            sizes = rest.sizes(np.stack([addition.change for addition in group], axis=-1))
+            found.append((candidate.name, [one.sized(size) for one, size in zip(group, sizes, strict=True)]))
+    return found
 
 
 def _simple_there_first(candidate: Candidate, additions: Sequence[Addition]) -> list[Addition]:

@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.candidates.candidate import names_of
-from flexros.gap.search.bristles import with_bristles
 from flexros.gap.search.candidate_fits import at_limits
 from flexros.gap.search.curve_candidates import within_motion
 from flexros.gap.search.curves import curves_of, in_place_of_laws, with_curves
 from flexros.gap.search.elimination import reduced, with_asymmetry, with_dropped
-from flexros.gap.search.exchange import corrected, exchanged
-from flexros.gap.search.worth import compared, incomplete, simple_first, simplest, unique, worth
+from flexros.gap.search.growth import extended, resumed, tidied, with_more
+from flexros.gap.search.worth import compared, simplest, unique, worth
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -22,7 +21,7 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.fit.screening import Directions
-    from flexros.gap.search.candidate_fits import Addition, Search
+    from flexros.gap.search.candidate_fits import Search
     from flexros.gap.search.model_probability import ModelComparison
 
 
@@ -89,38 +88,11 @@ def explain(search: Search) -> Explanations:
         dropped = [one for one in search.candidates() if one.name in search.base.names - chosen.names]
         directions += search.directions(dropped, chosen)  # beside another effect they may be needed
     first = chosen
-    for _ in range(settings.rounds_after_torques if search.from_torques else settings.rounds):
-        chosen = with_bristles(search, chosen, fits)
-        comparison = compared(search, unique(fits))
-        if len(chosen.hypothesis) >= settings.most_effects or not incomplete(search, comparison, chosen):
-            break
-        if search.deadline.stops():
-            break
-        quick = not chosen.converged or len(chosen.deviations)  # with the tolerance slopes of the nominal model
-        if quick and not search.data.record.imported:
-            chosen = search.completed(chosen)  # what a fit in a long valley leaves is no effect that is missing
-            fits.append(chosen)
-        grown = _grown(search, chosen, directions, fits)
-        comparison = compared(search, unique(fits))
-        if grown is None or not worth(
-            search, comparison, chosen, grown, _removed(search, chosen, settings.removed_by_step)
-        ):
-            break
-        before, chosen = chosen, reduced(search, grown, fits, _removed(search, grown, settings.removed_by_step))
-        other = corrected(search, chosen, directions, fits)
-        if other is not chosen:
-            chosen = reduced(search, other, fits, _removed(search, other, settings.removed_by_step))
-        if chosen.names == before.names:
-            break
+    chosen = extended(search, chosen, directions, fits)
     if search.from_torques and chosen.names != first.names:
         chosen = with_dropped(search, chosen, fits)
     if len(chosen.hypothesis) > 1:
-        fits.append(search.completed(chosen))
-        chosen = reduced(search, fits[-1], fits, _removed(search, fits[-1], settings.removed))
-        other = exchanged(search, chosen, directions, fits)
-        if other.names != chosen.names:  # what made up for an effect of wrong form is needless now
-            other = reduced(search, other, fits, _removed(search, other, settings.removed))
-        chosen = other
+        chosen = resumed(search, chosen, tidied(search, chosen, directions, fits), directions, fits)
     elif search.deadline.over:
         chosen = search.completed(chosen)
         fits.append(chosen)
@@ -130,73 +102,6 @@ def explain(search: Search) -> Explanations:
     comparison = compared(search, unique(fits))
     (chosen,) = (fit for fit in comparison.fits if fit.names == chosen.names)
     return _pruned(search, _explanations(search, comparison, chosen, detected=True))
-
-
-def _removed(search: Search, fit: CandidateFit, usual: float) -> float:
-    """Return the share of the remaining gap that every effect of an explanation must remove [1].
-
-    A little more than noise that a fit of a simulated log leaves, within the model-form error of the whole gap, may be
-    no missing effect: candidates that take up a part of it, with several parameters, imitate the form.
-
-    Args:
-        search: The search.
-        fit: The explanation.
-        usual: The share where more is left, or noise alone [1].
-    """
-    n, null = search.data.n_values, search.null.fit
-    settings, form = search.settings.search, search.settings.ranking.shaped_form * (null.chi2 - n)
-    little = not search.from_torques and fit.chi2 - n < min(form, settings.little * n)
-    return settings.removed_of_little if little and compared(search, [fit]).significant(fit) else usual
-
-
-def _grown(
-    search: Search, fit: CandidateFit, directions: Sequence[Directions], fits: list[CandidateFit]
-) -> CandidateFit | None:
-    """Add candidates to a fit: several whose gains add up, or one of the best.
-
-    Several begin with the sizes that they have together by linear theory. Where their fit ends above the fit without
-    them nevertheless, that is no sign that nothing is missing: then each of the best ones is tried alone as well.
-
-    Args:
-        search: The search.
-        fit: The fit.
-        directions: All candidates but those of harmonics, which follow from the fit.
-        fits: All fits so far; new ones are appended.
-
-    Returns:
-        The best of the new fits; None where no candidate is left.
-    """
-    settings, surroundings = search.settings.search, search.surroundings(fit)
-    every = [*directions, *search.directions(search.harmonics(fit))]
-    additions = simple_first(search, fit, search.additions(every, fit, surroundings))[: settings.screened]
-    if not additions:
-        return None
-    changes = np.stack([addition.change for addition in additions], axis=-1)
-    group = [additions[index] for index in surroundings.independent(changes, settings.grouped, settings.kept)]
-    if search.from_torques:
-        rest = fit.chi2 - search.data.n_values
-        group = [addition for addition in group if addition.gain > settings.hopeful * settings.removed_of_all * rest]
-        if not group:
-            return None
-    elif len(group) > 1:
-        sizes = surroundings.sizes(np.stack([addition.change for addition in group], axis=-1))
-        group = [addition.sized(size) for addition, size in zip(group, sizes, strict=True)]
-    grown = _fitted(search, fit, [group], fits) if len(group) > 1 else None
-    least = fit.chi2 - settings.removed_by_step * max(fit.chi2 - search.data.n_values, 0.0)
-    if grown is None or (grown.chi2 > least and not search.from_torques and not search.deadline.stops()):
-        alone = _fitted(search, fit, [[addition] for addition in additions[: settings.added]], fits)
-        grown = min((one for one in (grown, alone) if one is not None), key=lambda one: one.chi2, default=None)
-    return grown
-
-
-def _fitted(
-    search: Search, fit: CandidateFit, trials: Sequence[Sequence[Addition]], fits: list[CandidateFit]
-) -> CandidateFit | None:
-    """Fit an explanation with each of some groups of candidates; new fits are appended, the best one is returned."""
-    together = search.parallel("effects together", lambda trial: search.together(fit, trial), trials)
-    grown = search.visible([search.with_visible(one) for one in together])
-    fits += grown
-    return grown[0] if grown else None
 
 
 def _beside_curves(
@@ -231,7 +136,7 @@ def _beside_curves(
     for fit, candidates in alternatives:
         small = reduced(search, fit, fits, removed)
         for _ in range(search.settings.search.rounds):
-            grown = None if search.deadline.stops() else _grown(search, small, candidates, [])
+            grown = None if search.deadline.stops() else with_more(search, small, candidates, [])
             if grown is None or not worth(search, compared(search, unique(fits)), small, grown, removed):
                 break
             fits.append(search.completed(within_motion(search, grown)))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from flexros.gap.candidates.candidate import simpler
 from flexros.gap.search.model_probability import ModelComparison, compare
 
@@ -32,8 +34,11 @@ def incomplete(search: Search, comparison: ModelComparison, chosen: CandidateFit
     """Return whether an explanation leaves more than noise or moves parameters beyond tolerance.
 
     The floor of a real machine is a tolerance: above it something is left, and below it there may be what is worth it.
+    So it is where positions are rounded so coarsely that the level without gap is known worse than by chance: what
+    effects must gain there, `threshold`, allows for the rounding.
     """
-    if search.data.record.imported:
+    rounded = comparison.rounding > 0 and comparison.floor_error > np.sqrt(2.0 / comparison.n_values)
+    if search.data.record.imported or rounded:
         return True
     return comparison.significant(chosen) or comparison.beyond_tolerance(chosen)
 

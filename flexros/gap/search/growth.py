@@ -1,0 +1,175 @@
+"""Growth of an explanation: candidates added, needless ones left out, wrong ones exchanged, and again."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.gap.search.bristles import with_bristles
+from flexros.gap.search.elimination import reduced
+from flexros.gap.search.exchange import corrected, exchanged
+from flexros.gap.search.worth import compared, incomplete, simple_first, unique, worth
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.screening import Directions
+    from flexros.gap.search.candidate_fits import Addition, Search
+
+
+def extended(
+    search: Search, chosen: CandidateFit, directions: Sequence[Directions], fits: list[CandidateFit]
+) -> CandidateFit:
+    """Add effects to an explanation for as long as they remove what is left.
+
+    Args:
+        search: The search.
+        chosen: The explanation.
+        directions: All candidates but those of harmonics.
+        fits: All fits so far; new ones are appended.
+    """
+    settings = search.settings.search
+    for _ in range(settings.rounds_after_torques if search.from_torques else settings.rounds):
+        chosen = with_bristles(search, chosen, fits)
+        comparison = compared(search, unique(fits))
+        if len(chosen.hypothesis) >= settings.most_effects or not incomplete(search, comparison, chosen):
+            break
+        if search.deadline.stops():
+            break
+        quick = not chosen.converged or len(chosen.deviations)  # with the tolerance slopes of the nominal model
+        if quick and not search.data.record.imported:
+            chosen = search.completed(chosen)  # what a fit in a long valley leaves is no effect that is missing
+            fits.append(chosen)
+        grown = with_more(search, chosen, directions, fits)
+        comparison = compared(search, unique(fits))
+        if grown is None or not worth(
+            search, comparison, chosen, grown, _removed(search, chosen, settings.removed_by_step)
+        ):
+            break
+        before, chosen = chosen, reduced(search, grown, fits, _removed(search, grown, settings.removed_by_step))
+        other = corrected(search, chosen, directions, fits)
+        if other is not chosen:
+            chosen = reduced(search, other, fits, _removed(search, other, settings.removed_by_step))
+        if chosen.names == before.names:
+            break
+    return chosen
+
+
+def tidied(
+    search: Search, chosen: CandidateFit, directions: Sequence[Directions], fits: list[CandidateFit]
+) -> CandidateFit:
+    """Fit an explanation to the end, leave out what is needless, and exchange effects; arguments as for `extended`."""
+    removed = search.settings.search.removed
+    fits.append(search.completed(chosen))
+    chosen = reduced(search, fits[-1], fits, _removed(search, fits[-1], removed))
+    other = exchanged(search, chosen, directions, fits)
+    if other.names != chosen.names:  # what made up for an effect of wrong form is needless now
+        other = reduced(search, other, fits, _removed(search, other, removed))
+    return other
+
+
+def resumed(
+    search: Search,
+    before: CandidateFit,
+    chosen: CandidateFit,
+    directions: Sequence[Directions],
+    fits: list[CandidateFit],
+) -> CandidateFit:
+    """Add further effects to an explanation in which effects were exchanged, or ended at limits of their search.
+
+    An effect that imitates others by a value at its limit is no finding: without it, those others can be added. The
+    search goes on in simulated logs only, where every effect is of the library.
+
+    Args:
+        search: The search.
+        before: The explanation as the search left it.
+        chosen: What became of it.
+        directions: All candidates but those of harmonics.
+        fits: All fits so far; new ones are appended.
+    """
+    simulated = not search.from_torques and not search.data.record.imported
+    for _ in range(search.settings.search.resumed if simulated else 0):
+        if search.deadline.stops():
+            break
+        valid = search.within_limits(chosen)
+        changed = bool(valid.names - before.names) or valid.predictor.n_effect != chosen.predictor.n_effect
+        if not changed or not valid.hypothesis:
+            break
+        grown = extended(search, valid, directions, fits)
+        if grown.names == valid.names:
+            break
+        done = tidied(search, grown, directions, fits)
+        comparison = compared(search, [valid, done])
+        if comparison.score(done) < comparison.score(valid) + comparison.threshold:
+            break
+        before, chosen = grown, done
+    return chosen
+
+
+def _removed(search: Search, fit: CandidateFit, usual: float) -> float:
+    """Return the share of the remaining gap that every effect of an explanation must remove [1].
+
+    A little more than noise that a fit of a simulated log leaves, within the model-form error of the whole gap, may be
+    no missing effect: candidates that take up a part of it, with several parameters, imitate the form.
+
+    Args:
+        search: The search.
+        fit: The explanation.
+        usual: The share where more is left, or noise alone [1].
+    """
+    n, null = search.data.n_values, search.null.fit
+    settings, form = search.settings.search, search.settings.ranking.shaped_form * (null.chi2 - n)
+    little = not search.from_torques and fit.chi2 - n < min(form, settings.little * n)
+    return settings.removed_of_little if little and compared(search, [fit]).significant(fit) else usual
+
+
+def with_more(
+    search: Search, fit: CandidateFit, directions: Sequence[Directions], fits: list[CandidateFit]
+) -> CandidateFit | None:
+    """Add candidates to a fit: several whose gains add up, or one of the best.
+
+    Several begin with the sizes that they have together by linear theory. Where their fit ends above the fit without
+    them nevertheless, that is no sign that nothing is missing: then each of the best ones is tried alone as well.
+
+    Args:
+        search: The search.
+        fit: The fit.
+        directions: All candidates but those of harmonics, which follow from the fit.
+        fits: All fits so far; new ones are appended.
+
+    Returns:
+        The best of the new fits; None where no candidate is left.
+    """
+    settings, surroundings = search.settings.search, search.surroundings(fit)
+    every = [*directions, *search.directions(search.harmonics(fit))]
+    additions = simple_first(search, fit, search.additions(every, fit, surroundings))[: settings.screened]
+    if not additions:
+        return None
+    changes = np.stack([addition.change for addition in additions], axis=-1)
+    group = [additions[index] for index in surroundings.independent(changes, settings.grouped, settings.kept)]
+    if search.from_torques:
+        rest = fit.chi2 - search.data.n_values
+        group = [addition for addition in group if addition.gain > settings.hopeful * settings.removed_of_all * rest]
+        if not group:
+            return None
+    elif len(group) > 1:
+        sizes = surroundings.sizes(np.stack([addition.change for addition in group], axis=-1))
+        group = [addition.sized(size) for addition, size in zip(group, sizes, strict=True)]
+    grown = _fitted(search, fit, [group], fits) if len(group) > 1 else None
+    least = fit.chi2 - settings.removed_by_step * max(fit.chi2 - search.data.n_values, 0.0)
+    if grown is None or (grown.chi2 > least and not search.from_torques and not search.deadline.stops()):
+        alone = _fitted(search, fit, [[addition] for addition in additions[: settings.added]], fits)
+        grown = min((one for one in (grown, alone) if one is not None), key=lambda one: one.chi2, default=None)
+    return grown
+
+
+def _fitted(
+    search: Search, fit: CandidateFit, trials: Sequence[Sequence[Addition]], fits: list[CandidateFit]
+) -> CandidateFit | None:
+    """Fit an explanation with each of some groups of candidates; new fits are appended, the best one is returned."""
+    together = search.parallel("effects together", lambda trial: search.together(fit, trial), trials)
+    grown = search.visible([search.with_visible(one) for one in together])
+    fits += grown
+    return grown[0] if grown else None

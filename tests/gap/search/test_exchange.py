@@ -1,0 +1,41 @@
+"""Exchange of rich laws for two effects whose gains add up."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from flexros.gap.search.exchange import _divisions
+from flexros.gap.settings import DiagnosisSettings
+from tests.gap.diagnosis_logs import candidates_of
+
+
+class Rest:
+    """What is left without a law: the gains of two of three candidates add up."""
+
+    def independent(self, changes: Any, most: int, kept: float) -> list[int]:
+        return [0, 2][: min(most, changes.shape[1])]
+
+    def sizes(self, changes: Any) -> Any:
+        return np.full(changes.shape[1], 2.0)
+
+
+@pytest.mark.parametrize(("name", "expected"), [
+    ("presliding_friction@motor_1", ["hysteresis@motor_1", "torque_bias@motor_1"]),
+    ("coulomb_friction@motor_1", []),
+])  # fmt: skip
+def test_a_rich_law_is_divided_into_two_effects(name: str, expected: list[str]) -> None:
+    def addition(name: str) -> Any:
+        one = SimpleNamespace(candidate=SimpleNamespace(name=name), change=np.ones(4))
+        one.sized = lambda size: SimpleNamespace(candidate=one.candidate, size=size)
+        return one
+
+    names = ("hysteresis@motor_1", "damping_error@body_1.rz", "torque_bias@motor_1")
+    search: Any = SimpleNamespace(settings=DiagnosisSettings(), additions=lambda *_: [addition(each) for each in names])
+    found = _divisions(search, None, [(candidates_of()[name], Rest())], [])
+    assert [name for name, _ in found] == [name] * bool(expected)
+    assert [one.candidate.name for _, group in found for one in group] == expected
+    assert all(one.size == 2.0 for _, group in found for one in group)
