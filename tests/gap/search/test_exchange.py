@@ -34,7 +34,11 @@ def test_a_rich_law_is_divided_into_two_effects(name: str, expected: list[str]) 
         return one
 
     names = ("hysteresis@motor_1", "damping_error@body_1.rz", "torque_bias@motor_1")
-    search: Any = SimpleNamespace(settings=DiagnosisSettings(), additions=lambda *_: [addition(each) for each in names])
+    search: Any = SimpleNamespace(
+        settings=DiagnosisSettings(),
+        data=SimpleNamespace(record=SimpleNamespace(imported=False)),
+        additions=lambda *_: [addition(each) for each in names],
+    )
     found = _divisions(search, None, [(candidates_of()[name], Rest())], [])
     assert [name for name, _ in found] == [name] * bool(expected)
     assert [one.candidate.name for _, group in found for one in group] == expected
