@@ -47,7 +47,9 @@ def with_bristles(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -
     rigid = [
         one
         for one in fit.hypothesis
-        if one.effect is CoulombFriction and len(one.free) == 1 and _noise(search, one) > 0
+        if one.effect is CoulombFriction
+        and [free.signed for free in one.free] == [False]  # one that takes friction away has no bristles
+        and _noise(search, one) > 0
     ]
     imported = search.data.record.imported or search.from_torques
     if not rigid or imported or search.deadline.stops() or not incomplete(search, compared(search, [fit]), fit):

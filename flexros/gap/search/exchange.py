@@ -82,9 +82,7 @@ def corrected(
     return best if comparison.score(best) > comparison.score(fit) else fit
 
 
-def _divisions(
-    search: Search, fit: CandidateFit, directions: Sequence[Directions]
-) -> list[tuple[str, list[Addition]]]:
+def _divisions(search: Search, fit: CandidateFit, directions: Sequence[Directions]) -> list[tuple[str, list[Addition]]]:
     """List the rich laws that explain a simulated log, each with two candidates whose gains in its place add up."""
     settings, found = search.settings.search, []
     rich = [one for one in fit.hypothesis if len(one.free) >= RICH and one.effect.extends]

@@ -38,8 +38,10 @@ def test_a_rich_law_is_divided_into_two_effects(name: str, expected: list[str]) 
         settings=DiagnosisSettings(),
         data=SimpleNamespace(record=SimpleNamespace(imported=False)),
         additions=lambda *_: [addition(each) for each in names],
+        surroundings=lambda _: None,
+        removals=lambda *_: [Rest()],
     )
-    found = _divisions(search, None, [(candidates_of()[name], Rest())], [])
+    found = _divisions(search, SimpleNamespace(hypothesis=(candidates_of()[name],)), [])
     assert [name for name, _ in found] == [name] * bool(expected)
     assert [one.candidate.name for _, group in found for one in group] == expected
     assert all(one.size == 2.0 for _, group in found for one in group)
