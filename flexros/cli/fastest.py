@@ -7,6 +7,7 @@ from rich.table import Table
 
 from flexros.cli.model import ROBOT
 from flexros.cli.output import console, print_json, say
+from flexros.cli.progress import working
 
 
 def fastest(
@@ -21,7 +22,9 @@ def fastest(
     from flexros.cli.run import changed_scenario
     from flexros.scenario.motion import fastest_moves
 
-    moves = fastest_moves(changed_scenario(scenario, model, setting))
+    changed = changed_scenario(scenario, model, setting)
+    with working("planning"):
+        moves = fastest_moves(changed)
     if as_json:
         print_json([move.summary() for move in moves])
         return

@@ -80,7 +80,7 @@ def test_smoothing_too_short_for_the_gears_is_lengthened() -> None:
 
 
 def test_figures_of_the_moves() -> None:
-    (move,) = fastest_moves(load_scenario("elbow_moves"))
+    (move,) = fastest_moves(elbow())
     assert move.least_duration < move.duration < move.least_duration + 0.2
     assert sum(move.limiting().values()) == pytest.approx(1.0, abs=0.05)
 
