@@ -322,6 +322,13 @@ class SearchSettings(Settings):
         description="share of the floor of one motor that every effect must remove on a real machine, where the floor "
         "is a stated tolerance [1]",
     )
+    freed: float = Field(
+        default=0.5,
+        gt=0,
+        le=1,
+        description="share of the squared deviations of tolerated numbers, where these are beyond tolerance, that an "
+        "effect must free to be part of an explanation of a real machine, however little it removes [1]",
+    )
     within_floor: float = Field(
         default=0.5,
         gt=0,

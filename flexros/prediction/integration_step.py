@@ -18,6 +18,10 @@ friction are still placed well within a sample of the lowest rates."""
 FAST = 5
 """Most steps per sample for states that may be faster than the robot; what is much faster than a sample does not show
 (chosen)."""
+STABLE = 2.5
+"""Largest step times the largest eigenvalue [1]: Runge-Kutta steps of order four grow from 2.78 on."""
+MOST = 64
+"""Most steps per sample (chosen), for joints with much damping and little inertia."""
 TURN = 0.2
 """Largest step times the largest eigenvalue [rad]: the error of a step is its fifth power over 120 (chosen)."""
 
@@ -30,7 +34,9 @@ def substeps(robot: Robot, sample_time: float, *, fast: bool = False) -> int:
         sample_time: Time between two samples [s].
         fast: Whether effects have states that may be faster than the robot.
     """
-    step = max(SHORTEST, sample_time / FAST) if fast else min(max(TURN / _fastest(robot), SHORTEST), LONGEST)
+    fastest = _fastest(robot)
+    step = max(SHORTEST, sample_time / FAST) if fast else min(max(TURN / fastest, SHORTEST), LONGEST)
+    step = min(step, max(STABLE / fastest, sample_time / MOST))
     return max(1, int(np.ceil(sample_time / step - 1e-9)))
 
 

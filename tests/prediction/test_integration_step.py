@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import pytest
+import yaml
 
 from flexros.prediction.integration_step import substeps
-from flexros.robot import load_robot
+from flexros.robot import load_robot, robot_from_data
 
 
 @pytest.mark.parametrize(
@@ -18,3 +19,10 @@ def test_the_fastest_motion_of_a_robot_decides(name: str, sample_time: float, st
 def test_effects_with_fast_states_get_at_most_five_steps_in_a_sample() -> None:
     assert substeps(load_robot("emps"), 2e-3, fast=True) == 4
     assert substeps(load_robot("emps"), 0.02, fast=True) == 5
+
+
+def test_much_damping_on_little_inertia_needs_steps_that_do_not_grow() -> None:
+    brake = "{spring: rigid, motor: {inertia: 1.0e-4, viscous_friction: 1.0}}"  # 1e4 1/s
+    data = {"name": "brake", "bodies": [{"directions": {"ry": yaml.safe_load(brake)}}], "controlled": "j"}
+    robot = robot_from_data({**data, "outputs": {"j": {"coordinates": ["body_1.ry"]}}}, "brake.yaml")
+    assert substeps(robot, 0.004) == substeps(robot, 0.004, fast=True) == 16

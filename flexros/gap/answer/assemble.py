@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from flexros.effects import RobotWithEffects
 from flexros.gap.answer.budget import Budget, budget_of, without_gap
 from flexros.gap.answer.decision import (
     best_rival,
@@ -309,8 +312,11 @@ def _next(findings: Findings, verdict: Verdict, stages: Stages, deadline: Deadli
         placed_effects(fit)
         for fit in (explanations.chosen, *rivals_of(explanations, findings.settings, findings.elsewhere))
     ]
+    model, noise = findings.model, findings.data.measurement.deviation
+    if not np.all(model.robot.encoder_noise > 0):  # the experiments have the noise of the log
+        model = RobotWithEffects(model.robot.with_values({"encoder_noise": float(np.median(noise))}), model.laws)
     return next_experiment(
-        findings.model,
+        model,
         survivors,
         tool_measured=findings.data.tool is not None,
         tolerance=findings.tolerance,

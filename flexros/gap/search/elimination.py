@@ -7,7 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from flexros.gap.fit.estimates import parameters_of
-from flexros.gap.search.worth import compared, unique, worth
+from flexros.gap.search.worth import compared, strains, unique, worth
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -99,9 +99,15 @@ def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit
         fits: All fits so far; new ones are appended.
         removed: Share of the remaining gap that every effect must remove [1].
     """
-    while needless := _needless(search, fit, removed):
-        fit = search.without(fit, *needless)
-        fits.append(fit)
+    kept: set[str] = set()
+    while needless := [name for name in _needless(search, fit, removed) if name not in kept]:
+        fits.append(search.without(fit, *needless))
+        further = set(needless) - search.base.names
+        measured = search.base is not search.null.fit
+        if further and measured and strains(search, compared(search, [fits[-1]]), fit, fits[-1]):
+            kept |= further  # linear theory does not see what numbers of the model take over far from their tolerance
+            continue
+        fit = fits[-1]
         if _all_at_once(search):
             break
     return fit

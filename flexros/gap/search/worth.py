@@ -53,6 +53,8 @@ def worth(
     if comparison.level(before) - comparison.level(after) < form_error:
         return False
     if search.data.record.imported:
+        if strains(search, comparison, after, before):
+            return True
         removed = search.settings.search.removed_of_all
         least = search.settings.search.removed_of_floor / search.data.record.position.shape[1]
         if comparison.level(before) <= 1.0:
@@ -63,6 +65,19 @@ def worth(
     if comparison.beyond_tolerance(before) and relieved and not search.data.record.imported:
         return True
     return comparison.removed(before, after) >= removed
+
+
+def strains(search: Search, comparison: ModelComparison, fit: CandidateFit, rest: CandidateFit) -> bool:
+    """Return whether an explanation without some effects pulls numbers of the model far out of tolerance for them.
+
+    Args:
+        search: The search.
+        comparison: A comparison of fits of the log.
+        fit: The explanation with the effects.
+        rest: The explanation without them, fitted.
+    """
+    freed = rest.prior_penalty - fit.prior_penalty
+    return freed > search.settings.search.freed * rest.prior_penalty and comparison.beyond_tolerance(rest)
 
 
 def simple_first(search: Search, fit: CandidateFit, additions: Sequence[Addition]) -> list[Addition]:

@@ -22,6 +22,7 @@ class Fit:
 
     kept: tuple[str, ...]
     chi2: float
+    prior_penalty: float = 0.0
 
     @property
     def names(self) -> frozenset[str]:

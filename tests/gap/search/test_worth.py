@@ -58,6 +58,15 @@ def test_where_rounding_hides_the_floor_effects_may_be_missing_below_it(
     assert incomplete(search, comparison, fit) is expected
 
 
+def test_an_effect_that_brings_numbers_of_the_model_back_into_tolerance_is_worth_it() -> None:
+    """However little it removes: the numbers had taken over what it does in this log, not in others."""
+    comparison, fits = measured_fits(0.94, 0.77, 0.77)
+    for fit, penalty in zip(fits, (146.0, 5.0, 120.0)):
+        fit.prior_penalty, fit.predictor.tolerance.n_free = penalty, 18
+    assert worth(measured_search(6), comparison, fits[0], fits[1], 0.4)
+    assert not worth(measured_search(6), comparison, fits[0], fits[2], 0.4)
+
+
 def measured_fits(*levels: float) -> tuple[ModelComparison, list[Any]]:
     """Fits of a log of 20,000 values that leave these mean squared errors, without tolerances."""
     predictor = SimpleNamespace(n_effect=1, tolerance=SimpleNamespace(n_free=0))
