@@ -13,6 +13,7 @@ from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
 from flexros.gap.measure_gap import measure_gap
 from flexros.record.record import Record
+from tests.gap.diagnosis_logs import settings_of
 from tests.gap.servo_logs import servo_log, servo_robot
 
 pytestmark = pytest.mark.slow
@@ -40,7 +41,8 @@ def test_a_repair_closes_the_gap_of_a_wrong_gain() -> None:
 
 
 def test_gain_and_friction_are_named() -> None:
-    result = diagnose(record_of(STIFF, FRICTION), MODEL, holdout=record_of(STIFF, FRICTION, seed=5))
+    logs = [record_of(STIFF, FRICTION, seed=seed) for seed in (0, 5)]
+    result = diagnose(logs[0], MODEL, holdout=logs[1], settings=settings_of())
     causes = {cause.effect: cause for cause in result.diagnosis.causes if cause.probability > 0.5}
     assert set(causes) == {"servo_stiffness_error", "coulomb_friction"}
     assert causes["servo_stiffness_error"].parameters["relative"].value == pytest.approx(-0.2, abs=0.02)

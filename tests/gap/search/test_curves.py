@@ -99,8 +99,12 @@ def measured(effects: tuple[str, ...], hidden: str = "", faster: float = 1.0) ->
     return Record("log", T, position + noise, torque, np.ones(N, dtype=bool), imported=True)
 
 
-@cache
 def diagnosed(effects: tuple[str, ...], hidden: str = "", faster: float = 1.0) -> DiagnosisResult:
+    return diagnosed_once(effects, hidden, faster)
+
+
+@cache
+def diagnosed_once(effects: tuple[str, ...], hidden: str, faster: float) -> DiagnosisResult:
     return diagnose(measured(effects, hidden, faster), RobotWithEffects(robot(), ()), settings=SETTINGS)
 
 
