@@ -11,6 +11,7 @@ import numpy as np
 
 from flexros.compile.loop.arrays import LoopInputs
 from flexros.compile.loop.kernel import LoopKernel, compile_loop
+from flexros.effects.patching.placement import check_levels
 from flexros.errors import InputError, unknown_name
 from flexros.robot.equilibrium_search import Equilibrium
 from flexros.simulate.plant import delayed_start
@@ -176,8 +177,7 @@ def _equilibria(experiment: Experiment, model: PlantModel, parameters: FloatArra
         for run in {int(np.argmin(column)), int(np.argmax(column))}:
             value, source = {name: float(column[run])}, f"run {run} of the batch"
             experiment.plant.with_values(value if name in of_robot else {}, source)
-            for law in model.laws:
-                law.check_values(value, source)
+            check_levels([law.with_values(value, source) for law in model.laws], source)
     equilibria = []
     for values in parameters:
         rest = model.rest(start.state, values)

@@ -146,7 +146,9 @@ def _accelerations(plant: PlantSymbols, x: ca.SX, motors: list[int], step: ca.SX
     free = ca.substitute(free, torque, passed + smooth_torque(plant, passed))
     own = plant.own_states
     corners = plant.laws.gears or plant.laws.arms  # where a derivative would depend on round-off
-    if corners or plant.robot.n_coordinates == plant.robot.n_motors:  # and that of a rigid arm is longer than the accelerations
+    if (
+        corners or plant.robot.n_coordinates == plant.robot.n_motors
+    ):  # and that of a rigid arm is longer than the accelerations
         ahead = AHEAD * step
         moved = ca.vertcat(plant.q + ahead * plant.v, own + ahead * own_rates(plant, passed))
         slope = (ca.substitute(free, ca.vertcat(plant.q, own), moved) - free) / ahead

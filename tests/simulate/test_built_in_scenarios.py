@@ -31,6 +31,7 @@ LARGEST_ERROR = {
     "elbow_moves": 5e-5,
     "elbow_quasi_static": 9.8e-5,
     "elbow_state_feedback": 3.2e-5,
+    "elbow_time_optimal": 1.55e-4,
     "elbow_torque_feedback": 3.3e-5,
     "feedback_benchmark": 0.38,
     "four_mass_lqg": 0.147,

@@ -115,7 +115,7 @@ def test_unknown_parameter_is_refused_with_the_names_of_laws_among_those_allowed
 
 
 def test_value_that_the_effect_does_not_allow_is_refused_before_the_batch() -> None:
-    with pytest.raises(InputError, match=r"run 1 of the batch: coulomb_friction@motor_1: key 'level' is -1\.0, but"):
+    with pytest.raises(InputError, match=r"run 1 of the batch: coulomb_friction@motor_1: level is -1, but"):
         batch(experiment(ALL[0]), whole_record, values={"coulomb_friction@motor_1.level": [1.0, -1.0]})
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from flexros.config.settings import validate
@@ -14,7 +14,7 @@ from flexros.effects.kinds.model_change import AbstractModelChange
 from flexros.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Mapping, Sequence
 
     from flexros.robot import Robot
     from flexros.robot.robot import Commands
@@ -47,8 +47,8 @@ class PlacedLaw:
         """Parameter values of the law by full name, e.g. "coulomb_friction@motor_1.level"."""
         return {f"{self.name}.{key}": value for key, value in self.effect.parameter_values.items()}
 
-    def check_values(self, values: Mapping[str, float], source: str) -> None:
-        """Refuse values that the effect does not allow.
+    def with_values(self, values: Mapping[str, float], source: str) -> PlacedLaw:
+        """Return the law with other values of its parameters.
 
         Args:
             values: New values by full name; names of other laws are skipped.
@@ -58,7 +58,8 @@ class PlacedLaw:
             InputError: Names the parameter, its value and the allowed values.
         """
         own = {name.rpartition(".")[2]: value for name, value in values.items() if name in self.parameters}
-        validate(type(self.effect), {**self.effect.model_dump(), **own}, f"{source}: {self.name}")
+        effect = validate(type(self.effect), {**self.effect.model_dump(), **own}, f"{source}: {self.name}")
+        return replace(self, effect=effect)
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,12 +117,20 @@ def place_effects(robot: Robot, placed: Iterable[PlacedEffect], *, as_laws: bool
         name = name if counts[name] == 1 else f"{name}#{counts[name]}"
         acting = effect.acting
         laws.append(PlacedLaw(name, acting, location, given=None if acting is effect else effect))
-    _check_levels(laws)
+    check_levels(laws)
     return RobotWithEffects(robot, tuple(laws))
 
 
-def _check_levels(laws: list[PlacedLaw]) -> None:
-    """Refuse Coulomb friction that takes more away than other effects put there."""
+def check_levels(laws: Sequence[PlacedLaw], source: str = "") -> None:
+    """Refuse Coulomb friction that takes more away than other effects put there.
+
+    Args:
+        laws: All laws of a plant.
+        source: Origin of the values; prefix of the error message.
+
+    Raises:
+        InputError: Names the law, its level and the least one.
+    """
     for law in laws:
         if not isinstance(law.effect, CoulombFriction) or law.effect.level >= 0:
             continue
@@ -129,6 +138,6 @@ def _check_levels(laws: list[PlacedLaw]) -> None:
         most = sum(effect.level for effect in others if isinstance(effect, CoulombFriction))
         if law.effect.level < -most - 1e-9 * abs(most):
             raise InputError(
-                f"{law.name}: level is {law.effect.level:g}, but the model has a Coulomb friction of {most:g} there; "
-                f"give at least {-most:g}"
+                f"{source}{': ' if source else ''}{law.name}: level is {law.effect.level:g}, but the model has a "
+                f"Coulomb friction of {most:g} there; give at least {-most:g}"
             )
