@@ -47,7 +47,7 @@ def worth(
     search: Search, comparison: ModelComparison, before: CandidateFit, after: CandidateFit, removed: float
 ) -> bool:
     """Return whether further effects remove a good part of the remaining gap, or of the prior penalty."""
-    if comparison.score(after) - comparison.score(before) < comparison.threshold:
+    if _gained(search, comparison, before, after) < comparison.threshold:
         return False
     form_error = search.settings.search.least_of_gap * (comparison.level(comparison.null) - 1.0)
     if comparison.level(before) - comparison.level(after) < form_error:
@@ -65,6 +65,18 @@ def worth(
     if comparison.beyond_tolerance(before) and relieved and not search.data.record.imported:
         return True
     return comparison.removed(before, after) >= removed
+
+
+def _gained(search: Search, comparison: ModelComparison, before: CandidateFit, after: CandidateFit) -> float:
+    """Return the gain less penalty of an explanation over another one [1].
+
+    The floor of a real machine is a tolerance: where torques are known far better, as in the log of a simulator, the
+    levels of right explanations are far below it, and differences between them are no accident of little noise.
+    """
+    if not search.data.record.imported or comparison.level(before) > 1.0:
+        return comparison.score(after) - comparison.score(before)
+    ratio = comparison.level(before) / max(comparison.level(after), 1e-300)
+    return comparison.n_values * float(np.log(ratio)) - comparison.penalty(after) + comparison.penalty(before)
 
 
 def strains(search: Search, comparison: ModelComparison, fit: CandidateFit, rest: CandidateFit) -> bool:

@@ -32,7 +32,7 @@ def test_an_effect_of_a_real_machine_removes_more_than_the_doubt_of_its_floor(
     assert worth(search, comparison, rest, fit, 0.4) is expected
 
 
-@pytest.mark.parametrize(("before", "after", "expected"), [(0.95, 0.8, False), (0.95, 0.1, True)])
+@pytest.mark.parametrize(("before", "after", "expected"), [(0.95, 0.8, False), (0.95, 0.1, True), (0.4, 0.08, True)])
 def test_within_the_floor_of_a_real_machine_only_much_of_what_is_left_is_found(
     before: float, after: float, expected: bool
 ) -> None:
