@@ -1,4 +1,4 @@
-"""Joint moves of a robot under gravity, with DAE feedforward for the gear angles."""
+"""Joint moves of a robot under gravity, with DAE feedforward for the gear angles, or as fast as the torques allow."""
 
 from __future__ import annotations
 
@@ -12,4 +12,4 @@ if TYPE_CHECKING:
 
 def generate_launch_description() -> LaunchDescription:
     """Describe arguments and nodes."""
-    return run_description("elbow_moves", "six_axis_moves")
+    return run_description("elbow_moves", "elbow_time_optimal", "six_axis_moves")

@@ -24,6 +24,8 @@ BEGIN = 0.3
 """Deflection at which a fit begins, over the noise of the encoder [1] (chosen)."""
 RELAXATION = 1e-3
 """Damping over stiffness at which a fit begins [s] (chosen)."""
+BRISTLES = ("stiffness", "damping")
+"""Parameters of bristles."""
 RELAXATIONS = (1e-7, 1.0)
 """Bounds of that ratio [s] (chosen)."""
 
@@ -33,8 +35,9 @@ def with_bristles(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -
 
     Contacts that bend by less than the encoder shows shift the instants of reversals. Held rigidly, they leave a rest
     there, which biases the sizes of all other effects and hides small ones; a lag may explain it better than the delay
-    that is there. What bends by more is presliding friction, which competes on its own. On a real machine the floor is
-    a tolerance, and curves take up what laws leave.
+    that is there. Bristles that only stood for an effect which the explanation has by now go again. What bends by more
+    is presliding friction, which competes on its own. On a real machine the floor is a tolerance, and curves take up
+    what laws leave.
 
     Args:
         search: The search.
@@ -42,8 +45,12 @@ def with_bristles(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -
         fits: All fits so far; a new one is appended.
 
     Returns:
-        The explanation with bristles, under the same names, or the same fit.
+        The explanation with bristles, or without those it had, under the same names, or the same fit.
     """
+    firm = _without_bristles(search, fit)
+    if firm is not fit:
+        fits[:] = [*(one for one in fits if one.names != fit.names), firm]
+        return firm
     rigid = [
         one
         for one in fit.hypothesis
@@ -61,15 +68,30 @@ def with_bristles(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -
     }
     held = [_held(search, one, levels[one.name]) if one in rigid else one for one in fit.hypothesis]
     bent = search.reshaped(fit, tuple(held))
-    if firm := _at_limits(bent, levels):
+    if unbent := _at_limits(bent, levels):
         pairs = zip(fit.hypothesis, held, strict=True)
-        bent = search.reshaped(fit, tuple(one if one.name in firm else other for one, other in pairs))
+        bent = search.reshaped(fit, tuple(one if one.name in unbent else other for one, other in pairs))
     comparison = compared(search, [fit, bent])
     gains = comparison.score(bent) - comparison.score(fit) > comparison.threshold
-    if not gains or _at_limits(bent, levels.keys() - firm):
+    if not gains or _at_limits(bent, levels.keys() - unbent):
         return fit
     fits.append(bent)
     return bent
+
+
+def _without_bristles(search: Search, fit: CandidateFit) -> CandidateFit:
+    """Hold the friction of an explanation rigidly where its bristles are not worth their parameters."""
+    rigid = tuple(
+        replace(one, free=tuple(free for free in one.free if free.name not in BRISTLES))
+        if one.effect is CoulombFriction
+        else one
+        for one in fit.hypothesis
+    )
+    if rigid == fit.hypothesis or search.deadline.stops_finishing():
+        return fit
+    firm = search.reshaped(fit, rigid)
+    comparison = compared(search, [fit, firm])
+    return firm if comparison.score(fit) - comparison.score(firm) < comparison.threshold else fit
 
 
 def _at_limits(fit: CandidateFit, names: Collection[str]) -> set[str]:

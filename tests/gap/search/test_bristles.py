@@ -38,3 +38,15 @@ def test_contacts_that_yield_are_found_and_bias_no_other_size() -> None:
 def test_rigid_contacts_stay_rigid() -> None:
     rigid, held = fitted(search_of(f"coulomb_friction@motor_1:level={LEVEL}", SOFT))
     assert held is rigid
+
+
+def test_bristles_that_stood_for_another_effect_go_again() -> None:
+    search = search_of(f"coulomb_friction@motor_1:level={LEVEL}", SOFT)
+    (friction, *_) = search.singles(search.directions([candidates_of()["coulomb_friction@motor_1"]]))
+    bent = with_bristles(search, friction, fits := [])
+    assert [free.name for free in bent.hypothesis[0].free] == ["level", "stiffness", "damping"]
+    softer = search.directions([candidates_of()[SOFT.partition(":")[0]]], bent)
+    both = search.together(bent, search.additions(softer, bent, search.surroundings(bent)))
+    firm = with_bristles(search, both, fits)
+    assert [free.name for free in firm.hypothesis[0].free] == ["level"]
+    assert firm.names == both.names
