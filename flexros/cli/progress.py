@@ -101,7 +101,7 @@ class ProgressBar(Progress):
             self._said[task_id] = (begin, now)
             task = self._tasks[task_id]
             share = task.completed / task.total if task.total else None
-            print(line(now - begin, task.description, share), file=sys.stderr, flush=True)
+            _tell(line(now - begin, task.description, share))
 
 
 def line(elapsed: float, stage: str, share: float | None) -> str:
@@ -168,7 +168,13 @@ class Lines:
             return
         self._stages.add(stage)
         self._last = now
-        print(line(now, stage, self._done), file=sys.stderr, flush=True)
+        _tell(line(now, stage, self._done))
+
+
+def _tell(text: str) -> None:
+    """Write a line to stderr at once: whoever reads along gets no half of it."""
+    sys.stderr.write(f"{text}\n")
+    sys.stderr.flush()
 
 
 def _on(bar: Progress) -> Callable[[str, float], None]:

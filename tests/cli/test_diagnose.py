@@ -75,6 +75,7 @@ def test_hidden_friction_is_found_and_the_patch_names_it(flexros, bag: str, tmp_
     for text in ("Nothing", "Where it shows:", "Gap (mean squared prediction error 0.1 s ahead", f"written: {out}"):
         assert text in ended.out
     read = Diagnosis.model_validate(json.loads((out / "diagnosis.json").read_text(encoding="utf-8")))
+    assert read.partial is None
     assert (read.causes[0].effect, read.causes[0].location) == ("coulomb_friction", "motor_1")
     assert read.gap.closed_fraction == pytest.approx(1.0, abs=0.02)
     (effect,) = load_patched(out / "patch.yaml").placed

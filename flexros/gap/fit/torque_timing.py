@@ -61,8 +61,8 @@ def shifted(record: Record, shift: float) -> Record:
     effort = record.effort
     if effort is None or record.torque_shift == shift:
         return record
-    mean: FloatArray = (effort + _later(effort, -1)) / 2
-    torque = {-1.0: _later(mean, -1), -0.5: _later(effort, -1), 0.0: mean, 0.5: effort, 1.0: _later(mean, 1)}[shift]
+    before, after = (_later(effort, int(turn(shift - 0.5))) for turn in (np.floor, np.ceil))
+    torque = (before + after) / 2
     return replace(record, torque=torque, torque_shift=shift)
 
 
