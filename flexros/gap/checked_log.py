@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flexros.gap.fit.torque_timing import with_torque_in_time
+from flexros.identify.rigid.torque_timing import with_torque_in_time
 from flexros.record.checks.run import check_record
 from flexros.record.read import read_record
 from flexros.record.resampled import at_usual_rate

@@ -15,7 +15,6 @@ from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.null_fit import fit_null
-from flexros.gap.fit.torque_timing import shifted
 from flexros.gap.fit.unknown_numbers import unknown_numbers
 from flexros.gap.held_out.closed_loop_gap import closed_loop_gap
 from flexros.gap.held_out.predictions import prediction_of, sensor_errors, tool_errors
@@ -30,6 +29,7 @@ from flexros.gap.settings import DiagnosisSettings
 from flexros.gap.where.find import where
 from flexros.record.most_informative import most_informative
 from flexros.record.resampled import may_be_resampled, resampled
+from flexros.record.shifted_torque import shifted
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

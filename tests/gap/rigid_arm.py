@@ -61,7 +61,7 @@ def record_of_arm(
     q, v, a = motion()
     last = [name for name in arm().parameters if name.startswith(("body_2.mass", "body_2.inertia."))]
     model = arm().with_values({name: (1 + load) * arm().parameters[name].value for name in last}).model
-    rigid = np.array([np.ravel(model.arm_inverse_dynamics(*row, model.parameter_values)) for row in zip(q, v, a)])
+    rigid = np.array([model.arm_inverse_dynamics(*row, model.parameter_values).full().ravel() for row in zip(q, v, a)])
     uneven = 1 + 0.5 * np.array([asymmetry, 0.0]) * np.sign(v)
     torque = rigid + INERTIA * a + VISCOUS * v * uneven + COULOMB * np.sign(v)
     noise = 1e-6 * np.random.default_rng(seed).standard_normal(q.shape)

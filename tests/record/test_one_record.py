@@ -9,13 +9,13 @@ import pytest
 
 from flexros.gap.checked_log import checked_log
 from flexros.identify.axis.record import axis_record
+from flexros.identify.log_record import log_record
 from flexros.identify.rigid.base_parameters import base_parameters
 from flexros.identify.rigid.fit import fit_rigid
-from flexros.identify.rigid.regression_rows import RegressionRows
+from flexros.identify.rigid.log_rows import rows_of_log
 from flexros.identify.rigid.regressor import RigidRegressor
 from flexros.identify.rigid.settings import RigidSettings
 from flexros.logs.time_series import JointSeries, Log
-from flexros.record.identification_record import identification_record
 from flexros.record.record import Record
 from flexros.robot import load_robot
 from flexros.scenario.closed_loop import closed_loop
@@ -83,12 +83,20 @@ def measured_torque(log: Log) -> Log:
     return replace(log, joint_states=replace(log.joint_states, effort=1.01 * np.array(log.joint_commands.effort)))
 
 
-CASES = [as_recorded, foreign_names, lost_samples, jitter, measured_torque]
+def held_torques(log: Log) -> Log:
+    """Measured torques that each act until the next one, of a foreign recorder."""
+    assert log.joint_commands is not None
+    assert log.joint_commands.effort is not None
+    states = replace(log.joint_states, effort=np.array(log.joint_commands.effort))
+    return replace(log, joint_states=states, joint_commands=None, provenance={"import": {"files": ["log.csv"]}})
+
+
+CASES = [as_recorded, foreign_names, lost_samples, jitter, measured_torque, held_torques]
 
 
 def of_rigid(log: Log, settings: RigidSettings = SLOW) -> Record:
     regressor = RigidRegressor(E12)
-    return RegressionRows.of_log(log, settings, "log", regressor, base_parameters(regressor, 2)).record
+    return rows_of_log(log, settings, "log", regressor, base_parameters(regressor, 2)).record
 
 
 @pytest.mark.parametrize("change", CASES)
@@ -103,7 +111,7 @@ def test_identification_takes_the_record_of_the_diagnosis(log: Log, change) -> N
 
 @pytest.mark.parametrize("change", CASES)
 def test_one_axis_takes_its_signals_from_the_same_record(log: Log, change) -> None:
-    record = identification_record(change(log), E12, name="log")
+    record = log_record(change(log), E12, name="log")
     axis = axis_record(record, 1, "position", E12.delay)
     n, first = len(axis.output), 7020 if change is lost_samples else 0
     assert n == record.n_samples - first

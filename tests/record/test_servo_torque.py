@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from flexros.errors import InputError
+from flexros.identify.log_record import log_record
 from flexros.logs.stamps import stamps_ns
 from flexros.logs.time_series import JointSeries
-from flexros.record.identification_record import identification_record
 from flexros.record.read import read_record
 from flexros.record.resampled import resampled
 from flexros.record.servo_torque import servo_torque
@@ -62,7 +62,7 @@ def test_robot_without_servo_is_refused_with_the_key_to_add() -> None:
 
 def test_identification_still_needs_torques() -> None:
     with pytest.raises(InputError, match="torques"):
-        identification_record(servo_log(), servo_robot(), name="log")
+        log_record(servo_log(), servo_robot(), name="log")
 
 
 def test_commanded_speeds_are_kept() -> None:

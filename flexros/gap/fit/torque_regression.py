@@ -21,12 +21,11 @@ from flexros.errors import InputError
 from flexros.gap.candidates.candidate import coulomb_levels
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.prediction.predictor import FARTHEST
-from flexros.identify.rigid.motion_estimate import decimate, decimation, estimate_motion, untouched_rows
+from flexros.identify.rigid.motion_estimate import decimate
 from flexros.identify.rigid.record import torque_as_it_acts
 from flexros.identify.rigid.regression_rows import RegressionRows
 from flexros.identify.rigid.regressor import RigidRegressor
 from flexros.identify.rigid.standard_parameters import standard_parameters
-from flexros.record.missing_samples import bridged_motion, long_holes
 from flexros.record.smoothing import motion_cutoff
 
 if TYPE_CHECKING:
@@ -135,15 +134,10 @@ def _rows(record: Record, regressor: RigidRegressor) -> RegressionRows | None:
     """Filter and decimate a log; None where no motor moves or too few rows are left."""
     robot = regressor.robot
     acting, begin = torque_as_it_acts(record, 0.0 if record.measured_torque else robot.delay)
-    part = record.part(begin, record.n_samples)
-    cutoff = motion_cutoff(record.sample_time)
-    motion = estimate_motion(bridged_motion(part.position, part.valid), part.sample_time, cutoff)
-    factor = decimation(part.sample_time, cutoff)
-    counts = untouched_rows(long_holes(part.valid), factor)
-    torque = decimate(acting[begin:], factor)[counts]
-    if not motion.moving.any() or len(torque) < FEWEST * len(KINDS):  # each has an equation for every motor
-        return None
-    return RegressionRows(part, motion, regressor, tuple(range(len(regressor.parameters))), cutoff, counts, torque, [])
+    part, every = record.part(begin, record.n_samples), tuple(range(len(regressor.parameters)))
+    rows = RegressionRows.of_record(part, acting[begin:], motion_cutoff(record.sample_time), regressor, every)
+    enough = len(rows.torque) >= FEWEST * len(KINDS)  # each has an equation for every motor
+    return rows if enough and rows.motion.moving.any() else None
 
 
 def _of_load(names: list[str], body: str) -> FloatArray:

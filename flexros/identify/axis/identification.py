@@ -15,8 +15,8 @@ from flexros.identify.axis.predictor import Predictor
 from flexros.identify.axis.record import AxisRecord, axis_record
 from flexros.identify.axis.search_setup import bounds_around, short_steps, starting_values
 from flexros.identify.axis.structure import AxisStructure
+from flexros.identify.log_record import log_record
 from flexros.prediction.damped_least_squares import StopRule
-from flexros.record.identification_record import identification_record
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -113,11 +113,11 @@ def identify_one_axis(
     if joint not in robot.joint_names:
         raise unknown_name("joint", joint, robot.joint_names, f"robot {robot.name}")
     motor = robot.joint_names.index(joint)
-    whole = identification_record(log, robot, name="the log", torque=torque)
+    whole = log_record(log, robot, name="the log", torque=torque)
     record = axis_record(whole, motor, structure.output, robot.delay)
     other = None
     if validation is not None:
-        held_out = identification_record(validation, robot, name="the validation log", torque=torque)
+        held_out = log_record(validation, robot, name="the validation log", torque=torque)
         other = axis_record(held_out, motor, structure.output, robot.delay)
     smoothing = SMOOTHING * record.rms_speed if smoothing is None else smoothing
     begin = starting_values(record, structure, smoothing, antiresonances, resonances, start or {})

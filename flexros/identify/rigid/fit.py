@@ -10,8 +10,8 @@ import numpy as np
 from flexros.identify.rigid.base_parameters import BaseParameters, base_parameters
 from flexros.identify.rigid.excitation import LARGEST_CONDITION, Excitation, judge_excitation
 from flexros.identify.rigid.least_squares import Solution, condition_number, covariance, weighted_least_squares
+from flexros.identify.rigid.log_rows import rows_of_log
 from flexros.identify.rigid.motion_estimate import check_rows
-from flexros.identify.rigid.regression_rows import RegressionRows
 from flexros.identify.rigid.regressor import RigidRegressor
 from flexros.identify.rigid.settings import RigidSettings
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from flexros.arrays import BoolArray, FloatArray
+    from flexros.identify.rigid.regression_rows import RegressionRows
     from flexros.logs.time_series import Log
     from flexros.robot import Robot
 
@@ -135,7 +136,7 @@ def fit_rigid(
     settings = settings or RigidSettings()
     regressor = RigidRegressor(robot, settings.asymmetric)
     base = base_parameters(regressor, robot.n_motors)
-    rows = RegressionRows.of_log(log, settings, label, regressor, base)
+    rows = rows_of_log(log, settings, label, regressor, base)
     check_rows(len(rows.torque), len(base.leading), rows.torque.shape[1])
     held = None if settings.hold else rows.torque_as_it_acts()
     factor = rows.triangular(held, progress)
@@ -227,7 +228,7 @@ def cross_test(
     """
     settings = fit.settings.model_copy(update={"cutoff": fit.cutoff})
     regressor = RigidRegressor(fit.robot, settings.asymmetric)
-    rows = RegressionRows.of_log(log, settings, label, regressor, fit.base)
+    rows = rows_of_log(log, settings, label, regressor, fit.base)
     return _error(label, rows.torque, rows.residual(fit.values, progress))
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.record.missing_samples import bridged
+from flexros.record.shifted_torque import moved_later
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -20,10 +21,10 @@ def torque_at_samples(record: Record) -> FloatArray:
         record: The record.
 
     Returns:
-        The measured torque, bridged where it is missing, or the command [Nm or N], shape (n, M).
+        The measured torque when it acted, bridged where it is missing, or the command [Nm or N], shape (n, M).
     """
     if record.measured_torque and record.effort is not None:
-        return bridged(record.effort, record.valid)
+        return moved_later(bridged(record.effort, record.valid), record.torque_shift)
     return record.torque
 
 

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.errors import InputError
 from flexros.identify.rigid.motion_estimate import (
     MotionEstimate,
     decimate,
@@ -16,18 +15,14 @@ from flexros.identify.rigid.motion_estimate import (
     estimate_motion,
     untouched_rows,
 )
-from flexros.identify.rigid.record import torque_as_it_acts, torque_at_samples
-from flexros.record.identification_record import identification_record
+from flexros.identify.rigid.record import torque_as_it_acts
 from flexros.record.missing_samples import bridged_motion, long_holes
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from flexros.arrays import BoolArray, FloatArray
-    from flexros.identify.rigid.base_parameters import BaseParameters
     from flexros.identify.rigid.regressor import RigidRegressor
-    from flexros.identify.rigid.settings import RigidSettings
-    from flexros.logs.time_series import Log
     from flexros.record.record import Record
 
 _CHUNK_ROWS = 200
@@ -63,33 +58,25 @@ class RegressionRows:
     kept: list[FloatArray]
 
     @classmethod
-    def of_log(
-        cls, log: Log, settings: RigidSettings, label: str, regressor: RigidRegressor, base: BaseParameters
+    def of_record(
+        cls, record: Record, torque: FloatArray, cutoff: float, regressor: RigidRegressor, leading: tuple[int, ...]
     ) -> RegressionRows:
-        """Filter a log.
+        """Filter a record.
 
         Args:
-            log: The log.
-            settings: Cut-off, source of the torque, and how commands are paired with positions.
-            label: Name of the log, for messages.
+            record: The record.
+            torque: Torques at the instants of its positions [Nm or N], shape (n, M).
+            cutoff: Corner of the low-pass for the positions [Hz].
             regressor: The regressor.
-            base: The base parameters.
+            leading: Columns of the regressor that count.
 
         Raises:
-            InputError: The log does not fit the robot, is too short, or has no motion or no torque.
+            InputError: The record is too short, or the corner too high for its rate.
         """
-        robot = regressor.robot
-        record = identification_record(log, robot, name=label, torque=settings.torque)
-        torque = torque_at_samples(record)
-        if settings.hold and not record.measured_torque:
-            acting, begin = torque_as_it_acts(record, robot.delay)
-            record, torque = record.part(begin, record.n_samples), acting[begin:]
-        cutoff = settings.cutoff_at(1 / record.sample_time)
         motion = estimate_motion(bridged_motion(record.position, record.valid), record.sample_time, cutoff)
-        _check_motion(motion, robot.joint_names, label)
         factor = decimation(record.sample_time, cutoff)
         counts = untouched_rows(long_holes(record.valid), factor)
-        return cls(record, motion, regressor, base.leading, cutoff, counts, decimate(torque, factor)[counts], [])
+        return cls(record, motion, regressor, leading, cutoff, counts, decimate(torque, factor)[counts], [])
 
     def torque_as_it_acts(self) -> FloatArray | None:
         """Return the torques with delay and hold of the command [Nm or N], shape (n, M); None for measured ones."""
@@ -165,12 +152,3 @@ class RegressionRows:
             H = decimate(self.regressor.matrix(*signals, self.leading), factor)
             yield H[self.counts[first : first + len(H)]]
             first += len(H)
-
-
-def _check_motion(motion: MotionEstimate, joints: tuple[str, ...], label: str) -> None:
-    """Reject a log in which no motor moves beyond the noise of its encoder."""
-    if not np.any(motion.moving):
-        raise InputError(
-            f"{label}: no motion: the position of {', '.join(joints)} does not change beyond its noise; give a log in "
-            "which the motors move"
-        )

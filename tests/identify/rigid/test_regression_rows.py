@@ -10,6 +10,7 @@ import pytest
 from flexros.identify.rigid import regression_rows
 from flexros.identify.rigid.base_parameters import base_parameters
 from flexros.identify.rigid.fit import fit_rigid
+from flexros.identify.rigid.log_rows import rows_of_log
 from flexros.identify.rigid.regression_rows import RegressionRows
 from flexros.identify.rigid.regressor import RigidRegressor
 from flexros.identify.rigid.settings import RigidSettings
@@ -24,7 +25,7 @@ SLOW = RigidSettings(cutoff=25.0)
 def rows(elbow, fourier_motion, rigid_log) -> RegressionRows:
     regressor = RigidRegressor(elbow)
     log = rigid_log(elbow, fourier_motion(12_000, 1e-3, 2), noise=1e-6)
-    return RegressionRows.of_log(log, SLOW, "log", regressor, base_parameters(regressor, 2))
+    return rows_of_log(log, SLOW, "log", regressor, base_parameters(regressor, 2))
 
 
 def test_stretches_are_those_of_the_whole_record(rows: RegressionRows) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from flexros.identify.rigid.torque_timing import with_torque_in_time
 from flexros.record.checks.run import check_record
 from flexros.record.read import read_record
 
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 
-def identification_record(log: Log, robot: Robot, *, name: str, torque: TorqueSource = "command") -> Record:
+def log_record(log: Log, robot: Robot, *, name: str, torque: TorqueSource = "command") -> Record:
     """Read and check a log from which parameters of the robot are identified.
 
     Args:
@@ -24,9 +25,11 @@ def identification_record(log: Log, robot: Robot, *, name: str, torque: TorqueSo
         torque: Torque that is taken where both were recorded; the other one is taken where it alone was.
 
     Returns:
-        The record of `read_record`. Samples that a check found unusable are not valid.
+        The record of `read_record`, measured torques when they acted. Samples that a check found unusable are not
+        valid.
 
     Raises:
         InputError: There is no usable position or torque, or a check rejects the log.
     """
-    return check_record(read_record(log, robot, name=name, torque=torque), robot, parameters_known=False)
+    record = with_torque_in_time(read_record(log, robot, name=name, torque=torque), robot)
+    return check_record(record, robot, parameters_known=False)

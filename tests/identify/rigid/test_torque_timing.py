@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexros.gap.fit.torque_timing import shifted, with_torque_in_time
+from flexros.identify.rigid.torque_timing import with_torque_in_time
 from flexros.record.record import Record
+from flexros.record.shifted_torque import shifted
 from flexros.robot import Robot, load_robot
 
 T, INERTIA = 0.004, 0.5

@@ -1,0 +1,87 @@
+"""When a measured torque acted: at its stamp, in the sample before it, or in the one after it.
+
+A recorder that notes position and torque once per sample says nothing of that. A simulator or a digital drive holds a
+torque over its sample, so that the one noted with a position acted before it or acts after it, half a sample from its
+stamp on average. That is a property of the recorder and no delay of the robot.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.errors import InputError
+from flexros.identify.rigid.base_parameters import base_parameters
+from flexros.identify.rigid.motion_estimate import decimate
+from flexros.identify.rigid.regression_rows import RegressionRows
+from flexros.identify.rigid.regressor import RigidRegressor
+from flexros.record.shifted_torque import moved_later, shifted
+from flexros.record.smoothing import motion_cutoff
+
+if TYPE_CHECKING:
+    from flexros.record.record import Record
+    from flexros.robot import Robot
+
+CLEAR = 0.3
+"""Gain of the logarithm of what is left of all torques, by half a sample, from which it is clear [1] (chosen)."""
+
+SHIFTS = (-1.0, -0.5, 0.0, 0.5, 1.0)
+"""Samples from the stamp of a torque to the middle of the time in which it acts."""
+
+FEWEST = 3
+"""Fewest rows over the base parameters [1] (chosen)."""
+
+
+def with_torque_in_time(record: Record, robot: Robot) -> Record:
+    """Return a record whose measured torques are taken when they acted, as far as a rigid robot shows it.
+
+    Args:
+        record: The log.
+        robot: The nominal robot; only its geometry matters, its base parameters and friction are free.
+    """
+    left = torques_left(record, robot) if record.measured_torque and record.imported else {}
+    if not left:
+        return record
+    best = min((-0.5, 0.5), key=left.__getitem__)
+    if not left[0.0] - left[best] > CLEAR or left[2 * best] < left[best]:
+        return record
+    words = "until the next one" if best > 0 else "since the one before"
+    text = f"the measured torques fit the motion where each is held {words}, half a sample from its stamp"
+    return replace(shifted(record, best), warnings=(*record.warnings, text))
+
+
+def torques_left(record: Record, robot: Robot) -> dict[float, float]:
+    """Return what no rigid robot explains of the torques, by their shift: the sum of the logarithms over the motors.
+
+    Each motor has base parameters of its own, which are fitted by least squares (Moberg 2007, eq. 4.11 to 4.13).
+
+    Args:
+        record: The log.
+        robot: The nominal robot.
+
+    Returns:
+        Sum of natural logarithms of rms torques for each of `SHIFTS`; empty where the log has no such regression: too
+        short, no motion, torques missing, or links that bend.
+    """
+    effort = record.effort
+    if effort is None or not np.isfinite(effort).all():
+        return {}
+    try:
+        regressor = RigidRegressor(robot)
+        base = base_parameters(regressor, robot.n_motors)
+        rows = RegressionRows.of_record(record, effort, motion_cutoff(record.sample_time), regressor, base.leading)
+    except InputError:
+        return {}
+    if not rows.motion.moving.any() or len(rows.torque) < FEWEST * len(base.leading):
+        return {}
+    H = np.concatenate([block for block, _ in rows.blocks()])
+    torque = np.stack([decimate(moved_later(effort, shift), rows.factor)[rows.counts] for shift in SHIFTS], axis=2)
+    rest = np.zeros(len(SHIFTS))
+    for motor in range(robot.n_motors):
+        own = H[:, motor, :][:, np.any(H[:, motor] != 0, axis=0)]
+        size = np.maximum(np.linalg.norm(own, axis=0), 1e-300)
+        error = torque[:, motor] - own @ (np.linalg.lstsq(own / size, torque[:, motor], rcond=None)[0] / size[:, None])
+        rest += np.log(np.maximum(np.sqrt(np.mean(error**2, axis=0)), 1e-300))
+    return dict(zip(SHIFTS, rest.tolist(), strict=True))
