@@ -86,5 +86,5 @@ def closed_loop_matrix(law: AbstractObservedLaw, context: LoopContext, position:
     rate = model.derivative(x, u, np.zeros(6), model.parameter_values)
     slope = casadi.Function("slope", [x], [casadi.jacobian(rate, x), rate])
     A, still = slope(state)
-    assert np.max(np.abs(still)) < 1e-6
+    assert np.abs(still.full()).max() < 1e-6
     return np.asarray(A.full())

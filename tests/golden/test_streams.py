@@ -21,8 +21,10 @@ GOLDEN = json.loads(FILE.read_text(encoding="utf-8"))
 def test_reference_of_an_identification(tmp_path: Path) -> None:
     found, golden = np.array(identification_reference(tmp_path)), np.array(GOLDEN["identification_reference"])
     assert found.shape == golden.shape
-    scale = np.abs(golden).max(axis=0)
-    np.testing.assert_allclose(found / scale, golden / scale, rtol=0, atol=1e-9)
+    # torques are fourth derivatives of the path: three units in the last place of a position of the plan move position,
+    # velocity and torque by 3e-13, 4e-10 and 9e-8 of their largest; libraries of other processors round that differently
+    off = np.abs(found - golden).max(axis=0) / np.abs(golden).max(axis=0)
+    assert np.all(off < [1e-15, 3e-12, 4e-9, 9e-7])
 
 
 def test_statuses_of_a_gap_monitor() -> None:
