@@ -46,7 +46,7 @@ def test_command_of_a_direct_design_makes_the_file_again(name: str) -> None:
     problem = DesignProblem.of(robot)
     context = LoopContext(robot, robot.sample_time)
     frequency = frequency_grid(robot.sample_time)[::20]
-    # synthesis is badly conditioned: a plant that is 1e-15 off gives another controller and, within 0.3 %, the same loop
+    # badly conditioned: for a plant that is 1e-15 off the controller is another one, the loop the same within 0.3 %
     again, kept = (
         1 / (1 + loop_response(problem.sampled, linear_controller(law, context), frequency).loop)
         for law in (design_methods()[name]().design(problem).law(), load_controller(name).nominal)

@@ -22,7 +22,7 @@ def test_reference_of_an_identification(tmp_path: Path) -> None:
     found, golden = np.array(identification_reference(tmp_path)), np.array(GOLDEN["identification_reference"])
     assert found.shape == golden.shape
     # torques are fourth derivatives of the path: three units in the last place of a position of the plan move position,
-    # velocity and torque by 3e-13, 4e-10 and 9e-8 of their largest; libraries of other processors round that differently
+    # velocity and torque by 3e-13, 4e-10 and 9e-8 of their largest, and processors differ in the last place
     off = np.abs(found - golden).max(axis=0) / np.abs(golden).max(axis=0)
     assert np.all(off < [1e-15, 3e-12, 4e-9, 9e-7])
 
