@@ -51,6 +51,9 @@ class AbstractControlLaw(Settings, ABC):
     kind: ClassVar[str]
     lowest_gain: ClassVar[float] = -math.inf
     """Lower bound of all gains at run time."""
+    links_as_motors: ClassVar[bool] = False
+    """Whether a law that follows the links' motion may take it for the motors', up to the acceleration, where a
+    trajectory of points tells no more."""
 
     @property
     def follows_link_motion(self) -> bool:

@@ -34,6 +34,7 @@ class ComputedTorque(AbstractSignalLaw):
 
     kind: ClassVar[str] = "computed_torque"
     gain_keys: ClassVar[tuple[str, ...]] = ("kp", "kd", "speed_filter")
+    links_as_motors: ClassVar[bool] = True
 
     kp: Gain = Field(description="acceleration per position error [1/s2], one or one per motor")
     kd: Gain = Field(description="acceleration per speed error [1/s], one or one per motor")

@@ -34,6 +34,7 @@ class GravityPd(AbstractSignalLaw):
 
     kind: ClassVar[str] = "gravity_pd"
     gain_keys: ClassVar[tuple[str, ...]] = ("kp", "kd", "speed_filter")
+    links_as_motors: ClassVar[bool] = True
 
     kp: Gain = Field(description="proportional gain [Nm/rad], one or one per motor")
     kd: Gain = Field(default=0.0, description="derivative gain [Nms/rad], one or one per motor")

@@ -64,6 +64,7 @@ class ControllerNode(FlexrosNode):
         self._n_motors = len(self._names)
         self.controller = run.controller()
         self._follows_links = run.loop_context.link_motion
+        self._links_as_motors = self.controller.law.links_as_motors
         self._chunk_names = names_with_links(self._names) if self._follows_links else self._names
         size = run.sensor_timing.size if self.controller.uses_further else 0
         sensors = sensor_topics(run.nominal, run.sensor_timing) if size else ()
@@ -101,7 +102,12 @@ class ControllerNode(FlexrosNode):
             self.follower.abort("the loop restarts")
         self.controller.reset()
         self._sensors.begin()
-        self.buffer = ReferenceBuffer(self._n_motors, self._sample_time, link_motion=self._follows_links)
+        self.buffer = ReferenceBuffer(
+            self._n_motors,
+            self._sample_time,
+            link_motion=self._follows_links,
+            links_as_motors=self._links_as_motors,
+        )
         self._lockstep = ControllerLockStep(self._sample_time)
         self._loss = MessageLoss(self.value("drop_fraction"), self.value("drop_seed"))
         self._drops: Callable[[], bool] | None = self._loss.drops if self.value("drop_fraction") else None

@@ -38,6 +38,7 @@ class ReferenceBuffer:
         n_motors: Number of motors M.
         sample_time: Time between two samples [s].
         link_motion: Whether the rows hold the motion of the links, which only chunks have.
+        links_as_motors: Whether the links may be taken to move as the motors, where a trajectory tells no more.
 
     Attributes:
         current: Reference used last, shape (3 M or 8 M,); None before the first sample.
@@ -45,9 +46,12 @@ class ReferenceBuffer:
         ignored: Chunks dropped because a replacing trajectory is active.
     """
 
-    def __init__(self, n_motors: int, sample_time: float, *, link_motion: bool = False) -> None:
+    def __init__(
+        self, n_motors: int, sample_time: float, *, link_motion: bool = False, links_as_motors: bool = False
+    ) -> None:
         self.ignored = 0
         self._link_motion = link_motion
+        self._refuses_points = link_motion and not links_as_motors
         self._n_motors = n_motors
         self._sample_time = sample_time
         self._rows: dict[int, FloatArray] = {}
@@ -151,10 +155,10 @@ class ReferenceBuffer:
 
     def check(self, trajectory: JointTrajectoryChunk, position_limit: float) -> None:
         """Raise RejectedTrajectoryError where `replace` would."""
-        if self._link_motion:
+        if self._refuses_points:
             raise RejectedTrajectoryError(
                 "the controller follows the motion of the links and its derivatives, which a trajectory does not hold; "
-                "use a controller of the motor positions, such as pid",
+                "use pid, cascade, gravity_pd or computed_torque",
                 Rejection.POINTS,
             )
         check_points(trajectory, self._used, position_limit)
@@ -170,9 +174,9 @@ class ReferenceBuffer:
         Args:
             time: Time in which the reference comes to rest [s].
         """
-        if self.current is not None and not self._link_motion:
+        if self.current is not None and not self._refuses_points:
             n = self._n_motors
-            position, velocity, effort = rest_row(self.current, time).reshape(3, 1, n)
+            position, velocity, effort = rest_row(self.current[: 3 * n], time).reshape(3, 1, n)
             duration = np.array([round(time * 1e9)])
             self.replace(JointTrajectoryChunk(0, ("",) * n, duration, position, velocity, None, effort))
 
@@ -201,12 +205,12 @@ class ReferenceBuffer:
         self.pending = None
         now = max(self._used, START_NS)
         times = ((given.stamp_ns or now) + given.time_from_start).astype(np.int64)
-        rows, before = self._filled(given), self.current
+        rows, before = self._of_motors(given), None if self.current is None else self.current[: 3 * self._n_motors]
         if before is None and measured is not None:
             before = np.array([*measured, *[0.0] * (2 * self._n_motors)])
         if before is not None and times[0] > now:
             times, rows = np.concatenate([[now], times]), np.vstack([before, rows])
-        self._trajectory = PointTrajectory(times, rows, smooth=given.velocities is not None)
+        self._trajectory = PointTrajectory(times, rows, smooth=given.velocities is not None, links=self._link_motion)
 
     def _drop_until(self, stamp: int) -> None:
         order, chunks = self._order, self._chunks
@@ -218,16 +222,25 @@ class ReferenceBuffer:
             self._used = stamp - 1
 
     def _filled(self, chunk: JointTrajectoryChunk) -> FloatArray:
+        rows = self._of_motors(chunk)
+        if not self._link_motion:
+            return rows
+        assert chunk.positions is not None
+        velocities = np.zeros_like(chunk.positions) if chunk.velocities is None else chunk.velocities
+        return _finite(np.hstack([rows, links_of(chunk.positions, velocities, self._n_motors)]))
+
+    def _of_motors(self, chunk: JointTrajectoryChunk) -> FloatArray:
+        """Return position, velocity and torque of the motors, shape (n, 3 M)."""
         if chunk.positions is None:
             raise RunError("a reference trajectory has no positions; fill positions in every point")
         zeros = np.zeros_like(chunk.positions)
         velocities = zeros if chunk.velocities is None else chunk.velocities
         effort = zeros if chunk.effort is None else chunk.effort
         m = self._n_motors
-        parts = [chunk.positions[:, :m], velocities[:, :m], effort[:, :m]]
-        if self._link_motion:
-            parts.append(links_of(chunk.positions, velocities, m))
-        rows = np.hstack(parts)
-        if not np.isfinite(rows).all():
-            raise RunError("a reference trajectory has a value that is not a finite number; correct its sender")
-        return rows
+        return _finite(np.hstack([chunk.positions[:, :m], velocities[:, :m], effort[:, :m]]))
+
+
+def _finite(rows: FloatArray) -> FloatArray:
+    if not np.isfinite(rows).all():
+        raise RunError("a reference trajectory has a value that is not a finite number; correct its sender")
+    return rows

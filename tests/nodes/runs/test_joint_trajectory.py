@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 
 from flexros.logs.messages.joint_state import JointStateView
+from flexros.logs.messages.joint_trajectory import JointTrajectoryChunk
 from flexros.logs.stamps import stamp_of
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import load_scenario
@@ -20,6 +22,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from flexros_nodes.controller.node import READ_BUDGET, ControllerNode
 from flexros_nodes.feedforward import FeedforwardNode
+from flexros_nodes.protocol.reference.trajectory_request import RejectedTrajectoryError
 from tests.nodes.loop_on_bench import Loop
 
 pytestmark = pytest.mark.slow
@@ -146,3 +149,28 @@ def test_invalid_trajectory_is_rejected_and_the_loop_continues(
     planned = Experiment.prepare(load_scenario(short_scenario)).reference.motor_position
     assert np.array_equal([used[stamp] for stamp in sorted(used)], planned)
     assert sender.controller.figures()["refused_trajectories"] == 8
+
+
+@pytest.mark.parametrize(("law", "largest"), [("elbow_gravity_pd", 2e-4), ("elbow_computed_torque", 2e-3)])
+def test_laws_of_the_rigid_model_carry_the_arm_along_points_without_torques(
+    bench: Bench, tmp_path: Path, law: str, largest: float
+) -> None:
+    settings = {**load_scenario(law).settings(), "duration": 1.0}
+    (tmp_path / "law.yaml").write_text(json.dumps(settings))
+    sender = Sender(bench, tmp_path / "law.yaml")
+    states = sender.loop.hear("joint_states")
+    target = sender.step_to(1)[:2] + np.array([0.02, -0.03])
+    sender.send((0.3, target.tolist()))
+    bench.spin_until(lambda: sender.controller.buffer.pending is not None)
+    sender.loop.call("start")
+    sender.loop.finish()
+    bench.spin_until(lambda: stamp_of(states[-1]) >= 1_990_000_000)
+    reached = np.array(JointStateView(NAMES).unpack(states[-1]).position)
+    assert np.abs(reached - target).max() < largest
+
+
+def test_a_law_that_needs_higher_derivatives_refuses_points(bench: Bench) -> None:
+    node = bench.add(ControllerNode, scenario="elbow_state_feedback")
+    node.trigger_configure()
+    with pytest.raises(RejectedTrajectoryError, match="computed_torque"):
+        node.check_trajectory(JointTrajectoryChunk(0, NAMES, np.array([1_000_000_000]), positions=np.zeros((1, 2))))

@@ -61,3 +61,20 @@ def test_trajectories_without_links_are_refused() -> None:
         buffer.check(plain, np.inf)
     with pytest.raises(RejectedTrajectoryError, match="pid"):
         buffer.replace(plain)
+
+
+def test_trajectories_are_followed_by_a_law_whose_links_may_move_as_the_motors() -> None:
+    buffer = ReferenceBuffer(2, 1e-3, link_motion=True, links_as_motors=True)
+    buffer.append(chunk())
+    buffer.take(START_NS)
+    target = np.array([[7.0, -7.0]])
+    buffer.replace(JointTrajectoryChunk(0, NAMES, np.array([2_000_000]), positions=target))
+    halfway = buffer.take(START_NS + 1_000_000)
+    assert halfway is not None
+    between, speed = 0.5 * (MOTOR[0] + target[0]), (target[0] - MOTOR[0]) / 2e-3
+    assert halfway[:4] == pytest.approx([*between, *speed])
+    assert halfway[6:] == pytest.approx([*between, *speed, *[0.0] * 6])
+    buffer.come_to_rest(2e-3)
+    slowing = buffer.take(START_NS + 2_000_000)
+    assert slowing is not None
+    assert slowing[10:12] == pytest.approx(-speed / 2e-3)

@@ -38,3 +38,22 @@ def test_it_rests_before_its_begin_and_after_its_end(stamp: int, point: int) -> 
 def test_single_point_is_a_rest() -> None:
     row = PointTrajectory(TIMES[:1], ROWS[:1], smooth=True).row(1_000_000_000)
     assert row.tolist() == [*ROWS[0, :2], 0.0, 0.0, *ROWS[0, 4:]]
+
+
+@pytest.mark.parametrize("smooth", [True, False])
+@pytest.mark.parametrize("stamp", [1_001_200_000, 1_009_999_999])
+def test_links_move_as_the_motors_with_the_acceleration_between_the_points(stamp: int, smooth: bool) -> None:
+    row = PointTrajectory(TIMES, ROWS, smooth=smooth, links=True).row(stamp)
+    assert row.shape == (16,)
+    assert np.array_equal(row[:6], PointTrajectory(TIMES, ROWS, smooth=smooth).row(stamp))
+    position, velocity, acceleration, jerk, snap = row[6:].reshape(5, 2)
+    spline = CubicHermiteSpline((TIMES - TIMES[0]) * 1e-9, ROWS[:, :2], ROWS[:, 2:4])
+    bend = spline.derivative(2)((stamp - TIMES[0]) * 1e-9) if smooth else np.zeros(2)
+    assert np.array_equal([position, velocity], row[:4].reshape(2, 2))
+    assert acceleration == pytest.approx(bend, rel=1e-9, abs=1e-6)
+    assert not np.any([jerk, snap])
+
+
+def test_links_rest_where_the_motors_rest() -> None:
+    row = PointTrajectory(TIMES, ROWS, smooth=True, links=True).row(9_000_000_000)
+    assert row[6:].tolist() == [*ROWS[2, :2], *[0.0] * 8]
