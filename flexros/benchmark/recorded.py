@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,6 +14,7 @@ from flexros.logs.reader import read_log
 from flexros.robot import load_robot
 
 if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
     from flexros.benchmark.measures import Measures
 
 SCENARIO = "feedback_benchmark"
@@ -25,14 +27,33 @@ def is_recording(text: str) -> bool:
     return path.is_dir() or path.suffix == ".mcap"
 
 
-def measures_of_log(path: Path) -> Measures:
-    """Measure a log of the scenario `feedback_benchmark`.
+@dataclass(frozen=True, eq=False)
+class RecordedRun:
+    """A recorded run of the nominal model.
+
+    Attributes:
+        name: Name of the log.
+        deflection: Tool deflection [mm], shape (n,).
+        command: Torque command [Nm], shape (n,).
+        sample_time: Time between two samples [s].
+    """
+
+    name: str
+    deflection: FloatArray
+    command: FloatArray
+    sample_time: float
+
+    @property
+    def measures(self) -> Measures:
+        """Measures of the nominal model, with the seed of the run."""
+        return measures_of_run(self.deflection, self.command, RULES[NOMINAL].band, self.sample_time)
+
+
+def recorded_run(path: Path) -> RecordedRun:
+    """Read a log of the scenario `feedback_benchmark`.
 
     Args:
         path: Log folder or .mcap file, with the topics joint_commands and tool_pose at every sample.
-
-    Returns:
-        The measures of the nominal model with the seed of the run.
 
     Raises:
         InputError: The log is not one of this scenario, or it is not complete.
@@ -53,4 +74,4 @@ def measures_of_log(path: Path) -> Measures:
             raise InputError(
                 f"{path}: {topic} has {count} samples, the scenario {SCENARIO} has {needed}; run it to its end"
             )
-    return measures_of_run(1e3 * log.tool_pose.position[:, 0], commands[:, 0], RULES[NOMINAL].band, sample_time)
+    return RecordedRun(path.name, 1e3 * log.tool_pose.position[:, 0], commands[:, 0], sample_time)

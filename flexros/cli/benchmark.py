@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from flexros.benchmark.multivariable.evaluate import MotionResult
     from flexros.benchmark.tables import Row
 
+MOST_COLUMNS = 4
+"""Controllers that are shown side by side [1] (chosen)."""
+
 
 def benchmark(
     controller: list[str] = typer.Argument(
@@ -48,7 +51,7 @@ def benchmark(
         _list([load_controller(name) for name in controller_names()], as_json)
         return
     if len(controller) == 1 and is_recording(controller[0]):
-        _show_log(Path(controller[0]), as_json)
+        _show_log(Path(controller[0]), report, out, as_json)
         return
     numbers = _seeds(seeds)
     check_noise(noise, numbers)
@@ -77,11 +80,15 @@ def _content(results: Sequence[BenchmarkResult | MotionResult], out: Path | None
     every = [result.as_dict() for result in results]
     content = every[0] if len(every) == 1 else every
     if out:
-        from flexros.atomic_file import write_result
-        from flexros.json_text import json_text
-
-        write_result(out, json_text(content), "results")
+        _write_results(out, content)
     return content
+
+
+def _write_results(out: Path, content: Any) -> None:
+    from flexros.atomic_file import write_result
+    from flexros.json_text import json_text
+
+    write_result(out, json_text(content), "results")
 
 
 def _evaluated(
@@ -149,26 +156,40 @@ def _on_robot(
 def _print_motion(results: Sequence[MotionResult]) -> None:
     from flexros.benchmark.multivariable.tables import motion_demand_rows, motion_rows
 
+    if len(results) > MOST_COLUMNS:
+        _print_ranking(results)
+        return
     names = [result.name for result in results]
     for heading, rows in motion_rows(results).items():
         console.print(_table(heading, names, rows))
     console.print(_table("demand", names, motion_demand_rows(results)))
 
 
-def _show_log(path: Path, as_json: bool) -> None:
-    """Print the measures of a recorded run of the nominal model."""
-    from flexros.benchmark.recorded import measures_of_log
+def _show_log(path: Path, report: Path | None, out: Path | None, as_json: bool) -> None:
+    """Print the measures of a recorded run of the nominal model, and write its files."""
+    from flexros.benchmark.recorded import recorded_run
     from flexros.benchmark.tables import MEASURE_NAMES, measure_values
 
-    measures = measures_of_log(path)
+    run = recorded_run(path)
+    measures = run.measures
+    content = {"controller": path.name, "sets": {"nominal": measures.as_dict()}}
+    if report:
+        from flexros.benchmark.report.write import write_log_report
+
+        write_log_report(run, report)
+    if out:
+        _write_results(out, content)
     if as_json:
-        print_json({"controller": path.name, "sets": {"nominal": measures.as_dict()}})
+        print_json(content)
         return
     table = Table("nominal", "unit", path.name)
     for (name, unit), value in zip(MEASURE_NAMES, measure_values(measures), strict=True):
         table.add_row(name, unit, f"{value:.4g}")
     table.add_row("V", "1", f"{measures.cost:.5g}")
     console.print(table)
+    for file, what in ((report, "report"), (out, "results")):
+        if file:
+            say(f"{what}: {file}")
 
 
 def _list(loaded: Sequence[BenchmarkController], as_json: bool) -> None:
@@ -182,10 +203,31 @@ def _list(loaded: Sequence[BenchmarkController], as_json: bool) -> None:
     console.print(table)
 
 
+def _print_ranking(results: Sequence[BenchmarkResult | MotionResult]) -> None:
+    """Print a line per controller, the lowest cost first: side by side, many do not fit a terminal."""
+    from flexros.benchmark.models import RULES
+
+    table = Table("controller", "V", *(f"V of {name}" for name in RULES), "demands met")
+    missed = []
+    for result in sorted(results, key=lambda result: result.cost):
+        costs = [f"{result.measures[name].cost:.1f}" for name in RULES]
+        late = [demand.name for demand in result.demands if not demand.passed]
+        met = f"{len(result.demands) - len(late)} of {len(result.demands)}"
+        table.add_row(result.name, f"{result.cost:.2f}", *costs, met)
+        missed += [f"{result.name} misses {'; '.join(late)}"] if late else []
+    console.print(table)
+    for line in missed:
+        say(line)
+    say(f"for the measures of each: --out, or at most {MOST_COLUMNS} controllers")
+
+
 def _print_results(results: Sequence[BenchmarkResult]) -> None:
     from flexros.benchmark.models import RULES
     from flexros.benchmark.tables import cost_rows, demand_rows, measure_rows
 
+    if len(results) > MOST_COLUMNS:
+        _print_ranking(results)
+        return
     names = [result.name for result in results]
     console.print(_table("cost", names, cost_rows(results)))
     for name in RULES:

@@ -9,7 +9,7 @@ import pytest
 
 from flexros.benchmark.evaluate import FeedbackBenchmark
 from flexros.benchmark.models import NOMINAL
-from flexros.benchmark.recorded import is_recording, measures_of_log
+from flexros.benchmark.recorded import is_recording, recorded_run
 from flexros.errors import InputError
 from flexros.logs.write_log import write_log
 from flexros.scenario.closed_loop import closed_loop
@@ -22,7 +22,7 @@ def test_recorded_run_has_the_cost_of_the_benchmark(tmp_path: Path) -> None:
     write_log(closed_loop(Experiment.prepare(scenario)), tmp_path / "log")
     assert is_recording(str(tmp_path / "log"))
     runs = FeedbackBenchmark().measures_of_set(NOMINAL, scenario.controller, seeds=(scenario.seed,))
-    assert measures_of_log(tmp_path / "log").cost == runs[0].cost
+    assert recorded_run(tmp_path / "log").measures.cost == runs[0].cost
 
 
 def test_short_run_is_refused(tmp_path: Path) -> None:
@@ -30,7 +30,7 @@ def test_short_run_is_refused(tmp_path: Path) -> None:
     log = closed_loop(Experiment.prepare(scenario))
     write_log(log, tmp_path / "short")
     with pytest.raises(InputError, match="2001 samples"):
-        measures_of_log(tmp_path / "short")
+        recorded_run(tmp_path / "short")
     write_log(replace(log, tool_pose=None), tmp_path / "partial")
     with pytest.raises(InputError, match="tool_pose"):
-        measures_of_log(tmp_path / "partial")
+        recorded_run(tmp_path / "partial")

@@ -49,3 +49,22 @@ def test_on_a_robot_of_several_axes(flexros: Flexros) -> None:
     assert set(content["sets"]["M1"]) == {"e", "Ts", "T_NOISE", "T_MAX", "V"}
     assert flexros("benchmark", "pid", "--on", "elbow").code == 2
     assert flexros("benchmark", "pid", "--on", "e12", "--noise", "1e-5").code == 2
+
+
+def test_a_log_has_its_files_too(flexros: Flexros, tmp_path: Path) -> None:
+    log, report, out = tmp_path / "log", tmp_path / "r.html", tmp_path / "r.json"
+    assert flexros("run", "feedback_benchmark", "--transport", "direct", "--out", str(log)).code == 0
+    ended = flexros("benchmark", str(log), "--report", str(report), "--out", str(out), "--json")
+    assert ended.code == 0
+    assert json.loads(out.read_text()) == json.loads(ended.out)
+    cost = json.loads(ended.out)["sets"]["nominal"]["V"]
+    assert f"{cost:.5g}" in report.read_text()
+
+
+def test_many_controllers_are_ranked_in_lines(flexros: Flexros) -> None:
+    names = ("qft", "pid_check", "mixed_sensitivity", "pid_optimised", "lqg")
+    ended = flexros("benchmark", *names, "--noise", "0")
+    places = [ended.out.index(f" {name} ") for name in ("lqg", "pid_check", "pid_optimised", "qft")]
+    assert places == sorted(places)
+    assert "138.90" in ended.out
+    assert len(ended.out.splitlines()) < 20

@@ -10,7 +10,7 @@ import numpy as np
 from flexros.atomic_file import write_result
 from flexros.benchmark.models import NOMINAL, RULES, set_values
 from flexros.benchmark.published import PUBLISHED, PUBLISHED_V1, SOLUTIONS
-from flexros.benchmark.tables import MEASURE_NAMES, Row, cost_rows, demand_rows, measure_rows
+from flexros.benchmark.tables import MEASURE_NAMES, Row, cost_rows, demand_rows, measure_rows, measure_values
 from flexros.control.linear_controller import linear_controller
 from flexros.report.base import Folded, Paragraph, Picture, TextTable, Tiles
 from flexros.report.number_text import number
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.benchmark.controllers import BenchmarkController
     from flexros.benchmark.evaluate import BenchmarkResult, FeedbackBenchmark
+    from flexros.benchmark.recorded import RecordedRun
     from flexros.control.context import LoopContext
     from flexros.report.base import Block
 
@@ -79,6 +80,31 @@ def write_report(
     ]
     noise = f"noise {results[0].noise:g} rad, seeds {', '.join(map(str, results[0].seeds))}"
     write_result(file, page_html("Feedback benchmark", f"{', '.join(names)}; {noise}", chapters), "report")
+
+
+def write_log_report(run: RecordedRun, file: Path) -> None:
+    """Write measures and pictures of a recorded run of the nominal model.
+
+    Args:
+        run: The run.
+        file: The HTML file; an existing one is replaced when the new one is complete.
+
+    Raises:
+        InputError: The file cannot be written.
+    """
+    rows = tuple(
+        Row(name, unit, (number(value, 4),))
+        for (name, unit), value in zip(MEASURE_NAMES, measure_values(run.measures), strict=True)
+    )
+    cost = f"{run.name}: V of the nominal model = {number(run.measures.cost, 5)}."
+    lead = Paragraph(f"{cost} The demands and the other models need the controller itself, as a file.", "lead")
+    recorded = NominalRun(run.name, run.deflection, run.command)
+    chapters = [
+        Chapter("", (lead,)),
+        Chapter("Nominal model in time", (_run_picture([recorded], run.sample_time),)),
+        Chapter("Measures", (Paragraph(SCALE), _table(rows, (run.name,), "Measures of the nominal model."))),
+    ]
+    write_result(file, page_html("Feedback benchmark", f"recorded run {run.name}", chapters), "report")
 
 
 def _summary(results: Sequence[BenchmarkResult]) -> tuple[Block, ...]:

@@ -10,7 +10,7 @@ import pytest
 
 from flexros.benchmark.measures import measures_of_run
 from flexros.benchmark.models import NOMINAL, ROBOT, set_values
-from flexros.benchmark.recorded import measures_of_log
+from flexros.benchmark.recorded import recorded_run
 from flexros.benchmark.simulation import RegulatorSimulation
 from flexros.control.base import control_law
 from flexros.control.design.fixed_structure import biquad_system, pid_system
@@ -49,5 +49,5 @@ def test_matrices_over_topics_equal_the_benchmark_in_process(tmp_path: Path) -> 
     assert np.array_equal(log.joint_commands.effort[:, 0], command)
     assert np.array_equal(1e3 * log.tool_pose.position[:, 0], deflection)
 
-    measured = measures_of_log(tmp_path / "log")
+    measured = recorded_run(tmp_path / "log").measures
     assert measured.cost == measures_of_run(deflection, command, 0.1, 5e-4).cost
