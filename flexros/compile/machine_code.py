@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import ctypes
 import ctypes.util
-from functools import lru_cache
+from functools import lru_cache, partial
 from importlib.util import find_spec
 from threading import Lock
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from flexros.compile.object_cache import fingerprint, kept_or_made
 from flexros.compile.operations import LIBRARY_SYMBOLS
 from flexros.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 _PREPARING = Lock()
 """Held for what LLVM keeps for the whole process; threads compile side by side, each in a context of its own."""
@@ -25,12 +28,12 @@ def can_compile() -> bool:
 class MachineCode:
     """Compiled functions. They live as long as this object: keep it together with any address."""
 
-    def __init__(self, text: str, level: int = 2) -> None:
+    def __init__(self, texts: Sequence[str], level: int = 1) -> None:
         """Compile LLVM text.
 
         Args:
-            text: A complete module.
-            level: Optimisation level of the code generator, 0 to 3. The module itself is not optimised: the text is
+            texts: Complete modules, which may call each other.
+            level: Optimisation level of the code generator, 0 to 3. Modules themselves are not optimised: the text is
                 already straight-line code without repeated expressions.
 
         Raises:
@@ -50,11 +53,13 @@ class MachineCode:
             cpu, features = _host()
             machine = target.create_target_machine(cpu=cpu, features=features, opt=level, jit=True)
         compiler = (llvmlite.__version__, str(llvm.llvm_version_info), target.triple, cpu, features, str(level))
-        name = fingerprint(*compiler, text)
-        object_code = kept_or_made(name, lambda: _compiled(text, machine))
+        objects = [
+            kept_or_made(fingerprint(*compiler, text), partial(_compiled, text=text, machine=machine)) for text in texts
+        ]
         with _PREPARING:
             self._engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
-            self._engine.add_object_file(llvm.ObjectFileRef.from_data(object_code))
+            for object_code in objects:
+                self._engine.add_object_file(llvm.ObjectFileRef.from_data(object_code))
             self._engine.finalize_object()
 
     def address(self, symbol: str) -> int:

@@ -27,19 +27,26 @@ arithmetic and loops without counting value names by hand.
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from flexros.compile.elementary import routine_text
 from flexros.compile.ir_text import LANE_COUNTS
 from flexros.compile.machine_code import MachineCode
+from flexros.compile.nested_calls import is_long, nested_calls
+from flexros.compile.object_cache import fingerprint
 from flexros.compile.operations import LIBRARY_SYMBOLS
 from flexros.compile.sx_emitter import emit_function
 from flexros.compile.sx_graph import dense_sx_function, read_graph
 from flexros.errors import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Collection, Sequence
+
     import casadi as ca
+
+    from flexros.compile.nested_calls import NestedCalls
 
 _INTRINSIC = re.compile(r"@llvm\.(sqrt|fabs|floor|ceil|copysign|fma)\.(f64|v\d+f64)\b")
 _LIBRARY_CALL = re.compile(r"call double @(\w+)\(")
@@ -59,6 +66,7 @@ class ModuleBuilder:
         """Start an empty module."""
         self._texts: dict[str, str] = {}
         self._routines: set[tuple[str, int]] = set()
+        self._shared: dict[str, _SharedFunction] = {}
 
     def __contains__(self, symbol: object) -> bool:
         """Return whether a symbol was added."""
@@ -68,7 +76,8 @@ class ModuleBuilder:
         """Add a CasADi function.
 
         Args:
-            function: Function of SX (MX functions are expanded), dense inputs.
+            function: Function of SX, dense inputs. MX functions are expanded, but long functions that one of them calls
+                are compiled on their own, once for all modules.
             name: Symbol to define; the function's own name when None.
             lanes: Doubles per number, one of 1, 2, 4, 8, 16.
 
@@ -79,6 +88,9 @@ class ModuleBuilder:
             InputError: Unknown operation, free variables, sparse inputs or an unusable number of lanes.
         """
         check_lanes(lanes)
+        nested = nested_calls(function)
+        if nested is not None and any(is_long(call.function) for call in nested.calls):
+            return self._add_nested(nested, name or function.name(), lanes)
         function = dense_sx_function(function)
         symbol = self._free_symbol(name or function.name())
         emitted = emit_function(read_graph(function), symbol, lanes)
@@ -95,18 +107,32 @@ class ModuleBuilder:
         """
         self._texts[self._free_symbol(symbol) if symbol else f".text{len(self._texts)}"] = text
 
-    def build(self, *, level: int = 2) -> MachineCode:
+    def build(self, *, level: int = 1) -> MachineCode:
         """Compile everything.
 
         Args:
             level: Optimisation level of the code generator, 0 to 3.
         """
-        return _compiled(self.text(), level)
+        return _compiled((self.text(), *(shared.module for _, shared in sorted(self._shared.items()))), level)
 
     def text(self) -> str:
         """Return the module as LLVM text."""
-        body = [*(routine_text(*key) for key in sorted(self._routines)), *self._texts.values()]
-        return "\n".join([*_declarations("\n".join(body)), *body])
+        declared = [shared.declaration for _, shared in sorted(self._shared.items())]
+        return _module_text(self._routines, [*declared, *self._texts.values()])
+
+    def _add_nested(self, nested: NestedCalls, name: str, lanes: int) -> str:
+        """Add a function that only calls others, and what it calls."""
+        called = []
+        for number, call in enumerate(nested.calls):
+            if is_long(call.function):
+                shared = _shared_function(call.function, lanes)
+                self._shared[shared.symbol] = shared
+                called.append(shared.symbol)
+            else:
+                called.append(self.add_function(call.function, name=f"{name}.call{number}", lanes=lanes))
+        symbol = self._free_symbol(name)
+        self.add_text(nested.text(symbol, called, lanes), symbol)
+        return symbol
 
     def _free_symbol(self, symbol: str) -> str:
         if not _SYMBOL.fullmatch(symbol):
@@ -116,10 +142,59 @@ class ModuleBuilder:
         return symbol
 
 
+@dataclass(frozen=True)
+class _SharedFunction:
+    """A long function in a module of its own.
+
+    Attributes:
+        function: The function.
+        symbol: Its name, which no other function has.
+        declaration: Declaration for the modules that call it.
+        module: Text of its own module.
+    """
+
+    function: ca.Function
+    symbol: str
+    declaration: str
+    module: str
+
+
+_KEPT: dict[tuple[int, int], _SharedFunction] = {}
+"""Shared functions by CasADi's own number of them, which is not given again while they are kept, and by lanes."""
+_MOST_KEPT = 64
+"""Most shared functions that are kept (chosen)."""
+
+
+def _shared_function(function: ca.Function, lanes: int) -> _SharedFunction:
+    """Write the module of a long function, once."""
+    key = hash(function), lanes
+    if key not in _KEPT:
+        graph = read_graph(dense_sx_function(function))
+        content = fingerprint(*map(str, (graph.operations, graph.first, graph.second, graph.constants, graph.outputs)))
+        symbol = f"{function.name()}.{content[:24]}.{lanes}"
+        emitted = emit_function(graph, symbol, lanes)
+        pointers = ", ".join(["ptr"] * (function.n_in() + function.n_out()))
+        while len(_KEPT) >= _MOST_KEPT:
+            _KEPT.pop(next(iter(_KEPT)), None)
+        _KEPT[key] = _SharedFunction(
+            function,
+            symbol,
+            f"declare void @{symbol}({pointers}) nounwind",
+            _module_text(emitted.routines, [emitted.text]),
+        )
+    return _KEPT[key]
+
+
+def _module_text(routines: Collection[tuple[str, int]], texts: Sequence[str]) -> str:
+    """Write a module with the routines and declarations that its texts need."""
+    body = [*(routine_text(*key) for key in sorted(routines)), *texts]
+    return "\n".join([*_declarations("\n".join(body)), *body])
+
+
 @lru_cache(maxsize=64)
-def _compiled(text: str, level: int) -> MachineCode:
-    """Compile a module once; many logs of one robot use the same modules."""
-    return MachineCode(text, level)
+def _compiled(texts: tuple[str, ...], level: int) -> MachineCode:
+    """Compile modules once; many logs of one robot use the same ones."""
+    return MachineCode(texts, level)
 
 
 def check_lanes(lanes: int) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -25,7 +25,7 @@ from flexros.robot.symbolic.chain import Chain, Coordinates, build_chain
 from flexros.robot.symbolic.model import SymbolicModel
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     import pandas as pd
     from numpy.typing import ArrayLike
@@ -34,6 +34,9 @@ if TYPE_CHECKING:
     from flexros.robot.symbolic.chain import Joint
 
 LIBRARY = Path(__file__).parent / "library"
+
+_MODELS = 8
+"""Symbolic models with free parameters that a robot keeps (chosen)."""
 
 Commands = Literal["torque", "position"]
 """What commands a robot: torques of its motors, or positions that their servos follow."""
@@ -218,7 +221,7 @@ class Robot:
         return EquilibriumSearch(self.model, "gears")
 
     def symbolic(self, parameters: Sequence[str] = ()) -> SymbolicModel:
-        """Build the symbolic model with some parameters free.
+        """Return the symbolic model with some parameters free.
 
         Args:
             parameters: Names of the free parameters, e.g. ("body_3.mass",); they become the argument p.
@@ -226,7 +229,11 @@ class Robot:
         Raises:
             InputError: A name is not a parameter of the robot.
         """
-        return SymbolicModel(self.spec, self.chain, parameters)
+        return self._symbolic(tuple(parameters))
+
+    @cached_property
+    def _symbolic(self) -> Callable[[tuple[str, ...]], SymbolicModel]:
+        return lru_cache(maxsize=_MODELS)(partial(SymbolicModel, self.spec, self.chain))
 
     def with_values(self, values: Mapping[str, float], source: str = "given values") -> Robot:
         """Return a robot with some values replaced.

@@ -15,8 +15,9 @@ from flexros.robot.equilibrium_search import Equilibrium, EquilibriumSearch
 from flexros.robot.parameters import SERVO
 from flexros.simulate.plant_equilibrium import PlantEquilibriumSearch, own_at_start, torque_beyond_command
 from flexros.simulate.plant_symbols import PlantSymbols
-from flexros.simulate.plant_updates import motor_accelerations, own_rates, smooth_torque, step_updates
+from flexros.simulate.plant_updates import dynamics, own_rates, smooth_torque, step_updates
 from flexros.simulate.sensor_outputs import feels_input, measured_sensors, sensor_outputs
+from flexros.simulate.stages import Stages
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -238,15 +239,12 @@ class PlantModel:
             torque[motor] -= plant.friction[row]
         for law, _ in plant.laws.bristles:
             torque[law.motor] -= plant.own(law)[-1]
-        if plant.added_force() is None:
-            n = 2 * self.model.n_coordinates
-            robot = self.model.derivative(plant.x[:n], torque, plant.w, plant.robot_parameters)
-        else:
-            robot = ca.vertcat(plant.v, motor_accelerations(plant, torque))
+        stages = Stages([plant.x, plant.u, plant.w, plant.p])
+        function, inputs = dynamics(plant, torque)
+        robot = ca.vertcat(plant.v, stages.call(function, *inputs)[0])
         held = ca.SX.zeros(plant.input_rows.stop - plant.input_rows.start)
         rates = ca.vertcat(robot, ca.SX.zeros(len(plant.sticking_motors)), own_rates(plant, passed), held)
-        arguments = [plant.x, plant.u, plant.w, plant.p]
-        return ca.Function("derivative", arguments, [ca.densify(rates)], {"cse": True})
+        return stages.function("derivative", rates)
 
     def sensor_outputs(self, wanted: Sequence[tuple[str, int]]) -> ca.Function:
         """Return the outputs of further sensors from (x, u, p), see `flexros.simulate.sensor_outputs`.

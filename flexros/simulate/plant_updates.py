@@ -11,11 +11,13 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 
+from flexros.compile.nested_calls import is_long
 from flexros.effects.kinds.arm_law import AbstractArmLaw
 from flexros.effects.kinds.bristle_friction import bristle_step
 from flexros.effects.kinds.dry_friction import AHEAD, FrictionLevels, mean_friction
 from flexros.effects.kinds.gear_law import AbstractGearLaw
 from flexros.effects.kinds.motor_law import AbstractMotorLaw
+from flexros.simulate.stages import Stages
 
 if TYPE_CHECKING:
     from flexros.effects.patching.placement import PlacedLaw
@@ -69,17 +71,16 @@ def step_updates(plant: PlantSymbols) -> tuple[ca.Function | None, ca.Function |
         rows = _stepwise(plant, law)
         before[rows] = effect.before_step(plant.gear(law), plant.values(law), step)
         after[rows] = effect.after_step(plant.gear(law), plant.values(law), step)
-    _update_friction(plant, before, step)
+    arguments = [plant.x, plant.u, plant.w, plant.p, step]
+    stages = Stages(arguments)
+    _update_friction(plant, before, step, stages)
     if plant.input_rows.stop > plant.input_rows.start:
         before[plant.input_rows] = ca.vertcat(plant.u, plant.w)
-    arguments = [plant.x, plant.u, plant.w, plant.p, step]
 
-    def function(name: str, changed: ca.SX) -> ca.Function | None:
-        if ca.is_equal(changed, plant.x):
-            return None
-        return ca.Function(name, arguments, [ca.densify(changed)], {"cse": True})
+    def function(name: str, changed: ca.SX, stages: Stages) -> ca.Function | None:
+        return None if ca.is_equal(changed, plant.x) else stages.function(name, changed)
 
-    return function("before_step", before), function("after_step", after)
+    return function("before_step", before, stages), function("after_step", after, Stages(arguments))
 
 
 def _stepwise(plant: PlantSymbols, law: PlacedLaw) -> slice:
@@ -97,7 +98,7 @@ def _update_command_laws(plant: PlantSymbols, x: ca.SX, step: ca.SX) -> None:
         torque[motor] = effect.passed(torque[motor], own, values)
 
 
-def _update_friction(plant: PlantSymbols, x: ca.SX, step: ca.SX) -> None:
+def _update_friction(plant: PlantSymbols, x: ca.SX, step: ca.SX, stages: Stages) -> None:
     """Solve for the coupled friction torques of all motors by Gauss-Seidel sweeps, and write them into x."""
     bristles = plant.laws.bristles
     if not plant.sticking_motors and not bristles:
@@ -106,7 +107,7 @@ def _update_friction(plant: PlantSymbols, x: ca.SX, step: ca.SX) -> None:
     held = [plant.rows(law).stop - 1 for law, _ in bristles]
     nq = plant.model.n_coordinates
     friction = ca.vertcat(plant.friction, *[plant.x[row] for row in held])
-    free, slope, mobility = _accelerations(plant, x, motors, step)
+    free, slope, mobility = _accelerations(plant, x, motors, step, stages)
     middle = 0.5 * step
     rows = [plant.robot.motor_rows[motor] for motor in motors]
     speeds = [
@@ -136,43 +137,56 @@ def _update_friction(plant: PlantSymbols, x: ca.SX, step: ca.SX) -> None:
         x[row] = torque
 
 
-def _accelerations(plant: PlantSymbols, x: ca.SX, motors: list[int], step: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
+def _accelerations(
+    plant: PlantSymbols, x: ca.SX, motors: list[int], step: ca.SX, stages: Stages
+) -> tuple[ca.SX, ca.SX, ca.SX]:
     """Return accelerations without friction, their rates due to springs and own states, and mobilities."""
-    torque = ca.SX.sym("torque", plant.robot.n_motors)
     rows = [plant.robot.motor_rows[motor] for motor in motors]
-    free = motor_accelerations(plant, torque)[rows]
+    passed, own = plant.torques(plant.u), plant.own_states
+    ahead = AHEAD * step
+    moved = ca.vertcat(plant.q + ahead * plant.v, own + ahead * own_rates(plant, passed))
+
+    def updated(value: ca.SX) -> ca.SX:
+        return ca.substitute(value, own, x[plant.own_rows]) if own.numel() else value
+
+    if plant.robot.n_coordinates == plant.robot.n_motors and is_long(plant.model.acceleration):
+        force = plant.added_force()
+        added = ca.SX.zeros(plant.model.n_coordinates) if force is None else force
+        torque = passed + smooth_torque(plant, passed)
+        now = [plant.q, plant.v, torque, plant.w, added, plant.robot_parameters]
+        later = [ca.substitute(value, ca.vertcat(plant.q, own), moved) for value in now]
+        free, mobility = stages.call(plant.model.acceleration_with_mobility, *map(updated, now))
+        then = stages.call(plant.model.forced_acceleration, *map(updated, later))[0]
+        return free[rows], (then[rows] - free[rows]) / ahead, mobility[rows, motors]
+    torque = ca.SX.sym("torque", plant.robot.n_motors)
+    function, inputs = dynamics(plant, torque)
+    free = function(*inputs)[rows]
     mobility = ca.jacobian(free, torque)[:, motors]
-    passed = plant.torques(plant.u)
     free = ca.substitute(free, torque, passed + smooth_torque(plant, passed))
-    own = plant.own_states
     corners = plant.laws.gears or plant.laws.arms  # where a derivative would depend on round-off
     if (
         corners or plant.robot.n_coordinates == plant.robot.n_motors
     ):  # and that of a rigid arm is longer than the accelerations
-        ahead = AHEAD * step
-        moved = ca.vertcat(plant.q + ahead * plant.v, own + ahead * own_rates(plant, passed))
         slope = (ca.substitute(free, ca.vertcat(plant.q, own), moved) - free) / ahead
     else:
         slope = ca.jtimes(free, plant.q, plant.v)
         if own.numel():
             slope = slope + ca.jtimes(free, own, own_rates(plant, passed))
-    if own.numel() and not ca.is_equal(x[plant.own_rows], own):
-        free, slope = (ca.substitute(value, own, x[plant.own_rows]) for value in (free, slope))
-    return free, slope, mobility
+    return updated(free), updated(slope), mobility
 
 
-def motor_accelerations(plant: PlantSymbols, torque: ca.SX) -> ca.SX:
-    """Return the accelerations of all coordinates, SX (n_coordinates, 1), under motor torques without dry friction.
+def dynamics(plant: PlantSymbols, torque: ca.SX) -> tuple[ca.Function, list[ca.SX]]:
+    """Return the function of the accelerations of all coordinates, without dry friction, and its inputs.
 
     Args:
         plant: Symbols of the plant.
         torque: Motor torques [Nm or N], SX (M, 1).
     """
     force = plant.added_force()
-    state = (plant.q, plant.v, torque, plant.w)
+    state = [plant.q, plant.v, torque, plant.w]
     if force is None:
-        return plant.model.acceleration(*state, plant.robot_parameters)
-    return plant.model.forced_acceleration(*state, force, plant.robot_parameters)
+        return plant.model.acceleration, [*state, plant.robot_parameters]
+    return plant.model.forced_acceleration, [*state, force, plant.robot_parameters]
 
 
 def _within_direction(speed: ca.SX, later: ca.SX) -> ca.SX:

@@ -154,6 +154,15 @@ class SymbolicModel:
         )
 
     @cached_property
+    def acceleration_with_mobility(self) -> ca.Function:
+        """Accelerations of q, and their derivatives to the motor torques, from (q, v, u, w, f, p)."""
+        inputs = self.forced_acceleration.sx_in()
+        found = self.forced_acceleration(*inputs)
+        return self._function(
+            "acceleration_with_mobility", inputs, [found, ca.jacobian(found, inputs[2])], ["q", "v", "u", "w", "f", "p"]
+        )
+
+    @cached_property
     def derivative(self) -> ca.Function:
         """State derivative from (x, u, w, p)."""
         x = ca.SX.sym("x", 2 * self.n_coordinates)
