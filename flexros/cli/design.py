@@ -49,6 +49,7 @@ def design(
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
     """Design a controller for a robot over its spring range and poses, and show the margins of its loops."""
+    from flexros.benchmark.tuning import structure_of
     from flexros.control.design.methods.base import DesignProblem, design_methods
 
     methods = design_methods()
@@ -62,7 +63,7 @@ def design(
     if method == MARGINS:
         laws, problem = _given(controller, model, q)
     else:
-        robot = linear_robot(model)
+        robot = _robot_with(model, structure_of(settings).sensors if method == STRUCTURE else ())
         names, values = _further_plants(robot, models)
         poses = [parse_numbers(text, "--q") for text in q]
         problem = DesignProblem.of(robot, poses, names=names, values=values)
@@ -81,13 +82,7 @@ def design(
             from flexros.benchmark.tuning import write_controller
 
             write_controller(out, text)
-    if any("tool_acceleration" in getattr(law, "inputs", ()) for law in laws.values()):
-        text = "margins are computed for the motor encoders alone; flexros benchmark checks this controller"
-        typer.echo(f"flexros: {text}", err=True)
-        if as_json:
-            print_json({"figures": figures, "controllers": {}})
-    else:
-        _show(laws, problem, figures, report, as_json)
+    _show(laws, problem, figures, report, as_json)
     if out and not as_json:
         say(f"controller: {out}")
 
@@ -100,32 +95,32 @@ def _show(
     as_json: bool,
 ) -> None:
     """Print the margins of the loops, and write the report."""
-    from flexros.control.context import LoopContext
-    from flexros.control.design.margins import loop_margins
-    from flexros.control.linear_controller import linear_controller
+    from flexros.analysis.control_loops import control_loops
 
-    context = LoopContext(problem.robot, problem.sample_time)
-    linear = {key: linear_controller(law, context) for key, law in laws.items()}
-    margins = {key: loop_margins(problem.sampled, one) for key, one in linear.items()}
+    loops = {key: control_loops(law, problem) for key, law in laws.items()}
     if report:
         from flexros.analysis.report.loop import write_loop_report
 
-        write_loop_report(problem.sampled, linear, margins, report, title=f"Loops of {problem.robot.name}")
+        write_loop_report(loops, report, title=f"Loops of {problem.robot.name}")
     if as_json:
         print_json(
             {
                 "figures": figures,
                 "controllers": {
-                    key: {"order": len(linear[key].state_step), "margins": [entry.as_dict() for entry in margins[key]]}
-                    for key in laws
+                    key: {
+                        "order": len(of_law[0].controller.state_step),
+                        "margins": [entry.as_dict() for loop in of_law for entry in loop.margins],
+                    }
+                    for key, of_law in loops.items()
                 },
             }
         )
         return
     for name, value in figures.items():
         say(f"{name}: {value:.4g}")
-    for key, entries in margins.items():
-        console.print(_margin_table(key if len(margins) > 1 else "plant", entries))
+    for key, of_law in loops.items():
+        entries = [entry for loop in of_law for entry in loop.margins]
+        console.print(_margin_table(key if len(loops) > 1 else "plant", entries))
     if report:
         say(f"report: {report}")
 
@@ -172,6 +167,14 @@ def _list_methods(methods: Mapping[str, type[AbstractDesignMethod]], as_json: bo
         choices = entry["choices"]
         for key, description in choices.items() if isinstance(choices, dict) else ():
             say(f"    {key}: {description}")
+
+
+def _robot_with(model: str, sensors: Sequence[str]) -> Robot:
+    """Load a model; that of the benchmark gets the sensors that a controller of it uses."""
+    from flexros.benchmark.models import ROBOT as BENCHMARK_ROBOT
+    from flexros.benchmark.models import benchmark_robot
+
+    return benchmark_robot(sensors) if sensors and model == BENCHMARK_ROBOT else linear_robot(model)
 
 
 def _further_plants(robot: Robot, models: str) -> tuple[tuple[str, ...], FloatArray | None]:
@@ -224,16 +227,9 @@ def _given(controller: str, model: str, q: Sequence[str]) -> tuple[dict[str, Abs
         if controller not in controller_names() and not controller.endswith((".yaml", ".yml", ".py")):
             raise unknown_name("controller", controller, (*controller_names(), *scenario_names()))
         given = load_controller(controller)
-    if given.sensors:
-        raise InputError(
-            f"controller {given.name} uses {', '.join(given.sensors)}, margins are computed for the motor encoders "
-            "alone; flexros benchmark checks its stability",
-            "controller",
-        )
     laws = {"C1": given.nominal, "C2": given.perturbed}
-    return laws if given.nominal != given.perturbed else {"controller": given.nominal}, DesignProblem.of(
-        linear_robot(model), poses
-    )
+    robot = _robot_with(model, given.sensors)
+    return laws if given.nominal != given.perturbed else {"controller": given.nominal}, DesignProblem.of(robot, poses)
 
 
 def _tuned(

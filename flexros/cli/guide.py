@@ -81,6 +81,9 @@ def _after_design(given: Mapping[str, Any], _: int) -> str:
         return "flexros design lqg --model four_mass --out lqg.yaml    design one"
     if given["out"]:
         return f"flexros benchmark {word(given['out'])} --report benchmark.html    its cost and demands"
+    if given["controller"]:
+        margins = f"flexros design margins --controller {word(given['controller'])}"
+        return f"{margins} --report loops.html    Bode, Nyquist, sensitivities and steps"
     return f"flexros design {word(given['method'])} --model {word(given['model'])} --out controller.yaml    keep it"
 
 

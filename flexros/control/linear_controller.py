@@ -8,12 +8,16 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
+from flexros.control.context import LINK_MOTION
 from flexros.errors import InputError
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.control.base import AbstractControlLaw
     from flexros.control.context import LoopContext
+
+_LONGEST, _STILL = 4000, 1e-9
+"""Samples after which a law counts as being at rest, and relative change of its states that does (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,6 +35,7 @@ class LinearController:
         state_step: Shape (m, m).
         state_reference: Shape (m, 3 M).
         state_measured: Shape (m, n_measured).
+        link_columns: First column of the link positions among the references; None where there is none.
     """
 
     from_state: FloatArray
@@ -39,14 +44,24 @@ class LinearController:
     state_step: FloatArray
     state_reference: FloatArray
     state_measured: FloatArray
+    link_columns: int | None = None
+
+    def position_columns(self, motor: int) -> list[int]:
+        """Return the references that a step of a motor and its link moves."""
+        return [motor] if self.link_columns is None else [motor, self.link_columns + motor]
 
 
-def linear_controller(law: AbstractControlLaw, context: LoopContext) -> LinearController:
+def linear_controller(
+    law: AbstractControlLaw, context: LoopContext, rest: tuple[FloatArray, FloatArray] | None = None
+) -> LinearController:
     """Linearise a controller away from its limits; exact for a sampled linear law.
 
     Args:
         law: The controller.
         context: Robot, sample time and signals of the loop.
+        rest: References and measurements of the robot at rest about which it is linearised, shapes
+            (context.references.size,) and (context.measurements.size,); default: zeros, which is enough for a linear
+            law. States that only come to rest in time, such as the covariance of a filter, are run until they do.
 
     Returns:
         Its matrices.
@@ -56,11 +71,16 @@ def linear_controller(law: AbstractControlLaw, context: LoopContext) -> LinearCo
     gains = law.gains(context)
     u, after = function(c, r, y, gains)
     parts = [ca.densify(ca.jacobian(out, part)) for out in (u, after) for part in (c, r, y)]
-    rest = [np.zeros(function.size1_in(1)), np.zeros(function.size1_in(2))]
-    started = function(law.initial_state(context), *rest, gains)[1]
+    at = rest or (np.zeros(function.size1_in(1)), np.zeros(function.size1_in(2)))
+    started = np.asarray(function(law.initial_state(context), *at, gains)[1], dtype=float).ravel()
+    for _ in range(_LONGEST if rest is not None else 0):
+        before, started = started, np.asarray(function(started, *at, gains)[1], dtype=float).ravel()
+        if np.all(np.abs(started - before) <= _STILL * np.abs(before)):
+            break
     evaluate = ca.Function("linearised", [c, r, y], parts)
-    from_c, from_r, from_y, of_c, of_r, of_y = (np.asarray(part, float) for part in evaluate(started, *rest))
-    return LinearController(from_c, from_r, from_y, of_c, of_r, of_y)
+    from_c, from_r, from_y, of_c, of_r, of_y = (np.asarray(part, float) for part in evaluate(started, *at))
+    links = context.references.rows(LINK_MOTION[0]).start if context.link_motion else None
+    return LinearController(from_c, from_r, from_y, of_c, of_r, of_y, links)
 
 
 def connected(controller: LinearController) -> LinearController:

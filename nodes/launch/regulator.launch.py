@@ -12,4 +12,4 @@ if TYPE_CHECKING:
 
 def generate_launch_description() -> LaunchDescription:
     """Describe arguments and nodes."""
-    return run_description("regulator_four_mass", "two_mass_step", "feedback_benchmark")
+    return run_description("regulator_four_mass", "two_mass_step", "feedback_benchmark", "four_mass_state_space")

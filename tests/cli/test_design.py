@@ -26,6 +26,18 @@ def test_design_writes_a_controller_that_the_benchmark_takes(flexros: Flexros, t
     assert json.loads(checked.out)["V"] < 200.0
 
 
+@pytest.mark.parametrize("controller", ["elbow_torque_feedback", "elbow_computed_torque", "acceleration_1"])
+def test_margins_of_controllers_with_further_sensors_or_a_model(
+    flexros: Flexros, controller: str, tmp_path: Path
+) -> None:
+    page = tmp_path / "loops.html"
+    ended = flexros("design", "margins", "--controller", controller, "--json", "--report", str(page))
+    assert ended.code == 0, ended.err
+    for of_law in json.loads(ended.out)["controllers"].values():
+        assert all(entry["stable"] and 1.0 < entry["sensitivity"] < 6.0 for entry in of_law["margins"])
+    assert all(words in page.read_text() for words in ("Bode", "Nyquist", "unit step"))
+
+
 def test_margins_of_the_controller_of_a_scenario(flexros: Flexros) -> None:
     ended = flexros("design", "margins", "--controller", "circle_pd", "--json")
     assert ended.code == 0

@@ -35,6 +35,7 @@ LARGEST_ERROR = {
     "elbow_torque_feedback": 3.3e-5,
     "feedback_benchmark": 0.38,
     "four_mass_lqg": 0.147,
+    "four_mass_state_space": 0.267,
     "friction_two_mass": 3e-3,
     "hidden_effect": 1.5e-3,
     "identify_e12": 0.0037,

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from pathlib import Path
 
+    from flexros.analysis.control_loops import ControlLoop
     from flexros.arrays import ComplexArray, FloatArray
     from flexros.control.design.margins import LoopMargins, LoopResponse
     from flexros.control.design.plants import SampledPlants
@@ -30,35 +31,32 @@ _MOST_POINTS = 700
 """Frequencies of a curve [1] (chosen)."""
 
 
-def write_loop_report(
-    plants: SampledPlants,
-    controllers: Mapping[str, LinearController],
-    margins: Mapping[str, Sequence[LoopMargins]],
-    file: Path,
-    *,
-    title: str,
-) -> None:
+def write_loop_report(loops: Mapping[str, Sequence[ControlLoop]], file: Path, *, title: str) -> None:
     """Write margins and pictures of the loops of one or more controllers.
 
     Args:
-        plants: All sampled plants.
-        controllers: Controllers by name.
-        margins: Their margins by the same names.
+        loops: Loops of each controller by its name, those of one controller with all its poses.
         file: The HTML file; an existing one is replaced when the new one is complete.
         title: Heading.
 
     Raises:
         InputError: The file cannot be written.
     """
-    chapters = []
-    for name, controller in controllers.items():
-        response = loop_response(plants, controller, _frequencies(plants))
-        motors = plants.B.shape[-1]
-        pictures = [picture for motor in range(motors) for picture in _pictures(plants, controller, response, motor)]
-        heading = name if len(controllers) > 1 else "Loops"
-        chapters.append(Chapter(heading, (*loop_table(margins[name]), *pictures)))
-    subtitle = f"{len(plants)} plants, sample time {1e3 * plants.sample_time:g} ms"
-    write_result(file, page_html(title, subtitle, chapters), "report")
+    chapters, plants = [], 0
+    for name, of_law in loops.items():
+        plants = sum(len(loop.plants) for loop in of_law)
+        for number_, loop in enumerate(of_law, start=1):
+            pictures = [
+                picture
+                for motor in range(loop.plants.B.shape[-1])
+                for picture in loop_pictures(loop.plants, loop.controller, motor)
+            ]
+            heading = " ".join(
+                [*([name] if len(loops) > 1 else ["Loops"]), *([f"pose {number_}"] if len(of_law) > 1 else [])]
+            )
+            chapters.append(Chapter(heading, (*loop_table(loop.margins), *pictures)))
+    sample_time = next(iter(loops.values()))[0].plants.sample_time
+    write_result(file, page_html(title, f"{plants} plants, sample time {1e3 * sample_time:g} ms", chapters), "report")
 
 
 def common_beginning(labels: Sequence[str]) -> str:

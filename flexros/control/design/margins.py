@@ -164,14 +164,17 @@ def step_response(
 ) -> FloatArray:
     """Return the motor position after a unit step of its reference, shape (samples,).
 
-    The reference enters as the measurement with the opposite sign; its rate is zero.
+    The reference of the link moves with it, rates and accelerations stay zero. Of a controller that ignores its
+    reference the measurement steps, with the opposite sign.
     """
     controller = connected(controller)
     loop = closed_loops(plants, controller)[number]
     n = plants.A.shape[-1]
-    entry = np.concatenate(
-        [-plants.B[number] @ controller.from_measured[:, motor], -controller.state_measured[:, motor]]
-    )
+    moved = controller.position_columns(motor)
+    direct, stored = controller.from_reference[:, moved].sum(axis=1), controller.state_reference[:, moved].sum(axis=1)
+    if not np.any(direct) and not np.any(stored):
+        direct, stored = -controller.from_measured[:, motor], -controller.state_measured[:, motor]
+    entry = np.concatenate([plants.B[number] @ direct, stored])
     output = np.concatenate([plants.C[number][motor], np.zeros(len(loop) - n)])
     state, values = np.zeros(len(loop)), np.empty(samples)
     for sample in range(samples):

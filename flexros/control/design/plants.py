@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise, product
 from typing import TYPE_CHECKING
 
@@ -71,6 +71,32 @@ class SampledPlants:
 
     def __len__(self) -> int:
         return len(self.labels)
+
+    def part(self, first: int, last: int) -> SampledPlants:
+        """Return the models from one number to before another."""
+        parts = {name: getattr(self, name)[first:last] for name in ("labels", "A", "B", "C", "G", "F")}
+        return replace(self, **parts)
+
+    def measured_late(self, ages: Sequence[int]) -> SampledPlants:
+        """Return the models with older measurements, whose delay lines are further states.
+
+        Args:
+            ages: Age of each measurement when it is used [samples], length n_measured.
+        """
+        count, n, more = len(self), self.A.shape[-1], sum(ages)
+        A = np.zeros((count, n + more, n + more))
+        A[:, :n, :n] = self.A
+        C = np.concatenate([self.C, np.zeros((count, self.C.shape[1], more))], axis=2)
+        begin = n
+        for channel, age in enumerate(ages):
+            if age:
+                A[:, begin, :n] = self.C[:, channel]
+                A[:, begin + 1 : begin + age, begin : begin + age - 1] = np.eye(age - 1)
+                C[:, channel, :n], C[:, channel, begin + age - 1] = 0.0, 1.0
+                begin += age
+        B, G = (np.concatenate([part, np.zeros((count, more, part.shape[2]))], axis=1) for part in (self.B, self.G))
+        F = np.concatenate([self.F, np.zeros((count, 3, more))], axis=2)
+        return replace(self, A=A, B=B, C=C, G=G, F=F)
 
 
 def linear_plants(

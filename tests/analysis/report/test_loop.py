@@ -6,11 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from flexros.analysis.control_loops import control_loops
 from flexros.analysis.report.loop import common_beginning, write_loop_report
-from flexros.control.context import LoopContext
-from flexros.control.design.margins import loop_margins
 from flexros.control.design.methods.base import DesignProblem
-from flexros.control.linear_controller import linear_controller
 from flexros.control.pid import Pid
 from flexros.robot import load_robot
 
@@ -26,10 +24,8 @@ def test_words_that_all_plants_share_are_said_once(labels: list[str], beginning:
 def test_report_names_every_plant_and_the_margins(tmp_path: Path) -> None:
     robot = load_robot("four_mass")
     problem = DesignProblem.of(robot)
-    linear = linear_controller(Pid(kp=24.0, ki=100.0, kd=2.35), LoopContext(robot, robot.sample_time))
-    margins = loop_margins(problem.sampled, linear)
     file = tmp_path / "loops.html"
-    write_loop_report(problem.sampled, {"C": linear}, {"C": margins}, file, title="Loops")
+    write_loop_report({"C": control_loops(Pid(kp=24.0, ki=100.0, kd=2.35), problem)}, file, title="Loops")
     text = file.read_text()
     labels = problem.sampled.labels
     beginning = common_beginning(labels)

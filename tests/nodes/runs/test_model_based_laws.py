@@ -35,6 +35,8 @@ LAWS = (
     "elbow_accelerometer",
     "elbow_torque_feedback",
     "four_mass_lqg",
+    "four_mass_state_space",
+    "two_mass_step",
 )
 
 

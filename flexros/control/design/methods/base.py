@@ -19,6 +19,8 @@ from flexros.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    import casadi as ca
+
     from flexros.arrays import FloatArray
     from flexros.control.design.fixed_structure import DiscreteSystem
     from flexros.control.design.plants import SampledPlants
@@ -36,6 +38,9 @@ class DesignProblem:
         plants: Continuous models, springs from soft to stiff inside, poses outside.
         sampled: The same sampled, past commands as states.
         segments: Number of combinations of spring segments per pose.
+        poses: Arm coordinates [rad or m], each of shape (N,).
+        names: Parameters that differ between further plants.
+        values: Their values (SI), shape (n_sets, n_parameters); None for those of the robot.
     """
 
     robot: Robot
@@ -44,6 +49,9 @@ class DesignProblem:
     plants: LinearPlants
     sampled: SampledPlants
     segments: int
+    poses: tuple[FloatArray, ...]
+    names: tuple[str, ...] = ()
+    values: FloatArray | None = None
 
     @classmethod
     def of(
@@ -71,30 +79,18 @@ class DesignProblem:
         """
         if robot.commands == "position":
             raise InputError(f"robot {robot.name} is commanded by positions; give one that is commanded by torques")
-        parts = [
-            linear_plants(
-                robot,
-                names=names,
-                values=values,
-                pose=pose,
-                label=f"{robot.name} pose {number + 1}" if len(poses) > 1 else robot.name,
-            )
-            for number, pose in enumerate(poses or [robot.home])
-        ]
-        plants = LinearPlants(
-            tuple(label for part in parts for label in part.labels),
-            *(np.concatenate([getattr(part, name) for part in parts]) for name in "ABCEF"),
-        )
         time = robot.sample_time if sample_time is None else sample_time
         late = robot.delay if delay is None else delay
-        return cls(
-            robot,
-            time,
-            late,
-            plants,
-            sampled_plants(plants, time, late),
-            len(parts[0]) // (1 if values is None else len(values)),
-        )
+        chosen = tuple(np.asarray(pose, dtype=float) for pose in poses or [robot.home])
+        plants = _plants(robot, chosen, tuple(names), values)
+        segments = len(plants) // (len(chosen) * (1 if values is None else len(values)))
+        sampled = sampled_plants(plants, time, late)
+        return cls(robot, time, late, plants, sampled, segments, chosen, tuple(names), values)
+
+    def sampled_with(self, further: ca.Function) -> SampledPlants:
+        """Return the sampled plants with further measurements, see `linear_plants`."""
+        plants = _plants(self.robot, self.poses, self.names, self.values, further)
+        return sampled_plants(plants, self.sample_time, self.delay)
 
     def plant_at(self, stiffness_share: float) -> LinearPlants:
         """Return one model between the softest and the stiffest spring segment of the first pose.
@@ -112,6 +108,31 @@ class DesignProblem:
     def sampled_at(self, stiffness_share: float) -> SampledPlants:
         """Return the model of `plant_at` sampled, with its delay."""
         return sampled_plants(self.plant_at(stiffness_share), self.sample_time, self.delay)
+
+
+def _plants(
+    robot: Robot,
+    poses: Sequence[FloatArray],
+    names: tuple[str, ...],
+    values: FloatArray | None,
+    further: ca.Function | None = None,
+) -> LinearPlants:
+    """Return the continuous models of all poses, poses outside."""
+    parts = [
+        linear_plants(
+            robot,
+            names=names,
+            values=values,
+            pose=pose,
+            label=f"{robot.name} pose {number + 1}" if len(poses) > 1 else robot.name,
+            further=further,
+        )
+        for number, pose in enumerate(poses)
+    ]
+    return LinearPlants(
+        tuple(label for part in parts for label in part.labels),
+        *(np.concatenate([getattr(part, name) for part in parts]) for name in "ABCEF"),
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,13 +196,13 @@ class AbstractDesignMethod(Settings, ABC):
 
 
 def as_linear(system: DiscreteSystem) -> LinearController:
-    """Return a controller of the error as one of the measurements, without reference."""
+    """Return a controller of the error as one of measured and reference positions."""
     return LinearController(
         from_state=system.C,
-        from_reference=np.zeros((len(system.D), 0)),
+        from_reference=system.D,
         from_measured=-system.D,
         state_step=system.A,
-        state_reference=np.zeros((system.order, 0)),
+        state_reference=system.B,
         state_measured=-system.B,
     )
 

@@ -35,6 +35,7 @@ class MuSynthesis(AbstractDesignMethod):
     """
 
     method: ClassVar[str] = "mu_synthesis"
+    tunable: ClassVar[tuple[str, ...]] = ("stiffness", "integral", "torque", "noise", "spread")
 
     stiffness: float = Field(default=5.0, gt=0.0, description="least dynamic stiffness [Nm/rad or N/m]")
     integral: float = Field(default=3.0, gt=0.0, description="frequency below which the stiffness rises [rad/s]")
@@ -43,6 +44,12 @@ class MuSynthesis(AbstractDesignMethod):
         default=1e-2,
         gt=0.0,
         description="encoder noise above the integral frequency, per 1 Nm of disturbance [rad or m]",
+    )
+    spread: float = Field(
+        default=1.0,
+        gt=0.0,
+        le=1.4,
+        description="uncertainty of the slope over half the range of the spring; above 1 for wrong springs [1]",
     )
     shift: float = Field(default=0.5, gt=0.0, description="shift of the poles of the design plant to the left [1/s]")
     iterations: int = Field(default=4, ge=1, le=20, description="D-K iterations [1]")
@@ -75,7 +82,7 @@ class MuSynthesis(AbstractDesignMethod):
         """Return the plant from [spring, disturbance, noise, torque] to [spring, position, torque, measurement]."""
         nominal = delayed_plant(problem, 0.5, "mu_synthesis")
         soft, stiff = (problem.plant_at(share) for share in (0.0, 1.0))
-        left, sizes, right = np.linalg.svd(0.5 * (stiff.A[0] - soft.A[0]))
+        left, sizes, right = np.linalg.svd(0.5 * self.spread * (stiff.A[0] - soft.A[0]))
         own, late = len(soft.A[0]), len(nominal.A) - len(soft.A[0])
         changes = sizes[0] > 1e-9  # a linear spring has no range: the channel is then empty but for its place
         entry = np.concatenate([np.zeros(late), left[:, 0] * np.sqrt(sizes[0])]) * float(changes)

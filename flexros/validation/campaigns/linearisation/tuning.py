@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import casadi as ca
 import numpy as np
 
+from flexros.analysis.control_loops import rest_signals
 from flexros.control.base import control_law
 from flexros.control.design.closed_loop import closed_loops
 from flexros.control.design.margins import loop_response
@@ -121,18 +122,11 @@ class LinearLoops:
         context = law.context(self.robot, self.sample_time)
         gains = law.gains(context)
         step, slopes = self._functions(bandwidth, second)
-        rest = self.robot.equilibrium(np.array(pose))
-        motors, links = rest[list(self.robot.motor_rows)], rest[list(self.robot.gear_rows)]
-        r = np.zeros(context.references.size)
-        r[context.references.rows("motor_position")] = motors
-        r[context.references.rows("feedforward_torque")] = self.robot.holding_torque(rest)
-        if law.follows_link_motion:
-            r[context.references.rows("link_position")] = links
-        y = np.concatenate([motors, links]) if self.law.links else motors
+        r, y = rest_signals(context, np.array(pose))
         started = step(law.initial_state(context), r, y, gains)[1]
         from_c, from_y, of_c, of_y = (np.asarray(part, dtype=float) for part in slopes(started, r, y, gains))
         m, size = len(of_c), len(r)
-        return LinearController(from_c, np.zeros((len(motors), size)), from_y, of_c, np.zeros((m, size)), of_y)
+        return LinearController(from_c, np.zeros((len(from_c), size)), from_y, of_c, np.zeros((m, size)), of_y)
 
     def _functions(self, bandwidth: float, second: float) -> tuple[ca.Function, ca.Function]:
         """Return update and slopes of the law; those of an observer with a design depend on the second number."""
