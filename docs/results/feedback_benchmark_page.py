@@ -8,23 +8,24 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.analysis.control_loops import control_loops
 from flexros.benchmark.controllers import controller_names, load_controller, read_made_by
 from flexros.benchmark.disturbances import TOOL_STEP
 from flexros.benchmark.evaluate import FeedbackBenchmark
-from flexros.benchmark.models import RULES, benchmark_robot
+from flexros.benchmark.models import PARAMETERS, RULES, benchmark_robot, set_values
 from flexros.benchmark.published import PUBLISHED, PUBLISHED_V1, SOLUTIONS
 from flexros.benchmark.tables import MEASURE_NAMES, demand_text, measure_values
-from flexros.control.context import LoopContext
-from flexros.control.design.margins import loop_margins
 from flexros.control.design.methods.base import DesignProblem
-from flexros.control.linear_controller import linear_controller
 from flexros.robot.spring import Spring
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from flexros.arrays import ComplexArray, FloatArray
     from flexros.benchmark.controllers import BenchmarkController
     from flexros.benchmark.evaluate import BenchmarkResult
+    from flexros.control.design.margins import LoopMargins
+    from flexros.control.design.plants import LinearPlants
 
 HEAD = """# Feedback benchmark
 
@@ -54,6 +55,7 @@ def page(benchmarks: Mapping[tuple[str, ...], FeedbackBenchmark]) -> str:
         _goals(ranked),
         _measures(ranked),
         _missed(ranked),
+        _margins(ranked),
         _floor({result.name: result.cost for result in results}),
         _commands(ranked),
     ]
@@ -145,6 +147,7 @@ def _floor(costs: Mapping[str, float]) -> str:
         assert isinstance(spring, Spring)
         arm[row] = _deflection(spring)
     held = 1e3 * float(robot.forward_kinematics(arm)[0])
+    turns = _relative_deviation()
     return f"""## What limits a design
 
 - **Deflection at rest.** {TOOL_STEP:g} Nm at the tool deflect it by {held:.2f} mm with the motor held, so e1 and e5
@@ -152,10 +155,19 @@ def _floor(costs: Mapping[str, float]) -> str:
 - **Delay.** The demands on 2 ms and on 2.5 times the gain bound the gain at high frequency; tuned designs end there.
 - **Noise.** T_NOISE enters the cost with 1.259 per Nm, and is between 1 and 2 Nm in the designs of least V.
 - **One controller for M1 and M2.** C2 is tuned for the worst of twenty models; C1 knows its model.
-- **Design models.** `lqg`, `loop_shaping` and `pole_placement` have their weights tuned on V, `qft` keeps its
-  specifications for all 21 models in every spring segment, `mu_synthesis` the performance for every slope of the
-  nominal model, not for the deviations of M2, and `mixed_sensitivity` inverts the lightly damped modes of one model:
-  with the spring's range of 6 only a low bandwidth is stable.
+- **Design models.** `lqg`, `loop_shaping`, `pole_placement` and `mu_synthesis` have their weights tuned on V, `qft`
+  keeps its specifications for all 21 models in every spring segment. `mu_synthesis` keeps its performance over a part
+  of the slopes of the spring (`spread`, found by the search): one complex number for the slope is more than the spring
+  does, and the whole range costs performance.
+- **Why mixed sensitivity stops.** [W1 S; W2 K S; W3 T] knows no structure of the uncertainty: it holds all plants G
+  only where |T| < 1 / |G / G_0 - 1|. The largest relative deviation exceeds 1 from {turns["nominal"]:.1f} Hz on
+  over the slopes of the nominal model, from {turns["M1"]:.1f} Hz with M1, from {turns["M2"]:.1f} Hz with M2, for
+  the best design model G_0: the resonances move past each other. So no such design can be shown to hold the models
+  above a bandwidth of about 2 Hz, and this one, which inverts the lightly damped modes of one model, does not even hold
+  them below. The loop of `pid_optimised` has its highest crossover at {_crossover("pid_optimised"):.0f} Hz.
+- **What V does not ask for.** C1 of `acceleration_3` has the lowest cost and the largest sensitivity: the demands test
+  more gain and delay, not less gain. Of the designs below V = 145 `mu_synthesis` has the largest phase margin and the
+  smallest sensitivity.
 - **Where the motor encoder ends.** Two unlike structures come out nearly alike: LQG with its eight weights
   {costs["lqg_2"]:.2f}, a PID with four second-order sections (20 numbers) {costs["pid_section_4"]:.2f}.
   Tuning LQG again gained {costs["lqg"] - costs["lqg_2"]:.2f}. Its C2 becomes unstable at
@@ -166,9 +178,67 @@ def _floor(costs: Mapping[str, float]) -> str:
 
 def _gain_margin(name: str) -> float:
     """Return the smallest gain margin of the controller C2 of a design over the spring segments."""
+    return min(margins.gain_up for margins in _loop_margins(load_controller(name))["C2"])
+
+
+def _crossover(name: str) -> float:
+    """Return the highest crossover of the controller C2 of a design over the spring segments [Hz]."""
+    return max(margins.crossover_hz for margins in _loop_margins(load_controller(name))["C2"])
+
+
+def _loop_margins(controller: BenchmarkController) -> dict[str, tuple[LoopMargins, ...]]:
+    """Return the margins of C1 and C2 with the nominal model in every spring segment."""
+    problem = DesignProblem.of(benchmark_robot(controller.sensors))
+    laws = {"C1": controller.nominal, "C2": controller.perturbed}
+    return {which: control_loops(law, problem)[0].margins for which, law in laws.items()}
+
+
+def _margins(ranked: Sequence[tuple[BenchmarkController, BenchmarkResult]]) -> str:
+    """Return the margins of every design, the smallest over the spring segments of the nominal model."""
+    lines = [
+        "## Margins",
+        "",
+        "The smallest over the spring segments of the nominal model. The loop is cut at the motor torque, so designs",
+        "with the tool acceleration have them too. All, with Bode, Nyquist, sensitivity and step pictures, are shown by",
+        "`flexros design margins --controller NAME --report loops.html`.",
+        "",
+        "| design | gain, C1 | phase [deg] | delay [ms] | max S | gain, C2 | phase [deg] | delay [ms] | max S |",
+        "|---" * 9 + "|",
+    ]
+    for controller, _ in ranked:
+        cells = []
+        for found in _loop_margins(controller).values():
+            cells += [
+                f"{min(one.gain_up for one in found):.2f}",
+                f"{np.degrees(min(one.phase for one in found)):.1f}",
+                f"{1e3 * min(one.delay for one in found):.2f}",
+                f"{max(one.sensitivity for one in found):.2f}",
+            ]
+        lines.append(f"| `{controller.name}` | {' | '.join(cells)} |")
+    return "\n".join(lines) + "\n"
+
+
+def _relative_deviation() -> dict[str, float]:
+    """Return, by the sets up to each, the frequency from which |G / G_0 - 1| exceeds 1, for the best G_0 [Hz]."""
     robot = benchmark_robot()
-    linear = linear_controller(load_controller(name).perturbed, LoopContext(robot, robot.sample_time))
-    return min(margins.gain_up for margins in loop_margins(DesignProblem.of(robot).sampled, linear))
+    frequency = np.geomspace(0.05, 200.0, 2000)
+    nominal = DesignProblem.of(robot)
+    shares = (0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0)
+    designs = [_response(nominal.plant_at(share), frequency)[0] for share in shares]
+    found, sets = {}, []
+    for name in RULES:
+        sets.append(set_values(robot, name))
+        plants = DesignProblem.of(robot, names=PARAMETERS, values=np.vstack(sets)).plants
+        responses = _response(plants, frequency)
+        deviations = [np.max(np.abs(responses / one - 1.0), axis=0) for one in designs]
+        found[name] = max(float(frequency[np.argmax(one > 1.0)]) for one in deviations)
+    return found
+
+
+def _response(plants: LinearPlants, frequency: FloatArray) -> ComplexArray:
+    """Return the responses from motor torque to motor position, shape (Q, F)."""
+    s = 2j * np.pi * frequency[:, None, None] * np.eye(plants.A.shape[-1])
+    return np.array([(C @ np.linalg.solve(s - A, B[None]))[:, 0, 0] for A, B, C in zip(plants.A, plants.B, plants.C)])
 
 
 def _deflection(spring: Spring) -> float:

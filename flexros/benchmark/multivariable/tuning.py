@@ -20,13 +20,13 @@ if TYPE_CHECKING:
     from flexros.benchmark.multivariable.problem import Problem
     from flexros.control.base import AbstractControlLaw
 
-FILTER = 1e-3
-"""Time constant of the filters of differences [s] (chosen)."""
+LATE, NOISY = 200.0, 20.0
+"""Cost of a second beyond the demand on settling, and of a per cent beyond that on noise (chosen)."""
 UNSTABLE = 1e4
 """Cost of a law that is unstable where it must not be [1]."""
 STARTS: dict[str, dict[str, tuple[float, ...]]] = {
-    "pid": {"e12": (8.0, 1.4, 0.2), "six_axis": (30.0, 1.0, 0.1)},
-    "cascade": {"e12": (8.0, 1.4, 0.2), "six_axis": (30.0, 1.0, 0.1)},
+    "pid": {"e12": (8.0, 1.4, 0.35, 5e-3), "six_axis": (21.0, 1.35, 0.15, 3e-3)},
+    "cascade": {"e12": (8.0, 1.4, 0.2, 3e-3), "six_axis": (21.0, 1.35, 0.15, 3e-3)},
     "lqg": {"e12": (3000.0, 3000.0, 3e4, 1.0), "six_axis": (3000.0, 3000.0, 3e4, 1.0)},
 }
 """First values of the numbers that are tuned (chosen): see `settings_of`."""
@@ -37,22 +37,22 @@ def settings_of(problem: Problem, kind: str, numbers: FloatArray) -> dict[str, A
 
     Args:
         problem: The problem.
-        kind: pid or cascade, with bandwidth w [rad/s], damping ratio and integral gain over w of every axis with its
-            inertia J at home; or lqg, with the torque that costs one unit, the white torque, the drift of the torque,
-            and the white force over the white torque.
-        numbers: The numbers, shape (3,) or (4,).
+        kind: pid or cascade, with bandwidth w [rad/s], damping ratio, integral gain over w of every axis with its
+            inertia J at home, and time constant of the filter of the rate [s]; or lqg, with the torque that costs one
+            unit, the white torque, the drift of the torque, and the white force over the white torque.
+        numbers: The numbers, shape (4,).
     """
-    first, second, third = (float(f"{value:.4g}") for value in numbers[:3])
+    first, second, third, last = (float(f"{value:.4g}") for value in numbers)
     if kind == "lqg":
-        force = float(f"{second * numbers[3]:.4g}")
+        force = float(f"{second * last:.4g}")
         return {"kind": "lqg", "effort": first, "torque_noise": second, "force_noise": force, "torque_drift": third}
     inertia = _inertia(problem)
     kp, kd = first**2 * inertia, 2 * second * first * inertia
     if kind == "pid":
         gains = {"kp": kp, "ki": third * first * kp, "kd": kd}
-        return {"kind": "pid", **_rounded(gains), "derivative_filter": FILTER}
+        return {"kind": "pid", **_rounded(gains), "derivative_filter": last}
     gains = {"position_gain": kp / kd, "speed_gain": kd, "integral_gain": third * first * kd}
-    return {"kind": "cascade", **_rounded(gains), "speed_filter": FILTER}
+    return {"kind": "cascade", **_rounded(gains), "speed_filter": last}
 
 
 def tuned(
@@ -60,8 +60,8 @@ def tuned(
 ) -> dict[str, Any]:
     """Minimise the cost on the nominal model and the set M1 of other random models than those of the benchmark.
 
-    What exceeds the demands on settling and noise is added to the cost with a factor of 20; an unstable loop costs
-    `UNSTABLE` and more, the more it is.
+    What exceeds the demands on settling and noise is added to the cost with the factors `LATE` and `NOISY`; an unstable
+    loop costs `UNSTABLE` and more, the more it is.
 
     Args:
         problem: The problem.
@@ -102,8 +102,8 @@ def _cost(bench: MotionBenchmark, law: AbstractControlLaw) -> float:
     for name, weight in ((NOMINAL, 0.6), ("M1", 1.3)):
         found = bench.measures_of_set(name, law)
         value += weight * found.cost
-        value += 20.0 * max(found.noise_torque - NOISE_SHARE, 0.0)
-        value += 20.0 * float(np.sum(np.maximum(found.settling - SETTLED, 0.0)))
+        value += NOISY * max(found.noise_torque - NOISE_SHARE, 0.0)
+        value += LATE * float(np.sum(np.maximum(found.settling - SETTLED, 0.0)))
     return value
 
 

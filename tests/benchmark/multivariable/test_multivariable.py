@@ -85,6 +85,6 @@ def test_the_nominal_model_follows_its_path_and_errors_of_the_model_show(bench: 
 
 def test_a_loop_that_is_too_fast_misses_the_demand_on_stability(bench: MotionBenchmark) -> None:
     good = bench.stability(load_motion_controller(E12, "pid").nominal)
-    fast = bench.stability(control_law(settings_of(E12, "pid", np.array([60.0, 1.0, 0.1]))))
+    fast = bench.stability(control_law(settings_of(E12, "pid", np.array([60.0, 1.0, 0.1, 1e-3]))))
     assert all(demand.passed for demand in good)
     assert not any(demand.passed for demand in fast)
