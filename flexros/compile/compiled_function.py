@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.compile.module_builder import ModuleBuilder
-from flexros.compile.sx_graph import dense_sx_function
 from flexros.errors import InputError
 
 if TYPE_CHECKING:
@@ -148,7 +147,6 @@ def compile_function(function: ca.Function, *, lanes: int = 1) -> CompiledFuncti
     Raises:
         InputError: Unknown operation, free variables, sparse inputs or an unusable number of lanes.
     """
-    function = dense_sx_function(function)
     builder = ModuleBuilder()
     symbol = builder.add_function(function, lanes=lanes)
     builder.add_text(packed_entry(symbol, function.n_in() + function.n_out()))

@@ -14,10 +14,24 @@ from flexros.compile.operations import LIBRARY_SYMBOLS
 from flexros.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
 _PREPARING = Lock()
 """Held for what LLVM keeps for the whole process; threads compile side by side, each in a context of its own."""
+
+_MOST_SHARED = 64
+"""Most shared objects that are kept in memory (chosen)."""
+
+
+class _SharedObject:
+    """An object that many modules call; empty until it is made."""
+
+    def __init__(self) -> None:
+        self.making, self.content = Lock(), b""
+
+
+_SHARED: dict[str, _SharedObject] = {}
+"""Shared objects by their fingerprints."""
 
 
 def can_compile() -> bool:
@@ -32,7 +46,7 @@ class MachineCode:
         """Compile LLVM text.
 
         Args:
-            texts: Complete modules, which may call each other.
+            texts: Complete modules: the own one, then those that it calls and shares with others.
             level: Optimisation level of the code generator, 0 to 3. Modules themselves are not optimised: the text is
                 already straight-line code without repeated expressions.
 
@@ -53,9 +67,9 @@ class MachineCode:
             cpu, features = _host()
             machine = target.create_target_machine(cpu=cpu, features=features, opt=level, jit=True)
         compiler = (llvmlite.__version__, str(llvm.llvm_version_info), target.triple, cpu, features, str(level))
-        objects = [
-            kept_or_made(fingerprint(*compiler, text), partial(_compiled, text=text, machine=machine)) for text in texts
-        ]
+        names = [fingerprint(*compiler, text) for text in texts]
+        makes = [partial(_compiled, text, machine) for text in texts]
+        objects = [kept_or_made(names[0], makes[0]), *map(_shared_object, names[1:], makes[1:])]
         with _PREPARING:
             self._engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
             for object_code in objects:
@@ -85,6 +99,18 @@ def _compiled(text: str, machine: Any) -> bytes:
     module.verify()
     with module:
         return bytes(machine.emit_object(module))
+
+
+def _shared_object(name: str, make: Callable[[], bytes]) -> bytes:
+    """Return an object that many modules call; threads that want the same one wait for the first."""
+    with _PREPARING:
+        while len(_SHARED) >= _MOST_SHARED and name not in _SHARED:
+            _SHARED.pop(next(iter(_SHARED)))
+        shared = _SHARED.setdefault(name, _SharedObject())
+    with shared.making:
+        if not shared.content:
+            shared.content = kept_or_made(name, make)
+    return shared.content
 
 
 @lru_cache(maxsize=1)
