@@ -7,11 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.linalg import eigh
 
 from flexros.benchmark.models import RULES
 from flexros.benchmark.multivariable.evaluate import (
     LONG_DELAY,
     LOOP_GAIN,
+    SETTLED,
     MotionBenchmark,
     load_motion_controller,
     motion_controller_names,
@@ -22,6 +24,7 @@ from flexros.benchmark.multivariable.tuning import tuned
 from flexros.json_text import json_text
 from flexros.report.drawing import Drawing, Line, Panel
 from flexros.report.theme import run_colour
+from flexros.robot.linear.linearise import linear_model
 from flexros.scenario.batch import batch, whole_record
 
 if TYPE_CHECKING:
@@ -29,6 +32,7 @@ if TYPE_CHECKING:
 
     from flexros.benchmark.controllers import BenchmarkController
     from flexros.benchmark.multivariable.evaluate import MotionResult
+    from flexros.robot import Robot
 
 SETS = ", ".join(
     f"{name} 1 +- {100 * rules.stiffness:g}, {100 * rules.inertia:g} and {100 * rules.losses:g} %"
@@ -56,10 +60,17 @@ below 1 s, noise torque below 5 %, stable with every model, with {LOOP_GAIN:g} t
 {1e3 * LONG_DELAY:g} ms delay.
 
 Designs: PID and cascade have three numbers (bandwidth, damping ratio, integral gain) for all axes, scaled by their
-inertia at home, tuned by 70 to 120 evaluations that charge 20 for each second beyond the demand on Ts; as far as that
-search went, faster integral action costs more elsewhere. State feedback has LQ gains of single axes and no integral
-action. LQG (`--tune e12 lqg 100`, four numbers) is not listed: after 100 evaluations its cost was still far above those
-of the others, because a filter that trusts the nominal model is hardly stable with the perturbed ones.
+inertia at home, tuned by 70 to 120 evaluations that charge 20 for each second beyond the demand on Ts. State feedback
+has LQ gains of single axes and no integral action. `coupled_pid` (e12 alone) is a PID with full gain matrices, so that
+the error of a motor moves the other one too, and a second-order section per motor; its 21 numbers are searched twice,
+first for the fastest decay of the slowest motion, then for the cost. LQG (`--tune e12 lqg 100`, four numbers) is not
+listed: after 100 evaluations its cost was still far above those of the others,
+because a filter that trusts the nominal model is hardly stable with the perturbed ones.
+
+Why settling within {SETTLED:g} s is hard: a deflection of some 5 mm falls below 0.2 mm in 1 s if all motions decay with
+ln(5 / 0.2) = 3.2 1/s or more. The arm has little damping of its own, so that the motors have to damp it, which a stiff
+loop does not, and integral action has to be as fast. Of each robot the modes with the motors held, and the decay of
+each design, are below.
 """
 
 
@@ -91,6 +102,16 @@ def _section(
         lines.append(f"- `{result.name}` **V = {result.cost:.1f}**: {controller.description}. {met}.")
         if missed:
             lines[-1] += f" Missed: {'; '.join(missed)}."
+    decay = {
+        result.name: -np.log(demand.value) / bench.sample_time
+        for result in results
+        for demand in result.demands
+        if demand.name == "stability, nominal, C1"
+    }
+    modes = [f"{hertz:.3g} Hz ({100 * ratio:.2g} %)" for hertz, ratio in _held_modes(bench.problem.robot)[:3]]
+    lines += ["", f"First modes of the arm with the motors held, and their damping ratios: {', '.join(modes)}."]
+    rates = ", ".join(f"`{one}` {rate:.2f} 1/s" for one, rate in decay.items())
+    lines += ["", f"Decay of the slowest motion, nominal model with C1: {rates}."]
     best = results[0].measures["M1"]
     windows = problem_named(name).windows
     torque = bench.experiment(ranked[0].nominal).reference.torque
@@ -116,6 +137,18 @@ def _section(
         lines += [f"| {row.name} | {row.unit} | {' | '.join(row.values)} |" for row in rows]
         lines.append("")
     return "\n".join(lines)
+
+
+def _held_modes(robot: Robot) -> list[tuple[float, float]]:
+    """Return frequency [Hz] and damping ratio [1] of the modes at home with the motors held."""
+    linear = linear_model(robot)
+    held = [row for row in range(len(linear.mass)) if row not in robot.motor_rows]
+    mass, stiffness, damping = (
+        matrix[np.ix_(held, held)] for matrix in (linear.mass, linear.stiffness, linear.damping)
+    )
+    squares, shapes = eigh(stiffness, mass)
+    rates = np.sqrt(squares)
+    return list(zip(rates / (2 * np.pi), np.diag(shapes.T @ damping @ shapes) / (2 * rates), strict=True))
 
 
 def _picture(bench: MotionBenchmark, ranked: Sequence[BenchmarkController]) -> Drawing:

@@ -113,9 +113,6 @@ def optimise(
     Raises:
         InputError: Fewer than one evaluation, or the package cma is missing.
     """
-    if evaluations < 1:
-        raise InputError(f"{evaluations} evaluations were given, allowed is at least one; correct it", "evaluations")
-    cma = _cma()
 
     def cost(point: FloatArray) -> float:
         if np.max(np.abs(point)) > WIDEST:
@@ -125,6 +122,37 @@ def optimise(
         except InputError:
             return 3e2 * UNSTABLE
 
+    return minimised(cost, start, step, evaluations, seed=seed, progress=progress)
+
+
+def minimised(
+    cost: Callable[[FloatArray], float],
+    start: FloatArray,
+    step: float,
+    evaluations: int,
+    *,
+    seed: int = 1,
+    progress: Callable[[int, float], None] | None = None,
+) -> Optimum:
+    """Minimise a cost by CMA-ES.
+
+    Args:
+        cost: Cost of a point, shape (n_parameters,) -> value [1].
+        start: First point, shape (n_parameters,).
+        step: First standard deviation of the search [1].
+        evaluations: Number of points to try.
+        seed: Seed of the search.
+        progress: Called with the number of points tried and the lowest cost.
+
+    Returns:
+        The best point; it is the same for the same arguments on one machine.
+
+    Raises:
+        InputError: Fewer than one evaluation, or the package cma is missing.
+    """
+    if evaluations < 1:
+        raise InputError(f"{evaluations} evaluations were given, allowed is at least one; correct it", "evaluations")
+    cma = _cma()
     options = {"maxfevals": evaluations, "seed": seed, "verbose": -9}
     strategy = cma.CMAEvolutionStrategy(np.array(start, dtype=float), step, options)
     best, best_cost, done = np.array(start, dtype=float), cost(np.asarray(start)), 1

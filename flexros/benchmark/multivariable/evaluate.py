@@ -126,6 +126,11 @@ class MotionBenchmark:
         self._threads, self._seed = threads, seed
         self._prepared = Experiment.prepare(problem.scenario)
 
+    @property
+    def sample_time(self) -> float:
+        """Time between two samples [s]."""
+        return self._prepared.sample_time
+
     def evaluate(
         self,
         controller: BenchmarkController,
@@ -237,7 +242,7 @@ class MotionBenchmark:
     @cached_property
     def _plants(self) -> dict[str, list[SampledPlants]]:
         """Sampled linear models of every set in every pose; of the nominal one with the long delay as well."""
-        robot, step = self.problem.robot, self._prepared.sample_time
+        robot, step = self.problem.robot, self.sample_time
         plants: dict[str, list[SampledPlants]] = {"late": []}
         for name in RULES:
             values = self.problem.values(name, self._seed)

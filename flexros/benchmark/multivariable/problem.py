@@ -72,6 +72,14 @@ class Problem:
         """The nominal robot."""
         return load_robot(self.name)
 
+    @cached_property
+    def inertia(self) -> FloatArray:
+        """Inertia of motor and arm of every axis at home, the other axes held [kgm2], shape (M,)."""
+        robot = self.robot
+        arm = np.diag(np.asarray(robot.model.arm_inertia(robot.home, []), dtype=float))
+        motors = [robot.parameters[f"{name}.inertia"].value for name in robot.joint_names]
+        return np.array(motors) + arm[list(robot.gear_rows)]
+
     @property
     def file(self) -> Path:
         """The scenario of the nominal model, with a controller to be replaced."""

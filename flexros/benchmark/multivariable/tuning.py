@@ -8,6 +8,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from flexros.benchmark.models import NOMINAL
+from flexros.benchmark.multivariable.coupled import tuned_coupled
 from flexros.benchmark.multivariable.evaluate import NOISE_SHARE, SETTLED, MotionBenchmark
 from flexros.benchmark.multivariable.problem import SEED_OF_DESIGN
 from flexros.control.base import control_law
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
     from flexros.benchmark.multivariable.problem import Problem
     from flexros.control.base import AbstractControlLaw
 
+COUPLED = "coupled_pid"
+"""Name of the PID of all motors together."""
 LATE, NOISY = 200.0, 20.0
 """Cost of a second beyond the demand on settling, and of a per cent beyond that on noise (chosen)."""
 UNSTABLE = 1e4
@@ -46,7 +49,7 @@ def settings_of(problem: Problem, kind: str, numbers: FloatArray) -> dict[str, A
     if kind == "lqg":
         force = float(f"{second * last:.4g}")
         return {"kind": "lqg", "effort": first, "torque_noise": second, "force_noise": force, "torque_drift": third}
-    inertia = _inertia(problem)
+    inertia = problem.inertia
     kp, kd = first**2 * inertia, 2 * second * first * inertia
     if kind == "pid":
         gains = {"kp": kp, "ki": third * first * kp, "kd": kd}
@@ -65,14 +68,16 @@ def tuned(
 
     Args:
         problem: The problem.
-        kind: pid, cascade or lqg.
+        kind: pid, cascade, lqg, or coupled_pid, see `tuned_coupled`.
         evaluations: Largest number of evaluations.
         tell: Called with the number of the evaluation and its cost.
 
     Returns:
-        Settings of the best law.
+        Settings of the best law; of coupled_pid those of C1 and C2, by nominal and perturbed.
     """
     bench = MotionBenchmark(problem, seed=SEED_OF_DESIGN)
+    if kind == COUPLED:
+        return tuned_coupled(bench, evaluations, tell)
     start = np.log(np.array(STARTS[kind][problem.name]))
     done = 0
 
@@ -105,14 +110,6 @@ def _cost(bench: MotionBenchmark, law: AbstractControlLaw) -> float:
         value += NOISY * max(found.noise_torque - NOISE_SHARE, 0.0)
         value += LATE * float(np.sum(np.maximum(found.settling - SETTLED, 0.0)))
     return value
-
-
-def _inertia(problem: Problem) -> FloatArray:
-    """Return the inertia of motor and arm of every axis at home, the other axes held [kgm2], shape (M,)."""
-    robot = problem.robot
-    arm = np.diag(np.asarray(robot.model.arm_inertia(robot.home, []), dtype=float))
-    motors = [robot.parameters[f"{name}.inertia"].value for name in robot.joint_names]
-    return np.array(motors) + arm[list(robot.gear_rows)]
 
 
 def _rounded(gains: dict[str, FloatArray]) -> dict[str, list[float]]:
