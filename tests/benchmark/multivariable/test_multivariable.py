@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from flexros.benchmark.models import NOMINAL, RULES
+from flexros.benchmark.multivariable.coupled import cost_with_demands, coupled_pid, settings_of_coupled, tuned_on
 from flexros.benchmark.multivariable.evaluate import (
+    SETTLED,
     MotionBenchmark,
     load_motion_controller,
     motion_controller_names,
@@ -17,9 +19,12 @@ from flexros.benchmark.multivariable.measures import lost_run, measures_of_motio
 from flexros.benchmark.multivariable.problem import MODELS, PROBLEMS, problem_named
 from flexros.benchmark.multivariable.tuning import settings_of
 from flexros.control.base import control_law
+from flexros.control.design.fixed_structure import pid_system
 from flexros.errors import InputError
 
 E12 = problem_named("e12")
+FIRST = np.concatenate([*[np.eye(2).ravel()] * 3, np.zeros(9)])
+"""First point of the coupled search."""
 
 
 @pytest.fixture(scope="module")
@@ -88,3 +93,29 @@ def test_a_loop_that_is_too_fast_misses_the_demand_on_stability(bench: MotionBen
     fast = bench.stability(control_law(settings_of(E12, "pid", np.array([60.0, 1.0, 0.1, 1e-3]))))
     assert all(demand.passed for demand in good)
     assert not any(demand.passed for demand in fast)
+
+
+def test_the_coupled_pid_without_coupling_is_the_law_pid() -> None:
+    gains = np.diag([3.0, 7.0])
+    both = coupled_pid(gains, 2 * gains, 0.1 * gains, 4e-3, 5e-4)
+    frequency = np.array([0.3, 5.0, 200.0])
+    for motor in range(2):
+        alone = pid_system(gains[motor, motor], 2 * gains[motor, motor], 0.1 * gains[motor, motor], 4e-3, 5e-4)
+        found = both.response(frequency, 5e-4)
+        assert found[:, motor, motor] == pytest.approx(alone.response(frequency, 5e-4)[:, 0, 0])
+        assert not np.any(found[:, motor, 1 - motor])
+
+
+def test_the_coupled_search_lowers_the_cost_of_its_start(bench: MotionBenchmark) -> None:
+    pytest.importorskip("cma")
+    first = cost_with_demands(bench, settings_of_coupled(bench, FIRST), (NOMINAL,))
+    found = cost_with_demands(bench, tuned_on(bench, (NOMINAL,), 8), (NOMINAL,))
+    assert found < first - 1.0
+
+
+def test_the_coupled_design_settles_in_time_on_the_nominal_model(bench: MotionBenchmark) -> None:
+    design = load_motion_controller(E12, "coupled_pid")
+    found = bench.measures_of_set(NOMINAL, design.nominal)
+    assert np.max(found.settling) < SETTLED
+    assert found.cost < 0.93 * bench.measures_of_set(NOMINAL, load_motion_controller(E12, "pid").nominal).cost
+    assert all(demand.passed for demand in bench.stability(design.perturbed))
