@@ -70,7 +70,7 @@ def settings_of_coupled(bench: MotionBenchmark, point: FloatArray) -> dict[str, 
     gains = np.vectorize(lambda value: float(f"{value:.4g}"))(gains)
     system = coupled_pid(gains[0], gains[1], gains[2], max(float(filtered * np.exp(point[3 * m * m])), SHORTEST), step)
     sections = np.array(SECTION) * np.exp(point[3 * m * m + 1 :].reshape(m, 4))
-    system = system.then(_separate([biquad_system(*row, step) for row in sections]))
+    system = system.then(_separate([biquad_system(a, b, c, d, step) for a, b, c, d in sections.tolist()]))
     matrices = {name: getattr(system, name).tolist() for name in "ABCD"}
     return {"kind": "state_space", **matrices, "matrices_sample_time": step}
 
