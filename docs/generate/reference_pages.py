@@ -16,7 +16,7 @@ from pydantic_core import PydanticUndefined
 import flexros
 from flexros.cli.app import EXIT_CODES, app
 from flexros.cli.guide import JOBS, guide_of
-from flexros.cli.json_output import OUTPUTS, RECORDS
+from flexros.cli.json_output import OUTPUTS
 from flexros.config.topics import load_topics
 from flexros.control.base import control_laws
 from flexros.gap.schema import Diagnosis
@@ -171,7 +171,6 @@ def json_pages() -> dict[str, str]:
         written[file] = json.dumps(schema, indent=1, ensure_ascii=False)
         lines.append(f"| `flexros {command}` | {type_name(output)} | [file]({file}) |")
         known += [model for model in dict.fromkeys(models_in(output)) if model not in known]
-    lines += [f"| `flexros {command}` | {what} |  |" for command, what in RECORDS.items()]
     lines += ["", "Every key of these, and no other:", ""]
     for model in known:  # grows during the iteration
         for field in model.model_fields.values():

@@ -7,6 +7,7 @@ import json
 import os
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import pytest
 from pydantic import TypeAdapter
@@ -28,11 +29,13 @@ class Ended:
     err: str
 
 
-def check_output(arguments: tuple[str, ...], text: str) -> None:
-    """Compare the JSON of a command with its description: every key, and no other."""
+def check_output(arguments: tuple[str, ...], text: str) -> Any:
+    """Compare the JSON of a command with its description: every key, and no other. Returns it."""
+    content = json.loads(text)
     words = next((" ".join(arguments[:n]) for n in (2, 1) if " ".join(arguments[:n]) in OUTPUTS), None)
     if words is not None:
-        TypeAdapter(OUTPUTS[words]).validate_python(json.loads(text))
+        TypeAdapter(OUTPUTS[words]).validate_python(content)
+    return content
 
 
 @pytest.fixture

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+
+from tests.cli.conftest import check_output
 
 pytestmark = pytest.mark.slow
 
@@ -25,7 +26,7 @@ def rows(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str], floa
     with contextlib.redirect_stdout(printed), pytest.raises(SystemExit) as ended:
         main(["demo", "--transport", "direct", "--no-repair", "--no-measured", "--json", "--out", str(folder)])
     assert not ended.value.code
-    content = json.loads(printed.getvalue())
+    content = check_output(("demo",), printed.getvalue())
     assert (folder / "report.html").exists()
     return {(row["method"], row["case"]): 1e3 * row["this_run"] for row in content["path_error_max_m"]}
 

@@ -5,9 +5,10 @@ The commands print what the library computes; tests compare what they print with
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 from flexros.cli.json_output.analysis import AnalysisOfRun, ImportedLog
+from flexros.cli.json_output.claims import BenchmarkedSpeed, BlindScore, CampaignFigures, Demonstrated
 from flexros.cli.json_output.control import (
     Benchmarked,
     BenchmarkedOnRobot,
@@ -28,9 +29,6 @@ from flexros.cli.json_output.monitoring import Monitored
 from flexros.cli.json_output.robots import ExportedModel, ImportedModel, RobotAtPose, RobotEntry
 from flexros.cli.json_output.runs import FastestMove, Learned, Replayed, RunOutcome, ScenarioEntry
 from flexros.gap.schema import Diagnosis, GapNumbers
-
-if TYPE_CHECKING:
-    from typing import Any
 
 OUTPUTS: dict[str, Any] = {
     "robots": list[RobotEntry],
@@ -64,13 +62,9 @@ OUTPUTS: dict[str, Any] = {
     "identify rigid": RigidIdentified,
     "identify axis": AxisIdentified,
     "identify kinematics": KinematicIdentified | PosesPlanned,
+    "demo": Demonstrated,
+    "bench": BenchmarkedSpeed,
+    "campaign": dict[str, CampaignFigures],
+    "blind score": BlindScore,
 }
 """Type of the output of each command, by its words."""
-
-RECORDS = {
-    "demo": "the comparison of its runs, with the diagnosis and the budget",
-    "bench": "figures by benchmark",
-    "campaign": "figures by campaign",
-    "blind score": "counts and shares",
-}
-"""Outputs without a model: what they are; their keys may grow."""

@@ -151,7 +151,7 @@ def _base_axis(joint: UrdfJoint, rotation: FloatArray, file: str) -> FloatArray:
 
 def _gear(joint: UrdfJoint, opposite: bool) -> CommentedMap:
     motor = CommentedMap({"inertia": 0, "viscous_friction": _number(max(joint.damping, 0.0)) or 0})
-    if joint.effort > 0:
+    if 0 < joint.effort < NO_LIMIT:
         motor["torque_limit"] = joint.effort
     if 0 < joint.velocity < NO_LIMIT:
         motor["speed_limit"] = joint.velocity

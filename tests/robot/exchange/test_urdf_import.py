@@ -55,6 +55,12 @@ def test_skeleton_is_a_robot_file_with_the_dynamics_of_the_urdf(urdf: Path, tmp_
     np.testing.assert_allclose(ours, pin.rnea(model, data, q, v, a), rtol=1e-6)
 
 
+def test_an_effort_that_means_no_limit_is_none(urdf: Path) -> None:
+    """A URDF must state a limit: where there is none, authors and `export` write a million."""
+    urdf.write_text(urdf.read_text(encoding="utf-8").replace('effort="150"', 'effort="1e6"'), encoding="utf-8")
+    assert "torque_limit" not in skeleton_from_urdf(urdf)
+
+
 def test_torque_limit_and_comment_are_written(urdf: Path) -> None:
     text = skeleton_from_urdf(urdf)
     assert "torque_limit: 150.0" in text

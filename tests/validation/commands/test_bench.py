@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
@@ -9,6 +10,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from flexros.validation.commands import bench
 from flexros.validation.commands.bench import markdown
 
 Flexros = Callable[..., "object"]
@@ -30,6 +32,15 @@ def test_a_benchmark_that_fails_is_told_in_its_own_words(
     monkeypatch.setattr(subprocess, "run", lambda *args, **kwargs: failed)
     ended = flexros("bench", "compile", "--json")
     assert (ended.code, ended.err) == (3, f"flexros: benchmark compile ended with code 1: {last}\n")
+
+
+@pytest.mark.usefixtures("peers")
+def test_rows_with_machine_and_versions(flexros: Flexros, monkeypatch: pytest.MonkeyPatch) -> None:
+    rows = [{"case": "elbow", "ns": 12.5}]
+    monkeypatch.setattr(bench, "_measure", lambda name, file: rows)
+    content = json.loads(flexros("bench", "compile", "--json").out)
+    assert content["results"] == {"compile": rows}
+    assert "numpy" in content["machine"]["versions"]
 
 
 @pytest.mark.usefixtures("peers")
