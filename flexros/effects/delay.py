@@ -34,7 +34,7 @@ class Delay(AbstractChangedValues, AbstractLaw):
         "proportion to frequency and the magnitude is unchanged"
     )
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
-        {"time": Range("time", 1e-6, 0.02, starts=8, source="a control stack of 1 to 10 ms")}
+        {"time": Range("time", 1e-6, 0.09, starts=10, source="stacks of 1 to 10 ms; servos at 50 Hz a few samples")}
     )
 
     time: float = Field(0.0, ge=0.0, le=0.1, description="additional delay of the command [s]")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,6 +16,19 @@ if TYPE_CHECKING:
 
 FASTEST = 50.0
 """Corner frequency of the low-pass for the measured motion [Hz] (chosen)."""
+
+
+@dataclass(frozen=True, eq=False)
+class ServoParts:
+    """Torques of servos without limits.
+
+    Attributes:
+        spring: Stiffness times distance [Nm or N], shape (n, M).
+        damper: Damping times speed and its feedforward [Nm or N], shape (n, M).
+    """
+
+    spring: FloatArray
+    damper: FloatArray
 
 
 def servo_torque(robot: Robot, command: FloatArray, position: FloatArray, sample_time: float) -> FloatArray:
@@ -31,6 +45,19 @@ def servo_torque(robot: Robot, command: FloatArray, position: FloatArray, sample
     Returns:
         Torques, each within the torque limit [Nm or N], shape (n, M).
     """
+    parts = servo_parts(robot, command, position, sample_time)
+    return np.asarray(np.clip(parts.spring + parts.damper, -robot.torque_limits, robot.torque_limits))
+
+
+def servo_parts(robot: Robot, command: FloatArray, position: FloatArray, sample_time: float) -> ServoParts:
+    """Return the parts of the torques of the nominal servos, from smoothed measured positions.
+
+    Args:
+        robot: The nominal robot, with servos.
+        command: Commanded positions [rad or m], shape (n, M).
+        position: Measured positions [rad or m], shape (n, M).
+        sample_time: Time between two samples [s].
+    """
     stiffness, damping, feedforward = (
         np.array([robot.parameters[f"{motor}.{SERVO}{name}"].value for motor in robot.joint_names])
         for name in ("stiffness", "damping", "feedforward")
@@ -40,5 +67,4 @@ def servo_torque(robot: Robot, command: FloatArray, position: FloatArray, sample
     if motion is None:
         motion = smooth_motion(position, sample_time, min(FASTEST, 0.1 / sample_time))
     rate = np.gradient(command, sample_time, axis=0)
-    torque = stiffness * (command - motion[0]) + damping * (feedforward * rate - motion[1])
-    return np.asarray(np.clip(torque, -robot.torque_limits, robot.torque_limits))
+    return ServoParts(stiffness * (command - motion[0]), damping * (feedforward * rate - motion[1]))

@@ -85,9 +85,17 @@ class PlantModel:
     @property
     def delay(self) -> float | tuple[float, ...]:
         """Delay of the commands [s]; one per motor if effects delay single motors."""
+        return self.delay_from(self.robot.delay)
+
+    def delay_from(self, common: float) -> float | tuple[float, ...]:
+        """Add the delays of single motors to one of all [s]; one per motor if effects delay single motors.
+
+        Args:
+            common: Delay of all motors [s].
+        """
         if not self._delays:
-            return self.robot.delay
-        delays = [self.robot.delay] * self.robot.n_motors
+            return common
+        delays = [common] * self.robot.n_motors
         for law in self._delays:
             assert isinstance(law.effect, Delay)
             delays[law.motor] += law.effect.time

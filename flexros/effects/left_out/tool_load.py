@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from flexros.effects.kinds.base import Stage
     from flexros.robot import Robot
 
-_AT = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
+ENTRIES = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
+"""Row and column of each entry of an inertia."""
 
 
 class ToolLoad(AbstractChangedValues):
@@ -57,7 +58,7 @@ class ToolLoad(AbstractChangedValues):
         inertia = inertia + _about(own, center - common) + _about(self.mass, place - common)
         found = {f"{body}.mass": mass}
         found |= {f"{body}.center_of_mass.{axis}": float(value) for axis, value in zip("xyz", common, strict=True)}
-        return found | {f"{body}.inertia.{entry}": float(inertia[_AT[entry]]) for entry in INERTIA_COMPONENTS}
+        return found | {f"{body}.inertia.{entry}": float(inertia[ENTRIES[entry]]) for entry in INERTIA_COMPONENTS}
 
 
 def last_moved(robot: Robot) -> str:
@@ -80,7 +81,7 @@ def body_numbers(robot: Robot, body: str) -> tuple[float, FloatArray, FloatArray
     values = {name: parameter.value for name, parameter in robot.parameters.items() if name.startswith(f"{body}.")}
     center = np.array([values[f"{body}.center_of_mass.{axis}"] for axis in "xyz"])
     inertia = np.zeros((3, 3))
-    for entry, (row, column) in _AT.items():
+    for entry, (row, column) in ENTRIES.items():
         inertia[row, column] = inertia[column, row] = values[f"{body}.inertia.{entry}"]
     return values[f"{body}.mass"], center, inertia
 

@@ -69,15 +69,18 @@ class RobotWithEffects:
     Attributes:
         robot: The robot including all model changes.
         laws: Laws at its locations, in the order given.
+        added_delay: Part of the robot's delay that effects added [s]. The motion is late by it to measured torques too,
+            which the delay of the robot file precedes.
     """
 
     robot: Robot
     laws: tuple[PlacedLaw, ...]
+    added_delay: float = 0.0
 
     def commanded_by(self, commands: Commands) -> RobotWithEffects:
         """Return the same with another input of the robot, see `Robot.commanded_by`."""
         robot = self.robot.commanded_by(commands)
-        return self if robot is self.robot else RobotWithEffects(robot, self.laws)
+        return self if robot is self.robot else replace(self, robot=robot)
 
     def with_effects(self, placed: Iterable[PlacedEffect]) -> RobotWithEffects:
         """Add effects; laws of one kind at one location get distinct names.
@@ -86,7 +89,8 @@ class RobotWithEffects:
             InputError: The robot has no such location.
         """
         known = [PlacedEffect(law.given or law.effect, law.location) for law in self.laws]
-        return place_effects(self.robot, [*known, *placed])
+        model = place_effects(self.robot, [*known, *placed])
+        return replace(model, added_delay=self.added_delay + model.added_delay)
 
 
 def place_effects(robot: Robot, placed: Iterable[PlacedEffect], *, as_laws: bool = False) -> RobotWithEffects:
@@ -118,7 +122,7 @@ def place_effects(robot: Robot, placed: Iterable[PlacedEffect], *, as_laws: bool
         acting = effect.acting
         laws.append(PlacedLaw(name, acting, location, given=None if acting is effect else effect))
     check_levels(laws)
-    return RobotWithEffects(robot, tuple(laws))
+    return RobotWithEffects(robot, tuple(laws), robot.delay - nominal.delay)
 
 
 def check_levels(laws: Sequence[PlacedLaw], source: str = "") -> None:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.effects import RobotWithEffects
 from flexros.gap.answer.budget import Budget, budget_of, without_gap
 from flexros.gap.answer.decision import (
     best_rival,
@@ -314,7 +313,7 @@ def _next(findings: Findings, verdict: Verdict, stages: Stages, deadline: Deadli
     ]
     model, noise = findings.model, findings.data.measurement.deviation
     if not np.all(model.robot.encoder_noise > 0):  # the experiments have the noise of the log
-        model = RobotWithEffects(model.robot.with_values({"encoder_noise": float(np.median(noise))}), model.laws)
+        model = replace(model, robot=model.robot.with_values({"encoder_noise": float(np.median(noise))}))
     return next_experiment(
         model,
         survivors,

@@ -9,14 +9,14 @@ that the model lacks.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from scipy.optimize import lsq_linear
 
 from flexros.effects.coulomb_friction import CoulombFriction
-from flexros.effects.left_out.tool_load import last_moved
+from flexros.effects.left_out.tool_load import ENTRIES, last_moved
 from flexros.errors import InputError
 from flexros.gap.candidates.candidate import coulomb_levels
 from flexros.gap.candidates.tolerance import Tolerance
@@ -26,7 +26,10 @@ from flexros.identify.rigid.record import torque_as_it_acts
 from flexros.identify.rigid.regression_rows import RegressionRows
 from flexros.identify.rigid.regressor import RigidRegressor
 from flexros.identify.rigid.standard_parameters import standard_parameters
+from flexros.record.missing_samples import bridged_motion
+from flexros.record.servo_torque import servo_parts
 from flexros.record.smoothing import motion_cutoff
+from flexros.robot.parameters import INERTIA_COMPONENTS
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
@@ -43,8 +46,16 @@ LEAST_SHARE = 0.1
 """Contribution to the torque, over the rest at that motor, from which it is kept, rms [1] (chosen)."""
 KINDS = ("inertia", "viscous_friction", "coulomb_friction", "torque_offset")
 """Columns of every motor."""
+MOST_REDUCED = 0.9
+"""Largest share of a nominal rotor inertia or servo stiffness that is taken away [1] (chosen)."""
+FARTHEST_LOAD = 1.0
+"""Farthest place of a load from the last joint [m] (chosen)."""
+UNSEEN = 1e-9
+"""Norm of a column, over the largest one, below which rounding alone is left of it [1]."""
 FEWEST = 2
 """Fewest samples after decimation, over the columns of a motor [1] (chosen)."""
+Load = Literal["none", "body", "point"]
+"""Load that the last body that moves may carry: none, a share of itself, or a mass at a point."""
 LOAD = ("mass", "first_moment.x", "first_moment.y", "first_moment.z")
 """Columns of a load."""
 
@@ -61,6 +72,7 @@ class TorqueRegression:
         left: Rest of the torque of every motor over that of the nominal model, rms [1], shape (M,).
         rest: Rest of the torque of every motor, rms [Nm or N], shape (M,).
         load: Mass [kg] and first moment [kg m] of a load on the last body that moves, shape (4,); zeros without one.
+        servo_stiffness: Relative error of the stiffness of every servo [1], shape (M,); zeros where torques are known.
     """
 
     inertia: FloatArray
@@ -70,10 +82,17 @@ class TorqueRegression:
     left: FloatArray
     rest: FloatArray
     load: FloatArray
+    servo_stiffness: FloatArray
 
 
 def regress_torque(
-    record: Record, model: RobotWithEffects, tolerance: Tolerance, arm: ArmTorque | None = None, *, load: bool = False
+    record: Record,
+    model: RobotWithEffects,
+    tolerance: Tolerance,
+    arm: ArmTorque | None = None,
+    *,
+    load: Load = "none",
+    delay: float = 0.0,
 ) -> TorqueRegression | None:
     """Regress the torques of a log on friction, motor inertias and tolerated parameters of the bodies.
 
@@ -82,8 +101,10 @@ def regress_torque(
         model: The nominal model, with no laws but Coulomb friction.
         tolerance: Parameters of the robot that may deviate.
         arm: What the arm takes from the motors; None for locked springs.
-        load: Whether the last body that moves may carry a load, with locked springs. The tolerated parameters are
-            nominal then: all bodies a little heavier look much like it.
+        load: Load that the last body that moves may carry, with locked springs. The tolerated parameters are nominal
+            then: all bodies a little heavier look much like it.
+        delay: Delay of the commands beyond that of the model [s]. Where positions are commanded, the torques are those
+            of the servos, whose stiffness may be wrong too.
 
     Returns:
         The regression; None for a log in which no motor moves, or that is too short, and for links that bend.
@@ -92,7 +113,8 @@ def regress_torque(
     known = np.array([levels.get(name, 0.0) for name in robot.joint_names])
     try:
         regressor = RigidRegressor(robot)
-        rows = _rows(record, regressor)
+        acting = _acting(record, robot, delay + (model.added_delay if record.measured_torque else robot.delay))
+        rows = _rows(record, regressor, acting)
     except InputError:
         return None
     if rows is None:
@@ -105,8 +127,9 @@ def regress_torque(
         for kind, label in enumerate(KINDS):
             own[names.index(f"{name}.{label}"), kind * M + motor] = 1.0
     columns, errors = [], []
-    if load:
-        tolerance, own = Tolerance(), np.hstack([own, _of_load(names, last_moved(robot))])
+    if load != "none":
+        of_load = _of_body(names, last_moved(robot), nominal) if load == "body" else _of_load(names, last_moved(robot))
+        tolerance, own = Tolerance(), np.hstack([own, of_load])
     elif arm is None:
         own = np.hstack([own, _tolerated(robot, tolerance, nominal)])
     else:
@@ -120,9 +143,50 @@ def regress_torque(
         b = b - decimate(arm.torque[begin:], factor)[rows.counts]
         slopes = decimate(arm.slopes[begin:].reshape(rows.record.n_samples, -1), factor)[rows.counts]
         A = np.concatenate([A, slopes.reshape(*b.shape, -1)], axis=-1)
+    lightest = np.where([name == "mass" for name in LOAD], 0.0, -np.inf)[: {"none": 0, "body": 1, "point": 4}[load]]
+    if record.command is not None:
+        springs = decimate(acting.springs[acting.begin :], rows.factor)[rows.counts]
+        A = np.insert(A, [len(KINDS) * M] * M, -springs[:, :, None] * np.eye(M), axis=-1)
+        lightest = np.full(M, -MOST_REDUCED)
     column = KINDS.index("coulomb_friction") * M
     b = b - A[:, :, column : column + M] @ known
-    return _solved(A, b, robot, known, len(tolerance.names), rows.motion.moving, LOAD if load else ())
+    if load == "point":
+        return _with_point(A, b, robot, known, rows.motion.moving, lightest)
+    return _solved(A, b, robot, known, len(tolerance.names), rows.motion.moving, lightest)
+
+
+def _with_point(
+    A: FloatArray, b: FloatArray, robot: Robot, known: FloatArray, moving: BoolArray, lightest: FloatArray
+) -> TorqueRegression:
+    """Solve the regression with a load at a point, whose inertia follows from its mass and first moment.
+
+    With mass m and first moment s its inertia at the joint is (s's E - s s') / m. That is linear where the load is
+    nearly known, and as a homogeneous function of (m, s) it is its own derivative times (m, s).
+    """
+    inertias = A[..., -len(INERTIA_COMPONENTS) :]
+    A = A[..., : -len(INERTIA_COMPONENTS)]
+    found = _solved(A, b, robot, known, 0, moving, lightest)
+    for _ in range(ROUNDS):
+        before, turned = found.load.copy(), A.copy()
+        before[0] = max(before[0], np.linalg.norm(before[1:]) / FARTHEST_LOAD)
+        if before[0] <= 0:
+            break
+        turned[..., -len(LOAD) :] += inertias @ _inertia_slopes(before)
+        found = _solved(turned, b, robot, known, 0, moving, lightest)
+        if np.allclose(found.load, before, rtol=1e-3, atol=1e-6):
+            break
+    return found
+
+
+def _inertia_slopes(load: FloatArray) -> FloatArray:
+    """Return the derivatives of the inertia of a point load at the joint to its mass and first moment, shape (6, 4)."""
+    mass, moment = load[0], load[1:]
+    tensor = moment @ moment * np.eye(3) - np.outer(moment, moment)
+    slopes = [-tensor / mass**2]
+    for axis in np.eye(3):
+        mixed = np.outer(axis, moment)
+        slopes.append((2 * moment @ axis * np.eye(3) - mixed - mixed.T) / mass)
+    return np.array([[one[entry] for one in slopes] for entry in (ENTRIES[name] for name in INERTIA_COMPONENTS)])
 
 
 def only_coulomb(model: RobotWithEffects) -> bool:
@@ -130,22 +194,51 @@ def only_coulomb(model: RobotWithEffects) -> bool:
     return all(isinstance(law.effect, CoulombFriction) and law.effect.asymmetry == 0 for law in model.laws)
 
 
-def _rows(record: Record, regressor: RigidRegressor) -> RegressionRows | None:
+@dataclass(frozen=True, eq=False)
+class _Acting:
+    """Torques as they act: their mean over one sample around each position.
+
+    Attributes:
+        torque: The torques [Nm or N], shape (n, M).
+        begin: First sample around which commands acted throughout.
+        springs: The part of the stiffness of servos [Nm or N], shape (n, M); zeros without them.
+    """
+
+    torque: FloatArray
+    begin: int
+    springs: FloatArray
+
+
+def _acting(record: Record, robot: Robot, delay: float) -> _Acting:
+    if record.command is None:
+        torque, begin = torque_as_it_acts(record, delay)
+        return _Acting(torque, begin, np.zeros_like(torque))
+    command, begin = torque_as_it_acts(replace(record, torque=record.command), delay)
+    parts = servo_parts(robot, command, bridged_motion(record.position, record.valid), record.sample_time)
+    return _Acting(parts.spring + parts.damper, begin, parts.spring)
+
+
+def _rows(record: Record, regressor: RigidRegressor, acting: _Acting) -> RegressionRows | None:
     """Filter and decimate a log; None where no motor moves or too few rows are left."""
-    robot = regressor.robot
-    acting, begin = torque_as_it_acts(record, 0.0 if record.measured_torque else robot.delay)
+    begin = acting.begin
     part, every = record.part(begin, record.n_samples), tuple(range(len(regressor.parameters)))
-    rows = RegressionRows.of_record(part, acting[begin:], motion_cutoff(record.sample_time), regressor, every)
+    rows = RegressionRows.of_record(part, acting.torque[begin:], motion_cutoff(record.sample_time), regressor, every)
     enough = len(rows.torque) >= FEWEST * len(KINDS)  # each has an equation for every motor
     return rows if enough and rows.motion.moving.any() else None
 
 
 def _of_load(names: list[str], body: str) -> FloatArray:
-    """Return which regression parameters are the numbers of a load on a body, shape (P, 4)."""
-    columns = np.zeros((len(names), len(LOAD)))
-    for column, name in enumerate(LOAD):
+    """Return which regression parameters are the numbers of a load on a body and its inertia, shape (P, 10)."""
+    numbers = (*LOAD, *(f"inertia_at_joint.{entry}" for entry in INERTIA_COMPONENTS))
+    columns = np.zeros((len(names), len(numbers)))
+    for column, name in enumerate(numbers):
         columns[names.index(f"{body}.{name}"), column] = 1.0
     return columns
+
+
+def _of_body(names: list[str], body: str, nominal: FloatArray) -> FloatArray:
+    """Return the regression parameters of a body, of which a payload error is a share, shape (P, 1)."""
+    return (nominal * [name.startswith(f"{body}.") for name in names])[:, None]
 
 
 def _tolerated(robot: Robot, tolerance: Tolerance, nominal: FloatArray) -> FloatArray:
@@ -165,23 +258,28 @@ def _solved(
     known: FloatArray,
     tolerated: int,
     moving: BoolArray,
-    load: tuple[str, ...],
+    lightest: FloatArray,
 ) -> TorqueRegression:
-    """Solve the regression within physical bounds, each motor weighted by what is left of its torque."""
+    """Solve the regression within physical bounds, each motor weighted by what is left of its torque.
+
+    Between the columns of the motors and those of tolerated parameters stand those of a load or of servos, with their
+    lower bounds `lightest`.
+    """
     n, M, k = A.shape
     inertia = np.array([robot.parameters[f"{name}.inertia"].value for name in robot.joint_names])
     viscous = np.array([robot.parameters[f"{name}.viscous_friction"].value for name in robot.joint_names])
     endless = np.full(M, np.inf)
-    carried = np.full(len(load), np.inf)
-    lightest = np.where([name == "mass" for name in load], 0.0, -carried)
-    low = np.concatenate([-0.9 * inertia, -viscous, -known, -endless, lightest, np.full(tolerated, -FARTHEST)])
+    carried = np.full(len(lightest), np.inf)
+    low = np.concatenate([-MOST_REDUCED * inertia, -viscous, -known, -endless, lightest, np.full(tolerated, -FARTHEST)])
     high = np.concatenate([endless, endless, endless, endless, carried, np.full(tolerated, FARTHEST)])
     prior = np.hstack([np.zeros((tolerated, k - tolerated)), np.eye(tolerated)])
     before = np.sqrt(np.mean(b**2, axis=0))
     left, solution = np.maximum(before, 1e-300), np.zeros(k)
     for _ in range(ROUNDS):
         rows, errors = (A / left[:, None]).reshape(n * M, k), (b / left).ravel()
-        scale = np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
+        norms = np.linalg.norm(rows, axis=0)
+        rows[:, norms < UNSEEN * norms.max()] = 0.0
+        scale = np.where(norms < UNSEEN * norms.max(), 1.0, norms)
         scale[k - tolerated :] = 1.0
         matrix, right = np.vstack([rows / scale, prior]), np.concatenate([errors, np.zeros(tolerated)])
         # the triangular factor has the same solution and few rows
@@ -198,6 +296,10 @@ def _solved(
     values = np.where((own > LEAST_SHARE * left) & moving, solution[: 3 * M].reshape(3, M), 0.0)
     inertias, viscous_friction, coulomb_friction = values
     shares = left / np.maximum(before, 1e-300)
-    begin, end = len(KINDS) * M, len(KINDS) * M + len(load)
-    found = solution[begin:end] if load else np.zeros(len(LOAD))
-    return TorqueRegression(inertias, viscous_friction, coulomb_friction, solution[end:], shares, left, found)
+    begin, end = len(KINDS) * M, len(KINDS) * M + len(lightest)
+    found, servos = solution[begin:end], end - begin == M and bool(np.all(lightest == -MOST_REDUCED))
+    load, stiffness = (np.zeros(len(LOAD)), found) if servos else (found, np.zeros(M))
+    if servos:
+        stiffness = np.where((np.diag(size[:, begin:end]) > LEAST_SHARE * left) & moving, stiffness, 0.0)
+    deviations = solution[end:]
+    return TorqueRegression(inertias, viscous_friction, coulomb_friction, deviations, shares, left, load, stiffness)

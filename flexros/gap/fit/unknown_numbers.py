@@ -7,15 +7,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.effects import PlacedEffect, RobotWithEffects
+from flexros.effects import PlacedEffect
 from flexros.effects.left_out.rotor_inertia import RotorInertia
 from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_moved
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.fit.torque_regression import only_coulomb, regress_torque
+from flexros.gap.fit.torque_regression import FARTHEST_LOAD, only_coulomb, regress_torque
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from flexros.effects import RobotWithEffects
     from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.fit.torque_regression import TorqueRegression
     from flexros.record.record import Record
@@ -33,8 +34,9 @@ LIGHTEST = 0.05
 EXPLAINED = 10.0
 """Product over the motors of the factors by which a load lowers what is left of their torques, from which the file
 lacks it [1] (chosen): 1.6 on a UR10e that carries nothing, above 1000 on an arm whose tool is 7 % of its mass."""
-FARTHEST_LOAD = 1.0
-"""Farthest place of a load from the last joint [m] (chosen)."""
+MOST_BY_ONE = 5.0
+"""Largest factor of one motor in that product [1] (chosen): a load shows in several. That one motor has no torque, for
+instance as it is not driven, is explained by a load that takes the weight of its body away."""
 _CENTER = ("x", "y", "z")
 
 
@@ -64,7 +66,7 @@ class UnknownNumbers:
         values = {f"{name}.inertia": value for name, value in self.inertias.items()}
         if self.load is not None:
             values |= self.load.values(model.robot, "tool")
-        return RobotWithEffects(model.robot.with_values(values), model.laws) if values else model
+        return replace(model, robot=model.robot.with_values(values)) if values else model
 
     def names(self, robot: Robot) -> frozenset[str]:
         """Return the names of the parameters that these numbers are or change.
@@ -128,7 +130,7 @@ def unknown_numbers(record: Record, model: RobotWithEffects, tolerance: Toleranc
     """
     robot = model.robot
     lacking = [name for name in robot.joint_names if robot.parameters[f"{name}.inertia"].value == 0]
-    if record.simulated or record.command is not None or not only_coulomb(model) or not lacking:
+    if record.simulated or record.command is not None or not only_coulomb(model) or not (lacking or _may_carry(robot)):
         return UnknownNumbers()
     regression = regress_torque(record, model, tolerance)
     if regression is None:
@@ -144,20 +146,29 @@ def unknown_numbers(record: Record, model: RobotWithEffects, tolerance: Toleranc
     return UnknownNumbers(inertias, load, bare)
 
 
+def _may_carry(robot: Robot) -> bool:
+    """Return whether a load would show in the torques of several motors."""
+    return robot.n_motors > 1 and bool(last_moved(robot))
+
+
 def _load(
     record: Record, model: RobotWithEffects, tolerance: Tolerance, lacking: int
 ) -> tuple[TorqueRegression | None, ToolLoad | None]:
-    """Estimate the load of an arm that lacks all rotors, as one from a URDF does, and its regression; None for none."""
+    """Estimate the load that an arm lacks, and its regression; None for none.
+
+    Where the file states rotors, it may state a load too: then it must be clearly elsewhere than the last body, whose
+    mass alone is that of a payload error.
+    """
     robot = model.robot
-    if lacking < robot.n_motors or robot.n_motors < 2 or not any(robot.spec.gravity.value) or not last_moved(robot):
+    if not _may_carry(robot):
         return None, None
-    without = regress_torque(record, model, Tolerance())
-    loaded = regress_torque(record, model, tolerance, load=True)
+    without = regress_torque(record, model, Tolerance(), load="none" if lacking == robot.n_motors else "body")
+    loaded = regress_torque(record, model, tolerance, load="point")
     if without is None or loaded is None:
         return None, None
     mass, moment = float(loaded.load[0]), loaded.load[1:]
     moved = sum(robot.parameters[f"body_{k}.mass"].value for k, b in enumerate(robot.spec.bodies, 1) if b.directions)
-    gain = float(np.prod(without.left / np.maximum(loaded.left, 1e-300)))
+    gain = float(np.prod(np.minimum(without.left / np.maximum(loaded.left, 1e-300), MOST_BY_ONE)))
     if mass < LIGHTEST * moved or gain < EXPLAINED or np.linalg.norm(moment) > FARTHEST_LOAD * mass:
         return None, None
     x, y, z = (moment / mass).tolist()

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.effects import RobotWithEffects
 from flexros.gap.candidates.candidate import Candidate, FreeParameter
 from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.fit.least_squares import chi2_of, fit
@@ -28,7 +27,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from flexros.arrays import FloatArray
-    from flexros.effects import PlacedEffect
+    from flexros.effects import PlacedEffect, RobotWithEffects
     from flexros.effects.kinds.ranges import Range
     from flexros.gap.candidates.candidate import Hypothesis
     from flexros.gap.residuals.fit_data import FitData
@@ -78,7 +77,7 @@ class Explained:
         if not values:
             return self
         robot = self.model.robot.with_values(values, "values of the experiment")
-        return replace(self, model=RobotWithEffects(robot, self.model.laws))
+        return replace(self, model=replace(self.model, robot=robot))
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,5 +187,5 @@ def _free(name: str, value: float, allowed: Range) -> FreeParameter:
     low, high, negative = size / ROOM, size * ROOM, None
     if allowed.scale in WITHOUT_LOG:
         low, high = max(low, min(allowed.low, size)), min(high, max(allowed.high, size))
-        negative = None if allowed.negative is None else min(high, max(allowed.negative, size))
+        negative = None if allowed.negative is None else min(high, max(allowed.negative, -value))
     return FreeParameter(name, low, high, allowed.signed, (value,), negative)

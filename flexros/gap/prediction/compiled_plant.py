@@ -49,6 +49,7 @@ class CompiledPlant:
         laws: The candidates that are laws.
         robot_names: Names of the robot parameters that may change.
         model: The plant.
+        delay: Delay of the torques of the log [s]; one per motor if effects delay single motors.
         loop: The predictor of constant gain around it.
     """
 
@@ -69,11 +70,12 @@ class CompiledPlant:
         self.robot_names = tuple(sorted({*changed, *tolerance.names}))
         names = [*self.robot_names, *(name for law in laws for name in law.parameters)]
         self.model = PlantModel(self.robot, (*_felt(model.laws), *laws), names)
+        self.delay = self.model.delay_from(model.added_delay if measured_torque else self.robot.delay)
         known = [law for law in model.laws if law.effect.n_states]
         self.loop = PredictionLoop(
             self.model.functions(feed_through(self.robot.n_motors)),
             sample_time=sample_time,
-            delay=0.0 if measured_torque else self.model.delay,
+            delay=self.delay,
             substeps=substeps(self.robot, sample_time, fast=bool(known or any(map(_own_states, self.laws)))),
             lanes=LANES,
         )

@@ -247,7 +247,7 @@ class Predictor:
         """Return the mean of the inputs just before and just after samples, shape (m, M, sets or 1)."""
         driving = self._driving(record, sets, columns)
         driving = driving if driving.ndim == 3 else driving[:, :, None]
-        delays = np.broadcast_to(0.0 if record.measured_torque else self.model.delay, self.robot.n_motors)
+        delays = np.broadcast_to(self.plant.delay, self.robot.n_motors)
         acting = np.empty((len(samples), *driving.shape[1:]))
         for motor, delay in enumerate(delays / self.sample_time):
             after = np.maximum(samples - int(np.ceil(delay)), 0)

@@ -30,6 +30,10 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 
+MOST_DELAYED = 10
+"""Longest delay of commanded positions that is tried [samples] (chosen)."""
+
+
 @dataclass(frozen=True, eq=False)
 class TorqueStart:
     """Effects that the torques of a log show, with initial values.
@@ -38,11 +42,13 @@ class TorqueStart:
         regression: The regression that shows them.
         model: The nominal model.
         record: The log.
+        delay: Delay of commanded positions [s].
     """
 
     regression: TorqueRegression
     model: RobotWithEffects
     record: Record
+    delay: float = 0.0
 
     @property
     def robot(self) -> Robot:
@@ -59,6 +65,8 @@ class TorqueStart:
             values["viscous_friction", name] = float(found.viscous_friction[motor])
             values["coulomb_friction", name] = float(found.coulomb_friction[motor])
             values["motor_inertia_error", name] = inertia / nominal if nominal > 0 else 0.0
+            values["servo_stiffness_error", name] = float(found.servo_stiffness[motor])
+        values["delay", "all"] = self.delay
         return [
             (replace(candidate, free=candidate.free[:1]), value)
             for candidate in list_candidates(
@@ -77,17 +85,35 @@ def torque_start(data: FitData, model: RobotWithEffects, tolerance: Tolerance) -
         tolerance: Parameters of the robot that may deviate.
 
     Returns:
-        What the torques show; None where that is nothing, where positions were commanded, and for a model with known
-        laws other than Coulomb friction, which the regression lacks.
+        What the torques show; None where that is nothing, where positions were commanded to servos behind springs, and
+        for a model with known laws other than Coulomb friction, which the regression lacks.
     """
     record = data.record
-    if not record.imported or record.command is not None or not only_coulomb(model):
+    if not record.imported or not only_coulomb(model):
         return None
-    regression = regress_torque(record, model, tolerance, arm_torque(data, model, tolerance))
-    if regression is None:
+    if record.command is not None:
+        start = _servo_start(record, model, tolerance)
+    else:
+        regression = regress_torque(record, model, tolerance, arm_torque(data, model, tolerance))
+        start = None if regression is None else TorqueStart(regression, model, record)
+    return start if start is not None and start.hypothesis() else None
+
+
+def _servo_start(record: Record, model: RobotWithEffects, tolerance: Tolerance) -> TorqueStart | None:
+    """Regress the torques of servos with the delay of the commands that leaves least of them."""
+    if model.robot.flexible_motors:
         return None
-    start = TorqueStart(regression, model, record)
-    return start if start.hypothesis() else None
+    best: tuple[float, TorqueStart] | None = None
+    for samples in range(MOST_DELAYED + 1):
+        delay = samples * record.sample_time
+        found = regress_torque(record, model, tolerance, delay=delay)
+        if found is None:
+            return None
+        left = float(np.log(np.maximum(found.rest, 1e-300)).sum())
+        if best is not None and left > best[0]:
+            break
+        best = left, TorqueStart(found, model, record, delay)
+    return None if best is None else best[1]
 
 
 def first_values(start: TorqueStart, null: NullFit, settings: DiagnosisSettings) -> CandidateFit | None:

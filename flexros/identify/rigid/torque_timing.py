@@ -47,9 +47,19 @@ def with_torque_in_time(record: Record, robot: Robot) -> Record:
     best = min((-0.5, 0.5), key=left.__getitem__)
     if not left[0.0] - left[best] > CLEAR or left[2 * best] < left[best]:
         return record
-    words = "until the next one" if best > 0 else "since the one before"
+    return in_time(record, best)
+
+
+def in_time(record: Record, shift: float) -> Record:
+    """Return a record whose measured torques act half a sample from their stamps, and that says so.
+
+    Args:
+        record: The log.
+        shift: 0.5 where a torque is held from its stamp on, -0.5 where it was held before.
+    """
+    words = "until the next one" if shift > 0 else "since the one before"
     text = f"the measured torques fit the motion where each is held {words}, half a sample from its stamp"
-    return replace(shifted(record, best), warnings=(*record.warnings, text))
+    return replace(shifted(record, shift), warnings=(*record.warnings, text))
 
 
 def torques_left(record: Record, robot: Robot) -> dict[float, float]:

@@ -19,6 +19,9 @@ SIGNIFICANT = 5.0
 NOTED, REFUSED = 0.3, 0.6
 """Lead of a motion over its torque, which no robot has, for a warning and for rejection [samples] (chosen)."""
 
+HELD = 0.5
+"""Part of such a lead that is that of a recorder which notes a measured torque after it was held [samples]."""
+
 LONGEST = 0.01
 """Delay of the torque beyond which an offset between topics is more likely than a delay of the robot [s] (chosen)."""
 
@@ -55,7 +58,8 @@ class TimeOffset(AbstractCheck):
                     "file: then record every command; if the controller is as slow as the log, give time_offset when "
                     "importing"
                 )
-            hopeless = early > REFUSED * T and _agreement(checked, tau) > AGREED
+            held = HELD if checked.record.measured_torque and not checked.record.torque_shift else 0.0
+            hopeless = early > (REFUSED + held) * T and _agreement(checked, tau) > AGREED
             return (Finding(text, hopeless=hopeless, like_parameters=True),)
         if tau > LONGEST:
             text = (

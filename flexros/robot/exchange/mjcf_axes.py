@@ -12,6 +12,8 @@ from flexros.robot.exchange.mjcf_actuators import JointActuator, joint_actuator
 if TYPE_CHECKING:
     from flexros.robot.exchange.mjcf_arm import ArmJoint, MjcfArm
 
+WEIGHTLESS = 1e-5
+"""Mass of a rotor's own body over that of the next one, and its inertia over the armature, that are none (chosen)."""
 COAXIAL = 1e-9
 """Largest distance of the anchors of two joints that are one axis [m] (chosen)."""
 
@@ -81,10 +83,15 @@ def axes_of(model: Any, arm: MjcfArm) -> tuple[ArmAxis, ...]:
 
 
 def _is_gear(model: Any, joint: ArmJoint, behind: ArmJoint) -> bool:
-    """Return whether the second joint is the deflection of an elastic gear behind the first."""
+    """Return whether the second joint is the deflection of an elastic gear behind the first.
+
+    A body of their own between the joints may stand for the rotor: MuJoCo wants some mass there, which counts as none.
+    """
+    armature = float(model.dof_armature[model.jnt_dofadr[joint.index]])
     return (
-        joint.mass == 0
-        and float(model.dof_armature[model.jnt_dofadr[joint.index]]) > 0
+        armature > 0
+        and joint.mass <= WEIGHTLESS * behind.mass
+        and float(np.max(np.abs(joint.inertia))) <= WEIGHTLESS * armature
         and (joint.rotary, joint.axis, joint.sign) == (behind.rotary, behind.axis, behind.sign)
         and float(model.jnt_stiffness[behind.index]) > 0
         and float(np.linalg.norm(joint.anchor - behind.anchor)) < COAXIAL

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -66,7 +68,7 @@ def test_load_that_a_urdf_lacks_is_estimated_beside_friction_and_rotors() -> Non
 
 def test_three_seconds_suffice_as_each_sample_has_an_equation_for_every_motor() -> None:
     """After decimation fewer samples are left than twice the columns of all six motors."""
-    found = regress_torque(ur5e_record().part(0, 1600), RobotWithEffects(ur5e(), ()), Tolerance(), load=True)
+    found = regress_torque(ur5e_record().part(0, 1600), RobotWithEffects(ur5e(), ()), Tolerance(), load="point")
     assert found is not None
     np.testing.assert_allclose(found.inertia, (1.4, 1.4, 1.1, 0.25, 0.25, 0.25), rtol=0.15)
     assert found.load[0] == pytest.approx(1.5, rel=0.05)
@@ -85,3 +87,32 @@ def test_inertias_that_are_given_stay() -> None:
 def test_a_small_rotor_may_be_in_the_inertia_of_the_bodies() -> None:
     heavy = arm().with_values({"body_1.inertia.yy": INERTIA[0] / LEAST})
     assert "motor_1" not in unknown_numbers(record_of_arm(), RobotWithEffects(heavy, ()), Tolerance()).inertias
+
+
+def test_load_is_estimated_where_the_rotors_are_given_too() -> None:
+    """A load elsewhere than the centre of mass of the last body is no payload error."""
+    robot = ur5e()
+    rotors = dict(zip((f"{name}.inertia" for name in robot.joint_names), (1.4, 1.4, 1.1, 0.25, 0.25, 0.25)))
+    given = robot.with_values(rotors)
+    unknown = unknown_numbers(ur5e_record(), RobotWithEffects(given, ()), tolerance_of(given, {}))
+    assert not unknown.inertias
+    assert unknown.load is not None
+    assert unknown.load.mass == pytest.approx(1.5, rel=0.02)
+
+
+def test_a_heavier_last_body_is_no_load() -> None:
+    """It is a payload error."""
+    given = arm().with_values({"motor_1.inertia": INERTIA[0], "motor_2.inertia": INERTIA[1]})
+    heavy = record_of_arm(imported=True, load=1.0)
+    assert unknown_numbers(heavy, RobotWithEffects(given, ()), tolerance_of(given, {})).load is None
+
+
+def test_a_motor_that_is_not_driven_carries_no_load() -> None:
+    """A load that takes the weight of its body away would explain that it has no torque."""
+    given = RobotWithEffects(arm().with_values({"motor_1.inertia": 0.8, "motor_2.inertia": 0.3}), ())
+    record = record_of_arm(imported=True)
+    passive = replace(record, torque=record.torque * [1.0, 0.0])
+    found = regress_torque(passive, given, Tolerance(), load="point")
+    assert found is not None
+    assert found.left[1] < 0.01
+    assert unknown_numbers(passive, given, tolerance_of(given.robot, {})).load is None

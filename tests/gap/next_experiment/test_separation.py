@@ -7,12 +7,13 @@ import pytest
 
 from flexros.effects import RobotWithEffects, parse_effect
 from flexros.effects.kinds.ranges import Range
+from flexros.effects.motor_inertia_error import MotorInertiaError
 from flexros.effects.torque_bias import TorqueBias
 from flexros.gap.candidates.candidate import list_candidates
 from flexros.gap.candidates.scales import scales_of
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.least_squares import best_of, chi2_of, fit, initial_values
-from flexros.gap.next_experiment.separation import ROOM, Explained, Trial, predictor_of, separation, trial
+from flexros.gap.next_experiment.separation import ROOM, Explained, Trial, _free, predictor_of, separation, trial
 from flexros.gap.prediction.predictor import Predictor
 from flexros.robot import load_robot
 
@@ -121,3 +122,10 @@ def test_what_lies_within_the_tolerance_of_the_model_is_not_separated() -> None:
         apart.append(separation(true, other, trial(true, KEYS, 7)))
     assert apart[0] > 1000.0
     assert apart[1] < 0.05 * apart[0]
+
+
+def test_an_effect_far_above_its_range_does_not_change_its_sign_beyond_it() -> None:
+    """Less than nothing is left of an inertia below -1."""
+    free = _free("relative", 4.8, MotorInertiaError.ranges["relative"])
+    assert free.decode(np.array(free.bounds)) == pytest.approx([-0.9, 9.0])
+    assert _free("relative", -0.95, MotorInertiaError.ranges["relative"]).negative == pytest.approx(0.95)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from flexros.effects import parse_effect
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.prediction.compiled_plant import CompiledPlant, grouped, switchable
 from flexros.gap.prediction.predictor import Predictor
@@ -60,3 +61,19 @@ def test_groups_hold_every_candidate_once_and_are_no_larger_than_allowed() -> No
     groups = grouped(candidates, 3)
     assert sorted(one.name for group in groups for one in group) == sorted(one.name for one in candidates)
     assert max(len(group) for group in groups) == 3
+
+
+def test_measured_torques_are_late_by_the_delay_of_a_patch_alone() -> None:
+    """The delay of the robot file lies before them; that which a diagnosis found in them is part of the motion."""
+    patched = MODEL.with_effects([parse_effect("delay@all:time=0.003", "test")])
+    patched = patched.with_effects([parse_effect("coulomb_friction@motor_1:level=0.1", "test")])
+    assert patched.robot.delay == pytest.approx(ROBOT.delay + 0.003)
+    plants = {
+        measured: CompiledPlant(patched, (), Tolerance(), ROBOT.sample_time, measured_torque=measured)
+        for measured in (False, True)
+    }
+    assert plants[True].delay == pytest.approx(0.003)
+    assert plants[False].delay == pytest.approx(ROBOT.delay + 0.003)
+    one = MODEL.with_effects([parse_effect("delay@motor_1:time=0.002", "test")])
+    late = CompiledPlant(one, (), Tolerance(), ROBOT.sample_time, measured_torque=True).delay
+    assert np.ravel(late)[0] == pytest.approx(0.002)

@@ -126,3 +126,12 @@ def test_a_lead_of_torques_that_the_model_hardly_explains_is_told_only(found, he
     monkeypatch.setattr(time_offset, "_agreement", lambda checked, delay: 0.6)
     findings = found("emps", late(healthy("emps"), 1))
     assert any("stamped too late" in finding.text and not finding.hopeless for finding in findings)
+
+
+@pytest.mark.slow
+def test_measured_torque_may_be_noted_after_it_was_held(found, healthy) -> None:
+    """Then it is half a sample late anyway; a whole sample from a command is refused."""
+    record = late(healthy("emps"), 1)
+    assert found("emps", record)[0].hopeless
+    assert not found("emps", record, measured_torque=True)[0].hopeless
+    assert found("emps", late(healthy("emps"), 2), measured_torque=True)[0].hopeless

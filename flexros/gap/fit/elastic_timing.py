@@ -1,0 +1,57 @@
+"""When a measured torque acted on robots with springs; see `flexros.identify.rigid.torque_timing` for rigid ones."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.effects import RobotWithEffects
+from flexros.errors import InputError
+from flexros.gap.candidates.tolerance import tolerance_of
+from flexros.gap.fit.arm_torque import arm_torque
+from flexros.gap.fit.torque_regression import regress_torque
+from flexros.gap.residuals.fit_data import fit_data
+from flexros.gap.settings import DiagnosisSettings
+from flexros.identify.rigid.torque_timing import CLEAR, in_time, with_torque_in_time
+from flexros.record.shifted_torque import shifted
+
+if TYPE_CHECKING:
+    from flexros.record.record import Record
+    from flexros.robot import Robot
+
+DELAYED = CLEAR / 2
+"""Further gain by a whole sample from which it is rather a delay [1] (chosen): springs that are far off leave much."""
+
+
+def with_seen_timing(record: Record, robot: Robot) -> Record:
+    """Return a record whose measured torques are taken when they acted, as far as the robot with its springs shows it.
+
+    Args:
+        record: The log.
+        robot: The nominal robot.
+    """
+    if len(robot.flexible_motors) < robot.n_motors:
+        return with_torque_in_time(record, robot)
+    effort = record.effort
+    if not (record.measured_torque and record.imported) or effort is None or not np.isfinite(effort).all():
+        return record
+    model, tolerance = RobotWithEffects(robot, ()), tolerance_of(robot, {})
+    try:
+        data = fit_data(record, model, DiagnosisSettings())
+    except InputError:
+        return record
+
+    def left(shift: float) -> float:
+        """Sum the logarithms of what the model leaves of the torques."""
+        part = shifted(data.record, shift)
+        arm = arm_torque(replace(data, record=part), model, tolerance)
+        found = regress_torque(part, model, tolerance, arm)
+        return np.inf if found is None else float(np.log(np.maximum(found.rest, 1e-300)).sum())
+
+    usual, half = left(0.0), {shift: left(shift) for shift in (-0.5, 0.5)}
+    best = min(half, key=half.__getitem__)
+    if not usual - half[best] > CLEAR or half[best] - left(2 * best) > DELAYED:
+        return record
+    return in_time(record, best)
