@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import mujoco
 import numpy as np
@@ -119,9 +119,15 @@ def arm_of_urdf(file: Path, folder: Path) -> Arm:
     data = mujoco.MjData(model)
     data.qpos[:] = 0.3
     mujoco.mj_forward(model, data)
-    mass = np.zeros((model.nv, model.nv))
-    mujoco.mj_fullM(model, mass, data.qM)
-    return Arm(file.stem, base, robot, "torque", False, np.maximum(np.diag(mass), 0.02))
+    columns = [_momentum(model, data, row) for row in np.eye(model.nv)]
+    return Arm(file.stem, base, robot, "torque", False, np.maximum(np.diag(columns), 0.02))
+
+
+def _momentum(model: Any, data: Any, speed: FloatArray) -> FloatArray:
+    """Return the generalised momentum of a motion, the mass matrix times its speed."""
+    momentum = np.zeros_like(speed)
+    mujoco.mj_mulM(model, data, momentum, speed)
+    return momentum
 
 
 def _carried(lengths: FloatArray, masses: FloatArray, joint: int) -> float:

@@ -14,6 +14,7 @@ from flexros.gap.answer.sensitivity import sensitivity_of
 from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.deadline import Deadline
+from flexros.gap.fit.elastic_timing import with_torque_in_time_behind_springs
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.fit.unknown_numbers import unknown_numbers
 from flexros.gap.held_out.closed_loop_gap import closed_loop_gap
@@ -87,6 +88,7 @@ def diagnose(
     stages.begin("nominal model", 0.03)
     fitted, held = (record, holdout) if holdout is not None else split(record, settings.fitted_share)
     _check_alike(fitted, held)
+    fitted = with_torque_in_time_behind_springs(fitted, model.robot)
     held = resampled(shifted(held, fitted.torque_shift), fitted.sample_time)
     fitted, held = (most_informative(one, settings.most_values) for one in (fitted, held))
     tolerated = tolerance_of(model.robot, tolerance or {})

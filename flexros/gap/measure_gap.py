@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from flexros.blas_threads import one_blas_thread
 from flexros.gap.candidates.tolerance import tolerance_of
+from flexros.gap.fit.elastic_timing import with_torque_in_time_behind_springs
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.fit.unknown_numbers import unknown_numbers
 from flexros.gap.held_out.prediction_gap import errors_ahead, gap_numbers, over_expected_floor, unknown_rounding
@@ -96,7 +97,7 @@ def measure_gap(
     stages = Stages(progress)
     stages.begin("nominal model", 1.0 if repaired is None else 0.5)
     model = model.commanded_by(record.commands)
-    record = most_informative(record, settings.most_values)
+    record = most_informative(with_torque_in_time_behind_springs(record, model.robot), settings.most_values)
     unknown = unknown_numbers(record, model, tolerance_of(model.robot, tolerance or {}))
     data = fit_data(record, unknown.given_to(model), settings)
     before, significant = _errors(model, unknown, data, tolerance or {}, settings)

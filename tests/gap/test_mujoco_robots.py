@@ -17,6 +17,7 @@ from flexros.effects.patching.patched_robot import load_model
 from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
+from flexros.gap.fit.elastic_timing import with_torque_in_time_behind_springs
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.search.torque_start import TorqueStart, torque_start
 from flexros.gap.settings import DiagnosisSettings
@@ -68,8 +69,8 @@ def test_rotors_on_bodies_of_their_own_are_motors_with_elastic_gears(tmp_path: P
 @pytest.mark.parametrize("noted", [0, 1])
 def test_when_a_measured_torque_acted_is_seen_through_elastic_gears(noted: int, tmp_path: Path) -> None:
     arm = program("arms").drawn_arm(2, tmp_path, elastic=True)
-    _, record = recorded(arm, program("truth").Truth({}, measured=True, noted=noted), tmp_path)
-    assert record.torque_shift == (-0.5 if noted else 0.5)
+    model, record = recorded(arm, program("truth").Truth({}, measured=True, noted=noted), tmp_path)
+    assert with_torque_in_time_behind_springs(record, model.robot).torque_shift == (-0.5 if noted else 0.5)
 
 
 def test_search_of_a_servo_log_begins_with_gains_friction_and_delay(tmp_path: Path) -> None:

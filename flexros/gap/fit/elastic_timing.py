@@ -14,7 +14,7 @@ from flexros.gap.fit.arm_torque import arm_torque
 from flexros.gap.fit.torque_regression import regress_torque
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.settings import DiagnosisSettings
-from flexros.identify.rigid.torque_timing import CLEAR, in_time, with_torque_in_time
+from flexros.identify.rigid.torque_timing import CLEAR, in_time
 from flexros.record.shifted_torque import shifted
 
 if TYPE_CHECKING:
@@ -25,17 +25,17 @@ DELAYED = CLEAR / 2
 """Further gain by a whole sample from which it is rather a delay [1] (chosen): springs that are far off leave much."""
 
 
-def with_seen_timing(record: Record, robot: Robot) -> Record:
+def with_torque_in_time_behind_springs(record: Record, robot: Robot) -> Record:
     """Return a record whose measured torques are taken when they acted, as far as the robot with its springs shows it.
 
     Args:
         record: The log.
         robot: The nominal robot.
     """
-    if len(robot.flexible_motors) < robot.n_motors:
-        return with_torque_in_time(record, robot)
-    effort = record.effort
-    if not (record.measured_torque and record.imported) or effort is None or not np.isfinite(effort).all():
+    effort, seen = record.effort, bool(record.torque_shift)
+    if seen or len(robot.flexible_motors) < robot.n_motors or not (record.measured_torque and record.imported):
+        return record
+    if effort is None or not np.isfinite(effort).all():
         return record
     model, tolerance = RobotWithEffects(robot, ()), tolerance_of(robot, {})
     try:
