@@ -128,8 +128,6 @@ def _on_robot(
     from flexros.benchmark.simulation import NOISE
 
     problem = problem_named(on)
-    if report is not None:
-        raise InputError(f"a report was asked for ({report}), but the multivariable benchmark writes JSON", "report")
     if noise not in (0.0, NOISE):
         raise InputError(f"the noise is {noise} rad, allowed on {on} is 0 or that of its robot file", "noise")
     numbers = _seeds(seeds)
@@ -144,13 +142,18 @@ def _on_robot(
         for done, one in enumerate(loaded, start=1):
             results.append(bench.evaluate(one, noise=noise > 0.0, seeds=numbers))
             bar.update(task, completed=done)
+    if report:
+        from flexros.benchmark.report.motion import write_motion_report
+
+        write_motion_report(bench, loaded, results, report)
     content = _content(results, out)
     if as_json:
         print_json(content)
         return
     _print_motion(results)
-    if out:
-        say(f"results: {out}")
+    for file, what in ((report, "report"), (out, "results")):
+        if file:
+            say(f"{what}: {file}")
 
 
 def _print_motion(results: Sequence[MotionResult]) -> None:

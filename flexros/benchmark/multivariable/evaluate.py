@@ -19,7 +19,7 @@ from flexros.benchmark.multivariable.measures import (
     measures_of_motion,
     worst_motion,
 )
-from flexros.benchmark.multivariable.problem import SEED
+from flexros.benchmark.multivariable.problem import SEED, highest
 from flexros.control.design.closed_loop import largest_eigenvalues
 from flexros.control.design.plants import linear_plants, sampled_plants
 from flexros.control.linear_controller import linear_controller
@@ -80,6 +80,21 @@ class MotionResult:
             "demands": [demand.as_dict() for demand in self.demands],
             "passed": all(demand.passed for demand in self.demands),
         }
+
+
+@dataclass(frozen=True, eq=False)
+class MotionRun:
+    """A run of the nominal model.
+
+    Attributes:
+        time: Time [s], shape (n,).
+        distance: Distance of the tool from its undisturbed path [mm], shape (n,).
+        torque: Largest torque of a motor [% of its torque], shape (n,).
+    """
+
+    time: FloatArray
+    distance: FloatArray
+    torque: FloatArray
 
 
 def motion_cost(measures: dict[str, MotionMeasures]) -> float:
@@ -238,6 +253,16 @@ class MotionBenchmark:
         found.append(_stable(f"stability, loop gain x {LOOP_GAIN:g}{end}", nominal, linear, LOOP_GAIN))
         late = self._plants["late"]
         return [*found, _stable(f"stability, delay {1e3 * LONG_DELAY:g} ms{end}", late, linear)]
+
+    def nominal_run(self, controller: BenchmarkController, seed: int = 1) -> MotionRun:
+        """Run the nominal model with all disturbances and noise."""
+        run = batch(self.experiment(controller.nominal), whole_record, seeds=[seed], threads=1)[0]
+        count = len(run.tool_pose)
+        return MotionRun(
+            np.arange(count, dtype=np.float64) * self.sample_time,
+            1e3 * np.linalg.norm(run.tool_pose[:, :3] - self.path[:count], axis=1),
+            np.asarray(np.max(np.abs(highest(self.problem, run.command)), axis=1)),
+        )
 
     @cached_property
     def _plants(self) -> dict[str, list[SampledPlants]]:

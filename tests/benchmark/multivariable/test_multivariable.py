@@ -117,5 +117,5 @@ def test_the_coupled_design_settles_in_time_on_the_nominal_model(bench: MotionBe
     design = load_motion_controller(E12, "coupled_pid")
     found = bench.measures_of_set(NOMINAL, design.nominal)
     assert np.max(found.settling) < SETTLED
-    assert found.cost < 0.93 * bench.measures_of_set(NOMINAL, load_motion_controller(E12, "pid").nominal).cost
+    assert found.cost < 0.95 * bench.measures_of_set(NOMINAL, load_motion_controller(E12, "pid").nominal).cost
     assert all(demand.passed for demand in bench.stability(design.perturbed))
