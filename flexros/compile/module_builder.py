@@ -29,6 +29,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from functools import lru_cache
+from threading import Lock
 from typing import TYPE_CHECKING
 
 from flexros.compile.elementary import routine_text
@@ -161,6 +162,7 @@ class _SharedFunction:
 
 _KEPT: dict[tuple[int, int], _SharedFunction] = {}
 """Shared functions by CasADi's own number of them, which is not given again while they are kept, and by lanes."""
+_KEEPING = Lock()
 _MOST_KEPT = 64
 """Most shared functions that are kept (chosen)."""
 
@@ -168,21 +170,21 @@ _MOST_KEPT = 64
 def _shared_function(function: ca.Function, lanes: int) -> _SharedFunction:
     """Write the module of a long function, once."""
     key = hash(function), lanes
-    if key not in _KEPT:
-        graph = read_graph(dense_sx_function(function))
-        content = fingerprint(*map(str, (graph.operations, graph.first, graph.second, graph.constants, graph.outputs)))
-        symbol = f"{function.name()}.{content[:24]}.{lanes}"
-        emitted = emit_function(graph, symbol, lanes)
-        pointers = ", ".join(["ptr"] * (function.n_in() + function.n_out()))
+    with _KEEPING:
+        kept = _KEPT.get(key)
+    if kept is not None:
+        return kept
+    graph = read_graph(dense_sx_function(function))
+    content = fingerprint(*map(str, (graph.operations, graph.first, graph.second, graph.constants, graph.outputs)))
+    symbol = f"{function.name()}.{content[:24]}.{lanes}"
+    emitted = emit_function(graph, symbol, lanes)
+    pointers = ", ".join(["ptr"] * (function.n_in() + function.n_out()))
+    declaration = f"declare void @{symbol}({pointers}) nounwind"
+    made = _SharedFunction(function, symbol, declaration, _module_text(emitted.routines, [emitted.text]))
+    with _KEEPING:
         while len(_KEPT) >= _MOST_KEPT:
-            _KEPT.pop(next(iter(_KEPT)), None)
-        _KEPT[key] = _SharedFunction(
-            function,
-            symbol,
-            f"declare void @{symbol}({pointers}) nounwind",
-            _module_text(emitted.routines, [emitted.text]),
-        )
-    return _KEPT[key]
+            _KEPT.pop(next(iter(_KEPT)))
+        return _KEPT.setdefault(key, made)
 
 
 def _module_text(routines: Collection[tuple[str, int]], texts: Sequence[str]) -> str:
