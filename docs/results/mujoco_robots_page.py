@@ -28,8 +28,18 @@ in half of the cases, measured ones, noted at the begin or the end of the sample
 Below, an effect is *shown* by the log if a model with all other true effects leaves more than noise and the tolerances
 of a measured log (5 % of the torques, 3 % of the nominal numbers). Others cannot be found without claims that the log
 does not support. *False* are named effects that are not hidden. A size is right within 25 %. The arms, effects and
-motions of these cases were drawn once, after the method was last changed.
+motions of these cases were drawn once and not used before. One of them (torque:1004) led to a change since, which is
+not in these figures: the load was estimated right there, but a threshold left it out.
 
+"""
+MISSED = """
+## What is missed, and why
+
+- A load that is left out makes friction and inertia wrong (torque:1004, torque:1005). In the second case it is lighter
+  than the 5 % of all bodies from which one is estimated.
+- Without gravity, an error of the gain at one motor looks like more inertia and friction there (torque:1003).
+- The joints of the UR5e, whose URDF has no rotors, are taken for swapped, so that one log is refused (torque:1051).
+- `explained` is said of the held-out log; a third one may leave more (torque:1005, delay:1013, backlash:1031).
 """
 
 
@@ -48,7 +58,7 @@ def page(found: Mapping[str, Mapping[str, Any]], duration: float) -> str:
     text += _summary("all", list(found.values()))
     text += "\n| case | robot | shown: hidden size, named size | not shown | false | verdict | gap before | after | "
     text += "time |\n|" + "---|" * 9 + "\n"
-    return text + "".join(_row(name, one) for name, one in found.items())
+    return text + "".join(_row(name, one) for name, one in found.items()) + MISSED
 
 
 def _shown(one: Mapping[str, Any]) -> list[str]:

@@ -34,9 +34,9 @@ LIGHTEST = 0.05
 EXPLAINED = 10.0
 """Product over the motors of the factors by which a load lowers what is left of their torques, from which the file
 lacks it [1] (chosen): 1.6 on a UR10e that carries nothing, above 1000 on an arm whose tool is 7 % of its mass."""
-MOST_BY_ONE = 5.0
-"""Largest factor of one motor in that product [1] (chosen): a load shows in several. That one motor has no torque, for
-instance as it is not driven, is explained by a load that takes the weight of its body away."""
+MOST_BY_ONE = EXPLAINED
+"""Largest factor of one motor in that product [1] (chosen), so that the others must not be left with more: that one
+motor has no torque, as where it is not driven, is explained by a load that takes the weight of its body away."""
 _CENTER = ("x", "y", "z")
 
 
