@@ -37,11 +37,30 @@ def test_a_ramp_is_reached_with_the_time_constant() -> None:
     assert found[-1] == pytest.approx(5.0, rel=1e-6)
 
 
-@pytest.mark.parametrize("name", ["elbow_feedback_linearisation", "elbow_torque_feedback", "four_mass_lqg"])
+ENDINGS = (".bandwidth", ".kp", ".loop_gain", ".speed_gain", ".motor_position", "D.1.1")
+"""Endings of the names of one gain of each law."""
+LAWS = (
+    "circle_pd",
+    "two_mass_step",
+    "four_mass_state_space",
+    "four_mass_lqg",
+    "elbow_gravity_pd",
+    "elbow_computed_torque",
+    "elbow_feedback_linearisation",
+    "elbow_quasi_static",
+    "elbow_state_feedback",
+    "elbow_kalman",
+    "elbow_extended_kalman",
+    "elbow_accelerometer",
+    "elbow_torque_feedback",
+)
+
+
+@pytest.mark.parametrize("name", LAWS)
 def test_gains_change_from_the_next_sample_on(name: str) -> None:
     run = Experiment.prepare(load_scenario(name).with_values({"duration": 0.1}))
     loops = [(run.plant_in_time(), run.controller()) for _ in range(2)]
-    gain = next(i for i, key in enumerate(loops[0][1].gain_names) if key.endswith((".bandwidth", ".kp", ".loop_gain")))
+    gain = next(i for i, key in enumerate(loops[0][1].gain_names) if key.endswith(ENDINGS))
     changed = []
     for k, reference in enumerate(run.reference_signal[:100]):
         if k == 50:
