@@ -16,6 +16,8 @@ from flexros.record.quantization import encoder_step
 from flexros.record.smoothing import noise_power, smooth_motion
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from flexros.arrays import BoolArray, FloatArray
     from flexros.record.balance.joint_assignments import JointAssignment
     from flexros.record.balance.torque_balance import BalanceFit, TorqueBalance
@@ -27,6 +29,10 @@ SAME_RATE = 0.1
 
 STANDS_OUT = 10.0
 """Rms of the smooth motion over the noise of the encoder above which a motor moves (chosen)."""
+
+ALIKE = float(np.log(2.0))
+"""Sum of the logarithms of factors by which torques may be further off in another order that is the right one [1]
+(chosen)."""
 
 FASTEST_LOOK = 50.0
 """Corner frequency of the low-pass for the motion [Hz] (chosen)."""
@@ -90,14 +96,21 @@ class CheckedRecord:
 
     @cached_property
     def order_is_wrong(self) -> bool:
-        """Whether the torques clearly belong to the motions of other motors."""
-        M = self.robot.n_motors
-        if self.balance is None or self.order == tuple(range(M)):
+        """Whether the torques clearly belong to the motions of other motors.
+
+        Loads of neighbouring joints vary alike, so that the torque of one may agree well with a multiple of what the
+        other one needs. A torque that belongs there is not many times as large.
+        """
+        M, balance = self.robot.n_motors, self.balance
+        if balance is None or self.order == tuple(range(M)):
             return False
-        A = _agreements(self.balance, M)
+        A = _agreements(balance, M)
         moved = [torque for torque, motion in enumerate(self.order) if torque != motion]
         other, current = (float(np.mean([A[k, motion[k]] for k in moved])) for motion in (self.order, range(M)))
-        return clearly_better(other, current)
+        if not clearly_better(other, current):
+            return False
+        elsewhere, here = (_off_by(balance, {k: motion[k] for k in moved}) for motion in (self.order, range(M)))
+        return elsewhere < here + ALIKE
 
     @cached_property
     def assignment(self) -> JointAssignment | None:
@@ -119,6 +132,12 @@ class CheckedRecord:
             return False
         other = score(own_fits(torque_balance(self.record, self.robot, nominal), self.robot.n_motors))
         return clearly_better(other, current)
+
+
+def _off_by(balance: TorqueBalance, motions: Mapping[int, int]) -> float:
+    """Return by what factors torques are off those that the motions of some motors need: sum of their logarithms."""
+    fits = [balance.fit(torque, motion) for torque, motion in motions.items()]
+    return float(sum(abs(np.log(abs(fit.factor))) for fit in fits if fit is not None))
 
 
 def _agreements(balance: TorqueBalance, n_motors: int) -> FloatArray:
