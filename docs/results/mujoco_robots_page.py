@@ -38,8 +38,8 @@ MISSED = """
 - A load that is left out makes friction and inertia wrong (torque:1004, torque:1005). In the second case it is lighter
   than the 5 % of all bodies from which one is estimated.
 - Without gravity, an error of the gain at one motor looks like more inertia and friction there (torque:1003).
-- The joints of the UR5e, whose URDF has no rotors, are taken for swapped, so that one log is refused (torque:1051); they
-  no longer are, which is not in these figures either.
+- The joints of the UR5e, whose URDF has no rotors, were taken for swapped, so that one log is refused (torque:1051);
+  this is mended, but not in these figures either.
 - `explained` is said of the held-out log; a third one may leave more (torque:1005, delay:1013, backlash:1031).
 """
 
