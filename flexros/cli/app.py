@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any, get_type_hints
 import typer
 from typer.models import ArgumentInfo, OptionInfo
 
-from flexros.cli import (
+from flexros.cli import completion
+from flexros.cli.commands import (
     analyze,
     benchmark,
-    completion,
     demo,
     design,
     diagnose,
@@ -32,9 +32,9 @@ from flexros.cli import (
     run,
     view,
 )
+from flexros.cli.commands.identify import procedure as identify
 from flexros.cli.guide import examples_text, guide_of
 from flexros.cli.help import JobGroup
-from flexros.cli.identify import procedure as identify
 from flexros.cli.output import suggest
 from flexros.errors import INTERNAL_ERROR, INTERRUPTED, FlexrosError, InputError
 

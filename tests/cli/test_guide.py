@@ -10,8 +10,8 @@ import pytest
 import typer
 
 from flexros.cli.app import COMMANDS, app
+from flexros.cli.commands.identify.procedure import COMMANDS as IDENTIFY
 from flexros.cli.guide import GUIDES, JOBS, OTHER, Guide, guide_of
-from flexros.cli.identify.procedure import COMMANDS as IDENTIFY
 
 Flexros = Callable[..., Any]
 ROOT: Any = typer.main.get_command(app)

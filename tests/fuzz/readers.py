@@ -18,8 +18,8 @@ from mcap.records import Schema
 from ruamel.yaml import YAML
 from typer.testing import CliRunner
 
+from flexros.cli.commands.run import key_and_value, node_parameters
 from flexros.cli.options import parse_tolerance
-from flexros.cli.run import key_and_value, node_parameters
 from flexros.config.topics import QosProfile, read_qos, read_topics
 from flexros.effects import parse_effect
 from flexros.effects.patching.patched_robot import load_model

@@ -32,7 +32,7 @@ def radial_error(log: Log) -> float:
 @pytest.mark.parametrize(
     ("name", "sample_time", "mass", "millimetres"),
     [
-        # our reading of the published circle test, reproduced independently; tests/cli/test_demo.py has the other cases
+        # our reading of the published circle test, reproduced independently; others: tests/cli/commands/test_demo.py
         ("circle_dae", 5e-4, 210, 1.415),
         # the smooth case, fully specified
         ("smooth_dae", 1e-3, 200, 0.43716),

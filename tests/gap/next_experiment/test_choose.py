@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from flexros.cli.run import changed_scenario
+from flexros.cli.commands.run import changed_scenario
 from flexros.effects import PlacedEffect, RobotWithEffects, parse_effect
 from flexros.errors import RunError
 from flexros.gap.next_experiment import choose as module

@@ -24,7 +24,7 @@ def learn(
     """Iterative learning control: repeat a scenario, correct its references by the tool error of the run before."""
     from dataclasses import replace
 
-    from flexros.cli.run import changed_scenario
+    from flexros.cli.commands.run import changed_scenario
     from flexros.logs.write_log import write_log
     from flexros.scenario.experiment import Experiment
     from flexros.scenario.learning import LearningSettings

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from flexros.cli.diagnose import GAP_FOUND
+from flexros.cli.commands.diagnose import GAP_FOUND
 from flexros.cli.options import (
     KnownModelOption,
     NamespaceOption,

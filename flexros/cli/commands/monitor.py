@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.table import Table
 
-from flexros.cli.diagnose import GAP_FOUND
+from flexros.cli.commands.diagnose import GAP_FOUND
 from flexros.cli.options import KnownModelOption, NamespaceOption
 from flexros.cli.output import console, print_json, say
 from flexros.cli.progress import progress_bar

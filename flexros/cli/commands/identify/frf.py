@@ -9,11 +9,11 @@ import numpy as np
 import typer
 from rich.table import Table
 
+from flexros.cli.commands.run import key_and_value
 from flexros.cli.model import linear_robot
 from flexros.cli.options import NamespaceOption
 from flexros.cli.output import console, print_json, say, suggest
 from flexros.cli.progress import progress_bar
-from flexros.cli.run import key_and_value
 
 if TYPE_CHECKING:
     from flexros.identify.experiment.plan import ExperimentPlan

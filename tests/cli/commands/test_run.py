@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from flexros.cli.run import default_folder, print_result
+from flexros.cli.commands.run import default_folder, print_result
 from flexros.errors import RunError
 from flexros.scenario.transports import RunResult
 

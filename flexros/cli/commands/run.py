@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 import typer
 from rich.table import Table
 
+from flexros.cli.commands.view import require_viewer, show_log
 from flexros.cli.options import NetworkOption, warn_of_network
 from flexros.cli.output import console, print_json, say, suggest
 from flexros.cli.progress import progress_bar, working
-from flexros.cli.view import require_viewer, show_log
 from flexros.config.yaml_file import parse_yaml
 from flexros.errors import InputError, unknown_name
 from flexros.scenario import transports

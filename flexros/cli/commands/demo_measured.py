@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from flexros.gap.result import DiagnosisResult
 
-RECORDED = Path(__file__).parents[1] / "scenario" / "measured" / "double_pendulum"
+RECORDED = Path(__file__).parents[2] / "scenario" / "measured" / "double_pendulum"
 """Logs, mapping, robot file and licence of the machine."""
 OWNER = "DFKI RIC Underactuated Robotics Lab, BSD 3-Clause, github.com/dfki-ric-underactuated-lab/double_pendulum"
 """Whose data it is."""

@@ -9,11 +9,11 @@ import numpy as np
 import typer
 from rich.table import Table
 
+from flexros.cli.commands.robots import parse_numbers
 from flexros.cli.model import ROBOT, linear_robot
 from flexros.cli.options import names_in
 from flexros.cli.output import console, print_json, say
 from flexros.cli.progress import progress_shown, working
-from flexros.cli.robots import parse_numbers
 from flexros.config.settings import validate
 from flexros.errors import InputError, argument_named, unknown_name
 

@@ -12,18 +12,18 @@ import typer
 from rich.padding import Padding
 from rich.table import Table
 
-from flexros.cli import demo_measured, demo_repair
+from flexros.cli.commands import demo_measured, demo_repair
+from flexros.cli.commands.run import choose_transport
 from flexros.cli.output import console, print_json, say
 from flexros.cli.progress import progress_bar
-from flexros.cli.run import choose_transport
 from flexros.errors import InputError
 from flexros.scenario import transports
 
 if TYPE_CHECKING:
     from flexros.analysis import Analysis
     from flexros.analysis.comparison import Comparison
-    from flexros.cli.demo_measured import Budgeted
-    from flexros.cli.demo_repair import Repair
+    from flexros.cli.commands.demo_measured import Budgeted
+    from flexros.cli.commands.demo_repair import Repair
     from flexros.logs.time_series import Log
     from flexros.scenario.scenario import Scenario
     from flexros.scenario.transports import RunResult

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.io import loadmat
 
-from flexros.cli.identify.rigid import _print_excitation, _print_robot_file
+from flexros.cli.commands.identify.rigid import _print_excitation, _print_robot_file
 from flexros.logs.stamps import stamps_ns
 from flexros.logs.time_series import JointSeries, Log
 from flexros.logs.write_log import write_log

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from flexros.cli.identify.design import UNKNOWN
-from flexros.cli.identify.table import parameter_table
+from flexros.cli.commands.identify.design import UNKNOWN
+from flexros.cli.commands.identify.table import parameter_table
 from flexros.cli.model import linear_robot
 from flexros.cli.output import console, print_json, say
 from flexros.cli.progress import progress_bar

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from flexros.atomic_file import write_result
-from flexros.cli.identify.table import fitting_table
+from flexros.cli.commands.identify.table import fitting_table
 from flexros.cli.model import linear_robot
 from flexros.cli.options import NamespaceOption, TorqueOption, torque_source
 from flexros.cli.output import console, print_json, say

@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from flexros.cli.identify import axis as identify_axis
-from flexros.cli.identify import friction as identify_friction
-from flexros.cli.identify import kinematics as identify_kinematics
-from flexros.cli.identify import rigid as identify_rigid
-from flexros.cli.identify.design import RANGE, UNKNOWN, checked_minutes, design, gear_ranges, template_with
-from flexros.cli.identify.fit import BOUND, fit, print_identification, value_bounds
-from flexros.cli.identify.frf import frf
+from flexros.cli.commands.identify import axis as identify_axis
+from flexros.cli.commands.identify import friction as identify_friction
+from flexros.cli.commands.identify import kinematics as identify_kinematics
+from flexros.cli.commands.identify import rigid as identify_rigid
+from flexros.cli.commands.identify.design import RANGE, UNKNOWN, checked_minutes, design, gear_ranges, template_with
+from flexros.cli.commands.identify.fit import BOUND, fit, print_identification, value_bounds
+from flexros.cli.commands.identify.frf import frf
+from flexros.cli.commands.run import choose_transport, run_direct
 from flexros.cli.model import linear_robot
 from flexros.cli.output import print_json, say
 from flexros.cli.progress import progress_bar, working
-from flexros.cli.run import choose_transport, run_direct
 from flexros.errors import InputError, unknown_name
 from flexros.scenario import transports
 

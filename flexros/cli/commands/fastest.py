@@ -19,7 +19,7 @@ def fastest(
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
     """Time-optimal motion on the path of a scenario within torque and speed limits, and which limit decides where."""
-    from flexros.cli.run import changed_scenario
+    from flexros.cli.commands.run import changed_scenario
     from flexros.scenario.motion import fastest_moves
 
     changed = changed_scenario(scenario, model, setting)

@@ -9,11 +9,11 @@ import typer
 from rich.table import Table
 
 from flexros.atomic_file import write_result
+from flexros.cli.commands.run import key_and_value
 from flexros.cli.model import linear_robot
 from flexros.cli.options import NamespaceOption, TorqueOption, torque_source
 from flexros.cli.output import console, print_json, say
 from flexros.cli.progress import working
-from flexros.cli.run import key_and_value
 from flexros.errors import InputError, unknown_name
 from flexros.json_text import json_text
 

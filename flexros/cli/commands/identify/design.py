@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 import typer
 from rich.table import Column, Table
 
+from flexros.cli.commands.run import key_and_value
 from flexros.cli.model import linear_robot
 from flexros.cli.output import console, print_json, say
 from flexros.cli.progress import progress_bar
-from flexros.cli.run import key_and_value
 from flexros.errors import InputError, unknown_name
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from flexros.cli.identify.table import parameter_table
+from flexros.cli.commands.identify.table import parameter_table
 
 STIFFNESS, DAMPING = "body_2.rz.stiffness [Nm/rad]", "body_2.rz.damping [Nm s/rad]"
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from flexros.cli import demo, demo_repair
+from flexros.cli.commands import demo, demo_repair
 from flexros.errors import RunError
 from flexros.gap.schema import Cause, Diagnosis, GapNumbers
 from flexros.logs.reader import read_log

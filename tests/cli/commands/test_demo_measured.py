@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from flexros.cli.demo_measured import OWNER, RECORDED, Budgeted, budgeted, print_budget
+from flexros.cli.commands.demo_measured import OWNER, RECORDED, Budgeted, budgeted, print_budget
 
 MOST = 400_000
 """Size that the recordings may have in the repository [bytes]."""

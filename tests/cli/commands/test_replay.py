@@ -10,10 +10,10 @@ from typing import Any
 
 import pytest
 
-from flexros.cli import replay
+from flexros.cli.commands import replay
 from flexros.errors import InputError
 
-SAMPLE = str(Path(__file__).parents[2] / "bags" / "sample_circle_dae")
+SAMPLE = str(Path(__file__).parents[3] / "bags" / "sample_circle_dae")
 Command = Callable[..., Any]
 
 needs_ros = pytest.mark.skipif(find_spec("rclpy") is None, reason="needs ROS 2: rclpy cannot be imported")
@@ -65,7 +65,7 @@ class TestOverRos:
 
 
 def test_the_package_announces_what_plays() -> None:
-    setup = (Path(__file__).parents[2] / "setup.py").read_text(encoding="utf-8")
+    setup = (Path(__file__).parents[3] / "setup.py").read_text(encoding="utf-8")
     assert f'"{replay.GROUP}": ["ros = flexros_nodes.bringup.replay_run:replay_log"]' in setup
 
 
