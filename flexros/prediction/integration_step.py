@@ -22,8 +22,10 @@ STABLE = 2.5
 """Largest step times the largest eigenvalue [1]: Runge-Kutta steps of order four grow from 2.78 on."""
 MOST = 64
 """Most steps per sample (chosen), for joints with much damping and little inertia."""
-TURN = 0.2
-"""Largest step times the largest eigenvalue [rad]: the error of a step is its fifth power over 120 (chosen)."""
+TURN, TURN_OF_MANY = 0.2, 0.4
+"""Largest step times the largest eigenvalue [rad], and where a sample has `FAST` steps or more: the error of a step is
+its fifth power over 120 (chosen). A motion as fast as that shows little in the samples: of 64,926 prediction errors of
+`six_axis` at 250 Hz, 5 steps instead of 16 change the sum of squares by 3."""
 
 
 def substeps(robot: Robot, sample_time: float, *, fast: bool = False) -> int:
@@ -35,7 +37,8 @@ def substeps(robot: Robot, sample_time: float, *, fast: bool = False) -> int:
         fast: Whether effects have states that may be faster than the robot.
     """
     fastest = _fastest(robot)
-    step = max(SHORTEST, sample_time / FAST) if fast else min(max(TURN / fastest, SHORTEST), LONGEST)
+    exact = max(TURN, min(TURN_OF_MANY, fastest * sample_time / FAST)) / fastest
+    step = max(SHORTEST, sample_time / FAST) if fast else min(max(exact, SHORTEST), LONGEST)
     step = min(step, max(STABLE / fastest, sample_time / MOST))
     return max(1, int(np.ceil(sample_time / step - 1e-9)))
 

@@ -1,4 +1,4 @@
-"""Time and memory of a diagnosis of a log of 40 s at 2 kHz: all effects at all locations.
+"""Time and memory of a diagnosis of a log of 40 s, at 2 kHz and as arms are recorded: all effects at all locations.
 
 Prints a JSON list of rows. The log is that of the diagnosis experiment; the plant has friction that the model does not
 contain, and a row reports whether the verdict names it. Every robot is diagnosed in a process of its own, whose peak
@@ -49,7 +49,8 @@ if TYPE_CHECKING:
 
 HIDDEN = {"four_mass_linear": 0.05, "e12": 0.5, "six_axis": 2.0}
 """Coulomb friction of the first motor of the plant, by robot [N or Nm]."""
-GOAL_S = {"four_mass_linear": 15.0, "e12": 60.0, "six_axis": 600.0}
+GOAL_S = {("four_mass_linear", 2000): 10.0, ("e12", 2000): 20.0, ("six_axis", 2000): 150.0, ("six_axis", 250): 60.0}
+"""Goals for a diagnosis by robot and sampling rate [s]."""
 GOAL_GB = 1.5
 LENGTH = 40.0
 RUN_ALONE, LIMITED = "--alone", "--limits"
@@ -64,17 +65,17 @@ CROWD = (
 LIMITS_S = (5.0, 10.0, 20.0, 30.0)
 
 
-def log_of(robot: Robot, *effects: str) -> Record:
+def log_of(robot: Robot, *effects: str, rate: int = 2000) -> Record:
     """Record the diagnosis experiment, without disk; default: with friction at the first motor."""
     hidden = effects or (f"coulomb_friction@{robot.joint_names[0]}:level={HIDDEN[robot.name]}",)
     keys = {"robot": robot.name, "seed": 1, "diagnosis.length": LENGTH, "plant.effects": list(hidden)}
-    scenario = load_scenario("diagnosis").with_values(keys)
+    scenario = load_scenario("diagnosis").with_values({**keys, "sample_time": 1 / rate})
     return checked_log(closed_loop(Experiment.prepare(scenario)), robot, name="log")
 
 
-def diagnosis_rows(robot: Robot) -> Iterator[dict[str, Any]]:
+def diagnosis_rows(robot: Robot, rate: int) -> Iterator[dict[str, Any]]:
     """Diagnose once, in this process, which must not have done anything else."""
-    record = log_of(robot)
+    record = log_of(robot, rate=rate)
     wall, processor = time.perf_counter(), time.process_time()
     found = diagnose(record, robot).diagnosis
     wall, processor = time.perf_counter() - wall, time.process_time() - processor
@@ -82,8 +83,8 @@ def diagnosis_rows(robot: Robot) -> Iterator[dict[str, Any]]:
     named = found.verdict == "explained" and [(cause.effect, cause.location) for cause in found.causes[:1]] == [
         ("coulomb_friction", robot.joint_names[0])
     ]
-    case = f"{robot.name}, {record.n_samples} samples"
-    yield row(case, "diagnosis", wall, "s", GOAL_S[robot.name])
+    case = f"{robot.name}, {record.n_samples} samples at {rate} Hz"
+    yield row(case, "diagnosis", wall, "s", GOAL_S[robot.name, rate])
     yield row(case, "diagnosis, processor time", processor, "s")
     yield row(case, "largest memory", memory / 1e9, "GB", GOAL_GB)
     yield row(case, "verdict names the hidden effect alone (1: yes)", float(named), "1", 1.0)
@@ -144,9 +145,9 @@ def parameters_of(candidate: Candidate, level: float) -> list[float]:
     return list(law.parameter_values.values())
 
 
-def diagnosed_apart(name: str) -> list[dict[str, Any]]:
+def diagnosed_apart(name: str, rate: int) -> list[dict[str, Any]]:
     """Diagnose in a process of its own."""
-    command = [sys.executable, "-m", "tests.bench.bench_gap", RUN_ALONE, name]
+    command = [sys.executable, "-m", "tests.bench.bench_gap", RUN_ALONE, name, str(rate)]
     done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
     rows: list[dict[str, Any]] = json.loads(done.stdout)
     return rows
@@ -156,13 +157,14 @@ def main(arguments: list[str]) -> None:
     """Print all rows, or those of the robots given, as one JSON list."""
     rows: list[dict[str, Any]] = []
     if arguments[:1] == [RUN_ALONE]:
-        rows += diagnosis_rows(load_robot(arguments[1]))
+        rows += diagnosis_rows(load_robot(arguments[1]), int(arguments[2]))
     elif arguments[:1] == [LIMITED]:
         rows += limit_rows(load_robot("elbow"))
     else:
         for name in arguments or list(HIDDEN):
             rows += pass_rows(load_robot(name))
-            rows += diagnosed_apart(name)
+            for rate in (rate for robot, rate in GOAL_S if robot == name):
+                rows += diagnosed_apart(name, rate)
     print(json.dumps(rows, indent=1))
 
 

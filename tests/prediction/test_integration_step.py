@@ -10,7 +10,8 @@ from flexros.robot import load_robot, robot_from_data
 
 
 @pytest.mark.parametrize(
-    ("name", "sample_time", "steps"), [("six_axis", 5e-4, 1), ("six_axis", 0.01, 20), ("emps", 0.01, 4)]
+    ("name", "sample_time", "steps"),
+    [("six_axis", 5e-4, 1), ("six_axis", 4e-3, 5), ("six_axis", 0.01, 11), ("emps", 0.01, 4)],
 )
 def test_the_fastest_motion_of_a_robot_decides(name: str, sample_time: float, steps: int) -> None:
     assert substeps(load_robot(name), sample_time) == steps
