@@ -4,12 +4,13 @@ BIN := .venv/bin
 # Set by the ROS 2 wheels of another virtual environment, this would keep those of .venv from finding their libraries.
 unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 
-.PHONY: help demo test test-fast lint bench fuzz campaign soak docs clean python environment
+.PHONY: help demo test test-fast guide lint bench fuzz campaign soak docs clean python environment
 
 help:
 	@echo "make demo    install into .venv, run the circle test over ROS 2 topics, close a gap, budget of a measured machine"
-	@echo "make test    all tests"
-	@echo "make test-fast  without ROS, guide and slow tests, below a minute"
+	@echo "make test    all tests of the code"
+	@echo "make test-fast  without ROS and slow tests, below a minute"
+	@echo "make guide   every command of README and guide as printed, and the notebooks"
 	@echo "make lint    style, format, types, layers"
 	@echo "make bench   speed, compared with a peer in the same run"
 	@echo "make fuzz    fuzz every parser with damaged and hostile input (15 min)"
@@ -24,11 +25,15 @@ demo: environment
 
 test: EXTRAS = test
 test: environment
-	@$(BIN)/python -m pytest -n 3 --dist loadfile --max-worker-restart=0 $(PYTEST_OPTIONS)
+	@$(BIN)/python -m pytest -n 3 --dist loadfile --max-worker-restart=0 -m "not guide" $(PYTEST_OPTIONS)
 
 test-fast: EXTRAS = test
 test-fast: environment
 	@$(BIN)/python -m pytest -n 2 --dist loadfile -m "not ros and not slow and not guide" $(PYTEST_OPTIONS)
+
+guide: EXTRAS = test
+guide: environment
+	@$(BIN)/python -m pytest -n 3 --max-worker-restart=0 -m guide $(PYTEST_OPTIONS) tests/contracts
 
 lint: EXTRAS = dev test
 lint: environment
