@@ -1,4 +1,4 @@
-"""Reading of logs from any recorder: rosbag2 folders and .mcap files with topics of `topics.yaml`."""
+"""Reading of logs from any recorder: rosbag2 folders, .mcap and .db3 files with topics of `topics.yaml`."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import numpy as np
 from flexros.config.topics import load_topics
 from flexros.errors import InputError
 from flexros.logs.mcap.bag_files import find_bag_files
-from flexros.logs.mcap.file_reader import McapFileReader
+from flexros.logs.mcap.bag_reader import BagFileReader, bag_file_reader
 from flexros.logs.messages.bulk_decode import TopicDecoder, payloads_of
 from flexros.logs.messages.cdr_cursor import MessageError
 from flexros.logs.messages.codec import codec_of, series_codecs
@@ -49,7 +49,7 @@ def read_log(path: Path | str, namespace: str | None = None) -> Log:
     log list everything that was left out or repaired.
 
     Args:
-        path: A rosbag2 folder or an .mcap file.
+        path: A rosbag2 folder, an .mcap or a .db3 file.
         namespace: Namespace of the topics, e.g. "robot1" or "" for none; None if the file has only one.
 
     Returns:
@@ -62,7 +62,7 @@ def read_log(path: Path | str, namespace: str | None = None) -> Log:
     contract = _contract_topics()
     content = _BagContent(contract)
     for file in bag.files:
-        content.read(McapFileReader(file))
+        content.read(bag_file_reader(file))
     prefix = content.choose_namespace(path, namespace)
     warnings = [*bag.warnings, *content.warnings]
     series: dict[str, Any] = {}
@@ -118,7 +118,7 @@ class _BagContent:
     warnings: list[str] = field(default_factory=list)
     figures: dict[str, dict[str, float]] = field(default_factory=dict)
 
-    def read(self, reader: McapFileReader) -> None:
+    def read(self, reader: BagFileReader) -> None:
         """Decode all messages of a file."""
         translators: dict[int, Callable[[bytes], bytes] | None] = {}
         n_unknown = 0
@@ -152,7 +152,7 @@ class _BagContent:
             )
 
     def _take_figures(
-        self, payloads: list[bytes], channel: Channel, reader: McapFileReader, unusable: SkippedMessages
+        self, payloads: list[bytes], channel: Channel, reader: BagFileReader, unusable: SkippedMessages
     ) -> None:
         """Store what nodes called plant report; a later message replaces the values of an earlier one."""
         codec = codec_of(load_topics()[_DIAGNOSTICS].type)
@@ -175,7 +175,7 @@ class _BagContent:
                 if node.rsplit("/", 1)[-1] == _PLANT:
                     self.figures.setdefault(node, {}).update(status.numbers())
 
-    def _translator(self, schema: Schema, reader: McapFileReader) -> Callable[[bytes], bytes] | None:
+    def _translator(self, schema: Schema, reader: BagFileReader) -> Callable[[bytes], bytes] | None:
         if not schema.data.strip():
             self.warnings.append(
                 f"{reader.path}: {schema.name} has no definition in the file, that of ROS 2 Jazzy is used"
@@ -183,7 +183,7 @@ class _BagContent:
             return None
         return None if is_common(schema) else translator(series_codecs()[schema.name], schema, str(reader.path))
 
-    def _accept(self, name: str, channel: Channel, reader: McapFileReader) -> Schema | None:
+    def _accept(self, name: str, channel: Channel, reader: BagFileReader) -> Schema | None:
         """Return the schema of a topic to be decoded; None for other topics and for unusable ones."""
         topic = self.contract.get(name.rsplit("/", 1)[1])
         schema = reader.schemas.get(channel.schema_id)

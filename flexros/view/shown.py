@@ -37,7 +37,7 @@ def is_diagnosis(path: Path) -> bool:
 
 def is_log(path: Path) -> bool:
     """Return whether a path is a log rather than a robot."""
-    return path.is_dir() or path.suffix == ".mcap"
+    return path.is_dir() or path.suffix in (".mcap", ".db3")
 
 
 def shown_log(path: Path, model: str = "", *, namespace: str = "", first: float = 0.0, length: float = LENGTH) -> Shown:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def analyze(
-    bag: list[Path] = typer.Argument(help="Log folder (rosbag2) or .mcap file; several are shown side by side."),
+    bag: list[Path] = typer.Argument(help="Log folder (rosbag2), .mcap or .db3 file; several are shown side by side."),
     model: str = typer.Option("", "--model", help="Robot of the run, for its limits; default: from the provenance."),
     namespace: NamespaceOption = "",
     report: Path = typer.Option(None, "--report", help="Write an HTML report that opens offline."),

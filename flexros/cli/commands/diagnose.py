@@ -31,7 +31,7 @@ GAP_FOUND = 1
 
 
 def diagnose(
-    bag: Annotated[Path, typer.Argument(help="Log to fit effects to: rosbag2 folder or .mcap file.")],
+    bag: Annotated[Path, typer.Argument(help="Log to fit effects to: rosbag2 folder, .mcap or .db3 file.")],
     model: KnownModelOption,
     out: Annotated[Path, typer.Option("--out", help="Folder for diagnosis.json, patch.yaml and report.html.")],
     holdout: Path = typer.Option(None, "--holdout", help="Held-out log; default: the last third of BAG."),

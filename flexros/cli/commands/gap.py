@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 def gap(
-    bag: Annotated[Path, typer.Argument(help="Log: rosbag2 folder or .mcap file.")],
+    bag: Annotated[Path, typer.Argument(help="Log: rosbag2 folder, .mcap or .db3 file.")],
     model: KnownModelOption,
     patch: Path = typer.Option(None, "--patch", help="Patch of that robot, to measure the gap that it leaves."),
     tolerance: ToleranceOption = "",

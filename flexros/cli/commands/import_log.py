@@ -15,6 +15,7 @@ from flexros.atomic_file import write_result
 from flexros.cli.output import console, print_json, say, suggest
 from flexros.cli.progress import progress_bar, progress_shown
 from flexros.errors import InputError
+from flexros.logs.foreign.signal_source import BAG_SUFFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -30,7 +31,8 @@ _FIELDS = ("position", "velocity", "effort", "acceleration", "turning_rate")
 
 def import_log(
     mapping: str = typer.Argument(
-        help="Mapping YAML or built-in mapping (emps); or a ROS 2 bag (folder or .mcap) alone, to propose its mapping.",
+        help="Mapping YAML or built-in mapping (emps); or a ROS 2 bag (folder, .mcap or .db3) alone, to propose its "
+        "mapping.",
         metavar="MAPPING|BAG",
     ),
     file: list[Path] = typer.Argument(
@@ -77,7 +79,7 @@ def import_log(
 
 def _is_bag(name: str) -> bool:
     """Whether an argument is a bag and no mapping."""
-    return Path(name).suffix == ".mcap" or Path(name).is_dir()
+    return Path(name).suffix in BAG_SUFFIXES or Path(name).is_dir()
 
 
 def _refuse_what_bags_need(mapping: str, file: list[Path], out: Path, model: str, proposed: Path) -> None:
@@ -85,8 +87,8 @@ def _refuse_what_bags_need(mapping: str, file: list[Path], out: Path, model: str
     if not file:
         if Path(mapping).exists() and Path(mapping).suffix not in (".yaml", ".yml"):
             raise InputError(
-                f"{mapping} is no ROS 2 bag (folder or .mcap), and columns of other files have no usual names; write "
-                "a mapping file and give it with its files"
+                f"{mapping} is no ROS 2 bag (folder, .mcap or .db3), and columns of other files have no usual "
+                "names; write a mapping file and give it with its files"
             )
         raise InputError(
             f"{mapping} is given without files; give the files that hold its columns, or a ROS 2 bag alone"

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def monitor(
-    bag: Annotated[Path, typer.Argument(help="Log folder (rosbag2) or .mcap file.")],
+    bag: Annotated[Path, typer.Argument(help="Log folder (rosbag2), .mcap or .db3 file.")],
     model: KnownModelOption,
     thresholds: Path | None = typer.Option(
         None, "--thresholds", help="File written by --calibrate; default: thresholds of the noise alone."

@@ -29,8 +29,8 @@ GROUP = "flexros.view"
 
 def view(
     what: str = typer.Argument(
-        help="A log (rosbag2 folder or .mcap file), the folder of a diagnosis, a robot (its name or file, a patch), or "
-        "the word topics for a running robot."
+        help="A log (rosbag2 folder, .mcap or .db3 file), the folder of a diagnosis, a robot (its name or file, a "
+        "patch), or the word topics for a running robot."
     ),
     model: str = typer.Option("", "--model", help="Robot of the log; default: from its provenance."),
     log: Path = typer.Option(None, "--log", help="Log of a diagnosis; default: looked for beside its folder."),

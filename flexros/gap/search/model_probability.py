@@ -58,7 +58,7 @@ class ModelComparison:
     def gain(self, fit: CandidateFit) -> float:
         """Return twice the gain in log-likelihood over the nominal model, noise estimated: N ln(V0 / V) [1]."""
         null_level, level = max(self.level(self.null), LEAST_LEVEL), max(self.level(fit), LEAST_LEVEL)
-        return self.n_values * float(np.log(null_level / level))
+        return self.n_values * float(np.log(null_level) - np.log(level))  # minus infinity where the fit diverged
 
     def penalty(self, fit: CandidateFit) -> float:
         """Return the penalty of the effects' parameters by the information criterion (Schwarz 1978): p ln N [1]."""

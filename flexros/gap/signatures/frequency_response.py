@@ -22,6 +22,8 @@ PART = 2.0
 """Length of the parts over which spectra of the log are averaged [s] (chosen)."""
 LEAST_COHERENCE = 0.9
 """Smallest coherence of the log at which its response is shown (chosen)."""
+SMALLEST = 1e-9
+"""Singular value of spectra, over the largest, that counts as zero [1] (chosen)."""
 POINTS = 600
 """Number of frequencies of the models (chosen)."""
 
@@ -64,8 +66,9 @@ def _of_log(data: SignatureData, motor: int, highest: float) -> tuple[FloatArray
     """
     record, rows = data.record, data.rows
     T, length = record.sample_time, round(PART / record.sample_time)
-    if len(rows) < 3 * length or not record.valid.all():
-        return np.zeros(0), np.zeros(0)
+    parts = len(rows) // (length // 2) - 1  # they overlap by half
+    if parts < max(5, 2 * len(record.torque[0])) or not record.valid.all():
+        return np.zeros(0), np.zeros(0)  # as many parts as motors are coherent whatever they show
     # second differences, so that slow motion does not leak into the band; their gain is divided out below
     u = record.torque[rows].T
     y = _differenced(record.position[rows])
@@ -76,13 +79,15 @@ def _of_log(data: SignatureData, motor: int, highest: float) -> tuple[FloatArray
     _, S_yy = _spectra(y[motor : motor + 1], y[motor : motor + 1], T, length)
     band = np.flatnonzero((frequency >= LOWEST) & (frequency <= highest))
     floor = 1e-9 * np.trace(S_rr[band].mean(axis=0)).real * np.eye(len(r))
-    known = np.linalg.solve(S_rr[band] + floor, S_ry[band])
+    known = np.linalg.pinv(S_rr[band] + floor, rcond=SMALLEST, hermitian=True) @ S_ry[band]
     explained = np.einsum("fi,fi->f", known[:, :, 0], S_ry[band][:, :, 0].conj()).real
     good = explained > LEAST_COHERENCE * S_yy[band][:, 0, 0].real
     if not good.any():
         return np.zeros(0), np.zeros(0)
-    gains = np.linalg.solve(S_ru[band][good], S_ry[band][good])[:, motor, 0]
-    shown = frequency[band][good]
+    # torques that do not vary, or always vary together, have no response of their own
+    gains = (np.linalg.pinv(S_ru[band][good], rcond=SMALLEST) @ S_ry[band][good])[:, motor, 0]
+    good[good] = gains != 0
+    gains, shown = gains[gains != 0], frequency[band][good]
     return shown, (2 * np.pi * shown) ** 2 / np.sin(2 * np.pi * shown * T) ** 2 * np.abs(gains)
 
 

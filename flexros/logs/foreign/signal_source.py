@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
 
 
-BAG_SUFFIX = ".mcap"
-"""Suffix of a ROS 2 bag; a folder of such files is read like one file."""
+BAG_SUFFIXES = (".mcap", ".db3")
+"""Suffixes of a ROS 2 bag; a folder of such files is read like one file."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +100,7 @@ def open_source(path: Path) -> AbstractSignalSource:
     """
     if not path.exists():
         raise InputError(f"there is no file {path}; give the path of a CSV, MATLAB or NumPy file, or of a ROS 2 bag")
-    suffix = BAG_SUFFIX if path.is_dir() else path.suffix.lower()
+    suffix = BAG_SUFFIXES[0] if path.is_dir() else path.suffix.lower()
     kinds = members("flexros.logs.foreign.sources", AbstractSignalSource, "format")  # type: ignore[type-abstract]
     for kind in kinds.values():
         if suffix in kind.suffixes:

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from flexros.logs.mcap.bag_reader import bag_file_reader
 from flexros.logs.mcap.chunk import LENGTH_FIELD_END, MESSAGE_HEADER
-from flexros.logs.mcap.file_reader import McapFileReader
 from flexros.logs.replay.recorded_topic import RecordedTopic, recorded_topic
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ def survey_file(path: Path) -> FileSurvey:
         InputError: It cannot be read or is not MCAP.
     """
     survey = FileSurvey(path)
-    reader = McapFileReader(path)
+    reader = bag_file_reader(path)
     counts: dict[int, tuple[int, int]] = {}
     for block in reader.blocks():
         times, channels = block.headers["log_time"], block.headers["channel"]
@@ -107,7 +107,7 @@ def file_messages(survey: FileSurvey, topics: Mapping[int, int], window: TimeWin
     held: list[tuple[int, int, int, int, bytes | memoryview]] = []
     # limits[k]: earliest log time of all blocks after block k
     limits = list(accumulate([_NEVER, *survey.earliest[:0:-1]], min))[::-1]
-    for block, limit in zip(McapFileReader(survey.path).blocks(), limits, strict=False):
+    for block, limit in zip(bag_file_reader(survey.path).blocks(), limits, strict=False):
         held.extend(_selected(block, topics, window))
         held.sort(key=itemgetter(0))
         n = bisect_right(held, limit, key=itemgetter(0))

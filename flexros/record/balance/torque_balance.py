@@ -63,11 +63,16 @@ class BalanceFit:
         factor: Multiple of the inverse-dynamics torque that agrees best; negative for opposite directions.
         agreement: Mean agreement over the bands with that multiple, 0 ... 1.
         as_is: Mean agreement without a factor, -1 ... 1.
+        correlation: Cosine between both over all bands together, -1 ... 1. Where gravity dominates it is that of the
+            slow bands, and noise of the others does not count.
+        share: Power of the torque that friction and an unknown rotor leave, over all of it, 0 ... 1.
     """
 
     factor: float
     agreement: float
     as_is: float
+    correlation: float
+    share: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,11 +120,14 @@ class TorqueBalance:
         level = float(np.median(power) / max(float(np.median(need)), 1e-300))
         weight = (1 / (power + level * need + 1e-12 * power.max()))[index]
         rest, need_rest = (_without(self.own[use, motion], part, weight) for part in (given, needed))
-        whole = float(need.sum())
+        whole, whole_power = float(need.sum()), float(power.sum())
         power, need = (_sums(index, np.abs(part) ** 2) for part in (rest, need_rest))
         if need.sum() < LEAST_REST * whole:
             return None
-        return _agreement(power, need, _sums(index, (np.conj(need_rest) * rest).real))
+        factor, agreement, as_is = _agreement(power, need, _sums(index, (np.conj(need_rest) * rest).real))
+        strong, strong_need = (_without(self.own[use, motion], part, np.ones(len(index))) for part in (given, needed))
+        correlation, share = _correlation_and_share(strong, strong_need, whole_power)
+        return BalanceFit(factor, agreement, as_is, correlation, share)
 
     def delay(self) -> Delay:
         """Estimate the delay of the torques with respect to their stamps, in addition to the delay of the robot.
@@ -228,8 +236,11 @@ def _sums(index: IntArray, values: FloatArray) -> FloatArray:
     return np.asarray(np.bincount(index, values), dtype=np.float64)
 
 
-def _agreement(power: FloatArray, need: FloatArray, product: FloatArray) -> BalanceFit:
-    """Find the factor with the best mean agreement, from powers of the bands, shape (n_bands,)."""
+def _agreement(power: FloatArray, need: FloatArray, product: FloatArray) -> tuple[float, float, float]:
+    """Return the factor with the best mean agreement, that agreement and the one without a factor.
+
+    All powers are those of the bands, shape (n_bands,).
+    """
 
     def mean(factor: FloatArray) -> FloatArray:
         s = factor[:, None]
@@ -241,7 +252,14 @@ def _agreement(power: FloatArray, need: FloatArray, product: FloatArray) -> Bala
     tried = np.concatenate([sizes, -sizes])
     agreement = mean(tried)
     best = int(np.argmax(agreement))
-    return BalanceFit(float(tried[best]), float(agreement[best]), float(mean(np.ones(1))[0]))
+    return float(tried[best]), float(agreement[best]), float(mean(np.ones(1))[0])
+
+
+def _correlation_and_share(given: ComplexArray, needed: ComplexArray, whole: float) -> tuple[float, float]:
+    """Return the cosine between two torques, and the power of the first one over a whole."""
+    power, need = (float(np.sum(np.abs(part) ** 2)) for part in (given, needed))
+    size = float(np.sqrt(power * need))
+    return float(np.sum(np.conj(needed) * given).real) / size if size > 0 else 0.0, power / whole
 
 
 def _without(regressors: ComplexArray, values: ComplexArray, weight: FloatArray) -> ComplexArray:

@@ -7,10 +7,17 @@ from typing import TYPE_CHECKING, ClassVar
 from flexros.record.checks.base import AbstractCheck, Finding
 
 if TYPE_CHECKING:
+    from flexros.record.balance.torque_balance import BalanceFit
     from flexros.record.checks.checked_record import CheckedRecord
 
 CLEAR = 0.5
 """Agreement of the inverted torque with the inverse-dynamics torque above which a sign is wrong (chosen)."""
+
+OPPOSITE, LEAST_SHARE = -0.9, 0.1
+"""Correlation of both below which a sign is wrong, where friction leaves at least this share of the torque (chosen).
+Torque sensors behind the gear count the load, which is opposite to the torque of the motor; there the bands above
+gravity hold noise alone, so that their agreement is low. What little a torque of friction leaves may correlate so by
+chance."""
 
 
 class Sign(AbstractCheck):
@@ -23,15 +30,22 @@ class Sign(AbstractCheck):
         """Find negative factors between torque and inverse-dynamics torque."""
         if checked.order_is_wrong or checked.wrongly_assigned:
             return ()
-        inverted = [
-            checked.robot.joint_names[motor]
-            for motor, fit in enumerate(checked.own)
-            if fit is not None and fit.factor < 0 and fit.agreement > CLEAR
-        ]
+        motors = [motor for motor, fit in enumerate(checked.own) if fit is not None and fit.factor < 0]
+        inverted = [motor for motor in motors if _clear(checked.own[motor])]
         if not inverted:
             return ()
+        if len(motors) == sum(fit is not None for fit in checked.own):
+            inverted = motors  # those that are less clear count the same way
+        names = ", ".join(checked.robot.joint_names[motor] for motor in inverted)
         text = (
-            f"torque and motion of {', '.join(inverted)} have opposite directions compared with robot "
+            f"torque and motion of {names} have opposite directions compared with robot "
             f"{checked.robot.name}: the sign of torque or encoder is inverted; correct it (sign: -1) when importing"
         )
         return (Finding(text, hopeless=True),)
+
+
+def _clear(fit: BalanceFit | None) -> bool:
+    """Return whether a negative factor is clear enough to be that of an inverted signal."""
+    if fit is None:
+        return False
+    return fit.agreement > CLEAR or (fit.correlation < OPPOSITE and fit.share > LEAST_SHARE)

@@ -75,7 +75,7 @@ def propose_mapping(bag: Path, robot: Robot | None, progress: Callable[[str], No
     """Propose the mapping of a bag of another robot.
 
     Args:
-        bag: The bag: folder of rosbag2 or .mcap file.
+        bag: The bag: folder of rosbag2, .mcap or .db3 file.
         robot: The model, whose joints the motors are; None to take the joints of the bag in their order.
         progress: Called with the name of each step.
 

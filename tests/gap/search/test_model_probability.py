@@ -159,6 +159,11 @@ def test_gain_is_twice_the_gain_in_likelihood_less_the_information_criterion() -
     assert found.score(one) == pytest.approx(found.gain(one) - found.penalty(one))
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_fit_that_diverged_gains_nothing() -> None:
+    assert comparison(1.2, fitted(np.inf, STRIBECK)).gain(fitted(np.inf, STRIBECK)) == -np.inf
+
+
 def test_what_noise_leaves_is_not_significant() -> None:
     exact = np.sqrt(2 / N)
     assert not comparison(1.0).significant(fitted(1 + 2 * exact, COULOMB))

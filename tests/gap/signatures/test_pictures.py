@@ -156,3 +156,9 @@ def test_torque_over_time_is_that_of_equal_times(friction: SignatureData) -> Non
 
 def test_locations_are_assigned_to_motors(friction: SignatureData) -> None:
     assert friction.motor_of("motor_1") == friction.motor_of("body_2.rz") == friction.motor_of("tool") == 0
+
+
+def test_torque_that_does_not_vary_has_no_frequency_response(friction: SignatureData) -> None:
+    still = replace(friction.record, torque=np.ones_like(friction.record.torque))
+    assert "log" in picture("frequency_response", friction).series
+    assert "log" not in picture("frequency_response", replace(friction, record=still)).series

@@ -44,7 +44,7 @@ def test_folder_without_metadata(tmp_path):
     (tmp_path / "metadata.yaml").unlink()
     bag = find_bag_files(tmp_path)
     assert names(bag) == ["a.mcap", "b.mcap", "stray.mcap"]
-    assert "has no metadata.yaml; all its .mcap files were read" in bag.warnings[0]
+    assert "has no metadata.yaml; all its message files were read" in bag.warnings[0]
 
 
 @pytest.mark.parametrize("text", ["", "a: [", "rosbag2_bagfile_information: 3\n", "other: 1\n"])
@@ -64,9 +64,15 @@ def test_missing_part_is_named(tmp_path):
 
 def test_other_storage_is_refused(tmp_path):
     with pytest.raises(
-        InputError, match="has the storage 'sqlite3', allowed is mcap; convert it with 'ros2 bag convert'"
+        InputError, match="has the storage 'my_plugin', allowed are mcap and sqlite3; convert it with 'ros2 bag convert"
     ):
-        find_bag_files(make(tmp_path, storage="sqlite3"))
+        find_bag_files(make(tmp_path, storage="my_plugin"))
+
+
+def test_both_storages_are_taken(tmp_path):
+    (tmp_path / "c.db3").touch()
+    assert names(find_bag_files(make(tmp_path, storage="sqlite3", paths="c.db3"))) == ["c.db3"]
+    assert names(find_bag_files(tmp_path / "c.db3")) == ["c.db3"]
 
 
 @pytest.mark.parametrize("mode", ["FILE", "message"])
@@ -82,14 +88,14 @@ def test_nothing_there(tmp_path):
 
 def test_folder_without_logs(tmp_path):
     (tmp_path / "notes.txt").touch()
-    with pytest.raises(InputError, match=r"has no .mcap file \(it holds notes.txt\)"):
+    with pytest.raises(InputError, match=r"has no .mcap or .db3 file \(it holds notes.txt\)"):
         find_bag_files(tmp_path)
 
 
 def test_other_kind_of_file(tmp_path):
-    (tmp_path / "x.db3").touch()
-    with pytest.raises(InputError, match="is a '.db3' file, allowed is a rosbag2 folder or an .mcap file"):
-        find_bag_files(tmp_path / "x.db3")
+    (tmp_path / "x.bag").touch()
+    with pytest.raises(InputError, match="is a '.bag' file, allowed is a rosbag2 folder or an .mcap or .db3 file"):
+        find_bag_files(tmp_path / "x.bag")
 
 
 def test_provenance(tmp_path):

@@ -27,7 +27,7 @@ class Compared:
 
     def fit(self, torque: int, motion: int) -> BalanceFit:
         agreement = 0.2 if torque == motion else 0.95
-        return BalanceFit(self.factors[torque, motion], agreement, agreement)
+        return BalanceFit(self.factors[torque, motion], agreement, agreement, agreement, 1.0)
 
 
 @pytest.mark.parametrize(

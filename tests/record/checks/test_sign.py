@@ -2,7 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
+from scipy.signal import butter, sosfiltfilt
+
+from flexros.record.balance.torque_balance import BalanceFit
+from flexros.record.checks.checked_record import CheckedRecord
+from flexros.record.checks.sign import CLEAR, Sign
 
 pytestmark = pytest.mark.slow
 
@@ -19,3 +27,28 @@ def test_all_torques_inverted(found, healthy) -> None:
     findings = found("e12", torque=-healthy("e12").torque)
     assert findings[0].hopeless
     assert "torque and motion of motor_1, motor_2 have opposite directions compared with robot e12" in findings[0].text
+
+
+def test_inverted_torque_sensors_are_found_below_their_noise(found, healthy, robots) -> None:
+    """A sensor behind the gear counts the load, and shows noise alone above the slow motion that carries it."""
+    record = healthy("elbow")
+    noise = np.random.default_rng(0).normal(size=record.torque.shape) * record.torque.std(axis=0)
+    slow = sosfiltfilt(butter(2, 6.0 * record.sample_time, output="sos"), record.torque, axis=0)
+    noisy = replace(record, torque=0.3 * noise - slow)
+    fits = CheckedRecord(noisy, robots("elbow")).own
+    assert all(fit.agreement < CLEAR for fit in fits if fit is not None)
+    findings = found("elbow", noisy)
+    assert findings[0].hopeless
+    assert "motor_1, motor_2 have opposite directions" in findings[0].text
+    assert not any("opposite" in finding.text for finding in found("elbow", replace(noisy, torque=-noisy.torque)))
+
+
+@pytest.mark.parametrize(("share", "inverted"), [(0.3, True), (0.01, False)])
+def test_what_little_friction_leaves_shows_no_sign(robots, healthy, share: float, inverted: bool) -> None:
+    class Checked(CheckedRecord):
+        own = (BalanceFit(-6.0, 0.2, -0.1, -0.95, share), BalanceFit(1.0, 0.9, 0.9, 0.9, 0.5))
+        order_is_wrong, wrongly_assigned = False, False
+
+    findings = Sign().look(Checked(healthy("elbow"), robots("elbow")))
+    assert [finding.hopeless for finding in findings] == [True] * inverted
+    assert all("motion of motor_1 have" in finding.text for finding in findings)

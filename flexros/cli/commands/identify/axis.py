@@ -29,7 +29,7 @@ RESULT = "axis.json"
 
 
 def axis(
-    log: Path = typer.Argument(help="Log of the axis: folder (rosbag2) or .mcap file, moving from rest."),
+    log: Path = typer.Argument(help="Log of the axis: folder (rosbag2), .mcap or .db3 file, moving from rest."),
     model: str = typer.Option(..., "--model", help="Nominal robot: built-in name or YAML."),
     out: Path = typer.Option(..., "--out", help="Folder for axis.json."),
     validation: Path = typer.Option(None, "--validation", help="Another log, on which the models are validated."),

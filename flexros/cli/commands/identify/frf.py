@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def frf(
-    log: Path = typer.Argument(help="Log folder (rosbag2) or .mcap file of an identification experiment."),
+    log: Path = typer.Argument(help="Log folder (rosbag2), .mcap or .db3 file of an identification experiment."),
     out: Path = typer.Option(
         ..., "--out", help="File of the responses to write (netCDF); one that exists is replaced."
     ),

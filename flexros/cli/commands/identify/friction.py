@@ -19,7 +19,9 @@ if TYPE_CHECKING:
 
 
 def friction(
-    logs: list[Path] = typer.Argument(help="Logs of moves with phases of constant speed: folders or .mcap files."),
+    logs: list[Path] = typer.Argument(
+        help="Logs of moves with phases of constant speed: folders, .mcap or .db3 files."
+    ),
     joint: str = typer.Option("motor_1", "--joint", help="Motor."),
     model: str = typer.Option("", "--model", help=f"{ROBOT} Tells units; default: from the provenance."),
     namespace: NamespaceOption = "",

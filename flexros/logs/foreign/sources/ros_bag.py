@@ -11,9 +11,9 @@ import numpy as np
 from flexros.errors import InputError
 from flexros.input_limits import MOST_SIGNALS
 from flexros.logs.foreign.message_numbers import message_numbers
-from flexros.logs.foreign.signal_source import BAG_SUFFIX, AbstractSignalSource, Signal
+from flexros.logs.foreign.signal_source import BAG_SUFFIXES, AbstractSignalSource, Signal
 from flexros.logs.mcap.bag_files import find_bag_files
-from flexros.logs.mcap.file_reader import McapFileReader
+from flexros.logs.mcap.bag_reader import BagFileReader, bag_file_reader
 from flexros.logs.messages.bulk_decode import payloads_of
 from flexros.logs.messages.cdr_cursor import MessageError
 from flexros.logs.messages.foreign_definition import decoder
@@ -39,7 +39,7 @@ class RosBag(AbstractSignalSource):
     """
 
     format: ClassVar[str] = "ROS 2 bag"
-    suffixes: ClassVar[tuple[str, ...]] = (BAG_SUFFIX,)
+    suffixes: ClassVar[tuple[str, ...]] = BAG_SUFFIXES
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -98,7 +98,7 @@ class RosBag(AbstractSignalSource):
         """Yield topic, time of recording [ns], payload and decoder of the first messages of each topic."""
         seen: Counter[str] = Counter()
         for file in self._bag.files:
-            reader = McapFileReader(file)
+            reader = bag_file_reader(file)
             decoders: dict[int, Decode | None] = {}
             for block in reader.blocks():
                 for number in np.unique(block.headers["channel"]).tolist():
@@ -118,7 +118,7 @@ class RosBag(AbstractSignalSource):
             notes.extend(reader.warnings)
 
 
-def _decoder(reader: McapFileReader, schema_id: int, encoding: str) -> Decode | None:
+def _decoder(reader: BagFileReader, schema_id: int, encoding: str) -> Decode | None:
     """Return the decoder of a schema; None if its messages are not CDR or the file does not define them."""
     schema = reader.schemas.get(schema_id)
     if schema is None or encoding != "cdr" or not schema.data.strip():
