@@ -13,7 +13,7 @@ ROS_WHEELS = [
     "ros-jazzy-common-interfaces==5.3.6",
     "ros-jazzy-rmw-fastrtps-cpp==8.4.3",
 ]
-VIEW = ["viser>=1.1,<2"]
+VIEW = ["viser>=1.1,<2", "trimesh>=4", "pycollada>=0.8"]  # pycollada: meshes of URDFs in .dae
 DESIGN = ["cma>=4", "slycot>=0.6; python_version >= '3.11'"]  # no wheels of slycot before
 NOTEBOOKS = ["nbclient>=0.10", "ipykernel>=6.29"]
 TEST = [

@@ -14,6 +14,8 @@ DEEPEST_NODE = 60
 """Levels of lists and mappings in a YAML file [1]."""
 LARGEST_URDF = 10 * 2**20
 """URDF, MJCF or SDF file [byte]; meshes are files of their own."""
+LARGEST_MESH = 100 * 2**20
+"""Mesh of a URDF that the viewer draws [byte]; those of robot makers have up to 20 MB."""
 
 EXPANSION = 200
 """Unpacked content relative to the size of its file [1]; a robot at rest has 9..."""

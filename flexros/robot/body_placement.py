@@ -59,6 +59,19 @@ class BodyPlacements:
         """
         from scipy.spatial.transform import Rotation
 
-        columns = np.asarray(self._placements(state[: self._n_arm])).T.reshape(self._n_bodies, 4, 3)
-        quaternions = Rotation.from_matrix(columns[:, 1:].transpose(0, 2, 1)).as_quat()
-        return np.hstack([columns[:, 0], quaternions])
+        origins, rotations = self.at(state[None, : self._n_arm])
+        return np.hstack([origins[0], Rotation.from_matrix(rotations[0]).as_quat()])
+
+    def at(self, arm: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the poses for arm coordinates.
+
+        Args:
+            arm: Arm coordinates [rad or m], shape (n, N).
+
+        Returns:
+            Origins in the base frame [m], shape (n, n_bodies, 3), and rotations from the bodies to the base, shape
+            (n, n_bodies, 3, 3).
+        """
+        columns = np.asarray(self._placements(np.ascontiguousarray(arm.T)))
+        columns = columns.T.reshape(len(arm), self._n_bodies, 4, 3)
+        return columns[:, :, 0], columns[:, :, 1:].transpose(0, 1, 3, 2)

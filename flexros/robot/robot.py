@@ -283,7 +283,7 @@ class Robot:
     @cached_property
     def model_hash(self) -> str:
         """Fingerprint of the robot file for provenance, 16 hexadecimal digits."""
-        text = json.dumps(self.spec.model_dump(mode="json"), sort_keys=True)
+        text = json.dumps(self.spec.model_dump(mode="json", exclude={"drawing"}), sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
     def forward_kinematics(self, q_a: ArrayLike, output: str | None = None) -> FloatArray:
@@ -384,7 +384,12 @@ def load_robot(name_or_path: str | Path) -> Robot:
         path = Path(name_or_path)
         if path.suffix not in (".yaml", ".yml"):
             raise unknown_name("robot", str(name_or_path), robot_names(), other="or the path of a .yaml file")
-    return robot_from_data(read_yaml(path), str(path) if path.parent != LIBRARY else str(name_or_path))
+    source = str(path) if path.parent != LIBRARY else str(name_or_path)
+    specification = validate(RobotSpecification, read_yaml(path), source)
+    if specification.drawing:  # of the folder of the file, which changed copies no longer know
+        drawing = str(path.absolute().parent / specification.drawing)
+        specification = specification.model_copy(update={"drawing": drawing})
+    return robot_of(specification, source)
 
 
 def robot_from_data(data: Mapping[str, Any], source: str) -> Robot:

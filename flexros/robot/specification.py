@@ -292,6 +292,11 @@ class RobotSpecification(Settings):
     home: tuple[float, ...] | None = Field(None, description="arm coordinates of the usual start pose; default: zeros")
     unknown_parameters: tuple[str, ...] = Field((), description="parameters that an identification estimates")
     tags: dict[str, str] = Field(default_factory=dict, description="free text, e.g. which values are chosen")
+    drawing: str = Field(
+        "",
+        description="URDF whose shapes `flexros view` draws, relative to this file; the labels of the bodies name its "
+        "links; default: bars along the lengths",
+    )
 
     @model_validator(mode="after")
     def _consistent(self) -> RobotSpecification:

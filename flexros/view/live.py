@@ -10,15 +10,15 @@ import numpy as np
 from flexros.report.base import FACTORS
 from flexros.report.colours import FLOOR, REPAIRED
 from flexros.report.theme import run_colour
-from flexros.robot.arm_view import ArmView
-from flexros.view.page import AbstractPage
-from flexros.view.scene import rgb
+from flexros.view.page import FLOOR_BELOW, AbstractPage
+from flexros.view.scene import GHOST, ArmLook, rgb
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from flexros.arrays import FloatArray
     from flexros.robot import Robot
+    from flexros.view.scene import AbstractShapes
 
 REFRESH = 0.05
 """Time between two pictures [s] (chosen)."""
@@ -45,7 +45,9 @@ class LivePage(AbstractPage):
         super().__init__(f"{robot.name}, live", host, port)
         self.robot = robot
         self.drawn: FloatArray | None = None
-        self._view = ArmView(robot)
+        self._look = ArmLook(robot)
+        self._view = self._look.view
+        self._links: dict[str, AbstractShapes] = {}
         self._motors: tuple[float, FloatArray] | None = None
         self._bars: tuple[FloatArray, FloatArray] | None = None
         self._past: deque[tuple[float, FloatArray]] = deque(maxlen=KEPT)
@@ -62,11 +64,11 @@ class LivePage(AbstractPage):
             empty, tuple(series), title="motor positions [rad or m]", height=220, scales={"x": {"time": False}}
         )
         ends = self._view.at(np.array([robot.home])).reshape(-1, 3)
-        extent = float(np.linalg.norm(np.ptp(ends, axis=0))) or 1.0
-        look = 0.5 * (ends.min(axis=0) + ends.max(axis=0))
-        self.server.scene.add_grid("/floor", width=4 * extent, height=4 * extent, plane="xy")
-        self.server.initial_camera.position = tuple(look + np.array([0.12, -1.1, 0.3]) * extent)
-        self.server.initial_camera.look_at = tuple(look)
+        low, high = self._look.drawing.grown(ends.min(axis=0), ends.max(axis=0))
+        extent = float(np.linalg.norm(high - low)) or 1.0
+        floor = (0.0, 0.0, min(float(low[2]), 0.0) - FLOOR_BELOW * extent)
+        self.server.scene.add_grid("/floor", width=4 * extent, height=4 * extent, plane="xy", position=floor)
+        self._aim(0.5 * (low + high), np.array([0.12, -1.1, 0.3]) * extent)
         self._move(self._draw_on)
 
     def take_motors(self, stamp: float, names: Sequence[str], positions: Sequence[float]) -> None:
@@ -102,8 +104,15 @@ class LivePage(AbstractPage):
                     self._past.clear()  # another run
                 self._past.append(motors)
                 self._tell(motors[0], bars is not None)
-            if bars is None and motors is not None:
-                stiff = self._view.at(np.asarray(self.robot.arm_from_gears(motors[1]), dtype=float)[None])[0]
+            bent = bars is not None
+            arm = None if motors is None else np.asarray(self.robot.arm_from_gears(motors[1]), dtype=float)[None]
+            if self._look.drawing.meshes and arm is not None:
+                self._draw_links(arm, bent)
+                if not bent:
+                    self.drawn = self._view.at(arm)[0]
+                    continue
+            if bars is None and arm is not None:
+                stiff = self._view.at(arm)[0]
                 bars = (stiff, stiff)
             if bars is not None:
                 true, stiff = bars
@@ -119,6 +128,17 @@ class LivePage(AbstractPage):
         if len(self._past) > 1:
             time = np.array([stamp for stamp, _ in self._past])
             self._plot.data = (time, *np.array([values for _, values in self._past]).T.copy())
+
+    def _draw_links(self, arm: FloatArray, bent: bool) -> None:
+        """Draw the links at the motor positions; beside a bent arm, which is drawn as bars, they are a shadow of it."""
+        name = "/shadow" if bent else "/links"
+        if name not in self._links:
+            self.server.scene.remove_by_name("/links")
+            looks = (FLOOR, GHOST) if bent else (REPAIRED, 1.0)
+            self._links = {name: self._look.made(self.server, name, *looks)}
+        self._links[name].move(arm)
+        with self.server.atomic():
+            self._links[name].show(0)
 
     def _draw(self, ends: FloatArray, stiff: FloatArray) -> None:
         scene: Any = self.server.scene

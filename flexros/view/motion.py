@@ -216,4 +216,6 @@ def _stiff_motion(log: Log, robot: Robot, name: str, reason: str, first: float, 
     gears = motors if np.all(np.isfinite(motors)) else np.nan_to_num(motors)
     stiff = np.array([robot.chain.arm_from_gears(row) for row in gears], dtype=float)
     note = f"No deflection is shown, the springs are drawn stiff: {reason}"
+    if not robot.spring_rows:
+        note = f"The gears of {robot.name} are rigid: the arm stands where its motors are."
     return Motion(time[rows], stiff, stiff, gears, False, note)

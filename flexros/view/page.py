@@ -8,10 +8,26 @@ import threading
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from flexros.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from flexros.arrays import FloatArray
+
+PHONE = 600
+"""Windows narrower than this have the panel below the scene [px], as viser does."""
+_PHONE_STYLE = """<style>@media (max-width: 600px) {
+.mantine-Paper-root[style*="bottom: 0px"] { width: 100% !important; max-height: 50% !important }
+.mantine-Paper-root[style*="bottom: 0px"] [style="width: 20em;"] { width: 100% !important }
+}</style>"""
+"""The panel of a narrow window: as wide as the window and not over the upper half, where the arm is."""
+FLOOR_BELOW = 0.02
+"""Distance of the floor below the arm at rest, relative to its size [1] (chosen)."""
+_WIDE = 1.1
+"""Ratio of width to height of the scene beside the panel for which distances of the camera are chosen [1]."""
 
 
 class AbstractPage:
@@ -45,6 +61,31 @@ class AbstractPage:
         if self._thread is not None:
             self._thread.join(2.0)
         self.server.stop()
+
+    def _aim(self, target: FloatArray, away: FloatArray) -> None:
+        """Set where the camera is at first, and on phones.
+
+        Args:
+            target: Point that is looked at [m], shape (3,).
+            away: From there to the camera, in a wide window [m], shape (3,).
+        """
+        camera = self.server.initial_camera
+        camera.position, camera.look_at = tuple(target + away), tuple(target)
+        self.server.on_client_connect(lambda client: self._aim_narrow(client, target, away))
+
+    def _aim_narrow(self, client: Any, target: FloatArray, away: FloatArray) -> None:
+        if client.camera.image_width < PHONE:
+            self._aim_one(client, target, away)
+
+    def _aim_one(self, client: Any, target: FloatArray, away: FloatArray) -> None:
+        """Turn the camera of one window; in a narrow one further off, with the target in the upper half."""
+        camera = client.camera
+        if camera.image_width < PHONE:
+            away = away * max(1.0, _WIDE / camera.aspect)
+            drop = 0.5 * float(np.linalg.norm(away)) * float(np.tan(0.5 * camera.fov))
+            target = target - np.array([0.0, 0.0, drop])
+        with client.atomic():
+            camera.position, camera.look_at = tuple(target + away), tuple(target)
 
     def _move(self, work: Callable[[], None]) -> None:
         """Start the thread that moves the page."""
@@ -80,5 +121,6 @@ def new_server(title: str, host: str, port: int) -> Any:
     server.gui.configure_theme(control_width="large", show_logo=False, show_share_button=False)
     server.gui.set_panel_label(title)
     server.gui.main_panel.dock_right()
+    server.gui.add_html(_PHONE_STYLE)
     server.scene.world_axes.visible = False
     return server

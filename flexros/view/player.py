@@ -11,10 +11,9 @@ import numpy as np
 from flexros.report.base import FACTORS
 from flexros.report.colours import NOMINAL
 from flexros.report.theme import run_colour
-from flexros.robot.arm_view import ArmView
 from flexros.view.drawing import magnification
 from flexros.view.page import AbstractPage
-from flexros.view.scene import ArmShown, PathShown
+from flexros.view.scene import ArmLook, ArmShown, PathShown
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -98,14 +97,14 @@ class LogPlayer(AbstractPage):
         self.shown, self.row, self._time = shown, 0, shown.motion.time
         self._first_factor = factor
         self._ribbon_colour = NOMINAL if len(shown.arms) == 1 else "#009e73"
-        view = ArmView(shown.robot)
-        self._view = view
+        look = ArmLook(shown.robot)
+        self._view, self._note = look.view, look.drawing.note
         self._arms = [
-            ArmShown(self.server, arm.name, view, arm.colour, arm.arm, shown.motion, ghost=shown.motion.bent)
+            ArmShown(self.server, arm.name, look, arm.colour, arm.arm, shown.motion, ghost=shown.motion.bent)
             for arm in shown.arms
         ]
-        ends = view.at(shown.motion.stiff).reshape(-1, 3)
-        self._low, self._high = ends.min(axis=0), ends.max(axis=0)
+        ends = self._view.at(shown.motion.stiff).reshape(-1, 3)
+        self._low, self._high = look.drawing.grown(ends.min(axis=0), ends.max(axis=0))
         self._extent = float(np.linalg.norm(self._high - self._low)) or 1.0
         self._set_scene()
         self._add_controls()
@@ -148,7 +147,8 @@ class LogPlayer(AbstractPage):
         width = (len(shown.arms) - 1) * self._spacing
         look = middle + np.array([0.5 * width, 0.0, 0.0])
         away = np.array([0.12, -1.0, 0.22]) * (0.85 * self._extent + 0.6 * width)
-        server.initial_camera.position, server.initial_camera.look_at = tuple(look + away), tuple(look)
+        self._target, self._away = look, away
+        self._aim(look, away)
 
     @property
     def _spacing(self) -> float:
@@ -167,7 +167,7 @@ class LogPlayer(AbstractPage):
     def _add_controls(self) -> None:
         gui, shown = self.server.gui, self.shown
         first, last = float(self._time[0]), float(self._time[-1])
-        gui.add_markdown(shown.text)
+        gui.add_markdown(" ".join(filter(None, (shown.text, self._note))))
         self._playing = gui.add_checkbox("Play", initial_value=True)
         self._speed = gui.add_dropdown(
             "Speed",
@@ -222,16 +222,13 @@ class LogPlayer(AbstractPage):
 
     def _look(self, at: str) -> None:
         """Turn every camera to the arms or to the path."""
-        camera = self.server.initial_camera
-        position, target = np.array(camera.position), np.array(camera.look_at)
+        target, away = self._target, self._away
         if at == "path" and self.shown.path is not None:
             points = self.shown.path.commanded
             target = 0.5 * (points.min(axis=0) + points.max(axis=0))
-            away = position - np.array(camera.look_at)
-            position = target + away / np.linalg.norm(away) * 1.2 * float(np.linalg.norm(np.ptp(points, axis=0)))
+            away = away / np.linalg.norm(away) * 1.2 * float(np.linalg.norm(np.ptp(points, axis=0)))
         for client in self.server.get_clients().values():
-            with client.atomic():
-                client.camera.position, client.camera.look_at = tuple(position), tuple(target)
+            self._aim_one(client, target, away)
 
     def _magnify(self) -> None:
         errors = FACTORS[int(self._errors.value)] if len(self._arms) > 1 else 1

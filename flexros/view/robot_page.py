@@ -7,12 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.report.colours import REPAIRED
-from flexros.robot.arm_view import ArmView
+from flexros.report.colours import FLOOR, REPAIRED
 from flexros.robot.linear.linearise import linear_model
-from flexros.view.motion import Motion
-from flexros.view.page import AbstractPage
-from flexros.view.scene import ArmShown
+from flexros.view.page import FLOOR_BELOW, AbstractPage
+from flexros.view.scene import GHOST, ArmLook
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -67,11 +65,14 @@ class RobotPage(AbstractPage):
     def __init__(self, robot: Robot, *, host: str = "127.0.0.1", port: int = 8080) -> None:
         super().__init__(f"Robot {robot.name}", host, port)
         self.robot = robot
-        self._view = ArmView(robot)
+        self._look = ArmLook(robot)
+        self._view = self._look.view
         gears = np.array(robot.home)[list(robot.gear_rows)]
+        self._arm = self._look.made(self.server, f"/{robot.name}/arm", REPAIRED)
+        self._still = self._look.made(self.server, f"/{robot.name}/still", FLOOR, GHOST)
         self._set_scene()
         gui = self.server.gui
-        gui.add_markdown(robot.spec.description)
+        gui.add_markdown(" ".join(filter(None, (robot.spec.description, self._look.drawing.note))))
         self._motors = []
         for name, motor, value in zip(robot.joint_names, robot.motors, gears, strict=True):
             reach = np.pi if motor.rotary else 1.0
@@ -90,16 +91,15 @@ class RobotPage(AbstractPage):
     def _set_scene(self) -> None:
         server = self.server
         ends = self._view.at(np.array([self.robot.home])).reshape(-1, 3)
-        low, high = ends.min(axis=0), ends.max(axis=0)
+        low, high = self._look.drawing.grown(ends.min(axis=0), ends.max(axis=0))
         self._extent = float(np.linalg.norm(high - low)) or 1.0
         size = 4.0 * self._extent
         server.scene.add_grid(
             "/floor", width=size, height=size, plane="xy", cell_size=size / 40, section_size=size / 8,
-            position=(0.0, 0.0, min(float(low[2]), 0.0) - 0.05 * self._extent),
+            position=(0.0, 0.0, min(float(low[2]), 0.0) - FLOOR_BELOW * self._extent),
         )  # fmt: skip
         look = 0.5 * (low + high)
-        server.initial_camera.position = tuple(look + np.array([0.5, -1.2, 0.5]) * self._extent)
-        server.initial_camera.look_at = tuple(look)
+        self._aim(look, np.array([0.5, -1.2, 0.5]) * self._extent)
 
     def _pose(self, new_modes: bool = True) -> None:
         """Take over the sliders: another pose, with its modes."""
@@ -116,12 +116,11 @@ class RobotPage(AbstractPage):
             arm = np.tile(home, (STEPS, 1))
             if number:
                 arm = arm + self._oscillation(home, self._modes[number - 1][1])
-            stiff = np.tile(home, (STEPS, 1))
-            motion = Motion(np.arange(STEPS) / STEPS, arm, stiff, np.tile(gears, (STEPS, 1)), bool(number), "")
-            self.server.scene.remove_by_name(f"/{self.robot.name}")
-            self._arm = ArmShown(self.server, self.robot.name, self._view, REPAIRED, arm, motion, ghost=bool(number))
-            self._arm.label.visible = False
-            self._arm.show(0)
+            self._arm.move(arm)
+            self._still.move(home[None] if number else np.full((1, len(home)), np.nan))
+            with self.server.atomic():
+                self._arm.show(0)
+                self._still.show(0)
 
     def _oscillation(self, home: FloatArray, shape: FloatArray) -> FloatArray:
         """Return the arm coordinates of one oscillation about a pose, of a size that is seen, shape (STEPS, N)."""

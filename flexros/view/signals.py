@@ -46,6 +46,8 @@ def signal_plots(
 ) -> tuple[SignalPlot, ...]:
     """Return the plots of a log: path error, tracking error, deflection, torque, and errors of models.
 
+    Where a log has no torque commands the measured torques are drawn, where it has no reference the motor positions.
+
     Args:
         log: The log.
         robot: Its robot.
@@ -83,6 +85,11 @@ def signal_plots(
     commands = log.joint_commands
     if commands is not None and commands.effort is not None:
         add("torque command [Nm]", commands.names, elapsed_seconds(commands.stamp, start), commands.effort)
+    time = elapsed_seconds(states.stamp, start)
+    if states.effort is not None and (commands is None or commands.effort is None):
+        add("measured torque [Nm]", states.names, time, states.effort)
+    if states.position is not None and (reference is None or reference.position is None):
+        add(f"motor positions [{_unit(robot, '')}]", states.names, time, states.position)
     return tuple(plots)
 
 
@@ -111,5 +118,5 @@ def peaks(time: FloatArray, values: FloatArray, grid: FloatArray) -> FloatArray:
     return result
 
 
-def _unit(robot: Robot) -> str:
-    return "mrad" if all(motor.rotary for motor in robot.motors) else "mrad or mm"
+def _unit(robot: Robot, prefix: str = "m") -> str:
+    return f"{prefix}rad" if all(motor.rotary for motor in robot.motors) else f"{prefix}rad or {prefix}m"

@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
+import time
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 
 from flexros.robot import load_robot
+from flexros.robot.exchange.urdf_import import robot_from_urdf
 from tests.browser import Browser, opened_browser, wait
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from pathlib import Path
 
     from flexros.view.player import LogPlayer
+    from flexros.view.robot_page import RobotPage
 
 pytest.importorskip("viser", reason="the viewer is not installed: pip install 'flexros[view]'")
 pytestmark = pytest.mark.slow
 PORT = 18430
+URDF = Path(__file__).parents[2] / "docs/examples/ur5e.urdf"
 SCENE = 510
 """Width of the scene, left of the panel [px]."""
 
@@ -103,3 +107,61 @@ def test_robot_page_moves_with_its_sliders(browser: Browser) -> None:
         wait(lambda: moved(browser, before), 60, "the robot in another pose")
     finally:
         page.stop()
+
+
+def test_links_of_a_urdf_are_drawn(browser: Browser, tmp_path: Path) -> None:
+    from flexros.view.robot_page import RobotPage
+
+    file = tmp_path / "ur5e.yaml"
+    file.write_text(robot_from_urdf(URDF, folder=tmp_path).text)
+    page = RobotPage(load_robot(file), port=PORT)
+    surfaces = blue_of(page, browser)
+    page._motors[1].value = -1.2
+    wait(lambda: moved(browser, surfaces), 60, "the links in another pose")
+    page.stop()
+    file.write_text("".join(line for line in file.read_text().splitlines(True) if not line.startswith("drawing:")))
+    page = RobotPage(load_robot(file), port=PORT)
+    bars = blue_of(page, browser)
+    page.stop()
+    assert surfaces.sum() > 1.3 * bars.sum(), "links are thicker than bars"
+
+
+def blue_of(page: RobotPage, browser: Browser) -> np.ndarray:
+    browser.open(page.address)
+    wait(lambda: blue(browser).sum() > 400, 60, "the robot to be drawn")
+    time.sleep(1.0)
+    return blue(browser)
+
+
+def test_phone_has_the_arm_above_a_panel_of_its_width(circle: Path, browser: Browser) -> None:
+    from flexros.view.player import LogPlayer
+    from flexros.view.shown import shown_log
+
+    page = LogPlayer(shown_log(circle), port=PORT + 1)
+    try:
+        page._playing.value = False
+        browser.size(390, 700)
+        browser.open(page.address)
+        browser.until("document.querySelectorAll('.u-over').length > 2", 60)
+        box = browser.value(
+            "(r => [r.left, r.top, r.width, r.height])"
+            "(document.querySelector('.mantine-Paper-root[style*=\"bottom: 0px\"]').getBoundingClientRect())"
+        )
+        assert box[0] == 0
+        assert box[2] == 390
+        assert box[3] <= 0.5 * 700 + 1
+        widths = browser.value("[...document.querySelectorAll('.u-over')].map(e => e.getBoundingClientRect().width)")
+        assert min(widths) > 250, "plots use the width"
+        wait(lambda: blue_above(browser, box[1]).sum() > 400, 60, "the arm above the panel")
+        columns = np.nonzero(blue_above(browser, box[1]))[1]
+        assert 5 < columns.min() < columns.max() < 385, "and wholly in view"
+        assert browser.value("document.documentElement.scrollWidth") == 390
+    finally:
+        browser.size(900, 420)
+        page.stop()
+
+
+def blue_above(browser: Browser, top: float) -> np.ndarray:
+    picture = browser.picture()[: int(top)].astype(int)
+    picture[:140, :300] = 255  # a notice about software rendering
+    return (picture[:, :, 2] - picture[:, :, 0] > 60) & (picture[:, :, 1] > picture[:, :, 0])

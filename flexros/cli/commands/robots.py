@@ -112,7 +112,7 @@ def import_urdf(
     from flexros.effects.patching.patch import name_from
     from flexros.robot.exchange.urdf_import import robot_from_urdf
 
-    imported = robot_from_urdf(file, tip)
+    imported = robot_from_urdf(file, tip, out.parent)
     second = patch or out.with_name(f"{out.stem}_patch.yaml")
     made = patch_of_import(imported, name_from(str(out), second.parent))
     for path in (out, second) if made else (out,):

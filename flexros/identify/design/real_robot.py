@@ -12,7 +12,18 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 _NOT_PHYSICS = (
-    *("name", "description", "source", "tolerance", "label", "tags", "defaults", "unknown_parameters", "home"),
+    *(
+        "name",
+        "description",
+        "source",
+        "tolerance",
+        "label",
+        "tags",
+        "drawing",
+        "defaults",
+        "unknown_parameters",
+        "home",
+    ),
     "unit",  # may be left out, and is the SI unit of its key where it is given
 )
 """Keys of a robot file that change no motion."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 from pathlib import PurePath
 from typing import TYPE_CHECKING
 
@@ -30,17 +31,19 @@ ALUMINIUM = 2700.0
 """Density of links whose inertia was rounded to zero, as URDFs of light last links have it [kg/m3] (chosen)."""
 
 
-def robot_from_urdf(file: Path, tip: str = "") -> ImportedRobot:
+def robot_from_urdf(file: Path, tip: str = "", folder: Path | None = None) -> ImportedRobot:
     """Return a robot file from a URDF with one serial chain, and its dry friction as effects; see `skeleton_from_text`.
 
     Args:
         file: The URDF.
         tip: Last link of the chain.
+        folder: Folder of the robot file, which then names the URDF as its drawing where that has shapes.
 
     Raises:
         InputError: The file cannot be read, or as in `skeleton_from_text`.
     """
-    return _robot(read_text(file, "URDF", LARGEST_URDF), str(file), tip)
+    drawing = "" if folder is None else os.path.relpath(file, folder)
+    return _robot(read_text(file, "URDF", LARGEST_URDF), str(file), tip, drawing)
 
 
 def skeleton_from_urdf(file: Path, tip: str = "") -> str:
@@ -76,7 +79,7 @@ def skeleton_from_text(text: str, file: str, tip: str = "") -> str:
     return _robot(text, file, tip).text
 
 
-def _robot(text: str, file: str, tip: str) -> ImportedRobot:
+def _robot(text: str, file: str, tip: str, drawing: str = "") -> ImportedRobot:
     tree = read_tree(text, file)
     joints = tree.chain(tip)
     if not any(joint.kind in MOVABLE for joint in joints):
@@ -85,7 +88,7 @@ def _robot(text: str, file: str, tip: str) -> ImportedRobot:
     outputs: list[str] = []
     effects: list[ImportedEffect] = []
     tags: dict[str, str] = {}
-    base = _base(joints)
+    base = turned_base(joints)
     rotation = base
     frame = np.eye(3)  # of the body, in the base: turned where an axis is slanted
     length_before = np.zeros(3)
@@ -123,11 +126,20 @@ def _robot(text: str, file: str, tip: str) -> ImportedRobot:
     head = CommentedMap({"name": tree.name or path.stem, "description": f"{place}."})
     head["defaults"] = CommentedMap({"source": path.name, "tolerance": 0.03})
     head["gravity"] = _numbers(base @ [0, 0, -9.81])
+    if drawing and any(link.find("visual") is not None for link in tree.links.values()):
+        head["drawing"] = drawing
     return ImportedRobot(_text(head, bodies, outputs, tags), tuple(effects), (), ())
 
 
-def _base(joints: Sequence[UrdfJoint]) -> FloatArray:
-    """Return the URDF's base in that of the robot file: turned where the first axis that moves is slanted."""
+def turned_base(joints: Sequence[UrdfJoint]) -> FloatArray:
+    """Return the URDF's base in that of the robot file: turned where the first axis that moves is slanted.
+
+    Args:
+        joints: The chain of the URDF.
+
+    Returns:
+        Rotation, shape (3, 3); the origin of the robot file is at the first joint of the chain.
+    """
     rotation = np.eye(3)
     for joint in joints:
         rotation = rotation @ joint.rotation

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from flexros.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Collection, Mapping, Sequence
 
     from flexros.arrays import FloatArray
 
@@ -113,19 +113,34 @@ class UrdfTree:
 
     def _carried(self, link: str, inside: set[str]) -> Inertial | None:
         parts: list[Inertial] = []
-        waiting = [(link, np.eye(3), np.zeros(3))]
-        while waiting:  # no recursion: a chain may exceed Python's stack
-            name, rotation, origin = waiting.pop()
+        for name, rotation, origin in self.fixed_to(link, inside):
             own = _inertial(self.links[name], f"{self.source}: link '{name}'")
             if own is not None:
                 turned = rotation @ own.inertia @ rotation.T
                 parts.append(Inertial(own.mass, origin + rotation @ own.center, turned))
+        return _together(parts)
+
+    def fixed_to(self, link: str, chain: Collection[str]) -> list[tuple[str, FloatArray, FloatArray]]:
+        """Return a link and all behind it that are not behind a joint of a chain, joints beside the chain at zero.
+
+        Args:
+            link: Name of the link.
+            chain: Names of the joints of the chain.
+
+        Returns:
+            Name, rotation of shape (3, 3) and origin of shape (3,) [m] of each link in the frame of the first.
+        """
+        found: list[tuple[str, FloatArray, FloatArray]] = []
+        waiting: list[tuple[str, FloatArray, FloatArray]] = [(link, np.eye(3), np.zeros(3))]
+        while waiting:  # no recursion: a chain may exceed Python's stack
+            name, rotation, origin = waiting.pop()
+            found.append((name, rotation, origin))
             waiting += [
                 (joint.child, rotation @ joint.rotation, origin + rotation @ joint.origin)
                 for joint in self.children.get(name, ())
-                if joint.name not in inside
+                if joint.name not in chain
             ]
-        return _together(parts)
+        return found
 
     def _to(self, tip: str) -> list[UrdfJoint]:
         if tip not in self.links:
@@ -205,8 +220,22 @@ def _parse(text: str, file: str) -> ElementTree.Element:
     return root
 
 
-def _read(element: ElementTree.Element | None, key: str, default: str, count: int, place: str) -> FloatArray:
-    """Read an attribute as finite numbers, shape (count,), with a default."""
+def read_numbers(element: ElementTree.Element | None, key: str, default: str, count: int, place: str) -> FloatArray:
+    """Read an attribute as finite numbers.
+
+    Args:
+        element: The element; None for the default.
+        key: Name of the attribute.
+        default: Its text where it is missing.
+        count: How many numbers there are.
+        place: Where it stands, for messages.
+
+    Returns:
+        The numbers, shape (count,).
+
+    Raises:
+        InputError: There are not as many numbers, or one is not finite.
+    """
     text = default if element is None else element.get(key, default)
     try:
         numbers = np.array([float(part) for part in text.split()])
@@ -219,11 +248,11 @@ def _read(element: ElementTree.Element | None, key: str, default: str, count: in
 
 
 def _vector(element: ElementTree.Element | None, key: str, default: str, place: str) -> FloatArray:
-    return _read(element, key, default, 3, place)
+    return read_numbers(element, key, default, 3, place)
 
 
 def _scalar(element: ElementTree.Element | None, key: str, place: str) -> float:
-    return float(_read(element, key, "0", 1, place)[0])
+    return float(read_numbers(element, key, "0", 1, place)[0])
 
 
 def _joint(element: ElementTree.Element, links: Mapping[str, ElementTree.Element], file: str) -> UrdfJoint:
