@@ -13,6 +13,7 @@ from flexros.errors import INTERRUPTED, InputError, InterruptedRunError, RunErro
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
+    from contextlib import AbstractContextManager
     from pathlib import Path
 
     from flexros.scenario.scenario import Scenario
@@ -141,6 +142,7 @@ def run_ros(
     parameters: Mapping[str, Mapping[str, Any]] | None = None,
     *,
     network: bool = False,
+    beside: AbstractContextManager[object] | None = None,
 ) -> RunResult:
     """Run a scenario over ROS 2 topics.
 
@@ -151,6 +153,8 @@ def run_ros(
         real_time: Pace by the wall clock instead of lock-step.
         parameters: Node parameters, e.g. {"plant": {"drop_fraction": 0.01}}.
         network: Let nodes on other machines take part.
+        beside: Entered before the nodes start and left after they ended, with the ROS domain of the run in the
+            environment.
 
     Returns:
         The outcome.
@@ -165,7 +169,7 @@ def run_ros(
         raise InputError(f"transport 'ros' cannot be used: {why}; use 'direct'", "transport")
     _check_new(out)
     warnings = Experiment.prepare(scenario).warnings  # an error is reported once here, and not by each node
-    summary = runner(scenario, out, layout, real_time=real_time, network=network, parameters=parameters)
+    summary = runner(scenario, out, layout, real_time=real_time, network=network, parameters=parameters, beside=beside)
     return RunResult(
         exit_code=summary.exit_code,
         message=summary.message,

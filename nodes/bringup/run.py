@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import tempfile
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -25,6 +26,7 @@ from flexros_nodes.shell.ros_log_folder import ros_log_settings
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+    from contextlib import AbstractContextManager
 
     from flexros_nodes.protocol.parameters import Value
 
@@ -53,6 +55,7 @@ def run_scenario(
     real_time: bool = False,
     network: bool = False,
     parameters: Mapping[str, Mapping[str, Value]] | None = None,
+    beside: AbstractContextManager[object] | None = None,
 ) -> RunSummary:
     """Run a scenario with plant, controller, feedforward or identification, and recorder as ROS 2 nodes.
 
@@ -66,6 +69,8 @@ def run_scenario(
         real_time: Pace the loop by the wall clock instead of lock-step.
         network: Let nodes on other machines take part.
         parameters: Parameter values by node, e.g. {"plant": {"drop_fraction": 0.01}}.
+        beside: Entered before the nodes start and left after they ended, with the ROS domain of the run in the
+            environment: a listener of its own process.
 
     Returns:
         Summary with exit code 0, 3 (aborted) or 130 (interrupted).
@@ -87,6 +92,7 @@ def run_scenario(
         domain_of_run(os.environ, os.getpid()) as domain,
         environment({DOMAIN_VARIABLE: str(domain), **exposure_settings(os.environ, network=network)}),
         environment(ros_log_settings(os.environ)),
+        beside or nullcontext(),
     ):
         plan = RunPlan(_scenario_file(scenario, Path(scratch)), folder, given, leader_of(loaded), new_identity())
         for topic in PRODUCERS:  # before any node is started

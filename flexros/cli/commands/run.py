@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 from rich.table import Table
 
-from flexros.cli.commands.view import require_viewer, show_log
+from flexros.cli.commands.view import PageBeside, require_viewer, show_log
 from flexros.cli.options import NetworkOption, warn_of_network
 from flexros.cli.output import console, print_json, say, suggest
 from flexros.cli.progress import progress_bar, working
@@ -85,7 +85,9 @@ def run(
     parameter: list[str] = typer.Option(
         [], "--parameter", help="Node parameter, e.g. plant.drop_fraction=0.01 (may be repeated)."
     ),
-    view: bool = typer.Option(False, "--view", help="Then show the log as a moving arm in the browser."),
+    view: bool = typer.Option(
+        False, "--view", help="Show the arm in the browser: over topics while it runs, then its log."
+    ),
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> int:
     """Run a scenario and record it."""
@@ -93,6 +95,7 @@ def run(
         require_viewer()
     chosen = changed_scenario(scenario, model, setting, effect, seed)
     transport = choose_transport(transport, quiet=as_json)
+    page = PageBeside(chosen.robot) if view and transport == "ros" else None
     folder = out or default_folder(chosen.name, transport)
     if transport == "direct":
         if realtime or network or parameter or layout != "composed":
@@ -104,7 +107,7 @@ def run(
         nodes = node_parameters(parameter)
         warn_of_network(network)
         with _shown(realtime, chosen.duration):
-            result = transports.run_ros(chosen, folder, layout, realtime, nodes, network=network)
+            result = transports.run_ros(chosen, folder, layout, realtime, nodes, network=network, beside=page)
     if as_json:
         print_json(result.as_dict())
     else:
@@ -117,7 +120,7 @@ def run(
         log = shlex.quote(str(result.log_folder))
         suggest(f"flexros analyze {log} --report report.html    path error, tracking, timing", unless=as_json)
     if view and not result.exit_code:
-        show_log(folder)
+        show_log(folder, None if page is None else page.port)
     return result.exit_code
 
 

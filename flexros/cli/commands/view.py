@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+import subprocess
+import sys
 import time
 import webbrowser
 from importlib import metadata
@@ -23,6 +26,9 @@ if TYPE_CHECKING:
 
 TOPICS = "topics"
 """What is given for a running robot."""
+LONGEST_END = 5.0
+"""Wait for the end of the live page of a run [s] (chosen)."""
+_PROGRAM = "from flexros.cli import main; main()"
 GROUP = "flexros.view"
 """Entry points that listen to a running robot; the package of the nodes registers "ros"."""
 
@@ -115,15 +121,60 @@ def require_viewer() -> None:
     check_viewer()
 
 
-def show_log(path: Path) -> None:
-    """Show a log in the browser until Ctrl-C."""
+class PageBeside:
+    """The live page of a run, in a process of its own, so that the run is not slowed.
+
+    It is entered where the ROS domain of the run is in the environment.
+
+    Args:
+        model: Robot of the run.
+
+    Attributes:
+        port: Port of the page; None before it was opened, and where it could not be.
+    """
+
+    def __init__(self, model: str) -> None:
+        self._command = [sys.executable, "-c", _PROGRAM, "view", TOPICS, "--model", model]
+        self._process: subprocess.Popen[str] | None = None
+        self.port: int | None = None
+
+    def __enter__(self) -> PageBeside:
+        self._process = subprocess.Popen(self._command, stdout=subprocess.PIPE, text=True)  # noqa: S603 - no shell
+        assert self._process.stdout is not None
+        told = self._process.stdout.readline().strip()  # it is printed as soon as the page listens
+        found = re.search(r"http://\S+:(\d+)", told)
+        if found:
+            self.port = int(found[1])
+            typer.echo(f"flexros: {found[0]} shows the run", err=True)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        process = self._process
+        assert process is not None
+        process.terminate()
+        try:
+            process.wait(LONGEST_END)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+        if process.stdout is not None:
+            process.stdout.close()
+
+
+def show_log(path: Path, port: int | None = None) -> None:
+    """Show a log in the browser until Ctrl-C.
+
+    Args:
+        path: The log.
+        port: Port of a page that is open in the browser and turns to this one; None to open a page.
+    """
     from flexros.view.player import LogPlayer
     from flexros.view.shown import shown_log
 
     with progress_shown() as show:
         show("motion of the robot", 0.0)
         shown = shown_log(path)
-    serve(LogPlayer(shown), browser=True)
+    serve(LogPlayer(shown) if port is None else LogPlayer(shown, port=port), browser=port is None)
 
 
 def serve(page: LogPlayer | RobotPage, browser: bool) -> None:

@@ -266,3 +266,29 @@ def test_a_report_into_a_folder_is_refused(flexros: Flexros, tmp_path: Path, mon
         2,
         "flexros: the report cannot be written to '.', which is a folder; give a file\n",
     )
+
+
+def test_view_gives_the_run_a_page_and_turns_it_to_the_log(
+    flexros: Flexros, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shown: list[tuple[Path, int | None]] = []
+
+    class Page:
+        port = 8123
+
+        def __init__(self, model: str) -> None:
+            assert model == "e12"
+
+    def run_ros(*_: object, beside: object, **__: object) -> RunResult:
+        assert isinstance(beside, Page)
+        return RunResult(0, "", "ros, composed", tmp_path / "topics", 1, 0.1, 0.1)
+
+    pytest.importorskip("viser", reason="the viewer is not installed: pip install 'flexros[view]'")
+    monkeypatch.setattr("flexros.cli.commands.run.PageBeside", Page)
+    monkeypatch.setattr("flexros.cli.commands.run.choose_transport", lambda given, quiet: given)
+    monkeypatch.setattr("flexros.scenario.transports.run_ros", run_ros)
+    monkeypatch.setattr("flexros.cli.commands.run.show_log", lambda path, port: shown.append((path, port)))
+    for transport in ("ros", "direct"):
+        ended = flexros("run", "circle_fj", "--transport", transport, "--view", "--out", str(tmp_path / transport))
+        assert ended.code == 0, ended.err
+    assert shown == [(tmp_path / "ros", 8123), (tmp_path / "direct", None)]

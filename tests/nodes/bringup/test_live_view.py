@@ -1,7 +1,12 @@
 from __future__ import annotations
 
+import contextlib
 import importlib.util
+import os
+import socket
 import threading
+from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,7 +14,7 @@ import pytest
 
 from flexros.robot import load_robot
 from flexros.robot.arm_view import ArmView
-from tests.browser import wait
+from tests.browser import opened_browser, wait
 
 
 class Page:
@@ -82,3 +87,59 @@ def test_page_draws_magnified_bars_or_stiff_motors() -> None:
         wait(lambda: abs(float(page.drawn[0, 0, 0] - stiff[0, 0, 0]) - 0.01) < 1e-9, 10, "the deflection x 10")
     finally:
         page.stop()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(importlib.util.find_spec("viser") is None, reason="needs viser: pip install 'flexros[view]'")
+def test_page_beside_a_run_shows_its_topics_and_ends_with_it(ros_domain: int) -> None:
+    import rclpy
+    from rclpy.context import Context
+    from sensor_msgs.msg import JointState
+
+    from flexros.cli.commands.view import PageBeside
+
+    def refused(port: int) -> bool:
+        with socket.socket() as probe:
+            return probe.connect_ex(("127.0.0.1", port)) != 0
+
+    context = Context()
+    with opened_browser() as browser, PageBeside("e12") as page:
+        assert page.port is not None
+        rclpy.init(context=context, args=[])
+        node = rclpy.create_node("source", context=context)
+        try:
+            publisher = node.create_publisher(JointState, "joint_states", 5)
+            message = JointState(name=["motor_1", "motor_2"], position=[0.3, 0.4])
+            message.header.stamp.sec = 7
+            browser.open(f"http://127.0.0.1:{page.port}")
+
+            def shown() -> bool:
+                publisher.publish(message)
+                text = browser.value("document.body.innerText")
+                return "7.00 s" in text and "e12, live" in text
+
+            wait(shown, 60, "the stamp of the topics on the page")
+        finally:
+            node.destroy_node()
+            rclpy.try_shutdown(context=context)
+    wait(lambda: refused(page.port or 0), 10, "the page to end with the run")
+
+
+def test_what_is_beside_a_run_is_in_its_domain_from_before_its_start_to_its_end(
+    ros_domain: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from flexros_nodes.bringup.run import run_scenario
+
+    monkeypatch.delenv("ROS_DOMAIN_ID")
+    seen: list[str] = []
+
+    @contextlib.contextmanager
+    def beside() -> Iterator[None]:
+        assert not (tmp_path / "log").exists()
+        seen.append(os.environ["ROS_DOMAIN_ID"])
+        yield
+        assert (tmp_path / "log" / "provenance.json").is_file()
+
+    summary = run_scenario("circle_fj", tmp_path / "log", beside=beside())
+    assert summary.exit_code == 0, summary.message
+    assert seen == [str(summary.domain_id)]
