@@ -17,6 +17,7 @@ from flexros.cli import completion
 from flexros.cli.commands import (
     analyze,
     benchmark,
+    compare,
     demo,
     design,
     diagnose,
@@ -160,6 +161,7 @@ COMMANDS: dict[str, Callable[..., Any]] = {
     "benchmark": benchmark.benchmark,
     "design": design.design,
     "diagnose": diagnose.diagnose,
+    "compare": compare.compare,
     "gap": gap.gap,
     "monitor": monitor.monitor,
     "view": view.view,

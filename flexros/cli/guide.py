@@ -67,6 +67,13 @@ def _after_gap(given: Mapping[str, Any], code: int) -> str:
     return f"flexros monitor {bag} --model {model} --calibrate thresholds.yaml    watch that it stays so"
 
 
+def _after_compare(given: Mapping[str, Any], _: int) -> str:
+    folders = [word(folder) for folder in given["diagnosis"]]
+    if not given["report"]:
+        return f"flexros compare {' '.join(folders)} --report compared.html    the same with pictures"
+    return f"flexros view {folders[0]}    the robot, its nominal and its repaired model in motion"
+
+
 def _after_monitor(given: Mapping[str, Any], code: int) -> str:
     bag, model = word(given["bag"]), word(given["model"])
     if given["calibrate"]:
@@ -186,6 +193,7 @@ GUIDES: dict[str, Guide] = {
             "flexros run circle_dae --out circle  # over ROS 2 topics where it is installed",
             "flexros run circle_dae --transport direct --effect payload_error@tool:relative=0.1",
             "flexros run circle_pd --realtime --set duration=10",
+            "flexros run six_axis_moves --realtime --view  # a moving arm in the browser",
         ),
     ),
     "fastest": Guide(
@@ -234,6 +242,12 @@ GUIDES: dict[str, Guide] = {
             "flexros diagnose log --model e12 --out diagnosis",
             "flexros diagnose log --model e12 --effects coulomb_friction,backlash --time-limit 60 --out diagnosis",
         ),
+    ),
+    "compare": Guide(
+        DIAGNOSE,
+        "several diagnoses side by side",
+        ("flexros compare before_service after_service --report compared.html",),
+        _after_compare,
     ),
     "monitor": Guide(
         DIAGNOSE,

@@ -128,8 +128,17 @@ const tools = ["zoom2d", "pan2d", "resetScale2d", "toImage"];
 const night = window.matchMedia("(prefers-color-scheme: dark)");
 let printing = false;
 
-// On a narrow screen panels stand below each other, and their titles are divided into lines.
-const narrow = (layout, width) => {
+const lined = (text, letters) => {
+  const lines = [""];
+  for (const word of text.split(" ")) {
+    if ((lines[lines.length - 1] + " " + word).length > letters && lines[lines.length - 1]) lines.push(word);
+    else lines[lines.length - 1] = (lines[lines.length - 1] + " " + word).trim();
+  }
+  return lines;
+};
+
+// On a narrow screen panels stand below each other, and their titles and names of bars are divided into lines.
+const narrow = ({data, layout}, width) => {
   const axes = Object.keys(layout).filter((name) => /^xaxis\\d*$/.test(name));
   const domain = (name) => (layout[name] && layout[name].domain) || [0, 1];
   const columns = new Set(axes.map((name) => domain(name)[0])).size;
@@ -167,13 +176,17 @@ const narrow = (layout, width) => {
   const letters = Math.floor((width - margin.l - margin.r) / 7);
   for (const note of notes) {
     if (note.xanchor !== "left" || !note.text || note.text.includes("<")) continue;
-    const lines = [""];
-    for (const word of note.text.split(" ")) {
-      if ((lines[lines.length - 1] + " " + word).length > letters && lines[lines.length - 1]) lines.push(word);
-      else lines[lines.length - 1] = (lines[lines.length - 1] + " " + word).trim();
-    }
+    const lines = lined(note.text, letters);
     note.text = lines.join("<br>");
     if (lines.length > 1) note.font = Object.assign({}, note.font, {size: 11});
+  }
+  for (const trace of data) {
+    const axis = layout["yaxis" + (trace.yaxis || "y").slice(1)];
+    if (!axis || axis.tickvals || !Array.isArray(trace.y) || typeof trace.y[0] !== "string") continue;
+    const names = [...new Set(trace.y)], beside = Math.floor((margin.l - 12) / 6);
+    const split = (name) => lined(name.replaceAll("<br>", " "), beside).join("<br>");
+    const font = Object.assign({}, axis.tickfont, {size: 11});
+    Object.assign(axis, {tickmode: "array", tickvals: names, ticktext: names.map(split), tickfont: font});
   }
 };
 
@@ -191,7 +204,7 @@ const paint = (picture, plot) => {
   let text = JSON.stringify(picture.figure);
   if (night.matches && !printing) text = text.replace(/#[0-9a-f]{6}/g, (colour) => darker[colour] || colour);
   const figure = JSON.parse(text), small = element.clientWidth < 560;
-  if (small) narrow(figure.layout, element.clientWidth);
+  if (small) narrow(figure, element.clientWidth);
   if (printing) figure.layout.height = paperHeight(figure);
   element.style.height = figure.layout.height + "px";
   const options = {responsive: true, displaylogo: false, displayModeBar: small ? false : undefined};

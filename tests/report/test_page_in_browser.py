@@ -30,13 +30,24 @@ def picture() -> Picture:
     return Picture(figure, "Four panels.")
 
 
+def bars() -> Picture:
+    import plotly.graph_objects as go
+
+    figure = stacked([""], height=120)
+    figure.add_trace(
+        go.Bar(x=[1, 2], y=["Coulomb friction at motor_1", "Viscous friction at motor_2"], orientation="h")
+    )
+    figure.update_layout(margin={"l": 290})
+    return Picture(figure, "Two bars.")
+
+
 @pytest.fixture(scope="module")
 def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
     wide = TextTable(tuple("abcdefgh"), (("a long name with words", *["1234567.89"] * 7),), "Wide.")
     names = TextTable(("Entry", "Value"), (("recorded.joint_commands.messages_that_were_missing", "x" * 90),), "Names.")
     chapters = [Chapter("One", (picture(), wide)), Chapter("Two", (Folded("more", (picture(), names)),))]
     file: Path = tmp_path_factory.mktemp("page") / "page.html"
-    file.write_text(page_html("Title", "s", [*chapters, Chapter("Three", (Paragraph("p"),))], packed=True))
+    file.write_text(page_html("Title", "s", [*chapters, Chapter("Three", (Paragraph("p"), bars()))], packed=True))
     with opened_browser() as one:
         one.open(file)
         one.until("document.querySelector('#picture-1 .main-svg') !== null")
@@ -74,6 +85,20 @@ def test_panels_stand_below_each_other_on_a_phone(browser: Browser) -> None:
     heights = browser.value("['yaxis','yaxis2','yaxis3','yaxis4'].map(a => " \
         "document.getElementById('picture-1').layout[a].domain)")  # fmt: skip
     assert all(above[0] > below[1] for above, below in itertools.pairwise(heights))
+
+
+@pytest.mark.parametrize("width", [390, 1366])
+def test_names_of_bars_are_whole(browser: Browser, width: int) -> None:
+    browser.size(width, 800)
+    browser.until("document.querySelectorAll('#picture-3 .ytick text').length === 2")
+    edges = browser.value(
+        "[...document.querySelectorAll('#picture-3 .ytick text')].map(e => e.getBoundingClientRect().left"
+        " - document.querySelector('#picture-3').getBoundingClientRect().left)"
+    )
+    assert min(edges) >= 0
+    words = browser.value("[...document.querySelectorAll('#picture-3 .ytick text')].map(e => e.textContent).join()")
+    assert "motor_1" in words
+    assert "Viscous" in words
 
 
 def test_colours_follow_the_preference_of_the_reader(browser: Browser) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 
 from flexros.cli.json_output.analysis import AnalysisOfRun, ImportedLog
 from flexros.cli.json_output.claims import BenchmarkedSpeed, BlindScore, CampaignFigures, Demonstrated
+from flexros.cli.json_output.comparison import ComparedDiagnoses
 from flexros.cli.json_output.control import (
     Benchmarked,
     BenchmarkedOnRobot,
@@ -50,6 +51,7 @@ OUTPUTS: dict[str, Any] = {
     | list[ControllerEntry],
     "design": Designed | dict[str, MethodEntry],
     "diagnose": Diagnosis,
+    "compare": ComparedDiagnoses,
     "gap": GapNumbers,
     "monitor": Monitored,
     "doctor": Examined,

@@ -120,9 +120,8 @@ def parameter_words(name: str, parameter: CauseParameter) -> str:
     if unit == "1" and name == "relative":
         return f"{'+' if value > 0 else ''}{_with_std(100 * value, 100 * std, '%')}"
     if unit in _SCALED:
-        scale, prefix = next(
-            ((scale, prefix) for scale, prefix in _PREFIXES if abs(value) >= _SMALL * scale), _PREFIXES[-1]
-        )
+        size = max(abs(value), std) if math.isfinite(std) else abs(value)
+        scale, prefix = next(((scale, prefix) for scale, prefix in _PREFIXES if size >= _SMALL * scale), _PREFIXES[-1])
         return _with_std(value / scale, std / scale, prefix + unit) if value else f"0 {unit}"
     return _with_std(value, std, "" if unit == "1" else unit)
 
@@ -256,4 +255,4 @@ def _with_std(value: float, std: float, unit: str) -> str:
     places = 1 - math.floor(math.log10(std))
     if not 0 <= places <= _MOST_PLACES or abs(value) >= _LARGE:
         return f"{number(value, 4)}{gap}{unit} (±{number(std, 2)})"
-    return f"{value:.{places}f}{gap}{unit} (±{std:.{places}f})"
+    return f"{round(value, places) + 0.0:.{places}f}{gap}{unit} (±{std:.{places}f})"  # + 0.0: no minus zero
