@@ -15,9 +15,8 @@ class ForeignController(Node):
 
     def __init__(self) -> None:
         super().__init__("foreign_controller")
-        defaults = {"kp": 5600.0, "ki": 24000.0, "kd": 300.0, "swing": 0.0, "period": 1.0}  # Nm/rad, s; rad, s
-        given = [self.declare_parameter(name, value).value for name, value in defaults.items()]
-        self.kp, self.ki, self.kd, self.swing, self.period = given
+        defaults = {"kp": [5600.0], "ki": [24000.0], "kd": [300.0], "swing": 0.0, "period": 1.0}  # Nm/rad, s; rad, s
+        *self.gains, self.swing, self.period = (self.declare_parameter(*one).value for one in defaults.items())
         self.first = self.stamp = None
         self.commands = self.create_publisher(JointState, "joint_commands", 100)
         self.create_subscription(JointState, "joint_states", self.answer, 200)
@@ -34,7 +33,8 @@ class ForeignController(Node):
             errors = [start + way - q for start, q in zip(self.start, state.position)]
             rates = [(error - before) / step for error, before in zip(errors, self.errors)]
             self.errors, self.sums = errors, [total + error * step for total, error in zip(self.sums, errors)]
-            torque = [self.kp * e + self.ki * s + self.kd * r for e, s, r in zip(errors, self.sums, rates)]
+            p, i, d = (list(gain) * (len(errors) // len(gain)) for gain in self.gains)
+            torque = [a * e + b * s + c * r for a, b, c, e, s, r in zip(p, i, d, errors, self.sums, rates)]
             self.reply = JointState(header=state.header, name=state.name, effort=torque)
         self.commands.publish(self.reply)
 

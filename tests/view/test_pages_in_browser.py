@@ -82,6 +82,16 @@ def test_magnified_deflection_moves_the_arm(player: LogPlayer, browser: Browser)
     wait(lambda: moved(browser, before), 60, "the arm to be bent")
 
 
+def test_arm_moves_by_itself(player: LogPlayer, browser: Browser) -> None:
+    before = blue(browser)
+    player._playing.value = True
+    try:
+        wait(lambda: moved(browser, before), 60, "the arm to move")
+    finally:
+        player._playing.value = False
+        player.show(8)
+
+
 def test_plots_are_drawn_on_one_axis_of_time(player: LogPlayer, browser: Browser) -> None:
     titles = browser.value("[...document.querySelectorAll('.u-title')].map(e => e.textContent)")
     assert titles[:2] == ["path error [mm]", "deflection [mrad]"]

@@ -27,6 +27,8 @@ _STEP = 1.0
 """Length of the step responses [s] (chosen)."""
 _NYQUIST = 3.0
 """Half the side of the Nyquist picture [1] (chosen)."""
+_UPRIGHT = 3
+"""Most loops of which each is a column, so that the table fits a phone (chosen)."""
 _MOST_POINTS = 700
 """Frequencies of a curve [1] (chosen)."""
 
@@ -56,7 +58,11 @@ def write_loop_report(loops: Mapping[str, Sequence[ControlLoop]], file: Path, *,
             )
             chapters.append(Chapter(heading, (*loop_table(loop.margins), *pictures)))
     sample_time = next(iter(loops.values()))[0].plants.sample_time
-    write_result(file, page_html(title, f"{plants} plants, sample time {1e3 * sample_time:g} ms", chapters), "report")
+    write_result(
+        file,
+        page_html(title, f"{plants} plant{'s' * (plants > 1)}, sample time {1e3 * sample_time:g} ms", chapters),
+        "report",
+    )
 
 
 def common_beginning(labels: Sequence[str]) -> str:
@@ -134,7 +140,12 @@ def _table(entries: Sequence[LoopMargins]) -> TextTable:
     )
     of = common_beginning(plants)
     caption = f"Margins of each loop with the others closed{f'; plants: {of}' if of else ''}."
-    return TextTable(header, rows, caption, left=2)
+    if len(rows) > _UPRIGHT:
+        return TextTable(header, rows, caption, left=2)
+    upright = [tuple(cells) for cells in zip(header, *rows)]
+    if len(set(upright[0][1:])) == 1:  # one plant, which the first line of the page names
+        del upright[0]
+    return TextTable(upright[0], tuple(upright[1:]), caption)
 
 
 def _pictures(

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from flexros.analysis.control_loops import control_loops
-from flexros.analysis.report.loop import common_beginning, write_loop_report
+from flexros.analysis.report.loop import common_beginning, loop_table, write_loop_report
+from flexros.control.design.margins import LoopMargins
 from flexros.control.design.methods.base import DesignProblem
 from flexros.control.pid import Pid
+from flexros.report.base import TextTable
 from flexros.robot import load_robot
 
 
@@ -34,3 +37,18 @@ def test_report_names_every_plant_and_the_margins(tmp_path: Path) -> None:
     assert all(label.removeprefix(beginning).strip() in text for label in labels)
     for words in ("Bode", "Nyquist", "unit step", "Smallest margins"):
         assert words in text
+
+
+@pytest.mark.parametrize(("motors", "upright"), [(2, True), (6, False)])
+def test_table_of_few_loops_is_narrow_enough_for_a_phone(motors: int, upright: bool) -> None:
+    one = LoopMargins("e12", 0, 0.99, 44.1, 0.0, 0.5, 0.0134, 16.7, 2.0, 2.19, 0.263, 5.05)
+    (table,) = (
+        block
+        for block in loop_table([replace(one, motor=motor) for motor in range(motors)])
+        if isinstance(block, TextTable)
+    )
+    assert (len(table.header) == 1 + motors) is upright
+    names = table.header[1:] if upright else tuple(row[1] for row in table.rows)
+    assert names == tuple(f"motor_{motor + 1}" for motor in range(motors))
+    crossover = next(row for row in table.rows if row[0] == "Crossover [Hz]")[1] if upright else table.rows[0][6]
+    assert crossover == "16.7"
