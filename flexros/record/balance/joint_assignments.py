@@ -31,6 +31,9 @@ LEAST = 0.01
 HINT = 0.2
 """Least gain of the mean agreement, and more than twice it, from which an assignment is worth a warning (chosen)."""
 
+RIGHT_ANGLES = (90.0, -90.0, 180.0)
+"""Differences between the zeros of two models of a robot that are tried [deg]."""
+
 LONG = 16.0
 """Length of the part of a record by which the assignments of many motors are compared [s] (chosen)."""
 
@@ -111,7 +114,7 @@ def best_assignment(record: Record, robot: Robot, current: float | None) -> Join
     if robot.n_motors > FEW and record.duration > LONG:
         record = _most_active_part(record, round(LONG / record.sample_time))
         current = score(own_fits(torque_balance(record, robot), robot.n_motors))
-    others = [*_assignments(record, robot), *_axes_inverted(record, robot)]
+    others = [*_assignments(record, robot), *_axes_inverted(record, robot), *_zeros_elsewhere(record, robot)]
     better = [other for other in others if clearly_better(other.agreement, current)]
     if better:
         return max(better, key=lambda other: other.agreement)
@@ -168,6 +171,30 @@ def _axes_inverted(record: Record, robot: Robot) -> Iterator[JointAssignment]:
         sign[best] = -1.0
         names = ", ".join(name for name, one in zip(robot.joint_names, sign, strict=True) if one < 0)
         yield JointAssignment(f"torque and position of {names} inverted", reached, opposite=False)
+
+
+def _zeros_elsewhere(record: Record, robot: Robot) -> Iterator[JointAssignment]:
+    """Turn the zero of one joint after the other by right angles, each time that of the joint that improves most.
+
+    A model by Denavit and Hartenberg, the controller of the maker and a URDF count from different poses.
+    """
+    turns, reached = np.zeros(robot.n_motors), -np.inf
+    rotary = [k for k, motor in enumerate(robot.motors) if motor.position_unit == "rad"]
+    while True:
+        trials = []
+        for k in rotary:
+            for angle in RIGHT_ANGLES if turns[k] == 0 else ():
+                other = np.where(np.arange(robot.n_motors) == k, angle, turns)
+                balance = torque_balance(replace(record, position=record.position + np.radians(other)), robot)
+                agreement = None if balance is None else score(own_fits(balance, robot.n_motors))
+                if agreement is not None:
+                    trials.append((agreement, k, angle))
+        if not trials or max(trials)[0] <= reached + LEAST:
+            return
+        reached, best, angle = max(trials)
+        turns[best] = angle
+        text = ", ".join(f"{angle:+g} deg at {robot.joint_names[k]}" for k, angle in enumerate(turns) if angle)
+        yield JointAssignment(f"the zero of the positions elsewhere, {text} added", reached, opposite=False)
 
 
 def _both(record: Record, robot: Robot, order: np.ndarray, sign: FloatArray, change: str) -> Iterator[JointAssignment]:

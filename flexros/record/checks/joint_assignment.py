@@ -23,11 +23,12 @@ class JointAssignmentCheck(AbstractCheck):
         if not checked.assignment.clear:
             text = (
                 f"torques and motions fit robot {checked.robot.name} badly, and better with {checked.assignment.text} "
-                f"(agreement {checked.assignment.agreement:.2f} of 1): check the signs of the mapping"
+                f"(agreement {checked.assignment.agreement:.2f} of 1): check signs and zeros (offset) of the mapping"
             )
             return (Finding(text, hopeless=False),)
         text = (
             f"torques and motions fit robot {checked.robot.name} far better with {checked.assignment.text} (agreement "
-            f"{checked.assignment.agreement:.2f} of 1): correct sign or names when importing, or give the right robot"
+            f"{checked.assignment.agreement:.2f} of 1): correct signs, names or zeros (offset) when "
+            "importing, or give the right robot"
         )
         return (Finding(text, hopeless=True, like_parameters=not checked.assignment.opposite),)

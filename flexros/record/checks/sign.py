@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
+import numpy as np
+
 from flexros.record.checks.base import AbstractCheck, Finding
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from flexros.record.balance.torque_balance import BalanceFit
     from flexros.record.checks.checked_record import CheckedRecord
 
@@ -36,12 +40,20 @@ class Sign(AbstractCheck):
             return ()
         if len(motors) == sum(fit is not None for fit in checked.own):
             inverted = motors  # those that are less clear count the same way
+        if checked.assignment is not None and checked.assignment.agreement > _with_inverted(checked.own, inverted):
+            return ()  # such as the zero of a joint elsewhere, which turns the weight of others round
         names = ", ".join(checked.robot.joint_names[motor] for motor in inverted)
         text = (
             f"torque and motion of {names} have opposite directions compared with robot "
             f"{checked.robot.name}: the sign of torque or encoder is inverted; correct it (sign: -1) when importing"
         )
         return (Finding(text, hopeless=True),)
+
+
+def _with_inverted(fits: Sequence[BalanceFit | None], inverted: Sequence[int]) -> float:
+    """Return the mean agreement without factors if the torques of some motors are inverted."""
+    signs = np.where(np.isin(np.arange(len(fits)), inverted), -1.0, 1.0)
+    return float(np.mean([sign * fit.as_is for sign, fit in zip(signs, fits, strict=True) if fit is not None]))
 
 
 def _clear(fit: BalanceFit | None) -> bool:

@@ -9,9 +9,11 @@ import pytest
 
 from flexros.arrays import FloatArray
 from flexros.record.balance import joint_assignments
-from flexros.record.balance.joint_assignments import best_assignment
+from flexros.record.balance.joint_assignments import DOUBTFUL, best_assignment, own_fits, score
+from flexros.record.balance.spectra import torque_balance
 from flexros.record.record import Record
 from flexros.robot import load_robot
+from tests.gap.rigid_arm import arm, record_of_arm
 
 RIGHT = np.array([1.0, 1.0, -1.0, -1.0, 1.0, -1.0])
 
@@ -49,3 +51,17 @@ def test_a_small_gain_is_no_hint(record: Record, monkeypatch: pytest.MonkeyPatch
     assert best_assignment(record, load_robot("six_axis"), 0.45) is None
     right = replace(record, position=RIGHT * record.position)
     assert best_assignment(right, load_robot("six_axis"), 0.4) is None
+
+
+def test_zeros_of_another_model_of_the_robot_are_found() -> None:
+    record = record_of_arm(imported=True)
+    fits = own_fits(torque_balance(record, arm()), 2)
+    right = score(fits)
+    assert right is not None
+    assert right > DOUBTFUL
+    turned = replace(record, position=record.position + np.radians([90.0, -90.0]))
+    found = best_assignment(turned, arm(), score(own_fits(torque_balance(turned, arm()), 2)))
+    assert found is not None
+    assert found.clear
+    assert found.text == "the zero of the positions elsewhere, -90 deg at motor_1, +90 deg at motor_2 added"
+    assert found.agreement == pytest.approx(right, abs=0.01)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.signal import butter, sosfiltfilt
 
+from flexros.record.balance.joint_assignments import JointAssignment
 from flexros.record.balance.torque_balance import BalanceFit
 from flexros.record.checks.checked_record import CheckedRecord
 from flexros.record.checks.sign import CLEAR, Sign
@@ -47,8 +48,20 @@ def test_inverted_torque_sensors_are_found_below_their_noise(found, healthy, rob
 def test_what_little_friction_leaves_shows_no_sign(robots, healthy, share: float, inverted: bool) -> None:
     class Checked(CheckedRecord):
         own = (BalanceFit(-6.0, 0.2, -0.1, -0.95, share), BalanceFit(1.0, 0.9, 0.9, 0.9, 0.5))
-        order_is_wrong, wrongly_assigned = False, False
+        order_is_wrong, wrongly_assigned, assignment = False, False, None
 
     findings = Sign().look(Checked(healthy("elbow"), robots("elbow")))
     assert [finding.hopeless for finding in findings] == [True] * inverted
     assert all("motion of motor_1 have" in finding.text for finding in findings)
+
+
+@pytest.mark.parametrize(("agreement", "named"), [(0.4, False), (0.05, True)])
+def test_a_better_assignment_comes_before_inverted_torques(robots, healthy, agreement: float, named: bool) -> None:
+    """The zero of a joint elsewhere turns the weight that others carry round."""
+
+    class Checked(CheckedRecord):
+        own = (BalanceFit(-2.0, 0.6, -0.3, -0.95, 0.8), BalanceFit(-1.0, 0.4, 0.1, 0.5, 0.5))
+        order_is_wrong, wrongly_assigned = False, False
+        assignment = JointAssignment("the zero elsewhere", agreement, opposite=False, clear=False)
+
+    assert len(Sign().look(Checked(healthy("elbow"), robots("elbow")))) == named
