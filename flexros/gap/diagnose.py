@@ -93,6 +93,7 @@ def diagnose(
     fitted, held = (most_informative(one, settings.most_values) for one in (fitted, held))
     tolerated = tolerance_of(model.robot, tolerance or {})
     unknown = unknown_numbers(fitted, model, tolerated)
+    fitted = replace(fitted, warnings=(*fitted.warnings, *unknown.warnings))
     model = unknown.given_to(model)
     tolerated = unknown.tolerated(tolerance_of(model.robot, tolerance or {}), model.robot)
     data = fit_data(fitted, model, settings)

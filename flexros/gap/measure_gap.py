@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from flexros.blas_threads import one_blas_thread
@@ -99,6 +99,7 @@ def measure_gap(
     model = model.commanded_by(record.commands)
     record = most_informative(with_torque_in_time_behind_springs(record, model.robot), settings.most_values)
     unknown = unknown_numbers(record, model, tolerance_of(model.robot, tolerance or {}))
+    record = replace(record, warnings=(*record.warnings, *unknown.warnings))
     data = fit_data(record, unknown.given_to(model), settings)
     before, significant = _errors(model, unknown, data, tolerance or {}, settings)
     after = None

@@ -43,6 +43,31 @@ def substeps(robot: Robot, sample_time: float, *, fast: bool = False) -> int:
     return max(1, int(np.ceil(sample_time / step - 1e-9)))
 
 
+def stops_too_fast(robot: Robot, sample_time: float, steps: int) -> bool:
+    """Return whether a robot has motions that die out too fast for some steps per sample.
+
+    Args:
+        robot: The robot.
+        sample_time: Time between two samples [s].
+        steps: Steps per sample.
+    """
+    return _fastest(robot) * sample_time > STABLE * steps
+
+
+def least_inertia(friction: float, sample_time: float, steps: int) -> float:
+    """Return the inertia with which friction lets a motor die out slowly enough: friction T / (STABLE steps).
+
+    Args:
+        friction: Viscous friction of the motor [Nm s/rad or N s/m].
+        sample_time: Time T between two samples [s].
+        steps: Steps per sample.
+
+    Returns:
+        The inertia [kg m2 or kg].
+    """
+    return friction * sample_time / (STABLE * steps)
+
+
 @lru_cache(maxsize=32)
 def _fastest(robot: Robot) -> float:
     """Return the largest eigenvalue of a robot at home [rad/s]."""

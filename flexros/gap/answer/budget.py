@@ -12,6 +12,7 @@ from flexros.effects.kinds.law import AbstractLaw
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.effects.left_out.rotor_inertia import RotorInertia
 from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_moved
+from flexros.effects.viscous_friction import ViscousFriction
 from flexros.gap.answer.partial_repairs import PartialRepairs
 from flexros.gap.answer.unexplained import unexplained
 from flexros.gap.answer.waterfall import waterfalls
@@ -176,6 +177,8 @@ def _estimated(findings: Findings) -> list[ModelNumber]:
         if isinstance(effect, ToolLoad):
             numbers += _of_load(effect, robot, relative)
             continue
+        if isinstance(effect, ViscousFriction):
+            continue  # no number of its own: it takes that of the file away
         assert isinstance(effect, RotorInertia)
         numbers.append(
             ModelNumber(

@@ -9,6 +9,7 @@ import numpy as np
 
 from flexros.effects.encoder_quantization import EncoderQuantization
 from flexros.effects.kinds.base import PlacedEffect
+from flexros.effects.viscous_friction import ViscousFriction
 from flexros.gap.fit.estimates import placed_effects
 from flexros.gap.fit.unknown_numbers import UnknownNumbers
 from flexros.gap.held_out.prediction_gap import unknown_rounding
@@ -257,7 +258,21 @@ def repair_of(findings: Findings) -> tuple[PlacedEffect, ...]:
     names = findings.model.robot.joint_names
     rounding = (PlacedEffect(EncoderQuantization(step=one.step), names[one.motor]) for one in findings.quantizations)
     chosen = findings.explanations.chosen
-    return (*findings.unknown.fitted(chosen), *placed_effects(chosen), *rounding)
+    numbers, placed = findings.unknown.fitted(chosen), list(placed_effects(chosen))
+    for number in [one for one in numbers if isinstance(one.effect, ViscousFriction)]:
+        beside = [one for one in placed if one.location == number.location and isinstance(one.effect, ViscousFriction)]
+        if beside:  # found beside the friction that the model was given instead of that of its file
+            placed[placed.index(beside[0])] = _together(number, beside[0])
+            numbers = tuple(one for one in numbers if one is not number)
+    return (*numbers, *placed, *rounding)
+
+
+def _together(one: PlacedEffect, other: PlacedEffect) -> PlacedEffect:
+    """Return the viscous friction of two at a motor, of which the first has no asymmetry."""
+    assert isinstance(one.effect, ViscousFriction)
+    assert isinstance(other.effect, ViscousFriction)
+    total = one.effect.coefficient + other.effect.coefficient
+    return replace(other, effect=other.effect.model_copy(update={"coefficient": total}))
 
 
 def effect_location(name: str) -> EffectLocation:

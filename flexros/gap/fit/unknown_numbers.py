@@ -10,8 +10,10 @@ import numpy as np
 from flexros.effects import PlacedEffect
 from flexros.effects.left_out.rotor_inertia import RotorInertia
 from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_moved
+from flexros.effects.viscous_friction import ViscousFriction
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.torque_regression import FARTHEST_LOAD, only_coulomb, regress_torque
+from flexros.prediction.integration_step import least_inertia, stops_too_fast
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -25,6 +27,13 @@ if TYPE_CHECKING:
 LEAST = 0.2
 """Inertia of a rotor, over that of the bodies it moves, from which the file lacks it [1] (chosen); less may be in that
 of the bodies, as for a drive whose one mass is that of all its parts."""
+STEPS = 16
+"""Steps per sample that the friction of motors without rotors may need [1] (chosen). Some URDFs have the same large
+damping at every joint, which only keeps a simulator calm; a light wrist without rotor would stop within 0.1 ms."""
+PLACEHOLDER = 0.5
+"""Share of such a friction that the torques of the log have at most, if it stands for none [1] (chosen)."""
+SHOWS = 0.1
+"""Inertia that such a motor is given, over that of its bodies, from which it is [1] (chosen)."""
 UNCERTAIN = 0.5
 """Standard deviation of the logarithm of an estimated inertia: the prediction errors decide (chosen)."""
 UNCERTAIN_LOAD = 0.1
@@ -48,22 +57,38 @@ class UnknownNumbers:
         inertias: Inertia by motor, of those whose robot file gives none [kg m2 or kg].
         load: Load that the file leaves out; None for none.
         bare: Mass of the body that carries it, as in the file [kg].
+        placeholders: Viscous friction in the file by motor, where it stands for none [Nm s/rad or N s/m].
     """
 
     inertias: Mapping[str, float] = field(default_factory=dict)
     load: ToolLoad | None = None
     bare: float = 0.0
+    placeholders: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What of the robot file was not used."""
+        if not self.placeholders:
+            return ()
+        names = ", ".join(f"{name} ({value:g})" for name, value in self.placeholders.items())
+        return (
+            f"the viscous friction of the robot file at {names} is that of a simulator: it would stop joints without "
+            "rotors at once, and the torques do not show it; zero is used, so the gap is that of a model without it",
+        )
 
     def lacked_by(self, model: RobotWithEffects) -> UnknownNumbers:
         """Return those of the numbers that a model lacks."""
         parameters = model.robot.parameters
         lacked = {k: v for k, v in self.inertias.items() if parameters[f"{k}.inertia"].value == 0}
         bare = self.load is not None and parameters[f"{last_moved(model.robot)}.mass"].value == self.bare
-        return UnknownNumbers(lacked, self.load if bare else None, self.bare)
+        repaired = {law.location for law in model.laws if isinstance(law.effect, ViscousFriction)}
+        placeholders = {name: value for name, value in self.placeholders.items() if name not in repaired}
+        return UnknownNumbers(lacked, self.load if bare else None, self.bare, placeholders)
 
     def given_to(self, model: RobotWithEffects) -> RobotWithEffects:
         """Return a model that lacks these numbers with them."""
         values = {f"{name}.inertia": value for name, value in self.inertias.items()}
+        values |= {f"{name}.viscous_friction": 0.0 for name in self.placeholders}
         if self.load is not None:
             values |= self.load.values(model.robot, "tool")
         return replace(model, robot=model.robot.with_values(values)) if values else model
@@ -98,7 +123,11 @@ class UnknownNumbers:
             for motor in self.inertias
             if (name := f"{motor}.inertia") in factors
         )
-        return rotors if self.load is None else (*rotors, PlacedEffect(self._fitted_load(robot, factors), "tool"))
+        friction = tuple(
+            PlacedEffect(ViscousFriction(coefficient=-value), motor) for motor, value in self.placeholders.items()
+        )
+        load = () if self.load is None else (PlacedEffect(self._fitted_load(robot, factors), "tool"),)
+        return (*rotors, *friction, *load)
 
     def _of_load(self, robot: Robot) -> list[str]:
         if self.load is None:
@@ -132,18 +161,40 @@ def unknown_numbers(record: Record, model: RobotWithEffects, tolerance: Toleranc
     lacking = [name for name in robot.joint_names if robot.parameters[f"{name}.inertia"].value == 0]
     if record.simulated or record.command is not None or not only_coulomb(model) or not (lacking or _may_carry(robot)):
         return UnknownNumbers()
-    regression = regress_torque(record, model, tolerance)
-    if regression is None:
-        return UnknownNumbers()
-    loaded, load = _load(record, model, tolerance, len(lacking))
-    regression = loaded or regression
-    found = dict(zip(robot.joint_names, regression.inertia.tolist(), strict=True))
     state = robot.equilibrium(motor_position=np.median(record.position, axis=0))
     masses = robot.model.mass_matrix(state[: robot.n_coordinates], robot.model.parameter_values)
     of_bodies = dict(zip(robot.joint_names, np.diag(np.asarray(masses, dtype=float))[list(robot.motor_rows)]))
-    inertias = {name: found[name] for name in lacking if found[name] > LEAST * of_bodies[name]}
+    needed = _inertias_to_step(robot, record.sample_time, {name: of_bodies[name] for name in lacking})
+    viscous = {name: robot.parameters[f"{name}.viscous_friction"].value for name in robot.joint_names}
+    regression = regress_torque(record, model, tolerance)
+    if regression is None:
+        return UnknownNumbers(needed)
+    loaded, load = _load(record, model, tolerance, len(lacking))
+    regression = loaded or regression
+    found = dict(zip(robot.joint_names, regression.inertia.tolist(), strict=True))
+    rotors = {name: found[name] for name in lacking if found[name] > LEAST * of_bodies[name]}
+    changes = dict(zip(robot.joint_names, regression.viscous_friction.tolist(), strict=True))
+    left = {name: viscous[name] + changes[name] for name in lacking} if needed else {}
+    placeholders = {name: viscous[name] for name, value in left.items() if value < PLACEHOLDER * viscous[name]}
+    needed = {name: value for name, value in needed.items() if name not in placeholders}
+    inertias = {name: max(needed.get(name, 0.0), rotors.get(name, 0.0)) for name in (needed | rotors)}
     bare = robot.parameters[f"{last_moved(robot)}.mass"].value if load else 0.0
-    return UnknownNumbers(inertias, load, bare)
+    return UnknownNumbers(inertias, load, bare, placeholders)
+
+
+def _inertias_to_step(robot: Robot, sample_time: float, of_bodies: Mapping[str, float]) -> dict[str, float]:
+    """Return the least inertias of motors without rotor with which their friction can be stepped.
+
+    Args:
+        robot: The robot.
+        sample_time: Time between two samples [s].
+        of_bodies: Inertia of the bodies that each of these motors moves, by name [kg m2 or kg].
+    """
+    if not stops_too_fast(robot, sample_time, STEPS):
+        return {}
+    friction = {name: robot.parameters[f"{name}.viscous_friction"].value for name in of_bodies}
+    least = {name: least_inertia(value, sample_time, STEPS) for name, value in friction.items()}
+    return {name: value for name, value in least.items() if value > SHOWS * of_bodies[name]}
 
 
 def _may_carry(robot: Robot) -> bool:
