@@ -9,10 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.analysis import analyse
+from flexros.config.settings import validate
+from flexros.config.yaml_file import read_yaml
+from flexros.effects.patching.patch import Patch, named_robot
 from flexros.effects.patching.patched_robot import load_model
 from flexros.errors import InputError
 from flexros.logs.reader import read_log
 from flexros.report.colours import MEASURED, NOMINAL, REPAIRED
+from flexros.robot.robot import robot_names
 from flexros.view.motion import LENGTH, predicted_motion, robot_motion
 from flexros.view.player import ArmOverTime, Shown
 from flexros.view.scene import PathShown
@@ -72,6 +76,7 @@ def shown_log(path: Path, model: str = "", *, namespace: str = "", first: float 
 def shown_diagnosis(
     folder: Path,
     log_path: Path | None = None,
+    model: str = "",
     *,
     first: float = 0.0,
     length: float = LENGTH,
@@ -82,6 +87,7 @@ def shown_diagnosis(
     Args:
         folder: Folder of the diagnosis, with diagnosis.json and, where an effect was found, patch.yaml.
         log_path: The log; None to look for the one named in diagnosis.json beside the folder and here.
+        model: Nominal model; empty for that of the patch, or without one for the built-in robot in diagnosis.json.
         first: Beginning of the part that is shown, since that of the log [s].
         length: Length of that part [s].
         progress: Called with the name of the stage and the share of all that is done.
@@ -94,8 +100,8 @@ def shown_diagnosis(
     path = log_path or _log_beside(folder, str(origin.get("log", "")))
     tell("reading", 0.0)
     log = read_log(path)
-    nominal = load_model(str(origin.get("robot", "")))
     patch = folder / "patch.yaml"
+    nominal = load_model(model or _nominal(patch, str(origin.get("robot", ""))))
     repaired = load_model(patch) if patch.is_file() else None
     tell("motion of the robot", 0.1)
     best = repaired or nominal
@@ -103,17 +109,22 @@ def shown_diagnosis(
     arms = [ArmOverTime("robot", MEASURED, motion.arm)]
     models = [("nominal model", NOMINAL, nominal), ("repaired model", REPAIRED, repaired)]
     predicted = []
-    for index, (name, colour, model) in enumerate(models):
-        if model is None or not motion.bent:
+    left_out = ""
+    for index, (name, colour, known) in enumerate(models):
+        if known is None or not motion.bent:
             continue
         tell(name, 0.4 + 0.3 * index)
-        one = predicted_motion(log, model, motion, name=name, log_name=path.name, length=length)
+        try:
+            one = predicted_motion(log, known, motion, name=name, log_name=path.name, length=length)
+        except InputError as fault:  # e.g. a nominal model without rotors, whose arm moves too fast
+            left_out += f" The {name} is not drawn: {fault}."
+            continue
         predicted.append(one)
         arms.append(ArmOverTime(name, colour, one.arm))
     error = _path_error(log, best)
     text = (
         f"{motion.note} The models predict the motion **0.1 s ahead** from the motor torques; the difference of each "
-        "from the robot has a magnification of its own."
+        f"from the robot has a magnification of its own.{left_out}"
     )
     plots = signal_plots(log, best.robot, motion, error, predicted)
     title = f"Diagnosis {folder.absolute().name}"
@@ -128,6 +139,15 @@ def _origin(folder: Path) -> dict[str, object]:
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise InputError(f"{file} is no diagnosis ({error}); give a folder that `flexros diagnose` wrote") from None
     return origin
+
+
+def _nominal(patch: Path, name: str) -> str:
+    """Return the nominal model of a diagnosis: what its patch applies to, else the robot that it names."""
+    if patch.is_file():
+        return named_robot(validate(Patch, read_yaml(patch), str(patch)).robot, patch.parent)
+    if name not in robot_names():
+        raise InputError(f"the diagnosis has no patch and was made of the robot '{name}'; give its file", "model")
+    return name
 
 
 def _log_beside(folder: Path, name: str) -> Path:

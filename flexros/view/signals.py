@@ -70,7 +70,7 @@ def signal_plots(
         add("path error [mm]", ("path error",), path.run.time, 1e3 * path.distance[:, None])
     for one in predicted:
         add(f"error of the {one.name} [{unit}]", motors, motion.time, scale * one.motor_error)
-    if motion.bent:
+    if motion.bent and robot.spring_rows:
         gears = list(robot.gear_rows)
         add(f"deflection [{unit}]", motors, motion.time, scale * (motion.arm - motion.stiff)[:, gears])
     states, reference = log.joint_states, log.joint_reference

@@ -38,7 +38,9 @@ def view(
         help="A log (rosbag2 folder, .mcap or .db3 file), the folder of a diagnosis, a robot (its name or file, a "
         "patch), or the word topics for a running robot."
     ),
-    model: str = typer.Option("", "--model", help="Robot of the log; default: from its provenance."),
+    model: str = typer.Option(
+        "", "--model", help="Robot of the log or nominal model of the diagnosis; default: from its provenance."
+    ),
     log: Path = typer.Option(None, "--log", help="Log of a diagnosis; default: looked for beside its folder."),
     first: float = typer.Option(0.0, "--from", help="Beginning of the part of a log that is shown [s]."),
     length: float = typer.Option(60.0, "--length", help="Length of that part [s]."),
@@ -59,7 +61,7 @@ def view(
     with progress_shown() as show:
         if is_diagnosis(path):
             show("diagnosis", 0.0)
-            shown = shown_diagnosis(path, log, first=first, length=length, progress=show)
+            shown = shown_diagnosis(path, log, model, first=first, length=length, progress=show)
         elif is_log(path):
             show("motion of the robot", 0.0)
             shown = shown_log(path, model, namespace=namespace, first=first, length=length)

@@ -14,7 +14,10 @@ import pytest
 
 from flexros.robot import load_robot
 from flexros.robot.arm_view import ArmView
+from flexros.robot.body_placement import BodyPlacements
+from flexros.robot.exchange.urdf_import import robot_from_urdf
 from tests.browser import opened_browser, wait
+from tests.program import CHECKOUT
 
 
 class Page:
@@ -85,6 +88,32 @@ def test_page_draws_magnified_bars_or_stiff_motors() -> None:
         true = stiff + 0.001
         page.take_bars(true, stiff)
         wait(lambda: abs(float(page.drawn[0, 0, 0] - stiff[0, 0, 0]) - 0.01) < 1e-9, 10, "the deflection x 10")
+    finally:
+        page.stop()
+
+
+@pytest.mark.skipif(importlib.util.find_spec("viser") is None, reason="needs viser: pip install 'flexros[view]'")
+def test_links_stand_at_the_motors_and_are_a_shadow_beside_a_bent_arm(tmp_path: Path) -> None:
+    from flexros.view.live import LivePage
+    from flexros.view.scene import Links
+
+    file = tmp_path / "ur5e.yaml"
+    file.write_text(robot_from_urdf(CHECKOUT / "docs/examples/ur5e.urdf", folder=tmp_path).text)
+    robot, q = load_robot(file), np.array([0.3, -1.0, 0.5, 0.1, 0.2, 0.4])
+    page = LivePage(robot, port=18470)
+    try:
+        page.take_motors(1.0, robot.joint_names, q.tolist())
+        wait(lambda: "/links" in page._links, 10, "the links")
+        links = page._links["/links"]
+        assert isinstance(links, Links)
+        wait(lambda: links._meshes[-1][1].visible, 10, "the links to be placed")
+        origins, _ = BodyPlacements(robot).at(np.array([robot.arm_from_gears(q)]))
+        for body, mesh in links._meshes:
+            np.testing.assert_allclose(mesh.position, origins[0, body] if body >= 0 else np.zeros(3), atol=1e-6)
+        stiff = ArmView(robot).at(np.array([robot.arm_from_gears(q)]))[0]
+        page.take_bars(stiff + 0.001, stiff)
+        wait(lambda: "/shadow" in page._links, 10, "the shadow of the bent arm")
+        wait(lambda: abs(float(page.drawn[0, 0, 0] - stiff[0, 0, 0]) - 0.01) < 1e-6, 10, "the deflection x 10")
     finally:
         page.stop()
 
