@@ -31,6 +31,9 @@ LEAST = 0.01
 HINT = 0.2
 """Least gain of the mean agreement, and more than twice it, from which an assignment is worth a warning (chosen)."""
 
+WEIGHTLESS = {f"gravity.{axis}": 0.0 for axis in "xyz"}
+"""Parameters of a robot without gravity."""
+
 RIGHT_ANGLES = (90.0, -90.0, 180.0)
 """Differences between the zeros of two models of a robot that are tried [deg]."""
 
@@ -115,6 +118,7 @@ def best_assignment(record: Record, robot: Robot, current: float | None) -> Join
         record = _most_active_part(record, round(LONG / record.sample_time))
         current = score(own_fits(torque_balance(record, robot), robot.n_motors))
     others = [*_assignments(record, robot), *_axes_inverted(record, robot), *_zeros_elsewhere(record, robot)]
+    others += _weightless(record, robot)
     better = [other for other in others if clearly_better(other.agreement, current)]
     if better:
         return max(better, key=lambda other: other.agreement)
@@ -195,6 +199,17 @@ def _zeros_elsewhere(record: Record, robot: Robot) -> Iterator[JointAssignment]:
         turns[best] = angle
         text = ", ".join(f"{angle:+g} deg at {robot.joint_names[k]}" for k, angle in enumerate(turns) if angle)
         yield JointAssignment(f"the zero of the positions elsewhere, {text} added", reached, opposite=False)
+
+
+def _weightless(record: Record, robot: Robot) -> Iterator[JointAssignment]:
+    """Leave gravity out: some controllers compensate weights beside the torques that they state."""
+    if not any(robot.spec.gravity.value):
+        return
+    balance = torque_balance(record, robot.with_values(WEIGHTLESS))
+    agreement = None if balance is None else score(own_fits(balance, robot.n_motors))
+    if agreement is not None:
+        text = "'gravity: [0, 0, 0]' in the robot file, as where the controller adds the weights to these torques"
+        yield JointAssignment(text, agreement, opposite=False)
 
 
 def _both(record: Record, robot: Robot, order: np.ndarray, sign: FloatArray, change: str) -> Iterator[JointAssignment]:

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 CLEAR = 0.85
 """Partial correlation of effort and torque of the model from which they are compared [1] (chosen)."""
+ENOUGH = 3
+"""Fewest clear joints, all of them opposite, from which the others are opposite too [1] (chosen)."""
 SLOW = 5.0
 """Frequency below which they are compared [Hz] (chosen): weight and motion of an arm are below."""
 CREEP = 0.02
@@ -79,6 +81,8 @@ def effort_unit(record: Record, robot: Robot) -> EffortUnit:
     clear = {k: each for k, each in enumerate(compared) if abs(each.correlation) > CLEAR}
     if not clear:
         return EffortUnit("Nm", (), signs, {}, float("nan"))
+    if len(clear) >= ENOUGH and all(each.correlation < 0 for each in clear.values()):
+        signs = (-1,) * robot.n_motors  # a recorder has one convention; light wrists alone do not show it
     names = {robot.joint_names[k]: each.factor for k, each in clear.items()}
     factors = {k: abs(each.factor) for k, each in clear.items()}
     level = float(np.exp(np.average(np.log(list(factors.values())), weights=[each.power for each in clear.values()])))

@@ -13,7 +13,7 @@ from flexros.record.balance.joint_assignments import DOUBTFUL, best_assignment, 
 from flexros.record.balance.spectra import torque_balance
 from flexros.record.record import Record
 from flexros.robot import load_robot
-from tests.gap.rigid_arm import arm, record_of_arm
+from tests.gap.rigid_arm import arm, motion, record_of_arm
 
 RIGHT = np.array([1.0, 1.0, -1.0, -1.0, 1.0, -1.0])
 
@@ -65,3 +65,15 @@ def test_zeros_of_another_model_of_the_robot_are_found() -> None:
     assert found.clear
     assert found.text == "the zero of the positions elsewhere, -90 deg at motor_1, +90 deg at motor_2 added"
     assert found.agreement == pytest.approx(right, abs=0.01)
+
+
+def test_torques_without_the_weights_are_told() -> None:
+    record, robot = record_of_arm(imported=True), arm()
+    still, model = np.zeros(2), robot.model
+    weights = [model.arm_inverse_dynamics(q, still, still, model.parameter_values).full().ravel() for q in motion()[0]]
+    compensated = replace(record, torque=record.torque - weights)
+    found = best_assignment(compensated, robot, score(own_fits(torque_balance(compensated, robot), 2)))
+    assert found is not None
+    assert not found.clear  # friction is most of what is left of these torques
+    assert found.text.startswith("'gravity: [0, 0, 0]' in the robot file")
+    assert best_assignment(record, robot, score(own_fits(torque_balance(record, robot), 2))) is None

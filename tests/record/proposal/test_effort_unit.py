@@ -24,3 +24,14 @@ def test_noise_shows_nothing(ur5e_record: Record, ur5e: Any) -> None:
     found = effort_unit(replace(ur5e_record, torque=noise), ur5e)
     assert (found.unit, found.compared) == ("Nm", {})
     assert np.isnan(found.level)
+
+
+def test_a_wrist_that_shows_nothing_counts_like_the_others(ur5e_record: Record, ur5e: Any) -> None:
+    torque = ur5e_record.torque.copy()
+    torque[:, 5] = torque[:, 5].std() * np.random.default_rng(3).normal(size=len(torque))
+    found = effort_unit(replace(ur5e_record, torque=-torque), ur5e)
+    assert ur5e.joint_names[5] not in found.compared
+    assert found.signs == (-1,) * 6
+    assert effort_unit(replace(ur5e_record, torque=torque), ur5e).signs == (1,) * 6
+    one = np.array([1, -1, 1, 1, 1, 1])
+    assert effort_unit(replace(ur5e_record, torque=one * torque), ur5e).signs == tuple(one)
