@@ -71,6 +71,13 @@ class ResidualSettings(Settings):
         description="relative torque noise of the predictor that finds the initial state of a log that begins in "
         "motion [1]",
     )
+    far_off: float = Field(
+        default=1e4,
+        gt=0,
+        description="mean squared prediction error over its floor from which on the nominal model is far off: the "
+        "predictor follows the encoders more closely then, in steps of ten of its torque noise up to `starting_level`, "
+        "and if that does not help, the search begins with what the torques show, as on a real machine [1]",
+    )
     at_rest: float = Field(
         default=10.0,
         gt=0,

@@ -52,7 +52,8 @@ def recorded(arm: Any, truth: Any, folder: Path, seed: int = 1) -> tuple[RobotWi
 
 def started(nominal: RobotWithEffects, record: Record) -> TorqueStart:
     model = nominal.commanded_by(record.commands)
-    start = torque_start(fit_data(record, model, DiagnosisSettings()), model, tolerance_of(model.robot, {}))
+    settings = DiagnosisSettings()
+    start = torque_start(fit_data(record, model, settings), model, tolerance_of(model.robot, {}), settings)
     assert start is not None
     return start
 

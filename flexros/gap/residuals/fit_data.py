@@ -83,18 +83,23 @@ class FitData:
     Attributes:
         record: The log.
         gain: Gain of the predictor.
-        initial_state: State of the robot before the first sample, shape (2 n_coordinates,).
+        initial_state: State of the robot before the first sample, shape (2 n_coordinates,); of the lead-in where there
+            is one.
         spread: Standard deviation of a prediction error without a gap [rad or m], shape (n, M); infinite where a sample
             was not measured, or where an initial-state error or a lost command has not decayed; larger where the
             torque of a lost command still matters.
         measurement: Noise of the encoders.
         settings: Settings of the diagnosis.
         from_rest: Whether the log begins at rest, in which case every model begins in its own equilibrium.
+        lead_in: First part of a log that begins in motion, with the gain of the predictor that finds the state there;
+            None for one that begins at rest.
         tool: Tool measurement; None where there is none.
         sensors: Further sensors; None where there are none, or none that is used.
         pose: Arm coordinates at which the gain was computed [rad or m], shape (N,); None for home.
         initial_state_errors: Effect of initial-state errors, which is projected out; None for a log that begins in
             motion, whose first samples are not used.
+        level: Torque noise that the predictor allows for, relative: see `observer_gain` [1].
+        nominal_level: Mean squared weighted prediction error of the motors by the nominal model [1].
         misfit: Mean squared weighted prediction error that no candidate removes [1]: where a model leaves much more
             than noise, the prior of tolerated parameters weighs as much more.
     """
@@ -106,10 +111,13 @@ class FitData:
     measurement: Measurement
     settings: DiagnosisSettings
     from_rest: bool = False
+    lead_in: tuple[Record, ObserverGain] | None = None
     tool: ToolData | None = None
     sensors: SensorData | None = None
     pose: FloatArray | None = None
     initial_state_errors: InitialStateErrors | None = None
+    level: float = 0.0
+    nominal_level: float = 1.0
     misfit: float = 1.0
 
     @property
@@ -166,11 +174,15 @@ class FitData:
             pose_samples: Samples whose tool pose is recorded, increasing, shape (m,); None for none.
             record_states: Whether to record the states.
         """
+        start = self.initial_state
+        if self.lead_in is not None:
+            before, gain = self.lead_in
+            start = predictor.predict(thetas, before, gain, start).final[: len(start)]
         return predictor.predict(
             thetas,
             self.record,
             self.gain,
-            self.initial_state,
+            start,
             from_rest=self.from_rest,
             pose_samples=pose_samples,
             record_states=record_states,
@@ -232,9 +244,7 @@ class FitData:
         """
         if self.tool is None:
             return self
-        samples = np.arange(self.record.n_samples)
-        predicted = self.predict(predictor, theta[:, None], pose_samples=samples)
-        return _with_initial_state_errors(_with_tool(self, predicted, predictor.robot.tool_noise), predictor, theta)
+        return _with_initial_state_errors(_with_tool(self, predictor, theta), predictor, theta)
 
     @cached_property
     def _weight(self) -> FloatArray:
@@ -246,8 +256,12 @@ def fit_data(
     model: RobotWithEffects,
     settings: DiagnosisSettings,
     measurement: Measurement | None = None,
+    level: float | None = None,
 ) -> FitData:
     """Prepare a log for a fit: compute observer gain, initial state and weights.
+
+    The predictor trusts the torques as `settings.level` says. Where the nominal model is so far off that predictions
+    stray from the log, no candidate can be judged around them: then it follows the encoders more closely.
 
     A log that begins at rest is used from its first sample, with initial-state errors projected out. One that begins
     in motion loses its first part, in which a predictor of high gain estimates the state, and is used once an error of
@@ -258,11 +272,12 @@ def fit_data(
         model: The nominal model.
         settings: Settings of the diagnosis.
         measurement: Noise of the encoders from another log of the same robot; None to measure it in this one.
+        level: Torque noise that the predictor allows for, as for another log of the same robot [1]; None to choose it.
 
     Raises:
         InputError: The prediction of the nominal model diverges.
     """
-    robot = model.robot
+    robot, numbers = model.robot, settings.residuals
     pose = robot.equilibrium(motor_position=np.median(record.position, axis=0))[: robot.n_arm]
     measurement = measurement_of(record, robot, settings) if measurement is None else measurement
 
@@ -273,38 +288,49 @@ def fit_data(
 
     nominal = Predictor(model, (), Tolerance(), record.sample_time, measured_torque=record.measured_torque)
     state = robot.equilibrium(motor_position=record.position[0])
-    fast = gain_at(settings.residuals.starting_level)
+    fast = gain_at(numbers.starting_level)
     soon = record.part(0, max(round(REST / record.sample_time), 2))
     errors = nominal.predict(np.zeros((0, 1)), soon, fast, state).innovation[:, :, 0]
     seen = np.abs(errors[soon.valid])
-    from_rest = bool(len(seen) and np.all(seen < settings.residuals.at_rest * measurement.deviation))
+    from_rest = bool(len(seen) and np.all(seen < numbers.at_rest * measurement.deviation))
+    lead_in, begin = None, state
     if not from_rest:
         cut = min(2 * fast.settling, record.n_samples // 4)
-        first_part = nominal.predict(np.zeros((0, 1)), record.part(0, cut), fast, state)
-        state, record = first_part.final[: len(state), 0], record.part(cut, record.n_samples)
-    gain = gain_at(settings.level)
-    lost = lost_commands(record, nominal, gain, state, pose, settings.residuals)
-    record, known = lost.record, spread_of(record, gain, measurement, from_rest=from_rest)
-    spread = lost.spread(known)
-    check_enough_left(record, known, spread, settings.residuals)
-    data = FitData(_with_usable_tool(record), gain, state, spread, measurement, settings, from_rest, pose=pose)
-    samples = None if data.record.tool is None else np.arange(record.n_samples)
-    predicted = data.predict(nominal, np.zeros((0, 1)), pose_samples=samples, record_states=bool(data.record.sensors))
+        lead_in, record = (record.part(0, cut), fast), record.part(cut, record.n_samples)
+        begin = nominal.predict(np.zeros((0, 1)), *lead_in, state).final[: len(state), 0]
+
+    def predicted_at(level: float) -> tuple[FitData, LoopPrediction]:
+        gain = gain_at(level)
+        lost = lost_commands(record, nominal, gain, begin, pose, numbers)
+        known = spread_of(lost.record, gain, measurement, from_rest=from_rest)
+        spread = lost.spread(known)
+        check_enough_left(lost.record, known, spread, numbers)
+        usable = _with_usable_tool(lost.record)
+        data = FitData(usable, gain, state, spread, measurement, settings, from_rest, lead_in, level=level, pose=pose)
+        predicted = data.predict(nominal, np.zeros((0, 1)), record_states=bool(usable.sensors))
+        errors = data.weighted(predicted.innovation[:, :, :1])
+        return replace(data, nominal_level=float(np.sum(errors**2) / np.isfinite(spread).sum())), predicted
+
+    data, predicted = predicted_at(settings.level if level is None else level)
+    while level is None and not record.imported and not data.nominal_level <= numbers.far_off:
+        if 10 * data.level > numbers.starting_level:
+            break
+        data, predicted = predicted_at(10 * data.level)
     _check_bounded(predicted, record)
-    data = _with_sensors(_with_tool(data, predicted, robot.tool_noise), nominal, predicted)
+    data = _with_tool(data, nominal, np.zeros(0))
+    data = _with_sensors(data, nominal, predicted)
     return _with_initial_state_errors(data, nominal, np.zeros(0))
 
 
-def _with_tool(data: FitData, predicted: LoopPrediction, declared: float) -> FitData:
+def _with_tool(data: FitData, predictor: Predictor, theta: FloatArray) -> FitData:
     """Transform the tool measurement to the frame of a prediction."""
-    record = data.record
+    record, most = data.record, data.settings.residuals.tool_poses
     if record.tool is None:
         return data
-    assert predicted.tool_pose is not None
-    noise = tracker_noise(record.tool, declared)
-    poses = predicted.tool_pose[:, :, 0]
-    tool = tool_data(record.tool, poses, data.counted, record.sample_time, noise, data.settings.residuals.tool_poses)
-    return replace(data, tool=tool)
+    noise = tracker_noise(record.tool, predictor.robot.tool_noise)
+    poses = data.predict(predictor, theta[:, None], pose_samples=np.arange(record.n_samples)).tool_pose
+    assert poses is not None
+    return replace(data, tool=tool_data(record.tool, poses[:, :, 0], data.counted, record.sample_time, noise, most))
 
 
 def _with_sensors(data: FitData, nominal: Predictor, predicted: LoopPrediction) -> FitData:

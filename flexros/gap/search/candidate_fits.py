@@ -123,8 +123,13 @@ class Search:
 
     @property
     def from_torques(self) -> bool:
-        """Whether the search begins with effects that measured torques show, rather than with the nominal model."""
+        """Whether the search begins with effects that the torques show, rather than with the nominal model."""
         return self.base is not self.null.fit
+
+    @property
+    def torques_decide(self) -> bool:
+        """Whether it does so on a real machine, where torques tell more than predictions of simulated accuracy."""
+        return self.from_torques and self.data.record.imported
 
     def candidates(self) -> tuple[Candidate, ...]:
         """List the candidates that come from the ranges of effects; those of harmonics follow from a fit.

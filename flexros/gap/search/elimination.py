@@ -45,7 +45,7 @@ def reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed
         removed = search.settings.search.removed_of_all
     certain = min(settings.indispensable, settings.certain * removed)
     while len(fit.hypothesis) > 1:
-        if search.from_torques or search.deadline.stops_finishing():
+        if search.torques_decide or search.deadline.stops_finishing():
             return _without_needless(search, fit, fits, removed)
         surroundings = search.surroundings(fit)  # of some rows: they tell how much is lost, not how much is left
         lost = [max(rest.least - surroundings.least, 0.0) for rest in search.removals(fit, surroundings)]
@@ -126,7 +126,7 @@ def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
     """
     surroundings, n, comparison = search.surroundings(fit), search.data.n_values, compared(search, [fit])
     every, without = surroundings.least, [rest.least for rest in search.removals(fit, surroundings)]
-    sizes = parameters_of(fit, search.data) if search.from_torques else [{} for _ in fit.hypothesis]
+    sizes = parameters_of(fit, search.data) if search.torques_decide else [{} for _ in fit.hypothesis]
     needless: list[tuple[float, Candidate]] = []
     for candidate, least, parameters in zip(fit.hypothesis, without, sizes, strict=True):
         cheaper = least * n ** (-len(candidate.free) / n)  # of the same score as with the parameters of the effect
@@ -150,7 +150,7 @@ def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
 def _all_at_once(search: Search) -> bool:
     """Return whether effects that seem needless are left out together: no torques show them, or no time is left."""
     robot = search.null.model.robot
-    return not search.from_torques or robot.n_coordinates > robot.n_motors or search.deadline.stops()
+    return not search.torques_decide or robot.n_coordinates > robot.n_motors or search.deadline.stops()
 
 
 def with_asymmetry(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:

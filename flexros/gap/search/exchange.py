@@ -66,7 +66,7 @@ def corrected(
         directions: All candidates but those of harmonics.
         fits: All fits so far; new ones are appended.
     """
-    if search.from_torques or len(fit.hypothesis) < 2 or search.deadline.stops():
+    if search.torques_decide or len(fit.hypothesis) < 2 or search.deadline.stops():
         return fit
     exchanges = [
         (candidate, addition)

@@ -31,7 +31,7 @@ def extended(
         fits: All fits so far; new ones are appended.
     """
     settings = search.settings.search
-    for _ in range(settings.rounds_after_torques if search.from_torques else settings.rounds):
+    for _ in range(settings.rounds_after_torques if search.torques_decide else settings.rounds):
         chosen = with_bristles(search, chosen, fits)
         comparison = compared(search, unique(fits))
         if len(chosen.hypothesis) >= settings.most_effects or not incomplete(search, comparison, chosen):
@@ -89,7 +89,7 @@ def resumed(
         directions: All candidates but those of harmonics.
         fits: All fits so far; new ones are appended.
     """
-    simulated = not search.from_torques and not search.data.record.imported
+    simulated = not search.data.record.imported
     for _ in range(search.settings.search.resumed if simulated else 0):
         if search.deadline.stops():
             break
@@ -121,7 +121,7 @@ def _removed(search: Search, fit: CandidateFit, usual: float) -> float:
     """
     n, null = search.data.n_values, search.null.fit
     settings, form = search.settings.search, search.settings.ranking.shaped_form * (null.chi2 - n)
-    little = not search.from_torques and fit.chi2 - n < min(form, settings.little * n)
+    little = not search.torques_decide and fit.chi2 - n < min(form, settings.little * n)
     return settings.removed_of_little if little and compared(search, [fit]).significant(fit) else usual
 
 
@@ -149,7 +149,7 @@ def with_more(
         return None
     changes = np.stack([addition.change for addition in additions], axis=-1)
     group = [additions[index] for index in surroundings.independent(changes, settings.grouped, settings.kept)]
-    if search.from_torques:
+    if search.torques_decide:
         rest = fit.chi2 - search.data.n_values
         group = [addition for addition in group if addition.gain > settings.hopeful * settings.removed_of_all * rest]
         if not group:
@@ -159,7 +159,7 @@ def with_more(
         group = [addition.sized(size) for addition, size in zip(group, sizes, strict=True)]
     grown = _fitted(search, fit, [group], fits) if len(group) > 1 else None
     least = fit.chi2 - settings.removed_by_step * max(fit.chi2 - search.data.n_values, 0.0)
-    if grown is None or (grown.chi2 > least and not search.from_torques and not search.deadline.stops()):
+    if grown is None or (grown.chi2 > least and not search.torques_decide and not search.deadline.stops()):
         alone = _fitted(search, fit, [[addition] for addition in additions[: settings.added]], fits)
         grown = min((one for one in (grown, alone) if one is not None), key=lambda one: one.chi2, default=None)
     return grown

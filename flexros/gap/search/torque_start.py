@@ -76,20 +76,25 @@ class TorqueStart:
         ]
 
 
-def torque_start(data: FitData, model: RobotWithEffects, tolerance: Tolerance) -> TorqueStart | None:
-    """Regress the torques of a log of a real machine.
+def torque_start(
+    data: FitData, model: RobotWithEffects, tolerance: Tolerance, settings: DiagnosisSettings
+) -> TorqueStart | None:
+    """Regress the torques of a log of a real machine, or of one whose nominal model is far off.
 
     Args:
         data: Log and weights.
         model: The nominal model.
         tolerance: Parameters of the robot that may deviate.
+        settings: Settings of the diagnosis.
 
     Returns:
-        What the torques show; None where that is nothing, where positions were commanded to servos behind springs, and
-        for a model with known laws other than Coulomb friction, which the regression lacks.
+        What the torques show; None where that is nothing, for a simulated log near its model, where positions were
+        commanded to servos behind springs, and for a model with known laws other than Coulomb friction, which the
+        regression lacks.
     """
     record = data.record
-    if not record.imported or not only_coulomb(model):
+    far_off = data.nominal_level > settings.residuals.far_off
+    if not only_coulomb(model) or not (record.imported or far_off):
         return None
     if record.command is not None:
         start = _servo_start(record, model, tolerance)

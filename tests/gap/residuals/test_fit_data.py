@@ -177,3 +177,32 @@ def test_a_gap_that_shows_only_while_the_initial_state_decays_is_seen() -> None:
     candidate = candidates_of(friction)["coulomb_friction@motor_1"]
     explained = data.residuals(predictor_of(candidate), np.array([[candidate.free[0].encode(0.05)]]))[:first, 0]
     assert np.sum(explained**2) / first == pytest.approx(1.0, abs=4 * np.sqrt(2 / first))
+
+
+def test_a_model_that_is_far_off_is_tied_more_closely_to_the_encoders() -> None:
+    friction, settings = "coulomb_friction@motor_1:level=1", DiagnosisSettings()
+    strayed = fit_data(record_of(friction), MODEL, settings, level=settings.level)
+    assert strayed.nominal_level > settings.residuals.far_off
+    data = data_of(friction)
+    assert data.level > settings.level
+    assert data.nominal_level < settings.residuals.far_off
+    assert data_of().level == settings.level
+
+
+def test_a_measured_log_is_tied_as_its_tolerance_says() -> None:
+    record = replace(record_of("coulomb_friction@motor_1:level=1"), imported=True)
+    assert fit_data(record, MODEL, DiagnosisSettings()).level == DiagnosisSettings().level
+
+
+@pytest.mark.slow
+def test_every_model_finds_its_own_state_in_a_log_that_begins_in_motion() -> None:
+    """With that of the nominal model, the errors of a good one would be large for seconds."""
+    record = record_of("viscous_friction@motor_1:coefficient=0.5", length=10.0)
+    fast = int(np.argmax(np.abs(np.gradient(record.position[: record.n_samples // 2, 0]))))
+    data = fit_data(record.part(fast, record.n_samples), MODEL, DiagnosisSettings())
+    friction = candidates_of()["viscous_friction@motor_1"]
+    theta = np.array(
+        encoded(friction, **{one.name: 0.5 if one.name == "coefficient" else 0.0 for one in friction.free})
+    )
+    residual = data.residuals(predictor_of(friction), theta[:, None])[:, 0]
+    assert residual @ residual / data.n_values == pytest.approx(1.0, abs=5 * np.sqrt(2 / data.n_values))

@@ -37,7 +37,7 @@ def prepared() -> tuple[FitData, RobotWithEffects, Tolerance]:
 
 @cache
 def start() -> TorqueStart:
-    found = torque_start(*prepared())
+    found = torque_start(*prepared(), DiagnosisSettings())
     assert found is not None
     return found
 
@@ -89,8 +89,16 @@ def test_a_start_that_removes_little_is_none() -> None:
 
 def test_our_own_simulations_need_none() -> None:
     data, model, tolerance = prepared()
-    simulated = replace(data, record=replace(data.record, imported=False))
-    assert torque_start(simulated, model, tolerance) is None
+    simulated = replace(data, record=replace(data.record, imported=False), nominal_level=1.0)
+    assert torque_start(simulated, model, tolerance, DiagnosisSettings()) is None
+
+
+def test_a_simulated_log_far_from_its_model_begins_with_its_torques_too() -> None:
+    data, model, tolerance = prepared()
+    simulated = replace(data, record=replace(data.record, imported=False), nominal_level=1e6)
+    found = torque_start(simulated, model, tolerance, DiagnosisSettings())
+    assert found is not None
+    assert {f"{one.effect.name}@{one.location}" for one, _ in found.hypothesis()} >= FRICTION
 
 
 def test_friction_of_all_motors_is_named_and_rotors_are_numbers_of_the_model() -> None:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def with_mode(robot: Robot, location: str, parameters: Mapping[str, float]) -> Robot:
-    """Add a body on a spring and a damper that turns about the axis of its neighbour.
+    """Add a ring on a spring and a damper that turns about the axis of its neighbour.
 
     At the tool it has `ratio` times the inertia of the last body, or as a point that moves in the plane of the axes
     `ratio` times its mass; at the base it has `ratio` times the inertia that the
@@ -38,7 +38,8 @@ def with_mode(robot: Robot, location: str, parameters: Mapping[str, float]) -> R
         directions = [f"t{other}" for other in "xyz" if other != axis]
     else:
         size = parameters["ratio"] * reference_inertia(robot, location)
-        body, directions = {"inertia": {axis * 2: size}}, [f"r{axis}"]
+        ring = {2 * other: size if other == axis else 0.5 * size for other in "xyz"}
+        body, directions = {"inertia": ring}, [f"r{axis}"]
     speed = 2 * np.pi * parameters["frequency"]
     held = {"spring": size * speed**2, "damper": 2 * parameters["damping"] * size * speed}
     body["directions"] = dict.fromkeys(directions, held)
