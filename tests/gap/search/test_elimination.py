@@ -43,7 +43,7 @@ class Search:
         base: Effects that the torques show.
     """
 
-    from_torques = True
+    torques_decide = True
 
     def __init__(self, chi2: dict[frozenset[str], float], estimated: dict[str, float], base: tuple[str, ...]) -> None:
         self.chi2, self.estimated = chi2, estimated
