@@ -182,10 +182,12 @@ const narrow = ({data, layout}, width) => {
   }
   for (const trace of data) {
     const axis = layout["yaxis" + (trace.yaxis || "y").slice(1)];
-    if (!axis || axis.tickvals || !Array.isArray(trace.y) || typeof trace.y[0] !== "string") continue;
+    if (!axis) continue;
+    const font = Object.assign({}, axis.tickfont, {size: 11});
+    if (axis.ticktext && trace.orientation === "h") axis.tickfont = font;
+    if (axis.tickvals || !Array.isArray(trace.y) || typeof trace.y[0] !== "string") continue;
     const names = [...new Set(trace.y)], beside = Math.floor((margin.l - 12) / 6);
     const split = (name) => lined(name.replaceAll("<br>", " "), beside).join("<br>");
-    const font = Object.assign({}, axis.tickfont, {size: 11});
     Object.assign(axis, {tickmode: "array", tickvals: names, ticktext: names.map(split), tickfont: font});
   }
 };

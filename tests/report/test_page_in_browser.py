@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
+from flexros.gap.report.waterfall import waterfall_figure
+from flexros.gap.schema import Diagnosis, GapNumbers, Step, Waterfall
 from flexros.report.base import Folded, Paragraph, Picture, TextTable
 from flexros.report.colours import DARK
 from flexros.report.page import Chapter, page_html
@@ -135,3 +137,24 @@ def test_on_paper_two_pictures_share_a_page_and_tables_are_whole(browser: Browse
     browser.call("Emulation.setEmulatedMedia", media="")
     browser.value("window.dispatchEvent(new Event('afterprint'))")
     browser.until(f"{height} === {screen}")
+
+
+def test_names_of_a_waterfall_are_whole_on_a_phone(browser: Browser, tmp_path: Path) -> None:
+    steps = [Step(effect="coulomb_friction", location="motor_1", share=0.9)]
+    diagnosis = Diagnosis(
+        verdict="explained", causes=(), ambiguity_groups=(), where=(), next_experiment=None, warnings=(), provenance={},
+        gap=GapNumbers(metric="E", unit="1", before=9.0, after=1.1, noise_floor=1.0),
+        waterfall=(Waterfall(joint="motor_2", before=1.0, steps=tuple(steps), left=0.1),),
+    )  # fmt: skip
+    file = tmp_path / "waterfall.html"
+    file.write_text(
+        page_html("Title", "s", [Chapter("One", (Picture(waterfall_figure(diagnosis), "c"),))], packed=True)
+    )
+    browser.size(390, 800)
+    browser.open(file)
+    browser.until("document.querySelectorAll('#picture-1 .ytick text').length === 3")
+    edges = browser.value(
+        "[...document.querySelectorAll('#picture-1 .ytick text')].map(e => e.getBoundingClientRect().left"
+        " - document.querySelector('#picture-1').getBoundingClientRect().left)"
+    )
+    assert min(edges) >= 0
