@@ -149,7 +149,7 @@ COMMANDS: dict[str, Callable[..., Any]] = {
     "robots": robots.robots,
     "robot": robots.robot,
     "import": import_log.import_log,
-    "import-urdf": robots.import_urdf,
+    "import-urdf": exchange.import_urdf,
     "import-mjcf": exchange.import_mjcf,
     "export": exchange.export,
     "scenarios": run.scenarios,

@@ -41,6 +41,7 @@ def test_every_command_with_json_is_described() -> None:
 RUN_IN = {
     "compare": "commands/test_compare.py",
     "import": "commands/test_import_log.py",
+    "import-urdf": "commands/test_exchange.py",
     "import-mjcf": "commands/test_exchange.py",
     "replay": "commands/test_replay.py",
     "diagnose": "commands/test_diagnose.py",

@@ -1,4 +1,4 @@
-"""Commands that exchange robots with other simulators: import of an MJCF, export of repaired numbers."""
+"""Commands that exchange robots with other simulators: import of a URDF or an MJCF, export of repaired numbers."""
 
 from __future__ import annotations
 
@@ -17,7 +17,30 @@ from flexros.errors import InputError, unknown_name
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from flexros.robot.exchange.imported import ImportedRobot
     from flexros.robot.exchange.numbers import NotHeld
+
+
+def import_urdf(
+    file: Path = typer.Argument(help="URDF."),
+    out: Path = typer.Option(..., "--out", help="Robot YAML to write."),
+    tip: str = typer.Option("", "--tip", help="Last link of the arm, for a URDF with several chains, as of a gripper."),
+    patch: Path = typer.Option(
+        None, "--patch", help="Patch to write with the dry friction of the URDF; default: OUT with _patch."
+    ),
+    as_json: bool = typer.Option(False, "--json", help="Print JSON."),
+) -> None:
+    """Convert a URDF to a robot YAML, springs to be filled in, and its dry friction to a patch of it."""
+    from flexros.robot.exchange.urdf_import import robot_from_urdf
+
+    imported = robot_from_urdf(file, tip, out.parent)
+    second, effects = _write_import(imported, out, patch)
+    if as_json:
+        _print_import(imported, out, second)
+        return
+    say(f"{out} written; replace each 'rigid' by the stiffness of the gear")
+    if second:
+        say(f"{second} written: {effects}; give it as the model where this friction counts")
 
 
 def import_mjcf(
@@ -30,27 +53,12 @@ def import_mjcf(
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
     """Convert an MJCF to a robot YAML, and its dry friction, lags and delays to a patch of it."""
-    from flexros.effects.patching.export import patch_of_import
-    from flexros.effects.patching.patch import name_from
     from flexros.robot.exchange.mjcf_import import robot_from_mjcf
 
-    second = patch or out.with_name(f"{out.stem}_patch.yaml")
     imported = robot_from_mjcf(file, end)
-    made = patch_of_import(imported, name_from(str(out), second.parent))
-    for path in (out, second) if made else (out,):
-        _refuse_existing(path)
-    write_result(out, imported.text, "robot file")
-    if made:
-        write_result(second, made.text(), "patch")
+    second, effects = _write_import(imported, out, patch)
     if as_json:
-        content = {
-            "robot": str(out),
-            "patch": str(second) if made else None,
-            "effects": [asdict(each) for each in imported.effects],
-            "joints": [asdict(each) for each in imported.joints],
-            "not_held": [asdict(each) for each in imported.not_held],
-        }
-        print_json(content)
+        _print_import(imported, out, second)
         return
     table = Table("coordinate", "joint", "sign", "zero at")
     for joint in imported.joints:
@@ -59,8 +67,8 @@ def import_mjcf(
     _print_not_held(imported.not_held, "Neither robot file nor patch holds:")
     rigid = "; to make a gear elastic replace its 'rigid' by the stiffness" if "spring: rigid" in imported.text else ""
     say(f"{out} written{rigid}")
-    if made:
-        say(f"{second} written: {', '.join(made.names)}")
+    if second:
+        say(f"{second} written: {effects}")
 
 
 def export(
@@ -121,6 +129,33 @@ def _joints(pairs: Sequence[str]) -> dict[str, str]:
             raise InputError(f"'{pair}' is not MOTOR=JOINT; give for instance motor_1=shoulder_pan", "joint")
         joints[motor] = joint
     return joints
+
+
+def _write_import(imported: ImportedRobot, out: Path, patch: Path | None) -> tuple[Path | None, str]:
+    """Write the robot file, and a patch where there is something for it; return the path and effects of the patch."""
+    from flexros.effects.patching.export import patch_of_import
+    from flexros.effects.patching.patch import name_from
+
+    second = patch or out.with_name(f"{out.stem}_patch.yaml")
+    made = patch_of_import(imported, name_from(str(out), second.parent))
+    for path in (out, second) if made else (out,):
+        _refuse_existing(path)
+    write_result(out, imported.text, "robot file")
+    if not made:
+        return None, ""
+    write_result(second, made.text(), "patch")
+    return second, ", ".join(made.names)
+
+
+def _print_import(imported: ImportedRobot, out: Path, patch: Path | None) -> None:
+    content = {
+        "robot": str(out),
+        "patch": str(patch) if patch else None,
+        "effects": [asdict(each) for each in imported.effects],
+        "joints": [asdict(each) for each in imported.joints],
+        "not_held": [asdict(each) for each in imported.not_held],
+    }
+    print_json(content)
 
 
 def _refuse_existing(path: Path) -> None:

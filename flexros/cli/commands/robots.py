@@ -1,4 +1,4 @@
-"""Commands about robots: list, modes and zeros at a pose, Bode picture, skeleton from a URDF."""
+"""Commands about robots: list, modes and zeros at a pose, Bode picture."""
 
 from __future__ import annotations
 
@@ -97,32 +97,6 @@ def _write_urdf(robot: Robot, file: Path, flexible: str) -> None:
     if flexible not in kinds:
         raise unknown_name("way to write springs", flexible, kinds, "--flexible")
     write_result(file, urdf_text(robot, kinds[flexible]), "URDF")
-
-
-def import_urdf(
-    file: Path = typer.Argument(help="URDF."),
-    out: Path = typer.Option(..., "--out", help="Robot YAML to write."),
-    tip: str = typer.Option("", "--tip", help="Last link of the arm, for a URDF with several chains, as of a gripper."),
-    patch: Path = typer.Option(
-        None, "--patch", help="Patch to write with the dry friction of the URDF; default: OUT with _patch."
-    ),
-) -> None:
-    """Convert a URDF to a robot YAML, springs to be filled in, and its dry friction to a patch of it."""
-    from flexros.effects.patching.export import patch_of_import
-    from flexros.effects.patching.patch import name_from
-    from flexros.robot.exchange.urdf_import import robot_from_urdf
-
-    imported = robot_from_urdf(file, tip, out.parent)
-    second = patch or out.with_name(f"{out.stem}_patch.yaml")
-    made = patch_of_import(imported, name_from(str(out), second.parent))
-    for path in (out, second) if made else (out,):
-        if path.exists():
-            raise InputError(f"{path} exists already; give another name or remove it")
-    write_result(out, imported.text, "robot file")
-    say(f"{out} written; replace each 'rigid' by the stiffness of the gear")
-    if made:
-        write_result(second, made.text(), "patch")
-        say(f"{second} written: {', '.join(made.names)}; give it as the model where this friction counts")
 
 
 def parse_numbers(text: str, option: str) -> np.ndarray[Any, np.dtype[np.float64]]:

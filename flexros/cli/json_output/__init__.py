@@ -35,6 +35,7 @@ OUTPUTS: dict[str, Any] = {
     "robots": list[RobotEntry],
     "robot": RobotAtPose,
     "import": ImportedLog,
+    "import-urdf": ImportedModel,
     "import-mjcf": ImportedModel,
     "export": ExportedModel,
     "scenarios": list[ScenarioEntry],

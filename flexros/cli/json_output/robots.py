@@ -58,7 +58,7 @@ class NotHeld(Output):
 
 
 class ImportedModel(Output):
-    """A robot file made from an MJCF."""
+    """A robot file made from a URDF or an MJCF."""
 
     robot: str = Field(description="the robot file")
     patch: str | None = Field(

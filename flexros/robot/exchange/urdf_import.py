@@ -14,7 +14,7 @@ from ruamel.yaml.comments import CommentedMap, CommentedSeq
 from flexros.config.text_file import read_text
 from flexros.errors import InputError
 from flexros.input_limits import LARGEST_URDF
-from flexros.robot.exchange.imported import ImportedEffect, ImportedRobot
+from flexros.robot.exchange.imported import ImportedEffect, ImportedJoint, ImportedRobot
 from flexros.robot.exchange.slanted_axis import roll_pitch_yaw, turn_to
 from flexros.robot.exchange.urdf_tree import MOVABLE, NO_LIMIT, read_tree
 from flexros.robot.physical import ROUNDED
@@ -87,6 +87,7 @@ def _robot(text: str, file: str, tip: str, drawing: str = "") -> ImportedRobot:
     bodies = CommentedSeq()
     outputs: list[str] = []
     effects: list[ImportedEffect] = []
+    imported: list[ImportedJoint] = []
     tags: dict[str, str] = {}
     base = turned_base(joints)
     rotation = base
@@ -113,6 +114,7 @@ def _robot(text: str, file: str, tip: str, drawing: str = "") -> ImportedRobot:
             outputs.append(f"body_{len(bodies) + 1}.{direction}")
             motor = f"motor_{len(outputs)}"
             tags[f"{motor}.joint"] = joint.name
+            imported.append(ImportedJoint(motor, joint.name, -1 if axis[index] < 0 else 1, 0.0))
             if joint.friction > 0:
                 unit = unit_of("torque", joint.kind != "prismatic")
                 effects.append(ImportedEffect("coulomb_friction", motor, "level", joint.friction, unit))
@@ -128,7 +130,7 @@ def _robot(text: str, file: str, tip: str, drawing: str = "") -> ImportedRobot:
     head["gravity"] = _numbers(base @ [0, 0, -9.81])
     if drawing and any(link.find("visual") is not None for link in tree.links.values()):
         head["drawing"] = drawing
-    return ImportedRobot(_text(head, bodies, outputs, tags), tuple(effects), (), ())
+    return ImportedRobot(_text(head, bodies, outputs, tags), tuple(effects), tuple(imported), ())
 
 
 def turned_base(joints: Sequence[UrdfJoint]) -> FloatArray:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from flexros.effects.patching.patched_robot import load_patched
 from tests.robot.exchange.arm_mjcf import ARM
 
 pytest.importorskip("mujoco", reason="MuJoCo is not installed")
@@ -80,3 +81,49 @@ def test_bad_options_write_nothing(flexros: Flexros, tmp_path: Path, options: tu
 def test_base_is_never_overwritten(flexros: Flexros, base: Path) -> None:
     ended = flexros("export", "elbow", "--to", "mjcf", "--base", str(base), "--out", str(base))
     assert (ended.code, base.read_text()) == (2, ARM)
+
+
+URDF = (
+    "<robot name='a'><link name='b'/><link name='c'><inertial><mass value='1'/>"
+    "<inertia ixx='1' iyy='1' izz='1'/></inertial></link><joint name='j' type='revolute'><parent link='b'/>"
+    "<child link='c'/><axis xyz='0 0 -1'/><dynamics damping='0.1' friction='0.3'/></joint></robot>"
+)
+
+
+@pytest.fixture
+def urdf(tmp_path: Path) -> Path:
+    file = tmp_path / "a.urdf"
+    file.write_text(URDF)
+    return file
+
+
+def test_import_urdf_writes_a_patch_with_dry_friction(flexros: Flexros, urdf: Path, tmp_path: Path) -> None:
+    assert flexros("import-urdf", str(urdf), "--out", str(tmp_path / "a.yaml")).code == 0
+    (law,) = load_patched(tmp_path / "a_patch.yaml").model.laws
+    assert law.parameters["coulomb_friction@motor_1.level"] == 0.3
+
+
+def test_import_urdf_prints_joints_and_effects_for_programs(flexros: Flexros, urdf: Path, tmp_path: Path) -> None:
+    out = tmp_path / "a.yaml"
+    ended = flexros("import-urdf", str(urdf), "--out", str(out), "--json")
+    assert ended.code == 0
+    content = json.loads(ended.out)
+    assert (content["robot"], content["patch"]) == (str(out), str(tmp_path / "a_patch.yaml"))
+    assert content["joints"] == [{"coordinate": "motor_1", "joint": "j", "sign": -1, "reference": 0.0}]
+    (effect,) = content["effects"]
+    assert (effect["effect"], effect["location"], effect["value"]) == ("coulomb_friction", "motor_1", 0.3)
+
+
+def test_import_urdf_without_dry_friction_writes_no_patch(flexros: Flexros, urdf: Path, tmp_path: Path) -> None:
+    urdf.write_text(URDF.replace("friction='0.3'", ""))
+    ended = flexros("import-urdf", str(urdf), "--out", str(tmp_path / "a.yaml"), "--json")
+    assert (ended.code, json.loads(ended.out)["patch"]) == (0, None)
+    assert not (tmp_path / "a_patch.yaml").exists()
+
+
+def test_import_urdf_refuses_to_overwrite(flexros: Flexros, urdf: Path, tmp_path: Path) -> None:
+    out = tmp_path / "a.yaml"
+    assert flexros("import-urdf", str(urdf), "--out", str(out)).code == 0
+    assert flexros("robot", str(out)).code == 0
+    ended = flexros("import-urdf", str(urdf), "--out", str(out))
+    assert (ended.code, "exists already" in ended.err) == (2, True)

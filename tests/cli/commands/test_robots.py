@@ -9,7 +9,6 @@ from xml.etree import ElementTree
 
 import pytest
 
-from flexros.effects.patching.patched_robot import load_patched
 from flexros.robot.robot import LIBRARY
 
 pytestmark = pytest.mark.slow
@@ -113,32 +112,6 @@ def test_unknown_command(flexros: Flexros) -> None:
     ended = flexros("robt")
     assert ended.code == 2
     assert "No such command" in ended.err
-
-
-def test_import_urdf_writes_a_patch_with_dry_friction(flexros: Flexros, tmp_path: Path) -> None:
-    urdf, out = tmp_path / "a.urdf", tmp_path / "a.yaml"
-    urdf.write_text(
-        "<robot name='a'><link name='b'/><link name='c'><inertial><mass value='1'/>"
-        "<inertia ixx='1' iyy='1' izz='1'/></inertial></link><joint name='j' type='revolute'><parent link='b'/>"
-        "<child link='c'/><axis xyz='0 0 1'/><dynamics damping='0.1' friction='0.3'/></joint></robot>"
-    )
-    assert flexros("import-urdf", str(urdf), "--out", str(out)).code == 0
-    (law,) = load_patched(tmp_path / "a_patch.yaml").model.laws
-    assert law.parameters["coulomb_friction@motor_1.level"] == 0.3
-
-
-def test_import_urdf_refuses_to_overwrite(flexros: Flexros, tmp_path: Path) -> None:
-    urdf, out = tmp_path / "a.urdf", tmp_path / "a.yaml"
-    urdf.write_text(
-        "<robot name='a'><link name='b'/><link name='c'><inertial><mass value='1'/>"
-        "<inertia ixx='1' iyy='1' izz='1'/></inertial></link>"
-        "<joint name='j' type='revolute'><parent link='b'/><child link='c'/><axis xyz='0 0 1'/></joint></robot>"
-    )
-    assert flexros("import-urdf", str(urdf), "--out", str(out)).code == 0
-    assert flexros("robot", str(out)).code == 0
-    ended = flexros("import-urdf", str(urdf), "--out", str(out))
-    assert ended.code == 2
-    assert "exists already" in ended.err
 
 
 def test_every_command_has_help(flexros: Flexros) -> None:
