@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,12 +11,12 @@ from scipy.spatial.transform import Rotation, Slerp
 from flexros.analysis.cycles import Cycle
 from flexros.analysis.elapsed_time import elapsed_seconds
 from flexros.analysis.error_statistics import ErrorStatistics, error_statistics
-from flexros.analysis.path_geometry import circle_behind, path_through
+from flexros.analysis.path_geometry import circle_behind, distances, path_through
 from flexros.errors import InputError
 
 if TYPE_CHECKING:
     from flexros.analysis.path_geometry import Circle, CommandedPath
-    from flexros.arrays import FloatArray, IntArray
+    from flexros.arrays import FloatArray
     from flexros.logs.time_series import PoseSeries
 
 AXES = ("x", "y", "z")
@@ -102,13 +102,11 @@ def path_error(
     used = _moving_axes(run) if axes is None else axes
     if not used or not set(used) <= set(AXES):
         raise InputError(f"axes {', '.join(used) or 'none'} were given for the path error: use one or more of x, y, z")
-    keep = np.array([axis in used for axis in AXES], dtype=np.float64)
-    for position in (run.commanded, run.attained):
-        position *= keep
-    path = path_through(np.asarray(reference.position, dtype=np.float64) * keep)
+    run = replace(run, commanded=_only(run.commanded, used), attained=_only(run.attained, used))
+    path = path_through(_only(reference.position, used))
     circle = circle_behind(path)
     projection = path.project(run.attained) if circle is None else circle.project(run.attained)
-    difference = np.linalg.norm(run.attained - run.commanded, axis=1)
+    difference = distances(run.attained, run.commanded)
     angle = _angle(run)
     return PathError(
         shape=_shape(path, circle),
@@ -127,6 +125,13 @@ def path_error(
     )
 
 
+def _only(position: FloatArray, axes: tuple[str, ...]) -> FloatArray:
+    """Set the other components to 0; the same array where there is none, since that of a long log is large."""
+    if set(axes) == set(AXES):
+        return position
+    return position * np.array([axis in axes for axis in AXES], dtype=np.float64)
+
+
 def _shape(path: CommandedPath, circle: Circle | None) -> str:
     if circle is not None:
         return f"circle of radius {1e3 * circle.radius:.6g} mm"
@@ -136,8 +141,9 @@ def _shape(path: CommandedPath, circle: Circle | None) -> str:
 def _common_run(pose: PoseSeries, reference: PoseSeries, start: int, turned: bool) -> Cycle:
     """Resample both series, with orientations where the tool is turned, at the stamps that the reference covers."""
     first, last = int(reference.stamp[0]), int(reference.stamp[-1])
-    inside = (pose.stamp >= first) & (pose.stamp <= last)
-    if not np.any(inside):
+    # A range, which cuts without a copy: stamps increase.
+    inside = slice(int(np.searchsorted(pose.stamp, first)), int(np.searchsorted(pose.stamp, last, side="right")))
+    if inside.start == inside.stop:
         raise InputError(
             f"tool_pose has stamps from {pose.stamp[0] * 1e-9:.3f} to {pose.stamp[-1] * 1e-9:.3f} s and tool_reference "
             f"from {first * 1e-9:.3f} to {last * 1e-9:.3f} s: they must share a time; check the clocks of the recording"
@@ -145,8 +151,10 @@ def _common_run(pose: PoseSeries, reference: PoseSeries, start: int, turned: boo
     stamp = pose.stamp[inside]
     # Relative to the first stamp, because a double does not hold nanoseconds since 1970.
     at, known = elapsed_seconds(stamp, first), elapsed_seconds(reference.stamp, first)
-    attained = np.asarray(pose.position, dtype=np.float64)[inside]
-    commanded = np.column_stack([np.interp(at, known, reference.position[:, i]) for i in range(3)])
+    attained = pose.position[inside]
+    commanded = np.empty((len(at), 3))
+    for i in range(3):
+        commanded[:, i] = np.interp(at, known, reference.position[:, i])
     for name, values in (("tool_pose", attained), ("tool_reference", commanded)):
         if not np.all(np.isfinite(values)):
             row = int(np.flatnonzero(~np.all(np.isfinite(values), axis=1))[0])
@@ -154,40 +162,50 @@ def _common_run(pose: PoseSeries, reference: PoseSeries, start: int, turned: boo
                 f"{name} has a position that is not finite near {(stamp[row] - start) * 1e-9:.4f} s after the start: "
                 "every position must be a number [m]; cut the log or repair the recording"
             )
-    orientations = _orientations(pose, reference, inside.nonzero()[0], at, known) if turned else (None, None)
+    orientations = _orientations(pose.orientation[inside], reference.orientation, at, known) if turned else (None, None)
     return Cycle(elapsed_seconds(stamp, start), commanded, attained, *orientations)
 
 
 def _orientations(
-    pose: PoseSeries, reference: PoseSeries, rows: IntArray, at: FloatArray, known: FloatArray
+    attained: FloatArray, quaternion: FloatArray, at: FloatArray, known: FloatArray
 ) -> tuple[FloatArray | None, FloatArray | None]:
     """Resample both orientations; None where either is not a rotation or the command is identity."""
-    quaternion = np.asarray(reference.orientation, dtype=np.float64)
-    attained = np.asarray(pose.orientation, dtype=np.float64)[rows]
     if not _are_rotations(quaternion) or not _are_rotations(attained):
         return None, None
-    if float(np.max(np.abs(quaternion[:, :3]))) < 1e-9 or len(known) < 2:
+    if max(float(np.max(quaternion[:, :3])), -float(np.min(quaternion[:, :3]))) < 1e-9 or len(known) < 2:
         return None, None
-    between = Slerp(known, Rotation.from_quat(quaternion))
-    commanded = np.vstack([between(part).as_quat() for part in np.array_split(at, 1 + len(at) // AT_ONCE)])
+    commanded = np.empty((len(at), 4))
+    for start in range(0, len(at), AT_ONCE):
+        times = at[start : start + AT_ONCE]
+        # The samples around these times, the one before included where a time is that of a sample.
+        begin = max(int(np.searchsorted(known, times[0])) - 1, 0)
+        around = slice(begin, max(int(np.searchsorted(known, times[-1])), begin + 1) + 1)
+        between = Slerp(known[around], Rotation.from_quat(quaternion[around]))
+        commanded[start : start + AT_ONCE] = between(times).as_quat()
     # Both in the same half of the quaternion sphere as their neighbours, so that rows can be interpolated.
     return _continuous(commanded), _continuous(attained)
 
 
 def _are_rotations(quaternion: FloatArray) -> bool:
     """Whether all quaternions are near unit length; a sender without orientation leaves zeros."""
-    return bool(np.all(np.isfinite(quaternion)) and np.all(np.linalg.norm(quaternion, axis=1) >= 0.5))
+    parts = np.array_split(quaternion, 1 + len(quaternion) // AT_ONCE)
+    return all(bool(np.all(np.isfinite(part)) and np.all(np.linalg.norm(part, axis=1) >= 0.5)) for part in parts)
 
 
 def _continuous(quaternion: FloatArray) -> FloatArray:
-    flips = np.sum(quaternion[1:] * quaternion[:-1], axis=1) < 0.0
+    """Turn the signs; the same array where none turns."""
+    n = 1 + len(quaternion) // AT_ONCE
+    pairs = zip(np.array_split(quaternion[1:], n), np.array_split(quaternion[:-1], n), strict=True)
+    flips = np.concatenate([np.sum(after * before, axis=1) < 0.0 for after, before in pairs])
+    if not np.any(flips):
+        return quaternion
     sign = np.concatenate([[1.0], np.cumprod(np.where(flips, -1.0, 1.0))])
     return np.asarray(quaternion * sign[:, None], dtype=np.float64)
 
 
 def _moving_axes(run: Cycle) -> tuple[str, ...]:
     span = np.maximum(np.ptp(run.commanded, axis=0), np.ptp(run.attained, axis=0))
-    offset = np.max(np.abs(run.attained - run.commanded), axis=0)
+    offset = np.array([np.max(np.abs(run.attained[:, i] - run.commanded[:, i])) for i in range(3)])
     moving = tuple(axis for axis, size in zip(AXES, np.maximum(span, offset), strict=True) if size > 1e-12)
     return moving or AXES
 

@@ -25,6 +25,10 @@ _SAME_PASS = 1e-8
 """Distance between vertices of two passes [m] up to which the second repeats the first (chosen)."""
 _MOST_DISTANCES = 500_000
 """Distances that are computed at once (chosen): some 50 MB."""
+_ROWS_AT_ONCE = 100_000
+"""Rows that are computed at once (chosen): temporary arrays of a log of half an hour would be as large as the log."""
+_CIRCLE_SAMPLE = 1000
+"""Vertices that a circle must pass before all of them are fitted (chosen)."""
 _FIRST_CANDIDATES = 8
 """Number of candidate segments of each point at first; more are taken until the nearest one is proved."""
 
@@ -86,13 +90,9 @@ class CommandedPath:
         """Return the largest deviation of the path from its chords [m]: max of chord times turning angle over eight."""
         if len(self.vertices) < 3:
             return 0.0
-        step = np.diff(self.vertices, axis=0)
-        length = np.linalg.norm(step, axis=1)
-        direction = step / length[:, None]
-        turning = np.arccos(np.clip(np.sum(direction[1:] * direction[:-1], axis=1), -1.0, 1.0))
-        smooth = turning < np.radians(20.0)
-        sag = np.minimum(length[1:], length[:-1]) * turning / 8.0
-        return float(np.max(sag[smooth], initial=0.0))
+        # Blocks share two vertices, so that each turn lies in one of them.
+        starts = range(0, len(self.vertices) - 2, _ROWS_AT_ONCE)
+        return max(_largest_sag(self.vertices[start : start + _ROWS_AT_ONCE + 2]) for start in starts)
 
 
 def path_through(points: FloatArray) -> CommandedPath:
@@ -101,17 +101,48 @@ def path_through(points: FloatArray) -> CommandedPath:
     Args:
         points: Commanded positions in order of time [m], shape (n, 3), n >= 1.
     """
-    kept = [0]
-    step = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    step = _step_lengths(points)
     if np.all(step >= _SAME_POINT):
-        vertices = np.array(points, dtype=np.float64)
+        vertices, lengths = np.array(points, dtype=np.float64), step
     else:
+        kept = [0]
         for index in range(1, len(points)):
             if np.linalg.norm(points[index] - points[kept[-1]]) >= _SAME_POINT:
                 kept.append(index)
         vertices = np.array(points[kept], dtype=np.float64)
-    lengths = np.linalg.norm(np.diff(vertices, axis=0), axis=1)
+        lengths = _step_lengths(vertices)
     return CommandedPath(vertices, np.concatenate([[0.0], np.cumsum(lengths)]))
+
+
+def distances(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Return the distance between the points of each row, |a - b|, in blocks of rows.
+
+    Args:
+        first: Points a [m], shape (n, 3).
+        second: Points b [m], shape (n, 3).
+
+    Returns:
+        Distances [m], shape (n,).
+    """
+    result = np.empty(len(first))
+    for start in range(0, len(first), _ROWS_AT_ONCE):
+        rows = slice(start, start + _ROWS_AT_ONCE)
+        result[rows] = np.linalg.norm(first[rows] - second[rows], axis=1)
+    return result
+
+
+def _step_lengths(points: FloatArray) -> FloatArray:
+    return distances(points[1:], points[:-1])
+
+
+def _largest_sag(vertices: FloatArray) -> float:
+    step = np.diff(vertices, axis=0)
+    length = np.linalg.norm(step, axis=1)
+    direction = step / length[:, None]
+    turning = np.arccos(np.clip(np.sum(direction[1:] * direction[:-1], axis=1), -1.0, 1.0))
+    smooth = turning < np.radians(20.0)
+    sag = np.minimum(length[1:], length[:-1]) * turning / 8.0
+    return float(np.max(sag[smooth], initial=0.0))
 
 
 def _searched(path: CommandedPath) -> tuple[FloatArray, FloatArray]:
@@ -194,8 +225,12 @@ def _project(path: CommandedPath, points: FloatArray) -> Projection:
             unproved.append(part[(far[:, -1] - half < gap[row, best]) & (k < len(starts))])
         waiting = [part for part in unproved if len(part)]
         k = min(4 * k, len(starts))
-    nearest = starts[segment] + fraction[:, None] * steps[segment]
-    position = arc_length[segment] + fraction * np.diff(arc_length)[segment]
+    nearest, position, increments = np.empty((n, 3)), np.empty(n), np.diff(arc_length)
+    for start in range(0, n, _ROWS_AT_ONCE):
+        rows = slice(start, start + _ROWS_AT_ONCE)
+        at, share = segment[rows], fraction[rows]
+        nearest[rows] = starts[at] + share[:, None] * steps[at]
+        position[rows] = arc_length[at] + share * increments[at]
     return Projection(distance, nearest, position)
 
 
@@ -229,13 +264,14 @@ class Circle:
         Returns:
             Distance, nearest point, and position along the circle from its first point, 0 to 2 pi r.
         """
-        offset = points - self.centre
-        flat = offset - np.outer(offset @ self.normal, self.normal)
-        direction = flat / np.linalg.norm(flat, axis=1, keepdims=True)
-        nearest = self.centre + self.radius * direction
-        angle = np.arctan2(direction @ np.cross(self.normal, self.start), direction @ self.start)
-        distance = np.linalg.norm(points - nearest, axis=1)
-        return Projection(distance, nearest, self.radius * np.mod(angle, 2.0 * np.pi))
+        # In one array: offset from the centre, its part in the plane, the direction, the nearest point.
+        nearest = points - self.centre
+        nearest -= np.outer(nearest @ self.normal, self.normal)
+        nearest /= np.linalg.norm(nearest, axis=1, keepdims=True)
+        angle = np.arctan2(nearest @ np.cross(self.normal, self.start), nearest @ self.start)
+        nearest *= self.radius
+        nearest += self.centre
+        return Projection(distances(points, nearest), nearest, self.radius * np.mod(angle, 2.0 * np.pi))
 
 
 def circle_behind(path: CommandedPath, tolerance: float = 1e-6) -> Circle | None:
@@ -250,7 +286,7 @@ def circle_behind(path: CommandedPath, tolerance: float = 1e-6) -> Circle | None
     Returns:
         The circle, or None where the path is not a circle or covers less than a full turn.
     """
-    if len(path.vertices) < 8:
+    if len(path.vertices) < 8 or not _may_be_circle(path, tolerance):
         return None
     middle = path.vertices.mean(axis=0)
     _, _, frame = np.linalg.svd(path.vertices - middle, full_matrices=False)
@@ -269,3 +305,18 @@ def circle_behind(path: CommandedPath, tolerance: float = 1e-6) -> Circle | None
     if not once_round or float(np.max(circle.project(path.vertices).distance)) > tolerance:
         return None
     return circle
+
+
+def _may_be_circle(path: CommandedPath, tolerance: float) -> bool:
+    """Whether some of the vertices lie near one plane and one sphere, as those of every circle do.
+
+    The best plane and the best sphere through them leave no more, in the mean square, than those of the circle: the
+    tolerance t, and | |p - c|^2 - r^2 | <= (2 r + t) t with r <= extent. Ten times that is let through for rounding.
+    """
+    rows = np.linspace(0, len(path.vertices) - 1, min(len(path.vertices), _CIRCLE_SAMPLE)).astype(np.int64)
+    points = path.vertices[rows] - path.vertices[rows].mean(axis=0)
+    if np.linalg.svd(points, compute_uv=False)[-1] > 10.0 * tolerance * np.sqrt(len(points)):
+        return False
+    system, square = np.column_stack([2.0 * points, np.ones(len(points))]), np.sum(points**2, axis=1)
+    left = square - system @ np.linalg.lstsq(system, square, rcond=None)[0]
+    return bool(np.sqrt(np.mean(left**2)) <= 10.0 * (2.0 * path.extent + tolerance) * tolerance)

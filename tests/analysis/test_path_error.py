@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -156,3 +158,55 @@ def test_unknown_axes_are_refused():
     points = ring(np.linspace(0, 1, 11))
     with pytest.raises(InputError, match="axes u were given .* use one or more of x, y, z"):
         path_error(series(points), series(points), axes=("u",))
+
+
+def turning(n, sample_time=5e-4, late=0.0):
+    """A tool on a Lissajous figure that turns, in all three directions, every 2 s."""
+    t = np.pi * (np.arange(n) * sample_time - late)
+    points = np.column_stack([0.1 * np.cos(3 * t), 0.05 * np.sin(5 * t), 0.1 * np.sin(4 * t)])
+    goal = Rotation.from_euler("xz", np.column_stack([0.3 + 0.2 * np.sin(3 * t), 0.4 * np.cos(2 * t)])).as_quat()
+    return series(points, stamps(n, sample_time), goal)
+
+
+ARRAYS = ("nearest", "position", "distance", "time_difference", "angle")
+ARRAYS_OF_RUN = ("time", "commanded", "attained", "commanded_orientation", "attained_orientation")
+
+
+@pytest.mark.parametrize("rate", [1, 3])
+def test_blocks_of_a_long_log_change_no_bit(monkeypatch, rate):
+    attained, commanded = turning(3001, late=0.003), turning(1 + 3000 // rate, rate * 5e-4)
+    whole = path_error(attained, commanded)
+    assert whole.orientation is not None
+    monkeypatch.setattr("flexros.analysis.path_error.AT_ONCE", 7)
+    monkeypatch.setattr("flexros.analysis.path_geometry._ROWS_AT_ONCE", 7)
+    blocks = path_error(attained, commanded)
+    for name in ARRAYS:
+        np.testing.assert_array_equal(getattr(blocks, name), getattr(whole, name))
+    for name in ARRAYS_OF_RUN:
+        np.testing.assert_array_equal(getattr(blocks.run, name), getattr(whole.run, name))
+    assert blocks.as_dict() == whole.as_dict()
+
+
+@pytest.mark.parametrize("axes", [None, ("x", "z")])
+def test_the_log_itself_is_not_changed(axes):
+    attained, commanded = turning(801, late=0.003), turning(801)
+    before = [array.copy() for pose in (attained, commanded) for array in (pose.position, pose.orientation)]
+    path_error(attained, commanded, axes=axes)
+    after = [array for pose in (attained, commanded) for array in (pose.position, pose.orientation)]
+    for old, new in zip(before, after, strict=True):
+        np.testing.assert_array_equal(new, old)
+
+
+def test_memory_of_a_long_log_is_little_more_than_the_result(monkeypatch):
+    monkeypatch.setattr("flexros.analysis.path_error.AT_ONCE", 2000)
+    monkeypatch.setattr("flexros.analysis.path_geometry._ROWS_AT_ONCE", 2000)
+    monkeypatch.setattr("flexros.analysis.path_geometry._MOST_DISTANCES", 16_000)
+    n = 60_000
+    attained, commanded = turning(n, late=0.003), turning(n)
+    tracemalloc.start()
+    error = path_error(attained, commanded)
+    largest = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    own = [getattr(error, name) for name in ARRAYS] + [error.run.time, error.run.commanded]
+    result = sum(array.nbytes for array in own if array is not None)
+    assert largest < 3.0 * result  # 2.2; 4.2 with copies of the log and temporary arrays of its length
