@@ -16,6 +16,7 @@ from flexros.analysis.point_to_point import Stop, stops
 from flexros.analysis.torque_limits import limit_warnings, limited_drives
 from flexros.analysis.tracking import Drive, MotorTracking, motor_tracking
 from flexros.errors import InputError
+from flexros.logs.reader import give_memory_back
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -128,12 +129,14 @@ def analyse(log: Log, *, robot: Robot | None = None, label: str | None = None) -
     warnings.extend(_cut_short(log))
     responses = log_responses(log, robot)
     path, performance, corners = (None, None, ()) if responses else _tool(log, start, robot, warnings)
+    give_memory_back()  # temporary arrays of a long log, which the next step would need beside its own
     drives = None if robot is None else _drives(robot)
     motors = motor_tracking(log, start, limited_drives(drives, log.joint_states.names, log.provenance, warnings))
     if not any(motor.tracking is not None for motor in motors):
         warnings.append("the log has no joint_reference with positions, so motor tracking is not evaluated")
     if not any(motor.feedforward is not None for motor in motors):
         warnings.append("the log has no feedforward torque, so the share of the feedback is not evaluated")
+    give_memory_back()
     warnings.extend(limit_warnings(motors))
     if responses is not None:
         warnings.extend(responses.warnings)
