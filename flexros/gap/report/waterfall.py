@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
-from flexros.gap.report.words import capital, named_at, signed_share_words
+from flexros.gap.report.words import MOST_SHARE, capital, named_at, share_words, signed_share_words
 from flexros.report.colours import NOMINAL, REPAIRED
 
 if TYPE_CHECKING:
@@ -43,7 +43,9 @@ class Row:
     @property
     def words(self) -> str:
         """The share in per cent, with its sign where it is a change."""
-        return f"{round(100 * self.share)} %" if self.total else signed_share_words(self.share)
+        if not self.total:
+            return signed_share_words(self.share)
+        return share_words(self.share) if self.share > MOST_SHARE else f"{round(100 * self.share)} %"
 
 
 def rows_of(waterfall: Waterfall) -> tuple[Row, ...]:

@@ -28,6 +28,8 @@ _CLEAR = 2.0
 """Standard deviations from zero from which parameters other than the first are stated in a sentence (chosen)."""
 UNKNOWN_RATE = 1e-12
 """Sample time [s] that means not known: no band then reaches the Nyquist frequency."""
+MOST_SHARE = 10.0
+"""Share that is written as a number at most [1] (chosen)."""
 _NEARLY_ALL, _ALL = 0.95, 0.9995
 """Closed shares between these are stated with a decimal (chosen)."""
 
@@ -192,10 +194,12 @@ def share_words(share: float) -> str:
     """Write a share in whole per cent, as "under 1 %" or "over 99 %" where it is nearly none or all.
 
     Args:
-        share: The share [1].
+        share: The share [1]; above a factor of ten, as of a fit that strays, it is "over 1000 %".
     """
     if share <= 0:
         return "0 %"
+    if not share <= MOST_SHARE:
+        return f"over {100 * MOST_SHARE:.0f} %"
     if share < 0.01:
         return "under 1 %"
     return f"{100 * share:.0f} %" if share <= 0.99 or share >= 1 else "over 99 %"
@@ -205,9 +209,11 @@ def signed_share_words(share: float) -> str:
     """Write a change of a share in whole per cent with its sign, e.g. "+12 %", "-3 %", "0 %".
 
     Args:
-        share: The change [1].
+        share: The change [1]; beyond a factor of ten it is "over +1000 %".
     """
-    text = f"{100 * share:+.0f} %"
+    text = f"{100 * min(max(share, -MOST_SHARE), MOST_SHARE):+.0f} %"
+    if abs(share) > MOST_SHARE:
+        text = f"over {text}"
     return "0 %" if text[1:] == "0 %" else text.replace("-", "\u2212")
 
 

@@ -15,6 +15,7 @@ from flexros.gap.report.words import (
     p_value_words,
     parameter_words,
     share_words,
+    signed_share_words,
     where_words,
 )
 from flexros.gap.schema import Cause, CauseParameter, Excess
@@ -87,6 +88,15 @@ def test_shares_are_never_told_as_all_or_nothing_when_they_are_not() -> None:
     ]
     assert [closed_words(share) for share in (-0.5, 0.83, 0.9968, 1.4)] == ["-50 %", "83 %", "99.7 %", "100 %"]
     assert p_value_words(1e-5) == "p < 0.001"
+
+
+def test_shares_of_a_fit_that_strays_are_no_rows_of_digits() -> None:
+    assert share_words(4e24) == "over 1000 %"
+    assert [signed_share_words(share) for share in (4e24, -4e24, 9.5)] == [
+        "over +1000 %",
+        "over \u22121000 %",
+        "+950 %",
+    ]
 
 
 def test_lists_read_as_sentences() -> None:
