@@ -23,7 +23,7 @@ sys.path.insert(0, str(CHECKOUT))
 
 from flexros_nodes.shell.domain import claim_domain  # noqa: E402
 from tests.browser import opened_browser, wait  # noqa: E402
-from tests.contracts.conftest import PROGRAM, executable, marked_blocks, run_block  # noqa: E402
+from tests.contracts.conftest import folder_of_reader, marked_blocks, run_block  # noqa: E402
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -170,14 +170,8 @@ def used() -> float:
 def timed(journey: Journey) -> tuple[float, float]:
     """Run a journey and return wall and processor time [s]."""
     with tempfile.TemporaryDirectory(prefix="first_hour_") as scratch:
-        programs, folder = Path(scratch) / "programs", Path(scratch) / "folder"
-        programs.mkdir()
-        folder.mkdir()
-        executable(programs / "python", sys.executable)
-        executable(programs / "flexros", sys.executable, "-c", PROGRAM)
-        (folder / "docs").symlink_to(CHECKOUT / "docs")
-        path = f"{programs}{os.pathsep}{os.environ['PATH']}"
-        variables = {**os.environ, "PATH": path, "PYTHONPATH": str(CHECKOUT)}
+        folder, variables = folder_of_reader(Path(scratch))
+        variables |= {"PYTHONPATH": str(CHECKOUT)}
         begun, before = time.monotonic(), used()
         journey.run(folder, variables)
         return time.monotonic() - begun, used() - before

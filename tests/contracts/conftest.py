@@ -51,17 +51,22 @@ def run_block(block: str, folder: Path, variables: dict[str, str], output: Path)
             process.wait()
 
 
-@pytest.fixture
-def run_marked(tmp_path: Path) -> Callable[[str, str], int]:
-    """Return the function that runs the marked blocks of a text in one folder and returns their number."""
-    programs, folder = tmp_path / "programs", tmp_path / "folder"
+def folder_of_reader(scratch: Path) -> tuple[Path, dict[str, str]]:
+    """Make a folder with the documents, and the environment in which `flexros` and `python` are those of the test."""
+    programs, folder = scratch / "programs", scratch / "folder"
     programs.mkdir()
     folder.mkdir()
     executable(programs / "python", sys.executable)
     executable(programs / "flexros", sys.executable, "-c", PROGRAM)
     (folder / "docs").symlink_to(CHECKOUT / "docs")
-    path = f"{programs}{os.pathsep}{os.environ['PATH']}"
-    variables = {**os.environ, "PATH": path, "DASK_PORT": str(free_port())}
+    return folder, {**os.environ, "PATH": f"{programs}{os.pathsep}{os.environ['PATH']}"}
+
+
+@pytest.fixture
+def run_marked(tmp_path: Path) -> Callable[[str, str], int]:
+    """Return the function that runs the marked blocks of a text in one folder and returns their number."""
+    folder, variables = folder_of_reader(tmp_path)
+    variables |= {"DASK_PORT": str(free_port())}
 
     def run(text: str, marker: str) -> int:
         blocks = marked_blocks(text, marker)

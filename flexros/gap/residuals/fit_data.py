@@ -90,6 +90,7 @@ class FitData:
             torque of a lost command still matters.
         measurement: Noise of the encoders.
         settings: Settings of the diagnosis.
+        level: Torque noise that the predictor allows for, relative: see `observer_gain` [1].
         from_rest: Whether the log begins at rest, in which case every model begins in its own equilibrium.
         lead_in: First part of a log that begins in motion, with the gain of the predictor that finds the state there;
             None for one that begins at rest.
@@ -98,7 +99,6 @@ class FitData:
         pose: Arm coordinates at which the gain was computed [rad or m], shape (N,); None for home.
         initial_state_errors: Effect of initial-state errors, which is projected out; None for a log that begins in
             motion, whose first samples are not used.
-        level: Torque noise that the predictor allows for, relative: see `observer_gain` [1].
         nominal_level: Mean squared weighted prediction error of the motors by the nominal model [1].
         misfit: Mean squared weighted prediction error that no candidate removes [1]: where a model leaves much more
             than noise, the prior of tolerated parameters weighs as much more.
@@ -110,13 +110,13 @@ class FitData:
     spread: FloatArray
     measurement: Measurement
     settings: DiagnosisSettings
+    level: float
     from_rest: bool = False
     lead_in: tuple[Record, ObserverGain] | None = None
     tool: ToolData | None = None
     sensors: SensorData | None = None
     pose: FloatArray | None = None
     initial_state_errors: InitialStateErrors | None = None
-    level: float = 0.0
     nominal_level: float = 1.0
     misfit: float = 1.0
 
@@ -306,7 +306,7 @@ def fit_data(
         spread = lost.spread(known)
         check_enough_left(lost.record, known, spread, numbers)
         usable = _with_usable_tool(lost.record)
-        data = FitData(usable, gain, state, spread, measurement, settings, from_rest, lead_in, level=level, pose=pose)
+        data = FitData(usable, gain, state, spread, measurement, settings, level, from_rest, lead_in, pose=pose)
         predicted = data.predict(nominal, np.zeros((0, 1)), record_states=bool(usable.sensors))
         errors = data.weighted(predicted.innovation[:, :, :1])
         return replace(data, nominal_level=float(np.sum(errors**2) / np.isfinite(spread).sum())), predicted
