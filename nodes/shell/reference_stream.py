@@ -24,10 +24,13 @@ if TYPE_CHECKING:
     from flexros_nodes.shell.node_base import FlexrosNode
 
 FIND_PERIOD = 0.01
-"""Period of the search for subscribers [s], chosen."""
+"""Period of the search for partners [s], chosen."""
 
 CLOCK_PERIODS_AHEAD = 2
 """Lead of the tool references in clock periods, chosen: one clock message may be lost without a gap."""
+
+PATIENCE = 5.0
+"""Time of a search after which the log states what is missing [s], chosen."""
 
 STALL_PERIODS = 16
 """Chunks are repeated to a stalled loop after 1, 2, 4, 8 and then every 16 time-outs, chosen."""
@@ -36,8 +39,9 @@ STALL_PERIODS = 16
 class ReferenceStream:
     """Streams the reference of a run in consecutive chunks, and the tool reference.
 
-    The stream follows the loop by /clock. When the loop stalls, everything it may lack is sent again; so is a chunk
-    that remains unconfirmed by a controller that has confirmed others. Repeats are harmless, since messages are
+    The stream follows the loop by /clock, so it begins once a clock is connected too: a loop in real time that began
+    before would use up the first chunks and end. When the loop stalls, everything it may lack is sent again; so is a
+    chunk that remains unconfirmed by a controller that has confirmed others. Repeats are harmless, since messages are
     idempotent. When the loop restarts, so does the stream.
 
     Args:
@@ -68,7 +72,7 @@ class ReferenceStream:
         self._begin()
         self._chunks = node.announce("joint_reference_ahead")
         self._poses = node.announce("tool_reference")
-        node.listen("clock", self._on_clock)
+        self._clock = node.listen("clock", self._on_clock)
         node.listen("reference_received", self._on_received)
 
     def _begin(self) -> None:
@@ -80,7 +84,8 @@ class ReferenceStream:
         self.progress = self._seen = self._poses_sent = 0
         self._stalls = 0
         self._restart = RestartDetector()
-        self._readers_found = self._running = False
+        self._partners_found = self._running = False
+        self._searches = 0
 
     @property
     def sent(self) -> int:
@@ -88,15 +93,15 @@ class ReferenceStream:
         return self._stream.sent
 
     def start(self) -> None:
-        """Search for the subscribers; the first chunk is sent once they are connected."""
+        """Search for the partners; the first chunk is sent once they are connected."""
         self._begin()
-        self._node.every(FIND_PERIOD, self._find_readers)
+        self._node.every(FIND_PERIOD, self._find_partners)
         self._node.every(self._node.value("resend_timeout"), self._watch)
 
     def open(self) -> None:
         """Start sending."""
         self.closed = False
-        if self._readers_found:
+        if self._partners_found:
             self._send_due()
 
     def replace(self, rows: ReferenceRows) -> None:
@@ -111,15 +116,25 @@ class ReferenceStream:
             "tool_references_sent": self._poses_sent,
         }
 
-    def _find_readers(self) -> None:
-        if self._readers_found:
+    def _find_partners(self) -> None:
+        if self._partners_found:
             return
-        observers = self._node.value("observers")
-        self._readers_found = (
-            self._chunks.get_subscription_count() > 0 and self._poses.get_subscription_count() >= observers
-        )
-        if self._readers_found and not self.closed:
+        missing = self._missing()
+        self._partners_found = not missing
+        self._searches += 1
+        if self._searches == round(PATIENCE / FIND_PERIOD):
+            self._node.get_logger().info(f"the reference waits for {' and '.join(missing)}")
+        if self._partners_found and not self.closed:
             self._send_due()
+
+    def _missing(self) -> list[str]:
+        observers = self._node.value("observers")
+        connected = {
+            "a controller that listens to joint_reference_ahead": self._chunks.get_subscription_count() > 0,
+            f"{observers} recorders of tool_reference": self._poses.get_subscription_count() >= observers,
+            "a plant that publishes /clock": self._clock.get_publisher_count() > 0,
+        }
+        return [partner for partner, found in connected.items() if not found]
 
     def _on_clock(self, message: bytes) -> None:
         # rosgraph_msgs/Clock is only a time, at the position of header.stamp in other messages
@@ -132,7 +147,7 @@ class ReferenceStream:
         if progress > self.progress:
             self.progress = progress
             self.on_progress(progress)
-        if self._readers_found and not self.closed:
+        if self._partners_found and not self.closed:
             self._send_due()
 
     def _on_received(self, message: bytes) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from contextlib import contextmanager
 from time import perf_counter, sleep
 from typing import TYPE_CHECKING
@@ -10,7 +11,13 @@ from rclpy.executors import SingleThreadedExecutor
 
 from flexros_nodes.protocol.process.clock_steps import waking_at_clock_steps
 from flexros_nodes.protocol.real_time.bare_loop import BUSY
-from flexros_nodes.protocol.real_time.precise_timing import PRIORITY, middleware_threads, precise_timing, take_priority
+from flexros_nodes.protocol.real_time.precise_timing import (
+    PRIORITY,
+    late_threads,
+    middleware_threads,
+    precise_timing,
+    take_priority,
+)
 
 try:
     from rclpy.experimental.events_executor import EventsExecutor
@@ -77,8 +84,13 @@ def spin(executor: Executor, stop: Future, interrupted: Interruption, node: Flex
 @contextmanager
 def _watching(interrupted: Interruption, stop: Future, node: FlexrosNode) -> Iterator[None]:
     """Check for signals in a timer of the executor: a busy executor does not return otherwise."""
+    timers_have_priority = False
 
     def check() -> None:
+        nonlocal timers_have_priority
+        if not timers_have_priority:  # their thread exists since the first timer, at the latest since this one
+            timers_have_priority = True
+            _share_priority()
         if interrupted():
             stop.set_result(None)
 
@@ -88,6 +100,12 @@ def _watching(interrupted: Interruption, stop: Future, node: FlexrosNode) -> Ite
     finally:
         timer.cancel()
         node.destroy_timer(timer)
+
+
+def _share_priority() -> None:
+    """Give the timers of the executor the real-time priority of the present thread, if it has one."""
+    if hasattr(os, "sched_getparam") and (priority := os.sched_getparam(0).sched_priority):
+        take_priority(min(priority, PRIORITY), late_threads())
 
 
 def _await_cycle(executor: Executor, paced: Paced, schedule: Schedule) -> None:

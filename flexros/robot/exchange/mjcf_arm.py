@@ -142,10 +142,18 @@ def _end_body(model: Any, source: str, end: str) -> int:
         listed = ", ".join(str(model.body(b).name) or f"body {b}" for b in tips)
         raise InputError(
             f"{source} has several chains, which end at the bodies {listed}, but a robot here is one serial chain; "
-            "name the body at the end of the arm",
+            f"name the body at the end of the arm{_where_they_part(model, tips)}",
             "end",
         )
     return tips[0]
+
+
+def _where_they_part(model: Any, tips: list[int]) -> str:
+    """Propose the last body that all chains share, as of an arm with a gripper; nothing for legs of a loose body."""
+    shared = [bodies[0] for bodies in zip(*(_path(model, tip) for tip in tips), strict=False) if len(set(bodies)) == 1]
+    free = int(mujoco_package().mjtJoint.mjJNT_FREE)
+    hinges = [j for j in range(model.njnt) if int(model.jnt_bodyid[j]) in shared and int(model.jnt_type[j]) != free]
+    return f", perhaps '{model.body(shared[-1]).name}', where they part" if hinges else ""
 
 
 def _owners(model: Any, path: list[int]) -> FloatArray:

@@ -6,6 +6,7 @@ import ctypes
 import gc
 import os
 import sys
+import threading
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -94,6 +95,26 @@ def middleware_threads() -> list[int]:
     if not tasks.is_dir():
         return []
     return [thread for thread in threads_of_loop() if _name(tasks / str(thread)).startswith(_MIDDLEWARE)]
+
+
+def late_threads() -> list[int]:
+    """List the threads of C++ libraries that were started without priority after the loop had got its own.
+
+    EventsExecutor starts one with its first timer. It holds the lock of the queue of events, so that at ordinary
+    priority it would let the loop wait for other programs. Threads of Python are left alone: they compress the log.
+    """
+    if not Path("/proc/self/task").is_dir():
+        return []
+    of_python = {thread.native_id for thread in threading.enumerate()}
+    ordinary = [thread for thread in threads_of_loop() if thread not in of_python]
+    return [thread for thread in ordinary if _policy(thread) == os.SCHED_OTHER]
+
+
+def _policy(thread: int) -> int | None:
+    try:
+        return os.sched_getscheduler(thread) & ~os.SCHED_RESET_ON_FORK
+    except OSError:  # the thread has ended meanwhile
+        return None
 
 
 def _name(task: Path) -> str:

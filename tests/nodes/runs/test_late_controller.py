@@ -35,6 +35,8 @@ def test_every_measurement_of_a_tenth_of_a_second_is_answered(bench: Bench, shor
     commands = hear(plant, "joint_commands")
     row = topic("joint_states")
     states = plant.create_publisher(message_class(row.type), row.name, qos_profile(row.qos))
+    clock = topic("clock")
+    plant.create_publisher(message_class(clock.type), clock.name, qos_profile(clock.qos))
     for node in nodes:
         node.trigger_configure()
         node.trigger_activate()

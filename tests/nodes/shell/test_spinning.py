@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import signal
+import subprocess
+import sys
 import threading
 from collections.abc import Callable, Iterator
 
@@ -79,3 +82,38 @@ def test_executor_that_is_never_idle_sees_a_signal(context: Context) -> None:
     timer.cancel()
     executor.shutdown()
     node.destroy_node()
+
+
+LOOP_WITH_PRIORITY = """
+import os, rclpy
+from rclpy.task import Future
+from flexros_nodes.feedforward import FeedforwardNode
+from flexros_nodes.protocol.process.interruption import interruption
+from flexros_nodes.protocol.real_time.precise_timing import late_threads, take_priority
+from flexros_nodes.shell.spinning import make_executor, spin
+
+rclpy.init()
+node, stop, found = FeedforwardNode(), Future(), []
+if take_priority(5):
+    executor = make_executor(None)
+    executor.add_node(node)
+    node.create_timer(0.02, lambda: found.append(len(late_threads())), clock=node.steady_clock)
+    node.create_timer(0.3, lambda: stop.set_result(None), clock=node.steady_clock)
+    with interruption() as interrupted:
+        spin(executor, stop, interrupted, node)
+    print(found[0], found[-1])
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="lists the threads of a process as Linux does")
+def test_timers_of_the_executor_get_the_priority_of_the_loop(ros_domain: int) -> None:
+    environment = {**os.environ, "ROS_DOMAIN_ID": str(ros_domain)}
+    done = subprocess.run(
+        [sys.executable, "-c", LOOP_WITH_PRIORITY], env=environment, capture_output=True, text=True, check=True
+    )
+    if not done.stdout:
+        pytest.skip("needs the right to real-time priority: ulimit -r")
+    first, last = map(int, done.stdout.split())
+    assert first > 0
+    assert last == 0

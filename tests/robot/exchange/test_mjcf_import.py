@@ -162,9 +162,62 @@ def test_what_is_not_supported_is_refused(text: str, named: str, tmp_path: Path)
         robot_from_mjcf(written(tmp_path, text))
 
 
+SHAPES = """<mujoco><compiler meshdir="assets"/><asset><mesh name="shell" file="shell.obj"/>
+<texture name="paint" type="2d" file="paint.png"/><material name="red" texture="paint"/></asset><worldbody>
+<body name="link"><joint name="j" axis="0 1 0"/>{inertial}
+<geom name="skin" type="mesh" mesh="shell" material="red"{more}/></body></worldbody>
+<contact><exclude body1="world" body2="link"/></contact></mujoco>"""
+INERTIAL = '<inertial pos=".2 0 0" mass="2" diaginertia=".1 .1 .1"/>'
+
+
+@pytest.mark.parametrize(
+    ("inertial", "more"), [(INERTIAL, ""), ("<geom size='.1' pos='.2 0 0'/>", ' mass="0"')], ids=["stated", "no mass"]
+)
+def test_missing_meshes_and_pictures_do_not_matter_where_inertia_is_known(
+    inertial: str, more: str, tmp_path: Path
+) -> None:
+    imported = robot_from_mjcf(written(tmp_path, SHAPES.format(inertial=inertial, more=more)))
+    plain = f"<mujoco><worldbody><body name='link'><joint name='j' axis='0 1 0'/>{inertial}</body></worldbody></mujoco>"
+    assert imported.text == robot_from_mjcf(written(tmp_path, plain)).text
+
+
+def test_mesh_that_gives_a_body_its_inertia_must_be_there(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="inertia of body 'link' comes from mesh 'shell', whose file is missing"):
+        robot_from_mjcf(written(tmp_path, SHAPES.format(inertial="", more="")))
+
+
+def test_mesh_of_a_body_that_stands_still_may_be_missing(tmp_path: Path) -> None:
+    standing = SHAPES.format(inertial="", more="").replace('<joint name="j" axis="0 1 0"/>', "")
+    moving = f'<body name="arm"><joint name="j" axis="0 1 0"/>{INERTIAL}</body></body></worldbody>'
+    file = written(tmp_path, standing.replace("</body></worldbody>", moving))
+    assert robot_from_mjcf(file).joints[0].joint == "j"
+
+
+def test_mesh_that_is_there_is_used(tmp_path: Path) -> None:
+    (tmp_path / "assets").mkdir()
+    corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+    written(tmp_path / "assets", corners, "shell.obj")
+    file = written(tmp_path, SHAPES.format(inertial="", more=""))
+    robot = load_robot(written(tmp_path, robot_from_mjcf(file).text, "imported.yaml"))
+    mass = float(np.array(robot.model.mass_matrix([0.0], robot.model.parameter_values))[0, 0])
+    assert mass > 1.0  # a sixth of a cubic metre of 1000 kg/m^3, turned about a corner
+
+
 def test_inactive_equality_and_those_beside_the_arm_are_allowed(tmp_path: Path) -> None:
     after = '<equality><connect body1="link" body2="wall" anchor=".2 0 0" active="false"/></equality>'
     assert robot_from_mjcf(written(tmp_path, one_link(after=after))).joints[0].joint == "j"
+
+
+FINGER = '<body name="{}"><joint type="slide"/><geom size=".01"/></body>'
+
+
+def test_body_before_the_fingers_is_proposed_as_the_end(tmp_path: Path) -> None:
+    gripper = FINGER.format("left") + FINGER.format("right")
+    with pytest.raises(InputError, match=r"left, right,.* perhaps 'link', where they part"):
+        robot_from_mjcf(written(tmp_path, one_link(inside=gripper)))
+    loose = one_link(inside=gripper, joint="<freejoint/>")
+    with pytest.raises(InputError, match=r"left, right,.* the end of the arm$"):
+        robot_from_mjcf(written(tmp_path, loose))
 
 
 def test_unknown_end_body_lists_the_bodies(tmp_path: Path) -> None:
