@@ -152,6 +152,24 @@ def test_node_of_the_user_finds_a_run_that_is_bound(ros_domain: int, tmp_path: P
         assert listening.wait(60.0) == 0
 
 
+def test_messages_of_a_run_are_confirmed_soon(ros_domain: int) -> None:
+    """Fast DDS by itself waits for 3 s, or for hundreds of messages, and then removes all of them at once."""
+    reader = (
+        "import rclpy; from std_msgs.msg import Header; rclpy.init(); node = rclpy.create_node('reader')\n"
+        "node.create_subscription(Header, 'words', lambda _: None, 10); rclpy.spin(node)"
+    )
+    writer = (
+        "import time, rclpy; from rclpy.duration import Duration; from std_msgs.msg import Header; rclpy.init()\n"
+        "writer = rclpy.create_node('writer').create_publisher(Header, 'words', 10)\n"
+        "while not writer.get_subscription_count(): time.sleep(0.01)\n"
+        "for _ in range(5):\n    writer.publish(Header())\n"
+        "    if not writer.wait_for_all_acked(Duration(seconds=1)): raise SystemExit(1)"
+    )
+    settings = {**LOCAL, "ROS_DOMAIN_ID": str(ros_domain)}
+    with started("-c", reader, **settings), started("-c", writer, **settings) as writing:
+        assert writing.wait(60.0) == 0
+
+
 def test_process_that_was_open_before_is_refused(ros_domain: int) -> None:
     code = (
         "import json, rclpy; rclpy.init(); node = rclpy.create_node('earlier')\n"
