@@ -1,10 +1,12 @@
-"""Write first_hour.md: python docs/results/first_hour.py, in the checkout, with ROS 2 and Chromium.
+"""Time the first hour of README.md: python docs/results/first_hour.py, in the checkout, with ROS 2 and Chromium.
 
-Each journey of a new user runs as its page prints it, in a folder of its own, and is timed.
+Each block of the section runs as it is printed, in a folder of its own. The times are written into README.md and
+first_hour.md.
 """
 
 from __future__ import annotations
 
+import contextlib
 import os
 import platform
 import re
@@ -21,62 +23,91 @@ from typing import TYPE_CHECKING
 CHECKOUT = Path(__file__).parents[2]
 sys.path.insert(0, str(CHECKOUT))
 
-from flexros_nodes.shell.domain import claim_domain  # noqa: E402
 from tests.browser import opened_browser, wait  # noqa: E402
 from tests.contracts.conftest import folder_of_reader, marked_blocks, run_block  # noqa: E402
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Iterator
 
     import numpy as np
 
-MARKER = "run by tests/contracts/test_guide.py"
-PORT = 18480
+README = CHECKOUT / "README.md"
+MARKER = "run by tests/contracts/test_first_hour.py"
+VIEW = re.compile(r"^flexros view .*$", re.MULTILINE)
 
 HEAD = """# The first hour, timed
 
-Written by `python docs/results/first_hour.py`. The four things a new user wants to see, by the commands of their
-pages, after `make demo` has installed everything; the simulated UR5e needs `pip install mujoco rosbags`, notebooks
-`pip install jupyterlab`. Wall time is that of the machine, with whatever else ran on it; processor time is that of all
-processes of the journey but the browser. Goal: each in under ten minutes.
+Written by `python docs/results/first_hour.py`. The four things a new user wants to see, by the commands of the section
+*First hour* of `README.md`, after `make demo` has installed everything. Wall time is that of the machine, with whatever
+else ran on it, and without the download of packages; processor time is that of all processes of the journey but the
+browser. Goal: each in under ten minutes. `tests/contracts/test_first_hour.py` runs the same.
 
 Machine: {machine}.
 
-| journey | page | wall [s] | processor [s] |
+| journey | more about it | wall [s] | processor [s] |
 |---|---|---|---|
 {rows}
-
-Tests that run the same:
-
-{tests}
 
 The arm counts as moving when two pictures of a headless Chromium, which draws without a graphics card, differ where
 the arm is.
 """
 
+PAGES = {
+    "A moving arm in the browser": "how-to/view.md",
+    "Your own controller on the six-axis robot, over ROS 2 topics": "how-to/own_controller.md",
+    "A repaired model of a UR5e from a bag": "tutorials/ur5e.md",
+    "A notebook with a frequency response": "notebooks/overview.md",
+}
+"""What a new user has at the end of each block of the README, and the page that tells more."""
+
 
 @dataclass(frozen=True)
 class Journey:
-    """Something a new user does.
+    """A block of the section First hour.
 
     Attributes:
-        name: What they have at the end.
-        page: Page with the commands, relative to docs.
-        test: File and name of the test that runs the same.
-        run: Runs it in a folder with the environment of the commands.
+        name: What a user has at the end: the comment above the commands.
+        seconds: Time that the README states [s].
+        commands: The commands as printed.
     """
 
     name: str
-    page: str
-    test: str
-    run: Callable[[Path, dict[str, str]], None]
+    seconds: int
+    commands: str
+
+    @property
+    def over_topics(self) -> bool:
+        """Whether it needs ROS 2."""
+        return "ROS_DOMAIN_ID" in self.commands
+
+    def run(self, folder: Path, variables: dict[str, str]) -> None:
+        """Run the commands in a folder; a page that `flexros view` opens is looked at in Chromium.
+
+        Raises:
+            SystemExit: A command failed; the text is what the block printed.
+        """
+        output = folder / "output"
+        if code := run_block(VIEW.sub("", self.commands), folder, variables, output):
+            raise SystemExit(f"code {code}: {output.read_text(encoding='utf-8', errors='replace')}")
+        for command in VIEW.findall(self.commands):
+            see_arm_move(command, folder, variables)
 
 
-def moving_arm(folder: Path, variables: dict[str, str]) -> None:
-    """Run the circle test, open its log in the viewer, and wait until the arm moves in Chromium."""
-    block(["flexros run circle_dae --transport direct --out circle"], folder, variables)
-    command = ["flexros", "view", "circle", "--no-browser", "--port", str(PORT)]
-    view = subprocess.Popen(command, cwd=folder, env=variables, stdout=subprocess.PIPE, text=True)  # noqa: S603
+def journeys() -> list[Journey]:
+    """Return the journeys of the README in its order."""
+    found = []
+    for block in marked_blocks(README.read_text(encoding="utf-8"), MARKER):
+        title, commands = block.split("\n", 1)
+        name, seconds = title.removeprefix("# ").removesuffix(" s").rsplit(": ", 1)
+        found.append(Journey(name, int(seconds), commands))
+    return found
+
+
+def see_arm_move(command: str, folder: Path, variables: dict[str, str]) -> None:
+    """Open a page of the viewer and wait until the arm moves in Chromium."""
+    quiet = {**variables, "BROWSER": "true"}  # the page is opened here, not by the viewer
+    words = command.split("#")[0].split()
+    view = subprocess.Popen(words, cwd=folder, env=quiet, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)  # noqa: S603
     try:
         assert view.stdout is not None
         address = re.search(r"http://\S+", view.stdout.readline())
@@ -98,67 +129,14 @@ def moving_arm(folder: Path, variables: dict[str, str]) -> None:
         view.wait(20)
 
 
-def own_controller(folder: Path, variables: dict[str, str]) -> None:
-    """Run the block of the page that is about the six-axis robot."""
-    blocks = blocks_of("how-to/own_controller.md", f"{MARKER} with ROS 2")
+@contextlib.contextmanager
+def own_domain() -> Iterator[dict[str, str]]:
+    """Give the environment variables of a ROS domain that no other run on this machine uses."""
+    from flexros_nodes.shell.domain import claim_domain
+
     number, claim = claim_domain(os.getpid())
-    own = {**variables, "ROS_DOMAIN_ID": str(number), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
     with claim:
-        block([one for one in blocks if "six_axis" in one], folder, own)
-
-
-def repaired_ur5e(folder: Path, variables: dict[str, str]) -> None:
-    """Run the tutorial: bag of a simulated UR5e, import, gap, diagnosis, second bag, repaired URDF."""
-    block(blocks_of("tutorials/ur5e.md", MARKER), folder, variables)
-    assert (folder / "repaired.urdf").is_file()
-
-
-def notebook(folder: Path, variables: dict[str, str]) -> None:
-    """Execute the notebook with frequency responses."""
-    block(["python -c 'from nbclient.cli import main; main()' docs/notebooks/identify.ipynb"], folder, variables)
-
-
-JOURNEYS = (
-    Journey(
-        "a moving arm in the browser",
-        "how-to/view.md",
-        "tests/view/test_pages_in_browser.py::test_arm_moves_by_itself",
-        moving_arm,
-    ),
-    Journey(
-        "a controller of their own on the six-axis robot",
-        "how-to/own_controller.md",
-        "tests/contracts/test_guide.py::test_marked_commands_run_with_ros",
-        own_controller,
-    ),
-    Journey(
-        "a repaired model of a UR5e from a bag",
-        "tutorials/ur5e.md",
-        "tests/contracts/test_guide.py::test_marked_commands_run",
-        repaired_ur5e,
-    ),
-    Journey(
-        "a notebook with a frequency response",
-        "notebooks/overview.md",
-        "tests/contracts/test_notebooks.py::test_notebook_runs_and_shows_tables_and_pictures",
-        notebook,
-    ),
-)
-
-
-def blocks_of(page: str, marker: str) -> list[str]:
-    """Return the marked blocks of a page."""
-    return marked_blocks((CHECKOUT / "docs" / page).read_text(encoding="utf-8"), marker)
-
-
-def block(blocks: list[str], folder: Path, variables: dict[str, str]) -> None:
-    """Run blocks in one folder; what one prints is shown where it fails."""
-    assert blocks
-    output = folder / "output"
-    for one in blocks:
-        code = run_block(one, folder, variables, output)
-        if code:
-            raise SystemExit(output.read_text(encoding="utf-8", errors="replace"))
+        yield {"ROS_DOMAIN_ID": str(number), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
 
 
 def used() -> float:
@@ -169,27 +147,33 @@ def used() -> float:
 
 def timed(journey: Journey) -> tuple[float, float]:
     """Run a journey and return wall and processor time [s]."""
-    with tempfile.TemporaryDirectory(prefix="first_hour_") as scratch:
+    with tempfile.TemporaryDirectory(prefix="first_hour_") as scratch, contextlib.ExitStack() as stack:
         folder, variables = folder_of_reader(Path(scratch))
         variables |= {"PYTHONPATH": str(CHECKOUT)}
+        if journey.over_topics:
+            variables |= stack.enter_context(own_domain())
         begun, before = time.monotonic(), used()
         journey.run(folder, variables)
         return time.monotonic() - begun, used() - before
 
 
 def main() -> None:
-    """Time all journeys and write the page."""
-    rows = []
-    for journey in JOURNEYS:
+    """Time all journeys; write the page and the times of the README."""
+    rows, times = [], {}
+    for journey in journeys():
         wall, processor = timed(journey)
-        rows.append(f"| {journey.name} | [page](../{journey.page}) | {wall:.0f} | {processor:.0f} |")
+        rows.append(f"| {journey.name} | [page](../{PAGES[journey.name]}) | {wall:.0f} | {processor:.0f} |")
+        times[f"# {journey.name}: {journey.seconds} s\n"] = f"# {journey.name}: {wall:.0f} s\n"
         print(rows[-1], flush=True)
     machine = (
         f"{os.cpu_count()} processors ({platform.machine()}) of a shared server, Python {platform.python_version()}"
     )
-    tests = "\n".join(f"- {journey.name}: `{journey.test}`" for journey in JOURNEYS)
-    page = HEAD.format(machine=machine, rows="\n".join(rows), tests=tests)
+    page = HEAD.format(machine=machine, rows="\n".join(rows))
     Path(__file__).with_suffix(".md").write_text(page, encoding="utf-8")
+    text = README.read_text(encoding="utf-8")
+    for before, after in times.items():
+        text = text.replace(before, after)
+    README.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -52,12 +52,14 @@ def run_block(block: str, folder: Path, variables: dict[str, str], output: Path)
 
 
 def folder_of_reader(scratch: Path) -> tuple[Path, dict[str, str]]:
-    """Make a folder with the documents, and the environment in which `flexros` and `python` are those of the test."""
+    """Make a folder with the documents, and the environment in which `flexros`, `python` ... are those of the test."""
     programs, folder = scratch / "programs", scratch / "folder"
     programs.mkdir()
     folder.mkdir()
     executable(programs / "python", sys.executable)
     executable(programs / "flexros", sys.executable, "-c", PROGRAM)
+    executable(programs / "pip", sys.executable, "-m", "pip", "--disable-pip-version-check")
+    executable(programs / "jupyter", sys.executable, "-m", "jupyter")
     (folder / "docs").symlink_to(CHECKOUT / "docs")
     return folder, {**os.environ, "PATH": f"{programs}{os.pathsep}{os.environ['PATH']}"}
 

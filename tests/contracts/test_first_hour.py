@@ -1,32 +1,36 @@
-"""The journeys that docs/results/first_hour.py times: pages, commands and tests are there."""
+"""Journeys of a new user, by the commands of README.md alone."""
 
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pytest
 
+from tests.contracts.conftest import folder_of_reader
 from tests.program import CHECKOUT, program
 
-pytest.importorskip("rclpy", reason="the program claims a ROS domain")
 hour = program("docs/results/first_hour.py")
+JOURNEYS = hour.journeys()
 
 
-def test_there_are_four_and_the_page_has_their_times() -> None:
+@pytest.mark.guide
+@pytest.mark.parametrize("journey", JOURNEYS, ids=lambda journey: journey.name)
+def test_commands_of_the_readme_run(journey: hour.Journey, tmp_path: Path, request: pytest.FixtureRequest) -> None:
+    if journey.over_topics:
+        request.getfixturevalue("ros_domain")
+    folder, variables = folder_of_reader(tmp_path)
+    journey.run(folder, variables)
+
+
+def test_readme_and_page_have_all_journeys_and_the_same_times() -> None:
     page = (CHECKOUT / "docs/results/first_hour.md").read_text(encoding="utf-8")
     rows = dict(re.findall(r"^\| ([^|]*) \| \[page\]\([^)]*\) \| (\d+) \|", page, re.MULTILINE))
-    assert list(rows) == [journey.name for journey in hour.JOURNEYS]
-    assert len(rows) == 4
+    assert {journey.name: str(journey.seconds) for journey in JOURNEYS} == rows
+    assert list(rows) == list(hour.PAGES)
     assert max(map(int, rows.values())) < 600, "ten minutes each"
 
 
-@pytest.mark.parametrize("journey", hour.JOURNEYS, ids=lambda journey: journey.name)
-def test_page_and_test_exist(journey: hour.Journey) -> None:
-    assert (CHECKOUT / "docs" / journey.page).is_file()
-    file, _, name = journey.test.partition("::")
-    assert f"def {name}(" in (CHECKOUT / file).read_text(encoding="utf-8")
-
-
-def test_commands_of_the_journeys_are_on_their_pages() -> None:
-    assert any("six_axis" in one for one in hour.blocks_of("how-to/own_controller.md", f"{hour.MARKER} with ROS 2"))
-    assert any("repaired.urdf" in one for one in hour.blocks_of("tutorials/ur5e.md", hour.MARKER))
+@pytest.mark.parametrize("page", hour.PAGES.values())
+def test_page_exists(page: str) -> None:
+    assert (CHECKOUT / "docs" / page).is_file()

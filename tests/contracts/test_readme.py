@@ -1,4 +1,4 @@
-"""Commands of the README, run as printed."""
+"""Targets, paths and picture of the README; its commands are run by test_first_hour.py."""
 
 from __future__ import annotations
 
@@ -6,20 +6,12 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 CHECKOUT = Path(__file__).parents[2]
 README = (CHECKOUT / "README.md").read_text(encoding="utf-8")
-MARKER = "run by tests/contracts/test_readme.py"
-
-
-@pytest.mark.guide
-def test_marked_commands_run(run_marked: Callable[[str, str], int], tmp_path: Path) -> None:
-    assert run_marked(README, MARKER)
-    assert (tmp_path / "folder" / "circle.html").stat().st_size > 10_000
 
 
 def test_make_targets_exist() -> None:
@@ -44,3 +36,7 @@ def test_picture_is_drawn_by_its_script(tmp_path: Path) -> None:
     assert "](docs/pictures/overview.svg)" in README
     drawn, kept = (path.read_text(encoding="utf-8") for path in (tmp_path / "overview.svg", committed))
     assert drawn.count("<polyline") == kept.count("<polyline") == 5
+
+
+def test_is_short() -> None:
+    assert len(README.splitlines()) <= 125
