@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.linalg import LinAlgError, solve_discrete_are
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -32,6 +31,8 @@ def anti_windup_gain(A: FloatArray, B: FloatArray, C: FloatArray, D: FloatArray)
     Returns:
         L, shape (n, M); zeros where a stable controller has no such gain.
     """
+    from scipy.linalg import solve_discrete_are  # loads slowly, and every run would wait for it
+
     n, motors = len(A), len(D)
     if n == 0:
         return np.zeros((0, motors))
@@ -41,7 +42,7 @@ def anti_windup_gain(A: FloatArray, B: FloatArray, C: FloatArray, D: FloatArray)
     try:
         P = solve_discrete_are(A.T, C.T, power + 1e-12 * np.trace(power) / n * np.eye(n), noise, s=cross)
         gain = np.linalg.solve(C @ P @ C.T + noise, (A @ P @ C.T + cross).T).T
-    except (LinAlgError, ValueError):
+    except (np.linalg.LinAlgError, ValueError):
         return np.zeros((n, motors))
     if np.max(np.abs(np.linalg.eigvals(A - gain @ C))) > _STABLE:
         return np.zeros((n, motors))

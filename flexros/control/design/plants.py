@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
-from scipy.linalg import expm
 
 from flexros.compile.command_delay import split_delay
 from flexros.robot.spring import Spring
@@ -176,6 +175,8 @@ def sampled_plants(plants: LinearPlants, sample_time: float, delay: float) -> Sa
 
 def _held(A: FloatArray, B: FloatArray, time: float) -> tuple[FloatArray, FloatArray]:
     """Return state transitions and input matrices of a constant input over a time."""
+    from scipy.linalg import expm  # loads slowly, and every run would wait for it
+
     n, m = B.shape[-2:]
     whole = np.zeros((len(A), n + m, n + m))
     whole[:, :n, :n], whole[:, :n, n:] = A, B

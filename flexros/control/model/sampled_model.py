@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
-from scipy.linalg import solve_discrete_are
 
 from flexros.control.design.plants import linear_plants, sampled_plants
 from flexros.errors import InputError
@@ -111,6 +110,8 @@ def kalman_gain(A: FloatArray, C: FloatArray, process: FloatArray, noise: FloatA
     Returns:
         L, shape (n, n_y), and the covariance after the measurement, shape (n, n).
     """
+    from scipy.linalg import solve_discrete_are  # loads slowly, and every run would wait for it
+
     R = np.diag(noise**2)
     scale = 1.0 / noise  # measurements in units of their noise, which keeps the equation well scaled
     ahead = solve_discrete_are(A.T, (scale[:, None] * C).T, process, np.eye(len(C)))
@@ -121,6 +122,8 @@ def kalman_gain(A: FloatArray, C: FloatArray, process: FloatArray, noise: FloatA
 
 def lq_gain(A: FloatArray, B: FloatArray, cost: FloatArray, effort: FloatArray) -> FloatArray:
     """Return K of u = -K x that minimises the sum of x' cost x + u' effort u, shape (M, n)."""
+    from scipy.linalg import solve_discrete_are  # loads slowly
+
     value = solve_discrete_are(A, B, cost, effort)
     return np.asarray(np.linalg.solve(effort + B.T @ value @ B, B.T @ value @ A))
 

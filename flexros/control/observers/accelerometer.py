@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, ClassVar
 import casadi
 import numpy as np
 from pydantic import Field
-from scipy.linalg import expm
 
 from flexros.control.model.command_line import CommandLine
 from flexros.control.observers.base import AbstractObserver, Estimate
@@ -67,6 +66,8 @@ class AccelerometerObserver(AbstractObserver):
 
     def matrices(self, context: LoopContext, motor: int) -> tuple[FloatArray, FloatArray]:
         """Return A and B of (u, a) of one joint, shapes (4, 4) and (4, 2)."""
+        from scipy.linalg import expm  # loads slowly, and every run would wait for it
+
         robot, values = context.robot, context.robot.parameters
         name, joint = robot.joint_names[motor], robot.joints[robot.gear_rows[motor]].name
         inertia, friction = values[f"{name}.inertia"].value, values[f"{name}.viscous_friction"].value

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from flexros.errors import InputError, unknown_name
 
@@ -255,6 +254,14 @@ def _scalar(element: ElementTree.Element | None, key: str, place: str) -> float:
     return float(read_numbers(element, key, "0", 1, place)[0])
 
 
+def _rotation(origin: ElementTree.Element | None, place: str) -> FloatArray:
+    """Return the rotation matrix of an <origin>, shape (3, 3); the unit matrix without one."""
+    from scipy.spatial.transform import Rotation  # loads slowly, and every plant node would wait for it
+
+    matrix: FloatArray = Rotation.from_euler("xyz", _vector(origin, "rpy", "0 0 0", place)).as_matrix()
+    return matrix
+
+
 def _joint(element: ElementTree.Element, links: Mapping[str, ElementTree.Element], file: str) -> UrdfJoint:
     place = f"{file}: joint '{element.get('name')}'"
     ends: dict[str, str] = {}
@@ -274,7 +281,7 @@ def _joint(element: ElementTree.Element, links: Mapping[str, ElementTree.Element
         parent=ends["parent"],
         child=ends["child"],
         origin=_vector(origin, "xyz", "0 0 0", place),
-        rotation=Rotation.from_euler("xyz", _vector(origin, "rpy", "0 0 0", place)).as_matrix(),
+        rotation=_rotation(origin, place),
         axis=_vector(element.find("axis"), "xyz", "1 0 0", place),
         effort=_scalar(element.find("limit"), "effort", place),
         velocity=_scalar(element.find("limit"), "velocity", place),
@@ -316,7 +323,7 @@ def _inertial(link: ElementTree.Element, place: str) -> Inertial | None:
     keys = ("xx", "yy", "zz", "xy", "xz", "yz")
     xx, yy, zz, xy, xz, yz = (0.0 if tensor is None else _scalar(tensor, f"i{key}", place) for key in keys)
     J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    turn = Rotation.from_euler("xyz", _vector(origin, "rpy", "0 0 0", place)).as_matrix()
+    turn = _rotation(origin, place)
     center = _vector(origin, "xyz", "0 0 0", place)
     return Inertial(_scalar(element.find("mass"), "value", place), center, turn @ J @ turn.T)
 
