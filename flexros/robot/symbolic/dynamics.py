@@ -40,13 +40,12 @@ class Inertia:
 
 def cross(a: ca.SX, b: ca.SX) -> ca.SX:
     """Return the vector product, SX (3, 1)."""
-    return ca.vertcat(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+    return ca.cross(a, b)
 
 
 def skew(a: ca.SX) -> ca.SX:
     """Return the matrix of the vector product, SX (3, 3)."""
-    zero = ca.SX(0)
-    return ca.vertcat(ca.horzcat(zero, -a[2], a[1]), ca.horzcat(a[2], zero, -a[0]), ca.horzcat(-a[1], a[0], zero))
+    return ca.skew(a)
 
 
 def motion(chain: Chain, geometry: Geometry, q: ca.SX, v: ca.SX) -> Motion:

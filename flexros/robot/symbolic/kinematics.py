@@ -150,15 +150,15 @@ def _beam(chain: Chain, modes: list[int], reach: ca.SX, length: ca.SX) -> tuple[
     if not modes:
         return ()
     positions, weights = gauss_points(POINTS + 2 * len(modes))
-    points = []
-    for k, (xi, share) in enumerate(zip(positions.tolist(), weights.tolist(), strict=True)):
-        shapes = []
-        for joint in modes:
-            mode = chain.joints[joint].mode
-            assert mode is not None
-            shapes.append((joint, unit_vector(mode.across) * float(mode.at(positions)[k])))
-        points.append(BeamPoint(share, reach + xi * length, tuple(shapes)))
-    return tuple(points)
+    bent = []
+    for joint in modes:
+        mode = chain.joints[joint].mode
+        assert mode is not None
+        bent.append((joint, unit_vector(mode.across), mode.at(positions).tolist()))
+    return tuple(
+        BeamPoint(share, reach + xi * length, tuple((joint, across * sizes[k]) for joint, across, sizes in bent))
+        for k, (xi, share) in enumerate(zip(positions.tolist(), weights.tolist(), strict=True))
+    )
 
 
 def _vector(body: str, key: str, value: Callable[[str], Value]) -> ca.SX:
@@ -211,9 +211,7 @@ def joint_origin(chain: Chain, geometry: Geometry, index: int, coordinate: ca.SX
 
 def unit_vector(axis: int) -> ca.SX:
     """Return the unit vector of a coordinate axis, SX (3, 1)."""
-    vector = ca.SX(3, 1)
-    vector[axis] = 1
-    return vector
+    return ca.SX(ca.Sparsity.unit(3, axis), 1)
 
 
 def forward(chain: Chain, geometry: Geometry, q: ca.SX) -> tuple[ca.SX, ca.SX]:
