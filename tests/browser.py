@@ -125,12 +125,12 @@ class Browser:
         return np.asarray(Image.open(io.BytesIO(data)).convert("RGB"))
 
 
-def wait(holds: Callable[[], bool], seconds: float, what: str) -> None:
-    """Wait until a condition holds; fail with its description."""
+def wait(holds: Callable[[], bool], seconds: float, what: str, pause: float = 0.05) -> None:
+    """Wait until a condition holds, looking every `pause` seconds; fail with its description."""
     end = time.monotonic() + seconds
     while not holds():
         assert time.monotonic() < end, f"waited {seconds:g} s for {what}"
-        time.sleep(0.05)
+        time.sleep(pause)
 
 
 def chromium() -> str:

@@ -14,7 +14,7 @@ from flexros.robot.exchange.urdf_import import robot_from_urdf
 from tests.browser import Browser, opened_browser, wait
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from flexros.view.player import LogPlayer
     from flexros.view.robot_page import RobotPage
@@ -43,10 +43,15 @@ def player(circle: Path, browser: Browser) -> Iterator[LogPlayer]:
     try:
         page._playing.value = False
         browser.open(page.address)
-        wait(lambda: blue(browser).sum() > 400, 60, "the arm to be drawn")
+        seen(lambda: blue(browser).sum() > 400, "the arm to be drawn")
         yield page
     finally:
         page.stop()
+
+
+def seen(holds: Callable[[], bool], what: str) -> None:
+    """Wait until pictures show it; a picture costs as much as one that the page draws."""
+    wait(holds, 60, what, pause=0.25)
 
 
 def blue(browser: Browser) -> np.ndarray:
@@ -79,14 +84,14 @@ def test_magnified_deflection_moves_the_arm(player: LogPlayer, browser: Browser)
     player.show(8)
     before = blue(browser)
     player._deflection.value = 3
-    wait(lambda: moved(browser, before), 60, "the arm to be bent")
+    seen(lambda: moved(browser, before), "the arm to be bent")
 
 
 def test_arm_moves_by_itself(player: LogPlayer, browser: Browser) -> None:
     before = blue(browser)
     player._playing.value = True
     try:
-        wait(lambda: moved(browser, before), 60, "the arm to move")
+        seen(lambda: moved(browser, before), "the arm to move")
     finally:
         player._playing.value = False
         player.show(8)
@@ -102,7 +107,7 @@ def test_plots_are_drawn_on_one_axis_of_time(player: LogPlayer, browser: Browser
 def test_ribbon_of_the_path_error_is_drawn(player: LogPlayer, browser: Browser) -> None:
     before = orange(browser)
     player._look("path")
-    wait(lambda: orange(browser) > 5 * before + 200, 60, "the ribbon in view")
+    seen(lambda: orange(browser) > 5 * before + 200, "the ribbon in view")
 
 
 def test_robot_page_moves_with_its_sliders(browser: Browser) -> None:
@@ -111,10 +116,10 @@ def test_robot_page_moves_with_its_sliders(browser: Browser) -> None:
     page = RobotPage(load_robot("six_axis"), port=PORT)
     try:
         browser.open(page.address)
-        wait(lambda: blue(browser).sum() > 400, 60, "the robot to be drawn")
+        seen(lambda: blue(browser).sum() > 400, "the robot to be drawn")
         before = blue(browser)
         page._motors[1].value = 1.2
-        wait(lambda: moved(browser, before), 60, "the robot in another pose")
+        seen(lambda: moved(browser, before), "the robot in another pose")
     finally:
         page.stop()
 
@@ -127,7 +132,7 @@ def test_links_of_a_urdf_are_drawn(browser: Browser, tmp_path: Path) -> None:
     page = RobotPage(load_robot(file), port=PORT)
     surfaces = blue_of(page, browser)
     page._motors[1].value = -1.2
-    wait(lambda: moved(browser, surfaces), 60, "the links in another pose")
+    seen(lambda: moved(browser, surfaces), "the links in another pose")
     page.stop()
     file.write_text("".join(line for line in file.read_text().splitlines(True) if not line.startswith("drawing:")))
     page = RobotPage(load_robot(file), port=PORT)
@@ -138,7 +143,7 @@ def test_links_of_a_urdf_are_drawn(browser: Browser, tmp_path: Path) -> None:
 
 def blue_of(page: RobotPage, browser: Browser) -> np.ndarray:
     browser.open(page.address)
-    wait(lambda: blue(browser).sum() > 400, 60, "the robot to be drawn")
+    seen(lambda: blue(browser).sum() > 400, "the robot to be drawn")
     time.sleep(1.0)
     return blue(browser)
 
@@ -162,9 +167,12 @@ def test_phone_has_the_arm_above_a_panel_of_its_width(circle: Path, browser: Bro
         assert box[3] <= 0.5 * 700 + 1
         widths = browser.value("[...document.querySelectorAll('.u-over')].map(e => e.getBoundingClientRect().width)")
         assert min(widths) > 250, "plots use the width"
-        wait(lambda: blue_above(browser, box[1]).sum() > 400, 60, "the arm above the panel")
-        columns = np.nonzero(blue_above(browser, box[1]))[1]
-        assert 5 < columns.min() < columns.max() < 385, "and wholly in view"
+
+        def in_view() -> bool:
+            columns = np.nonzero(blue_above(browser, box[1]))[1]
+            return len(columns) > 400 and bool(5 < columns.min() < columns.max() < 385)
+
+        seen(in_view, "the arm above the panel, wholly in view once the camera has taken its place")
         assert browser.value("document.documentElement.scrollWidth") == 390
     finally:
         browser.size(900, 420)
