@@ -134,8 +134,8 @@ def log_differences() -> Callable[[Log, Log], list[str]]:
 
 @pytest.fixture
 def long_scenario(tmp_path: Path) -> Path:
-    """Write a scenario that holds the circle's start for two minutes: long enough to be interrupted."""
-    settings = {**load_scenario("circle_pd").settings(), "duration": 120.0, "name": "long"}
+    """Write a scenario that holds the circle's start for a minute: long enough to be interrupted."""
+    settings = {**load_scenario("circle_pd").settings(), "duration": 60.0, "name": "long"}
     path = tmp_path / "long.yaml"
     path.write_text(json.dumps(settings))
     return path
