@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 from functools import partial
+from math import log
 from typing import TYPE_CHECKING
 
 from flexros.gap.fit.estimates import parameters_of
@@ -30,7 +32,8 @@ TRIED = 2
 def reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed: float) -> CandidateFit:
     """Leave out the effects without which hardly more is left, one after the other.
 
-    Effects that are indispensable by linear theory are not tried, and those that seem least needed by it come first.
+    Effects that are indispensable by linear theory are not tried, and those that seem least needed by it come first. An
+    effect that gains less than its parameters cost is tried also where nothing is left above the floor.
     Without time for fits, and of the crowd of effects that torques show, all are left out at once that are needless by
     linear theory.
 
@@ -53,13 +56,23 @@ def reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed
         doubtful = [
             (rise, one.name)
             for one, rise in zip(fit.hypothesis, lost, strict=True)
-            if rise < certain * (rise + left) or rise == 0
+            if rise < certain * (rise + left) or rise < _least_gain(search, fit, one)
         ]
         rest = _without_one(search, fit, [name for _, name in sorted(doubtful)], fits, removed)
         if rest is None:
             break
         fit = rest
     return fit
+
+
+def _least_gain(search: Search, fit: CandidateFit, one: Candidate) -> float:
+    """Return what an effect must gain to be worth its parameters, as a rise of the sum of squares without it [1].
+
+    The floor of a real machine is a tolerance, of which a rise tells nothing unless it is zero.
+    """
+    if search.data.record.imported:
+        return sys.float_info.min
+    return compared(search, [fit]).threshold + len(one.free) * log(search.data.n_values)
 
 
 def _without_one(

@@ -64,6 +64,9 @@ class Search:
         rest = tuple(name for name in fit.kept if name not in names)
         return Fit(rest, self.chi2[frozenset(rest)])
 
+    def parallel(self, _: str, function: Any, items: list[str], *, needed: int) -> list[Any]:
+        return [function(one) for one in items[:needed]]
+
 
 @pytest.fixture(autouse=True)
 def plain_rules(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -78,7 +81,8 @@ def plain_rules(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(elimination, "parameters_of", sizes)
     monkeypatch.setattr(elimination, "worth", worth)
-    monkeypatch.setattr(elimination, "compared", lambda *_: None)
+    monkeypatch.setattr(elimination, "unique", list)
+    monkeypatch.setattr(elimination, "compared", lambda *_: SimpleNamespace(threshold=6.0))
 
 
 def test_of_two_effects_that_do_much_the_same_the_better_one_stays() -> None:
@@ -94,6 +98,14 @@ def test_a_further_effect_that_removes_little_is_left_out() -> None:
     every = Fit((COULOMB, BIAS), 2000.0)
     search: Any = Search({frozenset({COULOMB}): 2050.0}, {COULOMB: 900.0, BIAS: 50.0}, (COULOMB,))
     assert elimination.reduced(search, every, [], 0.2).names == {COULOMB}  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("chi2", [1000.0 - 30.0, 1000.0 + 30.0], ids=["below the floor", "above the floor"])
+def test_an_effect_that_gains_nothing_is_left_out_wherever_the_floor_is(chi2: float) -> None:
+    """Half of all logs whose causes are found end below it, by chance."""
+    search: Any = Search({frozenset({COULOMB}): chi2 + 0.1}, {COULOMB: 900.0, BIAS: 0.1}, ())
+    search.torques_decide, search.data.record.imported = False, False
+    assert elimination.reduced(search, Fit((COULOMB, BIAS), chi2), [], 0.2).names == {COULOMB}  # type: ignore[arg-type]
 
 
 def test_without_time_all_that_seems_needless_is_left_out_at_once() -> None:
