@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
 from functools import partial
-from math import log
+from math import log, log1p
 from typing import TYPE_CHECKING
 
 from flexros.gap.fit.estimates import parameters_of
@@ -56,7 +55,7 @@ def reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed
         doubtful = [
             (rise, one.name)
             for one, rise in zip(fit.hypothesis, lost, strict=True)
-            if rise < certain * (rise + left) or rise < _least_gain(search, fit, one)
+            if rise < certain * (rise + left) or _gains_nothing(search, fit, one, rise)
         ]
         rest = _without_one(search, fit, [name for _, name in sorted(doubtful)], fits, removed)
         if rest is None:
@@ -65,14 +64,10 @@ def reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed
     return fit
 
 
-def _least_gain(search: Search, fit: CandidateFit, one: Candidate) -> float:
-    """Return what an effect must gain to be worth its parameters, as a rise of the sum of squares without it [1].
-
-    The floor of a real machine is a tolerance, of which a rise tells nothing unless it is zero.
-    """
-    if search.data.record.imported:
-        return sys.float_info.min
-    return compared(search, [fit]).threshold + len(one.free) * log(search.data.n_values)
+def _gains_nothing(search: Search, fit: CandidateFit, one: Candidate, rise: float) -> bool:
+    """Return whether an effect gains less than its parameters cost, by the rise of the sum of squares without it."""
+    n = search.data.n_values
+    return n * log1p(rise / fit.chi2) < compared(search, [fit]).threshold + len(one.free) * log(n)
 
 
 def _without_one(

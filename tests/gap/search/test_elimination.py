@@ -100,11 +100,12 @@ def test_a_further_effect_that_removes_little_is_left_out() -> None:
     assert elimination.reduced(search, every, [], 0.2).names == {COULOMB}  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize("imported", [False, True])
 @pytest.mark.parametrize("chi2", [1000.0 - 30.0, 1000.0 + 30.0], ids=["below the floor", "above the floor"])
-def test_an_effect_that_gains_nothing_is_left_out_wherever_the_floor_is(chi2: float) -> None:
+def test_an_effect_that_gains_nothing_is_left_out_wherever_the_floor_is(chi2: float, imported: bool) -> None:
     """Half of all logs whose causes are found end below it, by chance."""
     search: Any = Search({frozenset({COULOMB}): chi2 + 0.1}, {COULOMB: 900.0, BIAS: 0.1}, ())
-    search.torques_decide, search.data.record.imported = False, False
+    search.torques_decide, search.data.record.imported = False, imported
     assert elimination.reduced(search, Fit((COULOMB, BIAS), chi2), [], 0.2).names == {COULOMB}  # type: ignore[arg-type]
 
 
