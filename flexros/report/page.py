@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 _LONG_NAME = 24
 """Characters from which a name may be divided at its underscores and slashes (chosen)."""
+_LONG_TEXT = 40
+"""Characters from which a cell of text gets a wide column, beside which a narrow screen scrolls (chosen)."""
 _FEWEST_CONTENTS = 3
 """Headings from which a page has a column of contents (chosen)."""
 _PANEL_WIDTH = 110
@@ -211,7 +213,8 @@ def _cell(tag: str, text: str, left: bool) -> str:
     shown = escape(text)
     if len(text) > _LONG_NAME and " " not in text:
         shown = shown.replace("_", "_<wbr>").replace("/", "/<wbr>")
-    return f'<{tag} class="left">{shown}</{tag}>'
+    kind = "left long" if tag == "td" and len(text) > _LONG_TEXT and " " in text else "left"
+    return f'<{tag} class="{kind}">{shown}</{tag}>'
 
 
 def _least_width(layout: dict[str, Any]) -> str:

@@ -74,11 +74,14 @@ figure { margin: 18px 0 26px; }
 figcaption { color: var(--muted); font-size: 14px; max-width: 90ch; margin: 6px 0; }
 figcaption b { color: var(--ink); font-weight: 600; }
 .scroll { overflow-x: auto; }
+.table .scroll { background: linear-gradient(to left, var(--paper) 24px, transparent 48px) 100% 0 / 48px 100% no-repeat
+  local, linear-gradient(to left, var(--frame), transparent) 100% 0 / 16px 100% no-repeat; }
 table { border-collapse: collapse; font-size: 14px; font-variant-numeric: tabular-nums; min-width: 60%; }
 th, td { padding: 5px 14px 5px 0; text-align: right; border-bottom: 1px solid var(--grid); vertical-align: top; }
 th { font-weight: 600; border-bottom: 1.5px solid var(--ink); vertical-align: bottom; }
 th.left, td.left { text-align: left; overflow-wrap: break-word; max-width: 58ch; }
 th.left:first-child, td.left:first-child { min-width: 6.8em; }
+td.long { min-width: 15em; }
 td.group { text-align: left; font-weight: 600; padding-top: 14px; max-width: 0; overflow-wrap: anywhere; }
 .picture { width: 100%; }
 .modebar-container { top: auto !important; bottom: 26px; }
@@ -172,6 +175,15 @@ const narrow = ({data, layout}, width) => {
     });
     for (const note of notes) delete note.moved;
     layout.height = total + margin.t + margin.b;
+  }
+  for (const trace of data) {  // names below narrow cells are turned: the lines of two neighbours would meet
+    const axis = trace.type === "heatmap" && layout["xaxis" + (trace.xaxis || "x").slice(1)];
+    if (!axis || typeof trace.x[0] !== "string" || (width - margin.l - margin.r) / trace.x.length > 48) continue;
+    const font = Object.assign({}, axis.tickfont, {size: 10});
+    const ticktext = trace.x.map((name) => name.replaceAll("<br>", " "));
+    Object.assign(axis, {tickmode: "array", tickvals: trace.x, ticktext, tickfont: font, tickangle: 90});
+    const room = 6 * Math.max(...ticktext.map((name) => name.length)) + 30 - margin.b;
+    if (room > 0) { margin.b += room; layout.height += room; }
   }
   const letters = Math.floor((width - margin.l - margin.r) / 7);
   for (const note of notes) {

@@ -43,13 +43,27 @@ def bars() -> Picture:
     return Picture(figure, "Two bars.")
 
 
+def cells() -> Picture:
+    import plotly.graph_objects as go
+
+    figure = stacked([""], height=120)
+    names = [f"gear torque<br>reversal {place}" for place in range(11)]
+    figure.add_trace(go.Heatmap(z=[list(range(11))], x=names, y=["motor_1"], showscale=False))
+    return Picture(figure, "Eleven cells.")
+
+
 @pytest.fixture(scope="module")
 def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
     wide = TextTable(tuple("abcdefgh"), (("a long name with words", *["1234567.89"] * 7),), "Wide.")
     names = TextTable(("Entry", "Value"), (("recorded.joint_commands.messages_that_were_missing", "x" * 90),), "Names.")
+    prose = TextTable(
+        ("a", "b", "c", "d"), (("one", "two", "many words in a cell that nobody reads in ten lines", "1"),), "P.", 3
+    )
     chapters = [Chapter("One", (picture(), wide)), Chapter("Two", (Folded("more", (picture(), names)),))]
     file: Path = tmp_path_factory.mktemp("page") / "page.html"
-    file.write_text(page_html("Title", "s", [*chapters, Chapter("Three", (Paragraph("p"), bars()))], packed=True))
+    file.write_text(
+        page_html("Title", "s", [*chapters, Chapter("Three", (Paragraph("p"), bars(), prose, cells()))], packed=True)
+    )
     with opened_browser() as one:
         one.open(file)
         one.until("document.querySelector('#picture-1 .main-svg') !== null")
@@ -137,6 +151,18 @@ def test_on_paper_two_pictures_share_a_page_and_tables_are_whole(browser: Browse
     browser.call("Emulation.setEmulatedMedia", media="")
     browser.value("window.dispatchEvent(new Event('afterprint'))")
     browser.until(f"{height} === {screen}")
+
+
+def test_cells_of_prose_are_wide_enough_to_read_on_a_phone(browser: Browser) -> None:
+    browser.size(390, 800)
+    assert browser.value("document.querySelector('td.long').getBoundingClientRect().width") >= 180
+
+
+def test_names_below_narrow_cells_do_not_meet_on_a_phone(browser: Browser) -> None:
+    browser.size(390, 800)
+    labels = "[...document.querySelectorAll('#picture-4 .xtick text')].map((t) => t.getBoundingClientRect())"
+    browser.until(f"{labels}.length === 11")
+    browser.until(f"{labels}.every((t, k, all) => !k || t.left >= all[k - 1].right - 1)")
 
 
 def test_names_of_a_waterfall_are_whole_on_a_phone(browser: Browser, tmp_path: Path) -> None:

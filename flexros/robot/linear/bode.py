@@ -35,16 +35,25 @@ def frequency_response(linear: LinearModel, frequency: FloatArray) -> ComplexArr
 
 
 def write_bode(linear: LinearModel, file: Path, title: str, low: float = 0.5, high: float = 200.0) -> None:
-    """Write the picture of `bode_figure` to a file.
+    """Write a page with a picture for every motor.
 
     Args:
         linear: The linear model.
         file: HTML file; it opens without a network.
-        title: Title of the plot.
+        title: Heading of the page.
         low: Lowest frequency [Hz].
         high: Highest frequency [Hz].
     """
-    write_result(file, bode_figure(linear, title, low, high).to_html(include_plotlyjs=True), "Bode picture")
+    from flexros.report.base import Picture  # here, because it loads slowly
+    from flexros.report.page import Chapter, page_html
+
+    caption = "Positions are drawn as accelerations, so that rigid-body motion is flat."
+    chapters = [
+        Chapter(f"{_kind(linear, column)} of {name}", (Picture(_figure(linear, [column], low, high), caption),))
+        for column, name in enumerate(linear.input_names)
+    ]
+    subtitle = f"Frequency responses from motors to measurements, {low:g} to {high:g} Hz"
+    write_result(file, page_html(title, subtitle, chapters), "Bode picture")
 
 
 def bode_figure(linear: LinearModel, title: str = "", low: float = 0.5, high: float = 200.0) -> go.Figure:
@@ -58,41 +67,45 @@ def bode_figure(linear: LinearModel, title: str = "", low: float = 0.5, high: fl
         low: Lowest frequency [Hz].
         high: Highest frequency [Hz].
     """
-    import plotly.graph_objects as go  # here, because it loads slowly
-    from plotly.subplots import make_subplots
+    figure = _figure(linear, list(range(len(linear.input_names))), low, high)
+    return figure.update_layout(title=title or None, hovermode="x unified")
+
+
+def _kind(linear: LinearModel, column: int) -> str:
+    return "Torque" if linear.input_units[column] == "Nm" else "Force"
+
+
+def _figure(linear: LinearModel, columns: list[int], low: float, high: float) -> go.Figure:
+    """Draw two panels, magnitude and phase, for each of some motors."""
+    from flexros.report.theme import curve, run_colour, stacked  # here, because plotly loads slowly
 
     frequency = np.geomspace(low, high, 2000)
     response = -((2 * np.pi * frequency[:, None, None]) ** 2) * frequency_response(linear, frequency)
-    inputs, outputs = linear.input_names, linear.measurement_names
-    figure = make_subplots(
-        rows=2 * len(inputs),
-        cols=1,
-        shared_xaxes=True,
-        vertical_spacing=0.04,
-        subplot_titles=[
-            f"{'torque' if unit == 'Nm' else 'force'} of {name}: {what}"
-            for name, unit in zip(inputs, linear.input_units)
-            for what in ("magnitude", "phase")
-        ],
-    )
-    colours = ["#1f5fa8", "#c8541b", "#2a8a57", "#8c4fa8", "#b8902c", "#3a9bb0", "#a33a55", "#5d6d7e"]
-    for column in range(len(inputs)):
-        for row, name in enumerate(outputs):
-            line = {"color": colours[row % len(colours)], "width": 1.5}
+    titles = [
+        f"{_kind(linear, column).lower()} of {linear.input_names[column]}: {what}"
+        for column in columns
+        for what in ("magnitude", "phase")
+    ]
+    figure = stacked(titles)
+    for place, column in enumerate(columns):
+        for row, name in enumerate(linear.measurement_names):
             unit = f"{linear.measurement_units[row]}/s²/{linear.input_units[column]}"
-            label = {"name": f"{name} [{unit}]", "legendgroup": name, "showlegend": column == 0, "line": line}
             channel = response[:, row, column]
             magnitude = 20 * np.log10(np.maximum(np.abs(channel), 1e-300))
-            figure.add_trace(go.Scatter(x=frequency, y=magnitude, **label), row=2 * column + 1, col=1)
             phase = np.degrees(np.unwrap(np.angle(channel)))
-            figure.add_trace(
-                go.Scatter(x=frequency, y=phase, **{**label, "showlegend": False}), row=2 * column + 2, col=1
-            )
-        figure.update_yaxes(title_text="dB", row=2 * column + 1, col=1)
-        figure.update_yaxes(title_text="degrees", row=2 * column + 2, col=1)
-    figure.update_xaxes(type="log")
-    figure.update_xaxes(title_text="frequency [Hz]", row=2 * len(inputs), col=1)
-    figure.update_layout(
-        title=title or None, template="plotly_white", height=120 + 520 * len(inputs), hovermode="x unified"
-    )
+            for panel, values in enumerate((magnitude, phase)):
+                line = curve(
+                    frequency,
+                    values,
+                    f"{name} [{unit}]",
+                    run_colour(row),
+                    hover="%{y:.4g} at %{x:.4g} Hz",
+                    legend=place == panel == 0,
+                    group=name,
+                )
+                figure.add_trace(line, row=2 * place + panel + 1, col=1)
+        figure.update_yaxes(title_text="dB", row=2 * place + 1, col=1)
+        figure.update_yaxes(title_text="degrees", row=2 * place + 2, col=1)
+    figure.update_xaxes(type="log", dtick=1)
+    figure.update_xaxes(title_text="frequency [Hz]", row=2 * len(columns), col=1)
     return figure

@@ -50,4 +50,5 @@ def test_picture_opens_without_a_network(tmp_path: Path) -> None:
     text = file.read_text()
     assert "torque of motor_2: phase" in text
     assert '<script src="http' not in text
+    assert 'name="viewport"' in text, "a page of the kit, which fits a phone"
     assert list(tmp_path.iterdir()) == [file]
