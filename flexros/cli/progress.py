@@ -23,6 +23,8 @@ _BEAT = 0.5
 """Time between two looks whether a line is due [s] (chosen)."""
 _KNOWN = 0.02
 """Share that must be done before the time left is estimated [1] (chosen)."""
+_LONG = 30.0
+"""Time after which any share that is done will do for it [s] (chosen)."""
 
 
 def progress_bar(shown: bool = True) -> ProgressBar:
@@ -114,13 +116,16 @@ def line(elapsed: float, stage: str, share: float | None) -> str:
     """
     done = "" if share is None else f", {100 * share:.0f} % done"
     left = None if share is None else time_left(elapsed, share)
-    rest = "" if left is None else f", about {left:.0f} s left" if left < 100 else f", about {left / 60:.0f} min left"
+    rest = ", time left not known" if elapsed >= QUIET and (share is None or share < 1.0) else ""
+    if left is not None:
+        rest = f", about {left:.0f} s left" if left < 100 else f", about {left / 60:.0f} min left"
     return f"flexros: {elapsed:.0f} s: {stage}{done}{rest}"
 
 
 def time_left(elapsed: float, share: float) -> float | None:
     """Estimate the time left at the pace so far [s]; None at the begin and at the end."""
-    if elapsed < QUIET or not _KNOWN <= share < 1.0:
+    enough = share >= _KNOWN or (elapsed >= _LONG and share > 0.0)
+    if elapsed < QUIET or not enough or share >= 1.0:
         return None
     return elapsed * (1.0 - share) / share
 

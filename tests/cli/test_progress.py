@@ -57,7 +57,9 @@ def test_the_share_never_falls(capfd: pytest.CaptureFixture[str]) -> None:
 
 def test_the_time_left_is_known_once_something_is_done() -> None:
     assert time_left(1.0, 0.5) is None
-    assert time_left(30.0, 0.001) is None
+    assert time_left(20.0, 0.001) is None
+    assert time_left(40.0, 0.01) == pytest.approx(3960.0), "hours: the first of 100 cases tells"
+    assert line(40.0, "crowds", 0.0) == "flexros: 40 s: crowds, 0 % done, time left not known"
     assert time_left(30.0, 0.25) == 90.0
     assert line(600.0, "fits", 0.5) == "flexros: 600 s: fits, 50 % done, about 10 min left"
 
@@ -101,4 +103,4 @@ def test_work_that_does_not_report_is_spoken_of(
                 break
             time.sleep(0.01)
             said = capfd.readouterr().err
-    assert said == "flexros: 0 s: preparing\n"
+    assert said == "flexros: 0 s: preparing, time left not known\n"

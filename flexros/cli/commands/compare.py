@@ -7,6 +7,7 @@ from pathlib import Path
 import typer
 
 from flexros.cli.output import console, print_json, say
+from flexros.cli.progress import working
 
 
 def compare(
@@ -18,9 +19,10 @@ def compare(
     from flexros.gap.report.compared import sentence, terminal_tables, write_compared
     from flexros.gap.report.comparison import read_comparison
 
-    compared = read_comparison(diagnosis)
-    if report:
-        write_compared(compared, report)
+    with working("comparing"):
+        compared = read_comparison(diagnosis)
+        if report:
+            write_compared(compared, report)
     if as_json:
         print_json(
             {

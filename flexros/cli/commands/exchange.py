@@ -12,6 +12,7 @@ from rich.table import Table
 from flexros.atomic_file import write_result
 from flexros.cli.model import ROBOT
 from flexros.cli.output import console, print_json, say
+from flexros.cli.progress import working
 from flexros.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
@@ -33,8 +34,9 @@ def import_urdf(
     """Convert a URDF to a robot YAML, springs to be filled in, and its dry friction to a patch of it."""
     from flexros.robot.exchange.urdf_import import robot_from_urdf
 
-    imported = robot_from_urdf(file, tip, out.parent)
-    second, effects = _write_import(imported, out, patch)
+    with working("reading the URDF"):
+        imported = robot_from_urdf(file, tip, out.parent)
+        second, effects = _write_import(imported, out, patch)
     if as_json:
         _print_import(imported, out, second)
         return
@@ -55,8 +57,9 @@ def import_mjcf(
     """Convert an MJCF to a robot YAML, and its dry friction, lags and delays to a patch of it."""
     from flexros.robot.exchange.mjcf_import import robot_from_mjcf
 
-    imported = robot_from_mjcf(file, end)
-    second, effects = _write_import(imported, out, patch)
+    with working("reading the MJCF"):
+        imported = robot_from_mjcf(file, end)
+        second, effects = _write_import(imported, out, patch)
     if as_json:
         _print_import(imported, out, second)
         return
@@ -94,7 +97,8 @@ def export(
     if base is not None and base.resolve() == out.resolve():
         raise InputError(f"{out} is the base itself, which is kept; give another file", "out")
     _refuse_existing(out)
-    exported = export_model(load_patched(name), formats[to], base, _joints(joint), end)
+    with working(f"writing the {to.upper()}"):
+        exported = export_model(load_patched(name), formats[to], base, _joints(joint), end)
     write_result(out, exported.text, to.upper())
     if base is not None and out.resolve().parent != base.resolve().parent and " file=" in exported.text:
         text = f"flexros: {out} names files relative to its folder, but {base} is in another one; move it there"

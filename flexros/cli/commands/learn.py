@@ -14,7 +14,7 @@ from flexros.cli.progress import progress_bar
 def learn(
     scenario: str = typer.Argument(help="Scenario with a path of tool positions: built-in name or YAML."),
     trials: int = typer.Option(8, "--trials", help="Number of runs, the first without a correction."),
-    gain: float = typer.Option(0.8, "--gain", help="Share of the error that a run corrects."),
+    gain: float = typer.Option(0.8, "--gain", help="Share of the error that a run corrects [1]."),
     bandwidth: float = typer.Option(50.0, "--bandwidth", help="Cut-off of the low-pass of the correction [Hz]."),
     setting: list[str] = typer.Option([], "--set", help="Change a key of the scenario, e.g. noise=false."),
     model: str = typer.Option("", "--model", help="Robot instead of the scenario's."),

@@ -36,7 +36,9 @@ FIGURES = {
 
 def replay(
     bag: Path = typer.Argument(help="Log: a rosbag2 folder, an .mcap or a .db3 file, of any recorder."),
-    rate: float = typer.Option(1.0, "--rate", help="Times as fast as recorded, 0.001 to 1000; inf: without pauses."),
+    rate: float = typer.Option(
+        1.0, "--rate", help="Times as fast as recorded, 0.001 to 1000 [1]; inf: without pauses."
+    ),
     loop: bool = typer.Option(False, "--loop", help="Begin again at the end; stamps and /clock then jump back."),
     paused: bool = typer.Option(False, "--paused", help="Wait for the service ~/resume before the first message."),
     from_time: float = typer.Option(0.0, "--from", help="Where to begin, after the beginning of the log [s]."),

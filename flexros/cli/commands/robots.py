@@ -12,6 +12,7 @@ from rich.table import Table
 from flexros.atomic_file import write_result
 from flexros.cli.model import ROBOT, linear_robot
 from flexros.cli.output import console, print_json, say
+from flexros.cli.progress import working
 from flexros.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
@@ -60,12 +61,13 @@ def robot(
     if urdf:
         _write_urdf(loaded, urdf, flexible)
     pose = np.array(loaded.home) if not q else parse_numbers(q, "--q")
-    linear = linear_model(loaded, pose, output or None)
-    verdict = zero_dynamics(loaded, pose, output or None)
-    zeros = {
-        source: {target: channel_zeros(linear, column, row) for row, target in enumerate(linear.measurement_names)}
-        for column, source in enumerate(linear.input_names)
-    }
+    with working("modes and zeros"):
+        linear = linear_model(loaded, pose, output or None)
+        verdict = zero_dynamics(loaded, pose, output or None)
+        zeros = {
+            source: {target: channel_zeros(linear, column, row) for row, target in enumerate(linear.measurement_names)}
+            for column, source in enumerate(linear.input_names)
+        }
     if bode:
         from flexros.robot.linear.bode import write_bode
 

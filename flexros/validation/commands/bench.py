@@ -14,6 +14,7 @@ from rich.table import Table
 
 from flexros.atomic_file import write_result
 from flexros.cli.output import console, print_json
+from flexros.cli.progress import progress_bar
 from flexros.errors import InputError, RunError, unknown_name
 from flexros.provenance import NUMERIC_PACKAGES, machine, versions
 
@@ -48,10 +49,11 @@ def bench(
     if out and not out.absolute().parent.is_dir():
         raise InputError(f"the result cannot be written to '{out}', its folder does not exist; make it or give another")
     results = {}
-    for one in chosen:
-        if not as_json:
-            console.print(f"measuring {one} ...")
-        results[one] = _measure(one, available[one])
+    with progress_bar() as bar:
+        task = bar.add_task("", total=len(chosen))
+        for done, one in enumerate(chosen):
+            bar.update(task, description=f"measuring {one}", completed=done)
+            results[one] = _measure(one, available[one])
     described = {**machine(), "versions": versions(PACKAGES)}
     content: dict[str, Any] = {"machine": described, "results": results}
     if out:

@@ -39,8 +39,10 @@ def design(
     candidates: int = typer.Option(4000, "--candidates", help="Number of positions to choose from."),
     ranges: list[str] = typer.Option([], "--range", help=RANGE),
     repeat: bool = typer.Option(False, "--repeat", help="Allow a position to be chosen more than once."),
-    distortion: float = typer.Option(0.0, "--distortion", help="Expected nonlinear share of the output, e.g. 0.01."),
-    minutes: float = typer.Option(30.0, "--minutes", help="Robot time up to which transient periods are added."),
+    distortion: float = typer.Option(
+        0.0, "--distortion", help="Expected nonlinear share of the output, e.g. 0.01 [1]."
+    ),
+    minutes: float = typer.Option(30.0, "--minutes", help="Robot time up to which transient periods are added [min]."),
     scenario: str = typer.Option("", "--scenario", help="Excitation and controller; default: chosen for the robot."),
     setting: list[str] = typer.Option([], "--set", help="Key of the scenario, e.g. identification.blocks=3."),
     unknown: list[str] = typer.Option([], "--unknown", help=UNKNOWN),

@@ -12,6 +12,7 @@ from flexros.atomic_file import write_result
 from flexros.cli.model import ROBOT, robot_of_run
 from flexros.cli.options import NamespaceOption
 from flexros.cli.output import console, print_json, say
+from flexros.cli.progress import working
 
 if TYPE_CHECKING:
     from flexros.identify.friction.measurement import FrictionMeasurement
@@ -33,8 +34,9 @@ def friction(
     from flexros.identify.friction.report import friction_report
     from flexros.logs.reader import read_log
 
-    read = [read_log(log, namespace=namespace or None) for log in logs]
-    measured = measure_friction(read, joint, linear=_linear(model, read[0], joint))
+    with working("fitting friction laws"):
+        read = [read_log(log, namespace=namespace or None) for log in logs]
+        measured = measure_friction(read, joint, linear=_linear(model, read[0], joint))
     if report is not None:
         write_result(report, friction_report(measured, [str(log) for log in logs]), "report")
     if as_json:

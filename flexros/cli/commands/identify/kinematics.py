@@ -34,7 +34,7 @@ def kinematics(
     noise: float = typer.Option(None, "--noise", help="Tracker noise, rms [m]; default: estimated."),
     length: float = typer.Option(2e-3, "--length", help="Deviation of lengths before the measurement [m]."),
     angle: float = typer.Option(2e-3, "--angle", help="Deviation of zeros and mounting angles [rad]."),
-    compliance: float = typer.Option(0.3, "--compliance", help="Relative deviation of stiffnesses."),
+    compliance: float = typer.Option(0.3, "--compliance", help="Relative deviation of stiffnesses [1]."),
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
     """Identify lengths, angles, encoder zeros and compliances from measured tool positions under load."""

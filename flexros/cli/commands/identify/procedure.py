@@ -47,7 +47,7 @@ def robot(
     positions: int = typer.Option(0, "--positions", help="Number of positions; default: 15, or as many as unknowns."),
     candidates: int = typer.Option(4000, "--candidates", help="Number of positions to choose from."),
     ranges: list[str] = typer.Option([], "--range", help=RANGE),
-    minutes: float = typer.Option(30.0, "--minutes", help="Robot time up to which transient periods are added."),
+    minutes: float = typer.Option(30.0, "--minutes", help="Robot time up to which transient periods are added [min]."),
     scenario: str = typer.Option("", "--scenario", help="Excitation and controller; default: chosen for the robot."),
     real: str = typer.Option("", "--real", help=REAL),
     effect: list[str] = typer.Option(
