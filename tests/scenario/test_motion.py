@@ -55,6 +55,7 @@ def test_way_back_is_planned_by_itself() -> None:
     assert largest_use(experiment) == pytest.approx(1.0, abs=2 * TOLERANCE)
 
 
+@pytest.mark.slow
 def test_repeated_circle_of_the_tool_with_limits_of_the_time_law() -> None:
     """One circle shakes the arm for the next: the limits hold for both."""
     law = {**FAST, "torque_limit": [2000, 1000], "smoothing": 0.2}

@@ -3,6 +3,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+import pytest
 
 from flexros.effects.patching.patched_robot import load_model
 from flexros.logs.reader import read_log
@@ -28,6 +29,7 @@ def test_arm_of_the_report_ends_at_the_tool(circle: Path) -> None:
     assert np.abs(tool - log.tool_pose.position[rows]).max() < 2e-4
 
 
+@pytest.mark.slow
 def test_page_plays_the_arm_offline_and_stays_small(circle: Path, tmp_path: Path) -> None:
     chapter = motion_chapter(read_log(circle), load_model("e12"), "circle")
     file = tmp_path / "page.html"

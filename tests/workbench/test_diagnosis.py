@@ -10,6 +10,7 @@ import pytest
 import flexros
 from flexros.errors import InputError
 
+pytestmark = pytest.mark.slow
 LEVEL = 0.05
 HIDDEN: dict[str, Any] = {
     "model": "four_mass_linear",

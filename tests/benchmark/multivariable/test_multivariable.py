@@ -79,6 +79,7 @@ def test_every_design_loads_and_a_wrong_name_is_refused() -> None:
         problem_named("elbow")
 
 
+@pytest.mark.slow
 def test_the_nominal_model_follows_its_path_and_errors_of_the_model_show(bench: MotionBenchmark) -> None:
     law = load_motion_controller(E12, "pid").nominal
     nominal, perturbed = (bench.measures_of_set(name, law, noise=False) for name in (NOMINAL, "M1"))
@@ -106,6 +107,7 @@ def test_the_coupled_pid_without_coupling_is_the_law_pid() -> None:
         assert not np.any(found[:, motor, 1 - motor])
 
 
+@pytest.mark.slow
 def test_the_coupled_search_lowers_the_cost_of_its_start(bench: MotionBenchmark) -> None:
     pytest.importorskip("cma")
     first = cost_with_demands(bench, settings_of_coupled(bench, FIRST), (NOMINAL,))

@@ -41,6 +41,7 @@ def test_error_of_each_joint_has_its_four_poles() -> None:
         assert np.poly(error) == pytest.approx(np.poly([pole] * 4), rel=1e-7)
 
 
+@pytest.mark.slow
 def test_a_wrong_start_is_forgotten_as_designed() -> None:
     scenario = load_scenario("elbow_accelerometer").with_values({"noise": False, "sample_time": 1e-4, "duration": 0.2})
     run = Experiment.prepare(scenario.with_values({"controller.observer.bandwidth": 60.0}))

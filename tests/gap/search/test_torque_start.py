@@ -101,6 +101,7 @@ def test_a_simulated_log_far_from_its_model_begins_with_its_torques_too() -> Non
     assert {f"{one.effect.name}@{one.location}" for one, _ in found.hypothesis()} >= FRICTION
 
 
+@pytest.mark.slow
 def test_friction_of_all_motors_is_named_and_rotors_are_numbers_of_the_model() -> None:
     diagnosis = result().diagnosis
     assert {f"{cause.effect}@{cause.location}" for cause in diagnosis.causes} == FRICTION
@@ -111,6 +112,7 @@ def test_friction_of_all_motors_is_named_and_rotors_are_numbers_of_the_model() -
     assert all(cause.closed_fraction is not None for cause in diagnosis.causes)
 
 
+@pytest.mark.slow
 def test_the_patch_holds_rotors_and_friction() -> None:
     patched = {f"{placed.effect.name}@{placed.location}" for placed in result().patch}
     assert patched == FRICTION | {"rotor_inertia@motor_1", "rotor_inertia@motor_2"}
@@ -125,6 +127,7 @@ def test_a_base_that_gains_no_more_than_chance_is_none() -> None:
     assert base_fit(null(), found, DiagnosisSettings(ranking=strict)) is None
 
 
+@pytest.mark.slow
 def test_clear_asymmetry_of_friction_is_found() -> None:
     settings = DiagnosisSettings(where=None, next_experiment=None)
     uneven = [record_of_arm(imported=True, seed=seed, asymmetry=0.4) for seed in (5, 6)]
@@ -143,6 +146,7 @@ def complete_arm() -> Robot:
     return robot_from_data(data, "arm.yaml")
 
 
+@pytest.mark.slow
 def test_friction_whose_mean_is_nominal_returns_for_its_asymmetry() -> None:
     """The torques show no viscous friction beyond the nominal one, so it is left out at first."""
     settings = DiagnosisSettings(where=None, next_experiment=None)
@@ -153,6 +157,7 @@ def test_friction_whose_mean_is_nominal_returns_for_its_asymmetry() -> None:
     assert parameters["viscous_friction@motor_1"]["asymmetry"].value == pytest.approx(1.0, rel=0.1)
 
 
+@pytest.mark.slow
 def test_friction_of_the_nominal_model_that_is_too_large_is_reduced() -> None:
     """Rotors are estimated beside it, and what the model has too much of is a negative level."""
     record = record_of_arm(imported=True)
@@ -167,6 +172,7 @@ def test_friction_of_the_nominal_model_that_is_too_large_is_reduced() -> None:
     assert levels["motor_2"] == pytest.approx(COULOMB[1], rel=0.05)
 
 
+@pytest.mark.slow
 def test_a_load_of_many_times_the_last_body_is_found() -> None:
     """Its search ends at nine times the mass and is widened."""
     settings = DiagnosisSettings(where=None, next_experiment=None)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from flexros.gap.fit.least_squares import CandidateFit
 from flexros.gap.held_out.predictions import prediction_of, sensor_errors
@@ -10,6 +11,8 @@ from flexros.gap.schema import Excess
 from flexros.gap.where.find import where
 from tests.gap.diagnosis_logs import ROBOT, predictor_of
 from tests.gap.sensor_logs import sensed, sensed_data
+
+pytestmark = pytest.mark.slow
 
 
 def located(*effects: str, sensors: tuple[str, ...], every: int = 1) -> tuple[Excess, ...]:

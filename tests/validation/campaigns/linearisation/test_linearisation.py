@@ -71,6 +71,7 @@ def test_a_duel_counts_runs_and_a_lost_run_loses() -> None:
     assert (found.better, found.runs, found.ratio) == (1, 3, 2.0)
 
 
+@pytest.mark.slow
 def test_the_campaign_compares_laws(client: Client, tmp_path: Path) -> None:
     settings = LinearisationSettings(
         robots=(ELBOW,),
