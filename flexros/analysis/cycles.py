@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
 
+from flexros.analysis.path_geometry import distances, step_lengths
+
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray, IntArray
 
@@ -35,8 +37,7 @@ class Cycle:
 
     def arc_length(self) -> FloatArray:
         """Return the commanded distance since the beginning of the cycle [m], shape (n,), never decreasing."""
-        step = np.linalg.norm(np.diff(self.commanded, axis=0), axis=1)
-        return np.concatenate([[0.0], np.cumsum(step)])
+        return np.concatenate([[0.0], np.cumsum(step_lengths(self.commanded))])
 
     def part(self, start: int, stop: int) -> Cycle:
         """Return the samples from `start` up to, not including, `stop`."""
@@ -61,7 +62,7 @@ def split_cycles(run: Cycle) -> tuple[Cycle, ...]:
     Returns:
         The cycles, at least one; a path that does not repeat, or does not move at all, is one cycle.
     """
-    moving = np.flatnonzero(np.linalg.norm(np.diff(run.commanded, axis=0), axis=1) > _AT_REST)
+    moving = np.flatnonzero(step_lengths(run.commanded) > _AT_REST)
     if len(moving) == 0:
         return (run,)
     first, last = int(moving[0]), int(moving[-1]) + 2
@@ -84,11 +85,11 @@ def repetition(points: FloatArray) -> int | None:
     Returns:
         The smallest such number of samples, or None where the path is traversed less than twice.
     """
-    largest_step = float(np.max(np.linalg.norm(np.diff(points, axis=0), axis=1)))
+    largest_step = float(np.max(step_lengths(points)))
     for lag in _low_lags(points):
         if _passes(points, int(lag)) < 2:
             continue
-        if float(np.max(np.linalg.norm(points[lag:] - points[:-lag], axis=1))) <= 0.75 * largest_step:
+        if float(np.max(distances(points[lag:], points[:-lag]))) <= 0.75 * largest_step:
             return int(lag)
     return None
 
@@ -106,11 +107,18 @@ def _low_lags(points: FloatArray) -> IntArray:
     size = next_fast_len(2 * n)
     correlation = np.zeros(n)
     for column in centred.T:
-        correlation += irfft(np.abs(rfft(column, size)) ** 2, size)[:n]
+        power = np.abs(rfft(column, size))
+        power *= power
+        correlation += irfft(power, size)[:n]
+    del power  # as long as a column of the log
     square = np.sum(centred**2, axis=1)
+    del centred
     total = np.concatenate([[0.0], np.cumsum(square)])
-    lag = np.arange(n)
-    mean_square = (total[n - lag] + total[n] - total[lag] - 2.0 * correlation) / (n - lag)
+    mean_square = total[:0:-1] + total[n]  # at every lag L: total[n - L] + total[n] - total[L] - 2 correlation[L]
+    mean_square -= total[:n]
+    correlation *= 2.0
+    mean_square -= correlation
+    mean_square /= np.arange(n, 0, -1)
     low = np.zeros(n, dtype=bool)
     low[1:-1] = (mean_square[1:-1] <= mean_square[:-2]) & (mean_square[1:-1] <= mean_square[2:])
     low &= mean_square < 1e-3 * total[n] / n

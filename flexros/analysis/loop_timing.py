@@ -18,6 +18,8 @@ _GAP = 1.5
 """A step of more than this many periods has lost at least one sample."""
 _ROUND_OFF = 1
 """Steps of stamps on an exact grid differ by this much from rounding to whole nanoseconds [ns]."""
+_AT_ONCE = 100_000
+"""Stamps that are compared at once (chosen)."""
 _NAMED_GAPS = 20
 """Number of gaps that are listed one by one; all are counted."""
 
@@ -169,16 +171,26 @@ def loop_timing(log: Log) -> LoopTiming:
     states = present.get("joint_states", np.empty(0, dtype=np.int64))
     commands = present.get("joint_commands", np.empty(0, dtype=np.int64))
     # A log that ends between a measurement and its command has not lost that command.
-    asked = states[states <= commands.max()] if len(commands) else states
-    matched = int(np.count_nonzero(np.isin(asked, commands)))
+    asked = states[: np.searchsorted(states, commands[-1], side="right")] if len(commands) else states
+    matched = _common(asked, commands)
     return LoopTiming(
         topics=tuple(topic_timing(name, stamp, start) for name, stamp in present.items()),
         answered=matched / len(asked) if len(asked) else 0.0,
         unanswered=len(asked) - matched,
-        unasked=int(np.count_nonzero(~np.isin(commands, states))),
+        unasked=len(commands) - _common(commands, states),
         real_time=ran_in_real_time(log),
         arrivals=loop_arrivals(log),
         pacing=plant_pacing(log.plant_figures),
+    )
+
+
+def _common(stamps: IntArray, others: IntArray) -> int:
+    """Count the stamps that others has too; both increase."""
+    if not len(others):
+        return 0
+    return sum(
+        int(np.count_nonzero(others[np.minimum(np.searchsorted(others, some), len(others) - 1)] == some))
+        for some in np.array_split(stamps, 1 + len(stamps) // _AT_ONCE)
     )
 
 
@@ -196,11 +208,13 @@ def topic_timing(topic: str, stamp: IntArray, start: int) -> TopicTiming:
     different = stamp if np.all(np.diff(stamp) > 0) else np.unique(stamp)  # that of the log, not a copy
     step = np.diff(different)
     period = float(np.median(step)) if len(step) else float("nan")
-    missing = np.where(step > _GAP * period, np.rint(step / period) - 1.0, 0.0) if len(step) else np.empty(0)
-    whole = step[missing == 0.0]
-    jitter = np.abs(whole - period)
-    worst = np.flatnonzero(missing)[:_NAMED_GAPS]
-    gaps = tuple(Gap(float((different[k] - start) * 1e-9), int(missing[k])) for k in worst)
+    long = step > _GAP * period
+    missing = np.rint(step[long] / period) - 1.0
+    worst = np.flatnonzero(long)[:_NAMED_GAPS]
+    gaps = tuple(Gap(float((different[k] - start) * 1e-9), int(n)) for k, n in zip(worst, missing, strict=False))
+    whole = step[~long] if len(missing) else step
+    jitter = whole - period
+    np.abs(jitter, out=jitter)
     return TopicTiming(
         topic=topic,
         count=len(stamp),
@@ -214,7 +228,7 @@ def topic_timing(topic: str, stamp: IntArray, start: int) -> TopicTiming:
         gaps=gaps,
         duplicates=len(stamp) - len(different),
         out_of_order=int(np.count_nonzero(np.diff(stamp) < 0)),
-        exact=bool(np.all(np.abs(step - period) <= _ROUND_OFF)) and len(stamp) == len(different),
+        exact=not len(missing) and bool(np.all(jitter <= _ROUND_OFF)) and len(stamp) == len(different),
         stamps=different,
         begin=start,
     )

@@ -126,8 +126,9 @@ def path_error(
 
 
 def _only(position: FloatArray, axes: tuple[str, ...]) -> FloatArray:
-    """Set the other components to 0; the same array where there is none, since that of a long log is large."""
-    if set(axes) == set(AXES):
+    """Set the other components to 0; the same array where they are, since that of a long log is large."""
+    others = [index for index, axis in enumerate(AXES) if axis not in axes]
+    if not any(np.any(position[:, index]) for index in others):
         return position
     return position * np.array([axis in axes for axis in AXES], dtype=np.float64)
 
@@ -152,9 +153,12 @@ def _common_run(pose: PoseSeries, reference: PoseSeries, start: int, turned: boo
     # Relative to the first stamp, because a double does not hold nanoseconds since 1970.
     at, known = elapsed_seconds(stamp, first), elapsed_seconds(reference.stamp, first)
     attained = pose.position[inside]
-    commanded = np.empty((len(at), 3))
-    for i in range(3):
-        commanded[:, i] = np.interp(at, known, reference.position[:, i])
+    if np.array_equal(stamp, reference.stamp):
+        commanded = reference.position
+    else:
+        commanded = np.empty((len(at), 3))
+        for i in range(3):
+            commanded[:, i] = np.interp(at, known, reference.position[:, i])
     for name, values in (("tool_pose", attained), ("tool_reference", commanded)):
         if not np.all(np.isfinite(values)):
             row = int(np.flatnonzero(~np.all(np.isfinite(values), axis=1))[0])

@@ -101,16 +101,17 @@ def path_through(points: FloatArray) -> CommandedPath:
     Args:
         points: Commanded positions in order of time [m], shape (n, 3), n >= 1.
     """
-    step = _step_lengths(points)
+    step = step_lengths(points)
     if np.all(step >= _SAME_POINT):
-        vertices, lengths = np.array(points, dtype=np.float64), step
+        vertices, lengths = points, step
     else:
-        kept = [0]
+        kept, last = np.zeros(len(points), dtype=bool), 0
+        kept[0] = True
         for index in range(1, len(points)):
-            if np.linalg.norm(points[index] - points[kept[-1]]) >= _SAME_POINT:
-                kept.append(index)
-        vertices = np.array(points[kept], dtype=np.float64)
-        lengths = _step_lengths(vertices)
+            if np.linalg.norm(points[index] - points[last]) >= _SAME_POINT:
+                kept[index], last = True, index
+        vertices = points[kept]
+        lengths = step_lengths(vertices)
     return CommandedPath(vertices, np.concatenate([[0.0], np.cumsum(lengths)]))
 
 
@@ -131,7 +132,8 @@ def distances(first: FloatArray, second: FloatArray) -> FloatArray:
     return result
 
 
-def _step_lengths(points: FloatArray) -> FloatArray:
+def step_lengths(points: FloatArray) -> FloatArray:
+    """Return the distance from each point to the next [m], of points of shape (n, 3), shape (n - 1,)."""
     return distances(points[1:], points[:-1])
 
 
@@ -168,8 +170,12 @@ def _first_passes(vertices: FloatArray) -> int:
     new = np.ones(len(vertices) - 1, dtype=bool)
     factors = np.random.default_rng(0).integers(1, 2**62, size=(2, 3)) | 1
     for offset in (0.0, 0.5):  # two grids, since equal numbers may round differently in one
-        cells = np.floor(vertices / _SAME_PASS + offset).astype(np.int64)
-        keys = (cells[:-1] * factors[0]).sum(axis=1) ^ (cells[1:] * factors[1]).sum(axis=1)
+        keys = np.empty(len(new), dtype=np.int64)
+        for start in range(0, len(new), _ROWS_AT_ONCE):
+            cells = np.floor(vertices[start : start + _ROWS_AT_ONCE + 1] / _SAME_PASS + offset).astype(np.int64)
+            keys[start : start + _ROWS_AT_ONCE] = (cells[:-1] * factors[0]).sum(axis=1) ^ (cells[1:] * factors[1]).sum(
+                axis=1
+            )
         first = np.zeros(len(keys), dtype=bool)
         first[np.unique(keys, return_index=True)[1]] = True
         new &= first
@@ -202,9 +208,12 @@ def _needed(vertices: FloatArray) -> IntArray:
 
 def _project(path: CommandedPath, points: FloatArray) -> Projection:
     vertices, arc_length = _searched(path)
-    starts, steps = vertices[:-1], np.diff(vertices, axis=0)
-    half = 0.5 * float(np.max(np.linalg.norm(steps, axis=1)))
-    tree = cKDTree(starts + 0.5 * steps)
+    starts = vertices[:-1]
+    half = 0.5 * float(np.max(step_lengths(vertices)))
+    centres = vertices[1:] - starts
+    centres *= 0.5
+    centres += starts
+    tree = cKDTree(centres)
     n = len(points)
     distance = np.empty(n)
     segment = np.empty(n, dtype=np.int64)
@@ -215,7 +224,7 @@ def _project(path: CommandedPath, points: FloatArray) -> Projection:
         for part in (part for rows in waiting for part in _parts(rows, k)):
             far, candidates = (values.reshape(-1, k) for values in tree.query(points[part], k=k))
             offset = points[part][:, None, :] - starts[candidates]
-            step = steps[candidates]
+            step = vertices[candidates + 1] - starts[candidates]
             along = np.clip(np.sum(offset * step, axis=2) / np.sum(step**2, axis=2), 0.0, 1.0)
             gap = np.linalg.norm(offset - along[..., None] * step, axis=2)
             best = np.argmin(gap, axis=1)
@@ -225,12 +234,13 @@ def _project(path: CommandedPath, points: FloatArray) -> Projection:
             unproved.append(part[(far[:, -1] - half < gap[row, best]) & (k < len(starts))])
         waiting = [part for part in unproved if len(part)]
         k = min(4 * k, len(starts))
-    nearest, position, increments = np.empty((n, 3)), np.empty(n), np.diff(arc_length)
+    del tree, centres  # as large as the path
+    nearest, position = np.empty((n, 3)), np.empty(n)
     for start in range(0, n, _ROWS_AT_ONCE):
         rows = slice(start, start + _ROWS_AT_ONCE)
         at, share = segment[rows], fraction[rows]
-        nearest[rows] = starts[at] + share[:, None] * steps[at]
-        position[rows] = arc_length[at] + share * increments[at]
+        nearest[rows] = starts[at] + share[:, None] * (vertices[at + 1] - starts[at])
+        position[rows] = arc_length[at] + share * (arc_length[at + 1] - arc_length[at])
     return Projection(distance, nearest, position)
 
 

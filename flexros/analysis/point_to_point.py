@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.analysis.path_geometry import distances, step_lengths
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flexros.analysis.cycles import Cycle
-    from flexros.arrays import FloatArray
 
 BAND = 0.3e-3
 """Half width of the band about the attained position [m] (Moberg 2007, section 5.5: an error band of 0.3 mm)."""
@@ -67,8 +68,8 @@ def stops(run: Cycle, band: float = BAND) -> tuple[Stop, ...]:
     Returns:
         The stops after a move, in order; rests shorter than `SHORTEST_REST` are passed over.
     """
-    moving = np.linalg.norm(np.diff(run.commanded, axis=0), axis=1) > _MOVES
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], moving, [False]]).astype(int)))
+    moving = step_lengths(run.commanded) > _MOVES
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], moving, [False]])))
     begins, ends = edges[::2], edges[1::2]
     found = []
     begin = begins[0] if len(begins) else 0
@@ -85,7 +86,7 @@ def _stop(run: Cycle, begin: int, end: int, after: int, band: float) -> Stop:
     """Evaluate the stop of a move from sample `begin` to `end`, which lasts until before sample `after`."""
     last = max(1, round(ATTAINED * (after - end)))
     place = run.attained[after - last : after].mean(axis=0)
-    distance: FloatArray = np.linalg.norm(run.attained[begin:after] - place, axis=1)
+    distance = distances(run.attained[begin:after], np.broadcast_to(place, (after - begin, 3)))
     outside = np.flatnonzero(distance > band)
     time = float(run.time[end])
     if outside.size and outside[-1] + 1 >= len(distance) - last:
@@ -93,6 +94,8 @@ def _stop(run: Cycle, begin: int, end: int, after: int, band: float) -> Stop:
     inside = begin + (int(outside[-1]) + 1 if outside.size else 0)
     left = np.flatnonzero(distance > distance[0] / 2) if distance[0] > band else outside
     away = int(left[-1]) + 1 if left.size else 0  # the tool is past the middle of its way
+    if away == len(distance):  # the middle of a short way is in the band, and so is all that follows
+        away = 0
     entry = away + int(np.argmax(distance[away:] <= band))
     overshoot = float(distance[entry:].max())
     return Stop(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -146,10 +146,28 @@ def motor_tracking(log: Log, start: int, drives: Mapping[str, Drive] | None = No
         One result per joint of joint_states, in its order.
     """
     known = {} if drives is None else drives
-    return tuple(_motor(log, joint, start, known.get(joint)) for joint in log.joint_states.names)
+    clock = _Clock(start)
+    return tuple(_motor(log, joint, clock, known.get(joint)) for joint in log.joint_states.names)
 
 
-def _motor(log: Log, joint: str, start: int, drive: Drive | None) -> MotorTracking:
+@dataclass
+class _Clock:
+    """Time since the start of a log; series with the same array of stamps share that of their times."""
+
+    start: int
+    _known: list[tuple[IntArray, FloatArray]] = field(default_factory=list)
+
+    def seconds(self, stamp: IntArray) -> FloatArray:
+        """Return times from the start of the log [s]."""
+        for known, time in self._known:
+            if known is stamp:
+                return time
+        time = elapsed_seconds(stamp, self.start)
+        self._known.append((stamp, time))
+        return time
+
+
+def _motor(log: Log, joint: str, clock: _Clock, drive: Drive | None) -> MotorTracking:
     position = _signal(log.joint_states, joint, "position")
     goal = _signal(log.joint_reference, joint, "position")
     command = _signal(log.joint_commands, joint, "effort")
@@ -158,14 +176,14 @@ def _motor(log: Log, joint: str, start: int, drive: Drive | None) -> MotorTracki
     if position is not None and goal is not None:
         stamp, measured, wanted = _paired(position, goal)
         if len(stamp):
-            time, error = elapsed_seconds(stamp, start), wanted - measured
+            time, error = clock.seconds(stamp), wanted - measured
     torque_time, torque, feedforward, feedback = None, None, None, None
     if command is not None:
         stamp, torque = command
         if ahead is not None:
             stamp, torque, feedforward = _paired(command, ahead)
             feedback = torque - feedforward
-        torque_time = elapsed_seconds(stamp, start)
+        torque_time = clock.seconds(stamp)
     known = torque is not None and len(torque) > 0
     limit = None if drive is None else drive.torque_limit
     return MotorTracking(
@@ -220,10 +238,12 @@ def _signal(series: JointSeries | None, joint: str, kind: str) -> tuple[IntArray
     table: FloatArray | None = getattr(series, kind)
     if table is None:
         return None
-    values = table[:, list(series.names).index(joint)]
-    stamp, first = np.unique(series.stamp, return_index=True)
-    finite = np.isfinite(values[first])
-    return (stamp[finite], values[first][finite]) if np.any(finite) else None
+    values = table[:, series.names.index(joint)]
+    finite = np.isfinite(values)
+    if not np.any(finite):
+        return None
+    # The arrays of the log where they are whole, not copies.
+    return (series.stamp, values) if np.all(finite) else (series.stamp[finite], values[finite])
 
 
 def _paired(
@@ -232,6 +252,8 @@ def _paired(
     """Return the stamps of `main` that `other` covers, and both signals there."""
     stamp, values = main
     known, given = other
+    if np.array_equal(stamp, known):
+        return stamp, values, given
     inside = (stamp >= known[0]) & (stamp <= known[-1])
     origin = int(known[0])
     at = np.interp((stamp[inside] - origin).astype(np.float64), (known - origin).astype(np.float64), given)

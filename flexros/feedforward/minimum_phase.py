@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -40,7 +40,10 @@ class PoseVerdict:
     time: float
 
 
-@lru_cache(maxsize=4)
+_found: WeakKeyDictionary[FeedforwardProblem, tuple[PoseVerdict, ...]] = WeakKeyDictionary()
+"""Verdicts by problem, which is not kept alive: its samples are as large as a log."""
+
+
 def zero_dynamics_along(problem: FeedforwardProblem) -> tuple[PoseVerdict, ...]:
     """Compute the zero dynamics at poses spread over the path, including its start.
 
@@ -52,6 +55,12 @@ def zero_dynamics_along(problem: FeedforwardProblem) -> tuple[PoseVerdict, ...]:
     Raises:
         InputError: The motors cannot set the output at one of the poses; the message names output and pose.
     """
+    if problem not in _found:
+        _found[problem] = _zero_dynamics_along(problem)
+    return _found[problem]
+
+
+def _zero_dynamics_along(problem: FeedforwardProblem) -> tuple[PoseVerdict, ...]:
     end = int(np.searchsorted(problem.time, problem.trajectory.duration))
     last = min(end, problem.n_samples - 1)
     samples = np.unique(np.linspace(0, last, problem.specification.zero_dynamics_poses).astype(int))

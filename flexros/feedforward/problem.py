@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 REST_TOLERANCE = 1e-9
 """Largest initial speed and acceleration, relative to the largest along the trajectory, that is taken as rest."""
+_POSES_AT_ONCE = 10_000
+"""Poses that are computed at once (chosen): CasADi hands over each number as a Python object."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +79,7 @@ class FeedforwardProblem:
                     f"the trajectory starts with a {word} of {initial:g} (largest component), but feedforward starts "
                     "from rest; give it zero initial speed and acceleration"
                 )
-        return np.asarray(motion[0])
+        return np.array(motion[0])  # of its own, else the derivatives are held with it
 
     def output_motion(self, derivatives: int, time: FloatArray | None = None) -> FloatArray:
         """Compute the desired output and its time derivatives.
@@ -141,8 +143,12 @@ class FeedforwardProblem:
     @cached_property
     def commanded_pose(self) -> FloatArray:
         """Commanded tool pose: that of the rigid arm on the trajectory, for every method, shape (n, 7)."""
-        arm = self.arm_position(self.gear_motion(0)[0])
-        return np.array(self.tool.pose()(arm.T), dtype=float).T
+        gears, pose = self.gear_motion(0)[0], self.tool.pose()
+        result = np.empty((len(gears), 7))
+        for first in range(0, len(gears), _POSES_AT_ONCE):
+            rows = slice(first, first + _POSES_AT_ONCE)
+            result[rows] = np.array(pose(self.arm_position(gears[rows]).T), dtype=float).T
+        return result
 
     @cached_property
     def rigid_start(self) -> FloatArray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections import Counter
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,11 +25,12 @@ from flexros.logs.time_series import OWN_SERIES, Log
 from flexros.one_line import one_line
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
     from mcap.records import Channel, Schema
 
     from flexros.config.topics import Topic
+    from flexros.logs.time_series import Series
 
 _DIAGNOSTICS = "diagnostics"
 _PLANT = "plant"
@@ -72,7 +73,8 @@ def read_log(path: Path | str, namespace: str | None = None) -> Log:
         decoder = content.decoders.pop(full_name, None)
         if decoder is not None:
             used.add(full_name)
-            series[name] = assemble_series(series_codecs()[topic.type], full_name, decoder, warnings)
+            found = assemble_series(series_codecs()[topic.type], full_name, decoder, warnings)
+            series[name] = None if found is None else _sharing_stamps(found, series.values())
             del decoder
             give_memory_back()
         elif full_name in content.refused:
@@ -88,6 +90,14 @@ def read_log(path: Path | str, namespace: str | None = None) -> Log:
         other_topics=others,
         plant_figures=content.figures.get(f"{prefix}/{_PLANT}".strip("/"), {}),
     )
+
+
+def _sharing_stamps(series: Series, before: Iterable[Series | None]) -> Series:
+    """Return a series with the array of stamps of an earlier one where both are equal, as in lock-step."""
+    for other in before:
+        if other is not None and np.array_equal(series.stamp, other.stamp):
+            return replace(series, stamp=other.stamp)  # type: ignore[type-var]
+    return series
 
 
 def give_memory_back() -> None:

@@ -123,11 +123,12 @@ def run_direct(scenario: Scenario, out: Path, progress: Callable[[int, int], Non
     except DivergedRunError as error:
         log, message = error.log, f"{error}; the log up to there is {out}"
     wall = time.perf_counter() - start
-    write_log(log, out)
     samples = len(log.joint_states.stamp)
     code = RunError.exit_code if message else 0
-    simulated = samples * experiment.sample_time
-    return RunResult(code, message, "direct", out, samples, simulated, wall, warnings=experiment.warnings)
+    simulated, warnings = samples * experiment.sample_time, experiment.warnings
+    del experiment  # signals of a long run that its log does not need
+    write_log(log, out)
+    return RunResult(code, message, "direct", out, samples, simulated, wall, warnings=warnings)
 
 
 def _count(progress: Callable[[int, int], None], total: int, done: int) -> None:

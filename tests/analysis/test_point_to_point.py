@@ -51,6 +51,16 @@ def test_undamped_vibration_never_settles() -> None:
     assert stop.overshoot is None
 
 
+def test_way_hardly_longer_than_the_band_settles() -> None:
+    """The middle of the way is in the band, in which the tool still moves at the end."""
+    run = move(0.0)
+    attained = 0.35e-3 / 0.05 * run.commanded
+    attained[300:, 0] -= 0.2e-3 * np.cos(20 * np.pi * run.time[300:])  # whole periods in the last fifth of the rest
+    (stop,) = stops(Cycle(run.time, run.commanded, attained))
+    assert 0.0 <= stop.settling < 0.2
+    assert stop.overshoot == 0.0
+
+
 def test_every_stop_counts_but_no_short_rest() -> None:
     once = move(0.0)
     time = np.arange(2000) * T

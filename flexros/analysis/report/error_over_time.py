@@ -40,12 +40,11 @@ def tool_errors(analyses: Sequence[Analysis]) -> Picture:
         path = analysis.path
         if path is None:
             continue
-        series = [(1, 1e3 * path.distance), (2, 1e3 * path.time_difference)]
-        if path.angle is not None:
-            series.append((3, 1e3 * path.angle))
-        for row, values in series:
+        for row, values in enumerate((path.distance, path.time_difference, path.angle), start=1):
+            if values is None:
+                continue
             hover = f"%{{x:.4f}} s: %{{y:.4f}} {'mrad' if row == 3 else 'mm'}"
-            line = curve(path.run.time, values, analysis.label, run_colour(index), hover=hover, legend=row == 1)
+            line = curve(path.run.time, 1e3 * values, analysis.label, run_colour(index), hover=hover, legend=row == 1)
             figure.add_trace(line, row=row, col=1)
     figure.update_yaxes(title_text="error [mm]", rangemode="tozero")
     if turned:

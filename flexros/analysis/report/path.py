@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from flexros.analysis.path_error import PathError
     from flexros.analysis.run_analysis import Analysis
-    from flexros.arrays import FloatArray
+    from flexros.arrays import FloatArray, IntArray
 
 _SHOWN_SHARE = 0.12
 """Size of the largest drawn error, relative to the size of the path."""
@@ -68,19 +68,19 @@ def path_picture(analyses: Sequence[Analysis], title: str = "") -> Picture:
     extent = max(float(np.linalg.norm(np.ptp(path.run.commanded, axis=0))) for _, _, path in shown)
     factor = magnification(max(path.path.maximum for _, _, path in shown), extent)
     for reference in _distinct([path for _, _, path in shown]):
-        base = _base(reference, axes, reference.run.commanded)
-        chosen = screen_samples(base[:, -1])
-        figure.add_trace(_line(base[chosen], "commanded", REFERENCE, "dot", "commanded"))
+        chosen = screen_samples(1e3 * reference.run.commanded[:, AXES.index(axes[-1])])
+        base = _base(reference, axes, reference.run.commanded, chosen)
+        figure.add_trace(_line(base, "commanded", REFERENCE, "dot", "commanded"))
     magnified = []
     for index, analysis, path in shown:
-        base = _base(path, axes, path.nearest)
-        deviation = _base(path, axes, path.run.attained) - base
         chosen = screen_samples(path.distance)
         worst = np.array([int(np.argmax(path.distance))])
         label = f"{analysis.label}, max {number(1e3 * path.path.maximum, 3)} mm"
         for rows, marked in ((chosen, False), (worst, True)):
-            magnified.append(MagnifiedCurve(len(figure.data), base[rows], deviation[rows]))
-            points = base[rows] + factor * deviation[rows]
+            base = _base(path, axes, path.nearest, rows)
+            deviation = _base(path, axes, path.run.attained, rows) - base
+            magnified.append(MagnifiedCurve(len(figure.data), base, deviation))
+            points = base + factor * deviation
             figure.add_trace(
                 _worst(points, label, run_colour(index))
                 if marked
@@ -133,10 +133,10 @@ def _distinct(paths: Sequence[PathError]) -> list[PathError]:
     return kept
 
 
-def _base(path: PathError, axes: tuple[str, ...], points: FloatArray) -> FloatArray:
-    """Return points in the coordinates of the picture [mm]; a path of one component is drawn over time [s]."""
-    columns = [1e3 * points[:, AXES.index(axis)] for axis in axes]
-    return np.column_stack([path.run.time, *columns] if len(axes) == 1 else columns)
+def _base(path: PathError, axes: tuple[str, ...], points: FloatArray, rows: IntArray) -> FloatArray:
+    """Return rows of points in the coordinates of the picture [mm]; a path of one component is drawn over time [s]."""
+    columns = [1e3 * points[rows, AXES.index(axis)] for axis in axes]
+    return np.column_stack([path.run.time[rows], *columns] if len(axes) == 1 else columns)
 
 
 def _line(points: FloatArray, name: str, colour: str, dash: str, group: str) -> go.Scatter:
@@ -175,8 +175,10 @@ def _axes(figure: go.Figure, axes: tuple[str, ...]) -> None:
 
 def _room(paths: Sequence[PathError], axes: tuple[str, ...], factor: int, figure: go.Figure) -> MagnifiedCurve:
     """Add two invisible points next to the paths, so that no line touches the frame at any magnification."""
-    points = np.concatenate([1e3 * path.run.commanded[:, [AXES.index(axis) for axis in axes]] for path in paths])
-    low, high, height = points[:, 0].min(), points[:, 0].max(), points[0, 1]
+    across, up = AXES.index(axes[0]), AXES.index(axes[1])
+    low = 1e3 * min(path.run.commanded[:, across].min() for path in paths)
+    high = 1e3 * max(path.run.commanded[:, across].max() for path in paths)
+    height = 1e3 * paths[0].run.commanded[0, up]
     margin = 0.03 * (high - low)
     room = 1.1e3 * max(path.path.maximum for path in paths)
     curve = MagnifiedCurve(

@@ -244,7 +244,7 @@ class JointStateCodec(AbstractSeriesCodec[JointStateLayout]):
         for i, (field, column) in enumerate(zip(FIELDS, rows.columns, strict=True)):
             if any(segment.layout.message.spans[i].size for segment in segments):
                 values[field] = column
-                warn_of_not_finite(topic, field, column, warnings)
+                warn_of_not_finite(topic, field, (column,), warnings)
         return JointSeries(rows.stamp, names, received=rows.received, **values)
 
     def columns(self, series: JointSeries) -> tuple[MessageLayout, list[FloatArray]]:

@@ -20,14 +20,16 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.logs.messages.bulk_decode import Segment
 
-_N_POSE = 7
+_N_POSITION, _N_ORIENTATION = 3, 4
+_POSE_SIZE = 8 * (_N_POSITION + _N_ORIENTATION)
+"""Bytes of a pose."""
 
 
 class PoseStampedLayout(NamedTuple):
     """Layout of PoseStamped messages of one frame.
 
     Attributes:
-        message: Offsets; its one span is x, y, z, qx, qy, qz, qw.
+        message: Offsets; its spans are x, y, z and qx, qy, qz, qw.
         frame_id: header.frame_id.
     """
 
@@ -41,11 +43,14 @@ def pose_stamped_layout(frame_id: str) -> PoseStampedLayout:
     builder.data.extend(bytes(8))
     builder.string(frame_id)
     builder.align(8)
-    start = len(builder.data)
-    builder.data.extend(bytes(8 * _N_POSE))
-    return PoseStampedLayout(
-        MessageLayout(bytes(builder.data), (Span(start, _N_POSE),), tuple(builder.padding)), frame_id
-    )
+    spans = _spans(len(builder.data))
+    builder.data.extend(bytes(_POSE_SIZE))
+    return PoseStampedLayout(MessageLayout(bytes(builder.data), spans, tuple(builder.padding)), frame_id)
+
+
+def _spans(start: int) -> tuple[Span, Span]:
+    """Return position and orientation of a pose that begins at an offset."""
+    return Span(start, _N_POSITION), Span(start + 8 * _N_POSITION, _N_ORIENTATION)
 
 
 def read_pose_stamped_layout(payload: bytes | memoryview) -> PoseStampedLayout:
@@ -58,9 +63,9 @@ def read_pose_stamped_layout(payload: bytes | memoryview) -> PoseStampedLayout:
     cursor.skip(8, "header.stamp")
     frame_id = cursor.string("header.frame_id")
     cursor.align(8)
-    span = Span(cursor.skip(8 * _N_POSE, "pose"), _N_POSE)
+    spans = _spans(cursor.skip(_POSE_SIZE, "pose"))
     return PoseStampedLayout(
-        MessageLayout(bytes(payload[: cursor.position]), (span,), tuple(cursor.padding), cursor.order), frame_id
+        MessageLayout(bytes(payload[: cursor.position]), spans, tuple(cursor.padding), cursor.order), frame_id
     )
 
 
@@ -91,13 +96,13 @@ class PoseStampedTemplate:
             ValueError: There are not seven numbers.
         """
         sec, nanosec = divmod(stamp_ns, NANOSECONDS)
-        start, before_pose = self._constants
+        start, before_position, before_orientation = self._constants
         if isinstance(position, np.ndarray):
             position = position.tolist()
         if isinstance(orientation, np.ndarray):
             orientation = orientation.tolist()
         try:
-            return self._pack(start, sec, nanosec, before_pose, *position, *orientation)
+            return self._pack(start, sec, nanosec, before_position, *position, before_orientation, *orientation)
         except struct.error as error:
             raise ValueError(
                 f"a PoseStamped cannot hold the stamp {stamp_ns}, position {position}, "
@@ -120,14 +125,13 @@ class PoseStampedCodec(AbstractSeriesCodec[PoseStampedLayout]):
         """Make a time series of the poses in the most frequent frame."""
         segments = majority(topic, segments, lambda layout: layout.frame_id, "frames", warnings)
         rows = sorted_rows(topic, segments, [segment.numbers for segment in segments], warnings)
-        (pose,) = rows.columns
-        warn_of_not_finite(topic, "pose", pose, warnings)
-        frame_id = segments[0].layout.frame_id
-        return PoseSeries(rows.stamp, frame_id, pose[:, :3].copy(), pose[:, 3:].copy(), rows.received)
+        position, orientation = rows.columns
+        warn_of_not_finite(topic, "pose", rows.columns, warnings)
+        return PoseSeries(rows.stamp, segments[0].layout.frame_id, position, orientation, rows.received)
 
     def columns(self, series: PoseSeries) -> tuple[MessageLayout, list[FloatArray]]:
-        """Return the layout and the poses as x, y, z, qx, qy, qz, qw."""
-        return pose_stamped_layout(series.frame_id).message, [np.hstack((series.position, series.orientation))]
+        """Return the layout, positions and orientations."""
+        return pose_stamped_layout(series.frame_id).message, [series.position, series.orientation]
 
     def serialiser(self) -> Callable[[Any], bytes]:
         """Return a function that serialises a message object; it keeps one template per frame."""

@@ -83,17 +83,20 @@ def sorted_rows(
         warnings: Receives what was left out or repaired.
     """
     stamp = np.concatenate([segment.stamp for segment in segments])
-    log_time = np.concatenate([segment.log_time for segment in segments])
+    same = all(segment.log_time is segment.stamp for segment in segments)
+    log_time = stamp if same else np.concatenate([segment.log_time for segment in segments])
     merged = [np.concatenate(parts) for parts in zip(*columns, strict=True)]
     if not stamp.any():
         warnings.append(f"{topic}: no message has a header.stamp, the log time is used instead")
         stamp = log_time
-    # back to the order of arrival first: the stable sort by stamp then keeps the first of several equal stamps
-    arrival = np.argsort(np.concatenate([segment.order for segment in segments]))
-    if np.any(np.diff(stamp[arrival]) < 0):
-        warnings.append(f"{topic}: messages are not in the order of their stamps, they were sorted")
-    order = arrival[np.argsort(stamp[arrival], kind="stable")]
-    if np.any(np.diff(order) != 1):  # else they are in order, and a copy of a long log takes as much memory again
+    order = np.concatenate([segment.order for segment in segments])
+    # Nearly always they are in order, and a copy of a long log takes as much memory again.
+    if np.any(order[1:] < order[:-1]) or np.any(stamp[1:] < stamp[:-1]):
+        # back to the order of arrival first: the stable sort by stamp then keeps the first of several equal stamps
+        arrival = np.argsort(order)
+        if np.any(np.diff(stamp[arrival]) < 0):
+            warnings.append(f"{topic}: messages are not in the order of their stamps, they were sorted")
+        order = arrival[np.argsort(stamp[arrival], kind="stable")]
         stamp, log_time, merged = stamp[order], log_time[order], [values[order] for values in merged]
     repeated = np.flatnonzero(np.diff(stamp) == 0) + 1
     if len(repeated):
@@ -116,7 +119,8 @@ def _same(a: FloatArray, b: FloatArray) -> BoolArray:
     return same
 
 
-def warn_of_not_finite(topic: str, field: str, values: FloatArray, warnings: list[str]) -> None:
-    """Count the messages with NaN or infinity in a field."""
-    if n_bad := int(np.count_nonzero(~np.isfinite(values).all(axis=1))):
-        warnings.append(f"{topic}: {field} is not a finite number in {n_bad} of {len(values)} messages")
+def warn_of_not_finite(topic: str, field: str, columns: Sequence[FloatArray], warnings: list[str]) -> None:
+    """Count the messages with NaN or infinity in a field of one or several columns."""
+    finite = np.all([np.isfinite(values).all(axis=1) for values in columns], axis=0)
+    if n_bad := int(np.count_nonzero(~finite)):
+        warnings.append(f"{topic}: {field} is not a finite number in {n_bad} of {len(finite)} messages")

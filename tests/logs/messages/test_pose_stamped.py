@@ -13,8 +13,8 @@ POSITION, ORIENTATION = (0.1, 0.2, 0.3), (0.0, 0.6, 0.0, 0.8)
 def decoded(payload):
     layout = read_pose_stamped_layout(payload)
     message = np.frombuffer(payload, np.uint8)[None]
-    (pose,) = layout.message.numbers(message, 0)
-    return int(layout.message.stamps(message)[0]), layout.frame_id, tuple(pose[:3]), tuple(pose[3:])
+    (position,), (orientation,) = (layout.message.numbers(message, span) for span in range(2))
+    return int(layout.message.stamps(message)[0]), layout.frame_id, tuple(position), tuple(orientation)
 
 
 def oracle_message(store, stamp, frame_id):
