@@ -90,7 +90,7 @@ def _output(output: Any, name: str) -> str:
         return f'<div class="output" style="overflow-x: auto">{" ".join(filter(None, rows))}</div>'
     lines = (data.get(_TEXT) or output.get("text", "")).splitlines()
     more = [f"... {len(lines) - _LONG} more lines"] if len(lines) > _LONG else []
-    return f'<pre style="overflow-x: auto">{escape(chr(10).join([*lines[:_LONG], *more]))}</pre>'
+    return f'<pre class="output">{escape(chr(10).join([*lines[:_LONG], *more]))}</pre>'
 
 
 def _picture(figure: Any, name: str) -> str:
