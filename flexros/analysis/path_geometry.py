@@ -9,6 +9,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from flexros.arrays import FloatArray, IntArray
 
 _SAME_POINT = 1e-7
@@ -31,6 +33,8 @@ _CIRCLE_SAMPLE = 1000
 """Vertices that a circle must pass before all of them are fitted (chosen)."""
 _FIRST_CANDIDATES = 8
 """Number of candidate segments of each point at first; more are taken until the nearest one is proved."""
+_GROUP = 2.0
+"""Longest over shortest segment of a group that is searched by itself [1] (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,40 +212,84 @@ def _needed(vertices: FloatArray) -> IntArray:
 
 def _project(path: CommandedPath, points: FloatArray) -> Projection:
     vertices, arc_length = _searched(path)
-    starts = vertices[:-1]
-    half = 0.5 * float(np.max(step_lengths(vertices)))
-    centres = vertices[1:] - starts
-    centres *= 0.5
-    centres += starts
-    tree = cKDTree(centres)
+    nearest_segment = _NearestSegment(vertices, points)
+    segments = np.arange(len(vertices) - 1)
+    waiting = nearest_segment.look_at(segments, np.arange(len(points)), _FIRST_CANDIDATES)
+    # The longest of all segments proves little where the others are short: each group has a bound of its own.
+    for group in nearest_segment.groups() if len(waiting) else ():
+        nearest_segment.look_at(group, waiting)
     n = len(points)
-    distance = np.empty(n)
-    segment = np.empty(n, dtype=np.int64)
-    fraction = np.empty(n)
-    waiting, k = [np.arange(n)], min(_FIRST_CANDIDATES, len(starts))
-    while waiting:
-        unproved = []
-        for part in (part for rows in waiting for part in _parts(rows, k)):
-            far, candidates = (values.reshape(-1, k) for values in tree.query(points[part], k=k))
-            offset = points[part][:, None, :] - starts[candidates]
-            step = vertices[candidates + 1] - starts[candidates]
-            along = np.clip(np.sum(offset * step, axis=2) / np.sum(step**2, axis=2), 0.0, 1.0)
-            gap = np.linalg.norm(offset - along[..., None] * step, axis=2)
-            best = np.argmin(gap, axis=1)
-            row = np.arange(len(part))
-            distance[part], segment[part], fraction[part] = gap[row, best], candidates[row, best], along[row, best]
-            # The centre of any other segment is beyond the farthest candidate, so it is at least far - half away.
-            unproved.append(part[(far[:, -1] - half < gap[row, best]) & (k < len(starts))])
-        waiting = [part for part in unproved if len(part)]
-        k = min(4 * k, len(starts))
-    del tree, centres  # as large as the path
     nearest, position = np.empty((n, 3)), np.empty(n)
     for start in range(0, n, _ROWS_AT_ONCE):
         rows = slice(start, start + _ROWS_AT_ONCE)
-        at, share = segment[rows], fraction[rows]
-        nearest[rows] = starts[at] + share[:, None] * (vertices[at + 1] - starts[at])
+        at, share = nearest_segment.segment[rows], nearest_segment.fraction[rows]
+        nearest[rows] = vertices[at] + share[:, None] * (vertices[at + 1] - vertices[at])
         position[rows] = arc_length[at] + share * (arc_length[at + 1] - arc_length[at])
-    return Projection(distance, nearest, position)
+    return Projection(nearest_segment.distance, nearest, position)
+
+
+class _NearestSegment:
+    """The nearest segment of each point among those that were looked at.
+
+    Attributes:
+        distance: Distance to it [m], shape (n,).
+        segment: Its number, shape (n,).
+        fraction: Where on it the nearest point is, 0 at its start to 1 at its end, shape (n,).
+    """
+
+    def __init__(self, vertices: FloatArray, points: FloatArray) -> None:
+        self._vertices, self._points = vertices, points
+        self._lengths = step_lengths(vertices)
+        n = len(points)
+        self.distance = np.full(n, np.inf)
+        self.segment = np.zeros(n, dtype=np.int64)
+        self.fraction = np.zeros(n)
+
+    def groups(self) -> Iterator[IntArray]:
+        """Yield the segments in groups of similar length, the longest first."""
+        group = np.floor(np.log(self._lengths.max() / self._lengths) / np.log(_GROUP)).astype(np.int64)
+        for number in np.unique(group):
+            yield np.flatnonzero(group == number)
+
+    def look_at(self, segments: IntArray, rows: IntArray, most: int | None = None) -> IntArray:
+        """Look at more and more of some segments, those with the nearest centres first, until no other is nearer.
+
+        Args:
+            segments: Numbers of the segments.
+            rows: Numbers of the points.
+            most: Number of segments after which the search ends; None searches to the end.
+
+        Returns:
+            Numbers of the points for which a segment that was not looked at may be nearer.
+        """
+        half = 0.5 * float(np.max(self._lengths[segments]))
+        starts = self._vertices[segments]
+        tree = cKDTree(starts + 0.5 * (self._vertices[segments + 1] - starts))
+        waiting, k = rows, min(_FIRST_CANDIDATES, len(segments))
+        while True:
+            unproved = []
+            for part in _parts(waiting, k):
+                far, candidates = (values.reshape(-1, k) for values in tree.query(self._points[part], k=k))
+                self._take(segments[candidates], part)
+                # The centre of any other segment is beyond the farthest candidate: it is at least far - half away.
+                unproved.append(part[(far[:, -1] - half < self.distance[part]) & (k < len(segments))])
+            waiting = np.concatenate(unproved)
+            if not len(waiting) or (most is not None and k >= most):
+                return waiting
+            k = min(4 * k, len(segments))
+
+    def _take(self, candidates: IntArray, rows: IntArray) -> None:
+        """Keep the nearest of some candidates, shape (len(rows), k), where it is nearer than the one known."""
+        starts = self._vertices[candidates]
+        offset = self._points[rows][:, None, :] - starts
+        step = self._vertices[candidates + 1] - starts
+        along = np.clip(np.sum(offset * step, axis=2) / np.sum(step**2, axis=2), 0.0, 1.0)
+        gap = np.linalg.norm(offset - along[..., None] * step, axis=2)
+        row, best = np.arange(len(rows)), np.argmin(gap, axis=1)
+        nearer = gap[row, best] < self.distance[rows]
+        row, best, rows = row[nearer], best[nearer], rows[nearer]
+        self.distance[rows], self.segment[rows] = gap[row, best], candidates[row, best]
+        self.fraction[rows] = along[row, best]
 
 
 def _parts(rows: IntArray, k: int) -> list[IntArray]:
