@@ -158,6 +158,8 @@ class SensorReader:
             sample: Sample k.
             stamp: Its stamp [ns].
         """
+        if not self._topics:
+            return self._held.copy()
         due = [name for name, topic in self._topics.items() if sample % topic.period == 0]
         if any(stamp not in self._new[name] for name in due):
             return None

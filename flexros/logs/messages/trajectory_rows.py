@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import struct
 from functools import lru_cache
+from operator import itemgetter
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -22,11 +23,12 @@ _TAKEN = ("positions", "velocities", "effort")
 
 
 class _Point(NamedTuple):
-    """A point as a format, and what its sizes must be."""
+    """A point as a format, where its sizes and its values are among the unpacked numbers, what its sizes must be."""
 
     format: struct.Struct
     sizes: tuple[int, ...]
-    places: tuple[int, ...]
+    sizes_of: itemgetter[tuple[int, ...]]
+    row_of: itemgetter[tuple[float, ...]]
     next_offset: int
 
 
@@ -44,7 +46,9 @@ def _point(offset: int, joints: int, filled: tuple[bool, ...]) -> _Point:
     form = struct.Struct(text + "iI")
     assert form.size == offset + 8 - start
     sizes = tuple(joints if is_filled else 0 for is_filled in filled)
-    return _Point(form, sizes, tuple(places), (offset + 8) % 8)
+    begins = [place + 1 for place, is_filled in zip(places, filled, strict=True) if is_filled]
+    row_of = itemgetter(*(begin + joint for begin in begins for joint in range(joints)))
+    return _Point(form, sizes, itemgetter(*places), row_of, (offset + 8) % 8)
 
 
 class TrajectoryRows:
@@ -83,8 +87,6 @@ class TrajectoryRows:
         cursor.skip(size, "its points")
         self.first, self.last = self._time(0), self._time(self._n - 1)
         self._step = sample_time * 1e9
-        places = zip(FIELDS, self._point.places, strict=True)
-        self._taken = [place + 1 for field, place in places if field in _TAKEN]
         if abs(self.last - self.first - (self._n - 1) * self._step) > 1.0:
             raise MessageError("the points of a JointTrajectory are not one sample time apart")
 
@@ -97,7 +99,7 @@ class TrajectoryRows:
         if number:
             point, begin = self._point, begin + self._head.format.size + (number - 1) * self._point.format.size
         values = point.format.unpack_from(self._payload, begin)
-        if tuple([values[place] for place in point.places]) != point.sizes:
+        if point.sizes_of(values) != point.sizes:
             raise MessageError(
                 "the points of a JointTrajectory differ in the fields that they fill; fill a field in all or in none"
             )
@@ -116,10 +118,10 @@ class TrajectoryRows:
         if not self.first <= stamp <= self.last:
             return None
         number = round((stamp - self.first) / self._step)
-        values, joints = self._values(number), len(self._names)
+        values = self._values(number)
         if self._stamp + int(values[-2]) * NANOSECONDS + int(values[-1]) != stamp:
             return None
-        row = [value for place in self._taken for value in values[place : place + joints]]
+        row = self._point.row_of(values)
         if not math.isfinite(sum(row)):
             raise MessageError(f"a point of a JointTrajectory at {stamp} ns has a value that is not a finite number")
         return np.array(row)

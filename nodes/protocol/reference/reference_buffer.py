@@ -130,9 +130,12 @@ class ReferenceBuffer:
         if (row := self._rows.pop(stamp, None)) is not None:
             return row
         try:
-            return next((row for chunk in self._chunks if (row := chunk.row(stamp)) is not None), None)
+            for chunk in self._chunks:
+                if (row := chunk.row(stamp)) is not None:
+                    return row
         except MessageError as error:
             raise RunError(f"a message on joint_reference_ahead is rejected: {error}") from error
+        return None
 
     def replace(self, trajectory: JointTrajectoryChunk, position_limit: float = np.inf) -> None:
         """Drop the held samples and follow this trajectory from the next sample on; its last point is held.
