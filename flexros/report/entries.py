@@ -52,7 +52,7 @@ def differing_rows(runs: Mapping[str, Mapping[str, str]]) -> tuple[tuple[str, ..
         runs: Entries of each run by its label.
 
     Returns:
-        Rows of name, value and labels; the name stands above its values.
+        Rows of labels and value; the name of the entry stands above its values.
     """
     rows: list[tuple[str, ...]] = []
     for key in dict.fromkeys(key for entries in runs.values() for key in entries):
@@ -65,7 +65,7 @@ def differing_rows(runs: Mapping[str, Mapping[str, str]]) -> tuple[tuple[str, ..
                 value: f"the other {len(having)}" if having is most and len(having) > 2 else ", ".join(having)
                 for value, having in labels.items()
             }
-            rows += [(key,), *((value, who) for value, who in named.items())]
+            rows += [(key,), *((who, value) for value, who in named.items())]
     return tuple(rows)
 
 

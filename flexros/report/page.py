@@ -213,7 +213,9 @@ def _cell(tag: str, text: str, left: bool) -> str:
     shown = escape(text)
     if len(text) > _LONG_NAME and " " not in text:
         shown = shown.replace("_", "_<wbr>").replace("/", "/<wbr>")
-    kind = "left long" if tag == "td" and len(text) > _LONG_TEXT and " " in text else "left"
+    kind = "left"
+    if tag == "td" and len(text) > _LONG_TEXT:
+        kind = "left long" if " " in text else "left value"
     return f'<{tag} class="{kind}">{shown}</{tag}>'
 
 

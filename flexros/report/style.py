@@ -103,6 +103,7 @@ noscript p { border: 1px solid var(--warn); padding: 10px 14px; }
   details { padding: 0 10px; }
   th, td { padding-right: 10px; }
   table { font-size: 13px; }
+  td.value { overflow-wrap: anywhere; min-width: 11em; }
 }
 @media print {
   @page { size: A4; margin: 14mm; }
@@ -185,6 +186,12 @@ const narrow = ({data, layout}, width) => {
     const room = 6 * Math.max(...ticktext.map((name) => name.length)) + 30 - margin.b;
     if (room > 0) { margin.b += room; layout.height += room; }
   }
+  const [across, up] = ["xaxis", "yaxis"].map((name) => layout[name] && layout[name].range);
+  if (layout.yaxis && layout.yaxis.scaleanchor) {  // equal scales: no higher than its shape asks
+    const shape = across && up ? (up[1] - up[0]) / (across[1] - across[0]) : 1;
+    const legend = 19 * data.filter((trace) => trace.showlegend !== false).length;
+    layout.height = Math.min(layout.height, (width - margin.l - margin.r) * shape + margin.b + margin.t + legend);
+  }
   const letters = Math.floor((width - margin.l - margin.r) / 7);
   for (const note of notes) {
     if (note.xanchor !== "left" || !note.text || note.text.includes("<")) continue;
@@ -197,10 +204,29 @@ const narrow = ({data, layout}, width) => {
     if (!axis) continue;
     const font = Object.assign({}, axis.tickfont, {size: 11});
     if (axis.ticktext && trace.orientation === "h") axis.tickfont = font;
-    if (axis.tickvals || !Array.isArray(trace.y) || typeof trace.y[0] !== "string") continue;
-    const names = [...new Set(trace.y)], beside = Math.floor((margin.l - 12) / 6);
+    const beside = Math.floor((margin.l - 12) / 6);
     const split = (name) => lined(name.replaceAll("<br>", " "), beside).join("<br>");
+    if (axis.ticktext && trace.type === "heatmap") {
+      Object.assign(axis, {ticktext: axis.ticktext.map(split), tickfont: font});
+    }
+    if (axis.tickvals || !Array.isArray(trace.y) || typeof trace.y[0] !== "string") continue;
+    const own = data.filter((other) => (other.yaxis || "y") === (trace.yaxis || "y"));
+    const names = [...new Set(own.flatMap((other) => Array.isArray(other.y) ? other.y : []))];
     Object.assign(axis, {tickmode: "array", tickvals: names, ticktext: names.map(split), tickfont: font});
+  }
+};
+
+// On a narrow screen and on paper texts beside bars need more of the axis.
+const widened = ({data, layout}, width) => {
+  const margin = layout.margin;
+  for (const trace of data) {
+    const axis = layout["xaxis" + (trace.xaxis || "x").slice(1)];
+    const beside = trace.type === "bar" && trace.textposition === "outside" || trace.mode === "text";
+    if (!beside || !axis || !axis.range || axis.type === "log" || !Array.isArray(trace.x)) continue;
+    const letters = Math.max(...[].concat(trace.text).map((text) => String(text).length));
+    const inner = width - margin.l - margin.r, part = Math.min(0.5, (8 * letters + 8) / inner);
+    const longest = Math.max(...trace.x.filter((x) => typeof x === "number"));
+    axis.range[1] = Math.max(axis.range[1], axis.range[0] + (longest - axis.range[0]) / (1 - part));
   }
 };
 
@@ -209,7 +235,25 @@ const paperHeight = ({data, layout}) => {
   if (data.some((trace) => trace.type === "bar" || trace.type === "heatmap")) return layout.height;
   const axes = Object.keys(layout).filter((name) => /^yaxis\\d*$/.test(name));
   const rows = new Set(axes.map((name) => ((layout[name] && layout[name].domain) || [0])[0].toFixed(3))).size;
+  const titled = (name) => /^xaxis/.test(name) && layout[name].title && layout[name].title.text;
+  if (Object.keys(layout).filter(titled).length * rows > axes.length) return layout.height;  // titles between the rows
   return Math.min(layout.height, Math.max(420, 116 + 100 * rows));
+};
+
+// On paper the right one of two columns leaves room for the names of its axes, and titles are divided into lines.
+const apart = ({layout}, width) => {
+  const axes = Object.keys(layout).filter((name) => /^xaxis\\d*$/.test(name) && layout[name].domain);
+  const starts = [...new Set(axes.map((name) => layout[name].domain[0]))];
+  if (starts.length !== 2) return;
+  const right = Math.max(...starts), letters = Math.floor((width - layout.margin.l - layout.margin.r) * 0.42 / 7);
+  for (const name of axes) {
+    if (layout[name].domain[0] === right) layout[name].domain = [right + 0.04, 1];
+    if (!layout[name].tickvals && layout[name].type !== "log") layout[name].nticks = 5;
+  }
+  for (const note of layout.annotations || []) {
+    if (Math.abs(note.x - right) < 1e-6) note.x += 0.04;
+    if (note.xanchor === "left" && note.yref === "paper") note.text = lined(note.text, letters).join("<br>");
+  }
 };
 
 const paint = (picture, plot) => {
@@ -219,13 +263,26 @@ const paint = (picture, plot) => {
   if (night.matches && !printing) text = text.replace(/#[0-9a-f]{6}/g, (colour) => darker[colour] || colour);
   const figure = JSON.parse(text), small = element.clientWidth < 560;
   if (small) narrow(figure, element.clientWidth);
-  if (printing) figure.layout.height = paperHeight(figure);
+  if (small || printing) widened(figure, element.clientWidth);
+  if (printing) {
+    figure.layout.height = paperHeight(figure);
+    apart(figure, element.clientWidth);
+  }
   element.style.height = figure.layout.height + "px";
   const options = {responsive: true, displaylogo: false, displayModeBar: small ? false : undefined};
   options.modeBarButtons = figure.layout.scene ? undefined : [tools];
   element.drawn = plot(element, figure.data, figure.layout, options).then(() => picture.set && picture.set());
 };
-const draw = (plot) => { for (const picture of data) paint(picture, plot); };
+const draw = (plot) => {
+  for (const picture of data) {
+    try {
+      paint(picture, plot);
+    } catch (fault) {  // the other pictures are drawn
+      document.getElementById(picture.id).textContent = "This picture cannot be drawn: " + fault;
+      setTimeout(() => { throw fault; });
+    }
+  }
+};
 
 const magnifier = (picture) => {
   const element = document.getElementById(picture.id), slider = document.getElementById(picture.id + "-slider");

@@ -37,7 +37,7 @@ def run_colour(index: int) -> str:
 
 
 def stacked(
-    titles: Sequence[str], columns: int = 1, height: int = 230, shared_x: bool = True, gap: int = 56
+    titles: Sequence[str], columns: int = 1, height: int = 230, shared_x: bool = True, gap: int = 60
 ) -> go.Figure:
     """Create an empty picture of panels in rows, top to bottom, in the style of the report.
 

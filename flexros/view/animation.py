@@ -25,6 +25,8 @@ FRAMES = 160
 """Most instants in the page (chosen): about 100 kB with six bodies."""
 LENGTH = 10.0
 """Length of the part that is played [s] (chosen)."""
+_PLANE = 0.02
+"""Largest extent across a plane, of the extent of the arm, of one that moves in the plane (chosen)."""
 HEIGHT = 420
 """Height of the picture [px]."""
 
@@ -60,6 +62,11 @@ def motion_chapter(log: Log, model: RobotWithEffects, name: str) -> Chapter:
         room = 0.08 * extent
         figure.update_layout({f"scene.{axis}axis.range": [float(low - room), float(high + room)]})
     played = "" if motion.time[-1] < LENGTH - 0.1 else f" The first {LENGTH:g} s are played."
+    if np.ptp(reach[:, 1]) < _PLANE * extent:  # an arm that moves upright is seen from its side
+        figure.update_layout(
+            scene_camera={"eye": {"x": 0.0, "y": -1.6, "z": 0.0}, "projection": {"type": "orthographic"}},
+            scene_yaxis_visible=False,
+        )
     caption = f"The arm, its deflection drawn ×{{factor}}.{played} Turn it with the mouse."
     moving = MovingLine(1, motion.time[rows], stiff, deviation)
     return Chapter("The arm in motion", (Picture(figure, caption, (), factor, moving), Paragraph(motion.note, "note")))

@@ -21,4 +21,4 @@ def test_entries_of_a_mapping_stand_below_its_name() -> None:
 
 def test_differences_are_listed_by_value() -> None:
     runs = {name: {"mass": "200", "robot": "e12"} for name in ("one", "two", "three")} | {"four": {"robot": "e12"}}
-    assert differing_rows(runs) == (("mass",), ("200", "the other 3"), ("-", "four"))
+    assert differing_rows(runs) == (("mass",), ("the other 3", "200"), ("four", "-"))

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
+from flexros.gap.report.ranking import _bars
 from flexros.gap.report.waterfall import waterfall_figure
-from flexros.gap.schema import Diagnosis, GapNumbers, Step, Waterfall
+from flexros.gap.report.where import _spectrum
+from flexros.gap.schema import Diagnosis, Excess, GapNumbers, Step, Waterfall
 from flexros.report.base import Folded, Paragraph, Picture, TextTable
 from flexros.report.colours import DARK
 from flexros.report.page import Chapter, page_html
@@ -185,3 +187,73 @@ def test_names_of_a_waterfall_are_whole_on_a_phone(browser: Browser, tmp_path: P
         " - document.querySelector('#picture-1').getBoundingClientRect().left)"
     )
     assert min(edges) >= 0
+
+
+def shown(browser: Browser, figures: list[Picture], tmp_path: Path, width: int) -> None:
+    file = tmp_path / "shown.html"
+    file.write_text(page_html("Title", "s", [Chapter("One", tuple(figures))], packed=True))
+    browser.size(width, 800)
+    browser.open(file)
+
+
+def test_value_beside_the_longest_bar_is_whole_on_a_phone(browser: Browser, tmp_path: Path) -> None:
+    shown(browser, [Picture(_bars(["a", "b"], [0.999, 0.1], [BLUE, BLUE]), "c")], tmp_path, 390)
+    browser.until("document.querySelectorAll('#picture-1 .bartext').length === 2")
+    over = "document.querySelector('#picture-1 .bartext').getBoundingClientRect().right"
+    assert browser.value(over) <= browser.value("document.getElementById('picture-1').getBoundingClientRect().right")
+
+
+def test_bands_of_a_map_are_drawn_with_all_names(browser: Browser, tmp_path: Path) -> None:
+    where = [
+        Excess(joint=f"motor_{motor}", signal="sudden position change", band_hz=band, regime="all", share=0.2,
+               p_value=0.5)
+        for motor in (1, 2) for band in ((0.0, 2.0), (2.0, 9.0))
+    ]  # fmt: skip
+    for width in (1366, 390):
+        shown(browser, [Picture(_spectrum(where), "c")], tmp_path, width)
+        browser.until("document.querySelectorAll('#picture-1 .ytick text').length === 2")
+        edges = "[...document.querySelectorAll('#picture-1 .ytick text')].map(e => e.getBoundingClientRect().left)"
+        left = browser.value("document.getElementById('picture-1').getBoundingClientRect().left")
+        assert min(browser.value(edges)) >= left
+    assert browser.messages == []
+
+
+def test_picture_of_equal_scales_leaves_no_empty_space_on_a_phone(browser: Browser, tmp_path: Path) -> None:
+    angle = np.linspace(0.0, 6.3, 50)
+    figure = stacked([""], height=520)
+    figure.add_trace(curve(np.cos(angle), np.sin(angle), "circle", BLUE, hover=""))
+    figure.update_xaxes(constrain="domain")
+    figure.update_yaxes(scaleanchor="x", constrain="domain")
+    shown(browser, [Picture(figure, "c")], tmp_path, 390)
+    browser.until("document.querySelector('#picture-1 .main-svg') !== null")
+    size = "document.getElementById('picture-1').%s"
+    assert browser.value(size % "clientHeight") < browser.value(size % "clientWidth") + 130
+
+
+def test_picture_that_fails_does_not_take_the_others_with_it(browser: Browser, tmp_path: Path) -> None:
+    import plotly.graph_objects as go
+
+    figure = go.Figure([go.Heatmap(z=[[1]], x=[0, 1], y=[name]) for name in ("a", "b")])
+    figure.update_layout(margin={"l": 50, "r": 8, "t": 8, "b": 8}, height=200)
+    shown(browser, [Picture(figure, "wrong"), picture()], tmp_path, 1366)
+    browser.until("document.querySelector('#picture-2 .main-svg') !== null")
+    assert "cannot be drawn" in browser.value("document.getElementById('picture-1').textContent")
+    assert browser.messages != []
+    browser.messages.clear()
+
+
+def test_panels_below_each_other_are_apart_on_paper(browser: Browser, tmp_path: Path) -> None:
+    two = picture()
+    two.figure.update_xaxes(title_text="time [s]")
+    shown(browser, [two], tmp_path, 1366)
+    browser.until("document.querySelector('#picture-1 .main-svg') !== null")
+    browser.call("Emulation.setEmulatedMedia", media="print")
+    browser.value("window.dispatchEvent(new Event('beforeprint'))")
+    browser.until("document.getElementById('picture-1').layout.xaxis2.domain[0] > 0.57")
+    label = "[...document.querySelectorAll('#picture-1 .xtitle')].map(e => e.getBoundingClientRect().bottom)"
+    title = "[...document.querySelectorAll('#picture-1 .annotation-text')].map(e => e.getBoundingClientRect().top)"
+    below = [top for top in browser.value(title) if top > min(browser.value(label)) - 30]
+    assert len(below) == 2
+    assert min(below) >= min(browser.value(label)) - 1
+    browser.call("Emulation.setEmulatedMedia", media="")
+    browser.value("window.dispatchEvent(new Event('afterprint'))")

@@ -11,7 +11,7 @@ from flexros.control.design.margins import frequency_grid, loop_response, step_r
 from flexros.report.base import Paragraph, Picture, TextTable
 from flexros.report.number_text import number
 from flexros.report.page import Chapter, page_html
-from flexros.report.theme import curve, run_colour, stacked
+from flexros.report.theme import INK, REFERENCE, curve, run_colour, stacked
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -29,8 +29,8 @@ _NYQUIST = 3.0
 """Half the side of the Nyquist picture [1] (chosen)."""
 _UPRIGHT = 3
 """Most loops of which each is a column, so that the table fits a phone (chosen)."""
-_MOST_POINTS = 700
-"""Frequencies of a curve [1] (chosen)."""
+_TURN = 0.01
+"""Largest step of a curve between two points, of 1 / (1 + |L|) of the Nyquist picture or in decades (chosen)."""
 
 
 def write_loop_report(loops: Mapping[str, Sequence[ControlLoop]], file: Path, *, title: str) -> None:
@@ -96,12 +96,16 @@ def loop_pictures(plants: SampledPlants, controller: LinearController, motor: in
         controller: The controller.
         motor: Number of the motor, from 0.
     """
-    return _pictures(plants, controller, loop_response(plants, controller, _frequencies(plants)), motor)
+    return _pictures(plants, controller, loop_response(plants, controller, frequency_grid(plants.sample_time)), motor)
 
 
-def _frequencies(plants: SampledPlants) -> FloatArray:
-    whole = frequency_grid(plants.sample_time)
-    return np.asarray(whole[:: max(1, len(whole) // _MOST_POINTS)])
+def _drawn(frequency: FloatArray, loop: ComplexArray) -> np.ndarray[Any, np.dtype[np.intp]]:
+    """Return the points that a smooth curve needs: many at resonances, few where the loop gain hardly changes."""
+    near = loop / (1.0 + np.abs(loop))  # bounded: what is far outside of the Nyquist picture needs no points
+    step = np.hypot(np.abs(np.diff(near)), np.diff(np.log10(frequency)))
+    passed = np.floor(np.concatenate([[0.0], np.cumsum(step)]) / _TURN)
+    kept = np.flatnonzero(np.diff(passed, prepend=-1.0))
+    return np.union1d(kept, [len(loop) - 1])
 
 
 def _sentence(entries: Sequence[LoopMargins]) -> Paragraph:
@@ -159,11 +163,14 @@ def _pictures(
     samples = round(_STEP / plants.sample_time)
     time = np.asarray(np.arange(samples) * plants.sample_time, dtype=float)
     for number_, label in enumerate(_short(plants.labels)):
-        L, colour = response.loop[number_, :, motor], run_colour(number_)
-        _draw(bode, response.frequency, _decibel(L), label, colour, 1, "Hz", "dB", legend=True)
-        _draw(bode, response.frequency, np.degrees(np.unwrap(np.angle(L))), label, colour, 2, "Hz", "degrees")
-        _draw(bode, response.frequency, _decibel(1.0 / (1.0 + L)), label, colour, 3, "Hz", "dB")
-        _draw(bode, response.frequency, _decibel(L / (1.0 + L)), label, colour, 3, "Hz", "dB", dash="dot")
+        whole, colour = response.loop[number_, :, motor], run_colour(number_)
+        phase = np.degrees(np.unwrap(np.angle(whole)))
+        points = _drawn(response.frequency, whole)
+        frequency, L = response.frequency[points], whole[points]
+        _draw(bode, frequency, _decibel(L), label, colour, 1, "Hz", "dB", legend=True)
+        _draw(bode, frequency, phase[points], label, colour, 2, "Hz", "degrees")
+        _draw(bode, frequency, _decibel(1.0 / (1.0 + L)), label, colour, 3, "Hz", "dB")
+        _draw(bode, frequency, _decibel(L / (1.0 + L)), label, colour, 3, "Hz", "dB", dash="dot")
         _draw(nyquist, L.real, L.imag, label, colour, 1, "", "", legend=True)
         values = np.clip(step_response(plants, controller, number_, motor, samples), -10.0, 10.0)
         _draw(steps, time, values, label, colour, 1, "s", "1", legend=True)
@@ -171,14 +178,19 @@ def _pictures(
     bode.update_xaxes(title_text="frequency [Hz]", row=3, col=1)
     for row, text in enumerate(("dB", "degrees", "dB, T dotted"), start=1):
         bode.update_yaxes(title_text=text, row=row, col=1)
-    nyquist.add_scatter(x=[-1.0], y=[0.0], mode="markers", marker={"symbol": "x", "size": 9}, showlegend=False)
-    nyquist.update_xaxes(range=[-_NYQUIST, _NYQUIST], title_text="real part")
-    nyquist.update_yaxes(range=[-_NYQUIST, _NYQUIST], title_text="imaginary part", scaleanchor="x")
+    angle = np.linspace(0.0, 2 * np.pi, 181)
+    _draw(nyquist, np.cos(angle), np.sin(angle), "unit circle", REFERENCE, 1, "", "", legend=True, dash="dot")
+    nyquist.add_scatter(
+        x=[-1.0], y=[0.0], mode="markers", marker={"symbol": "x", "size": 9, "color": INK}, showlegend=False,
+        hovertemplate="-1<extra></extra>",
+    )  # fmt: skip
+    nyquist.update_xaxes(range=[-_NYQUIST, _NYQUIST], title_text="real part", constrain="domain")
+    nyquist.update_yaxes(range=[-_NYQUIST, _NYQUIST], title_text="imaginary part", scaleanchor="x", constrain="domain")
     steps.update_xaxes(title_text="time [s]")
     name = f"motor_{motor + 1}"
     return (
         Picture(bode, f"Bode picture of the loop at {name}, and its sensitivities."),
-        Picture(nyquist, f"Nyquist picture of the loop at {name}; the cross is -1."),
+        Picture(nyquist, f"Nyquist picture of the loop at {name}, with the unit circle; the cross is -1."),
         Picture(steps, f"Position of {name} after a unit step of its reference in the linear loop."),
     )
 

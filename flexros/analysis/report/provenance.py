@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.report.base import AbstractSection, Block, Folded, Paragraph, TextTable
+from flexros.report.base import AbstractSection, Block, Paragraph
 from flexros.report.decimate import SCREEN_POINTS
-from flexros.report.entries import differing_rows, flat_entries, grouped_rows
+from flexros.report.origin import folded_origin
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -24,7 +24,8 @@ class ProvenanceSection(AbstractSection["Sequence[Analysis]"]):
         blocks: list[Block] = []
         for analysis in analyses:
             blocks += [Paragraph(f"{analysis.label}: {warning}.", "warning") for warning in analysis.warnings]
-        blocks += _origin(analyses)
+        origin = folded_origin({analysis.label: analysis.provenance for analysis in analyses}, "run", "runs")
+        blocks.append(origin or Paragraph("The logs do not state their origin.", "warning"))
         blocks.append(
             Paragraph(
                 f"Pictures draw at most {SCREEN_POINTS} points per curve; longer series are reduced to the smallest "
@@ -33,22 +34,3 @@ class ProvenanceSection(AbstractSection["Sequence[Analysis]"]):
             )
         )
         return tuple(blocks)
-
-
-def _origin(analyses: Sequence[Analysis]) -> tuple[Block, ...]:
-    """Return, folded, a table of what all runs share and one of the values in which they differ."""
-    runs = {analysis.label: dict(flat_entries(analysis.provenance)) for analysis in analyses}
-    keys = list(dict.fromkeys(key for entries in runs.values() for key in entries))
-    if not keys:
-        return (Paragraph("The logs do not state their origin.", "warning"),)
-    first = next(iter(runs.values()))
-    common = {key: first[key] for key in keys if len({entries.get(key) for entries in runs.values()}) == 1}
-    tables: list[Block] = []
-    if common:
-        caption = "Origin of the run." if len(runs) == 1 else "Common to all runs."
-        tables.append(TextTable(("Entry", "Value"), grouped_rows(common), caption, left=2))
-    differing = differing_rows(runs)
-    if differing:
-        tables.insert(0, TextTable(("Value", "Runs"), differing, "Entries in which the runs differ.", left=2))
-    what = "Origin of the run" if len(runs) == 1 else "Origin of the runs, and in which entries they differ"
-    return (Folded(f"{what}: {len(keys)} entries", tuple(tables)),)

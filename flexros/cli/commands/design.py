@@ -82,7 +82,8 @@ def design(
             from flexros.benchmark.tuning import write_controller
 
             write_controller(out, text)
-    _show(laws, problem, figures, report, as_json)
+    what = controller if method == MARGINS else method
+    _show(laws, problem, figures, report, as_json, f"Loops of {what} on {problem.robot.name}")
     if out and not as_json:
         say(f"controller: {out}")
 
@@ -93,6 +94,7 @@ def _show(
     figures: Mapping[str, float],
     report: Path | None,
     as_json: bool,
+    title: str,
 ) -> None:
     """Print the margins of the loops, and write the report."""
     from flexros.analysis.control_loops import control_loops
@@ -101,7 +103,7 @@ def _show(
     if report:
         from flexros.analysis.report.loop import write_loop_report
 
-        write_loop_report(loops, report, title=f"Loops of {problem.robot.name}")
+        write_loop_report(loops, report, title=title)
     if as_json:
         print_json(
             {

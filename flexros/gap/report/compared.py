@@ -21,9 +21,9 @@ from flexros.gap.report.words import (
     shows,
 )
 from flexros.gap.schema import CauseParameter
-from flexros.report.base import Block, Folded, Heading, Paragraph, Picture, TextTable
-from flexros.report.entries import flat_entries, grouped_rows
+from flexros.report.base import Block, Heading, Paragraph, Picture, TextTable
 from flexros.report.number_text import number
+from flexros.report.origin import folded_origin
 from flexros.report.page import Chapter, page_html
 from flexros.report.theme import run_colour, stacked
 
@@ -68,7 +68,7 @@ def values_table(comparison: DiagnosisComparison, rows: tuple[ComparedValue, ...
         caption: One sentence that describes the table.
     """
     cells = tuple((_name(row), *_values(row), _verdict(row)) for row in rows)
-    return TextTable(("", *comparison.names, "same?"), cells, caption)
+    return TextTable(("Effect or number", *comparison.names, "same?"), cells, caption)
 
 
 def _name(row: ComparedValue) -> str:
@@ -137,16 +137,17 @@ def compared_page(comparison: DiagnosisComparison) -> str:
     wrong: tuple[Block, ...] = ()
     if numbers:
         wrong = (values_table(comparison, numbers, "Numbers that the diagnoses put in place of those of the model."),)
-    made = tuple(
-        Folded(f"How {name} was made", (_made(one),))
-        for name, one in zip(comparison.names, comparison.diagnoses, strict=True)
+    made = folded_origin(
+        {name: one.provenance for name, one in zip(comparison.names, comparison.diagnoses, strict=True)},
+        "diagnosis",
+        "diagnoses",
     )
     chapters = (
         Chapter("", (Paragraph(sentence(comparison), "lead"), overview(comparison))),
         Chapter("Effects", tuple(found)),
         Chapter("Numbers of the model", wrong),
         Chapter("What each diagnosis says", said),
-        Chapter("Provenance", made),
+        Chapter("Provenance", (made,) if made else ()),
     )
     logs = listed(list(dict.fromkeys(str(one.provenance.get("log", "a log")) for one in comparison.diagnoses)))
     title = f"Comparison of {len(comparison.names)} diagnoses"
@@ -208,8 +209,3 @@ def _shares(comparison: DiagnosisComparison) -> Picture | None:
     figure.update_xaxes(title_text="share of the gap [%]")
     figure.update_layout(margin={"l": 150}, barmode="group", bargap=0.3)
     return Picture(figure, "Share of the gap that opens when the effect alone is taken from the repaired model.")
-
-
-def _made(diagnosis: Diagnosis) -> TextTable:
-    entries = dict(flat_entries(diagnosis.provenance))
-    return TextTable(("Entry", "Value"), grouped_rows(entries), "Log, model, versions and settings.", left=2)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 from typing import TYPE_CHECKING, ClassVar
 
@@ -24,6 +25,8 @@ SIGNIFICANT = 0.05
 """p-value below which a location is significant."""
 _MOST_ROWS = 8
 """Rows of the table (chosen)."""
+_BELOW = 0.6
+"""Lower end of a band from 0 Hz as drawn, relative to the lowest upper end of all (chosen)."""
 _SCALE = [[0, "#ffffff"], [0.15, "#cfe2f0"], [1, "#0072b2"]]
 
 
@@ -42,8 +45,7 @@ class WhereSection(AbstractSection["DiagnosisResult"]):
         maps: list[Block] = []
         if len(bands) > 1:
             ordered = sorted(bands, key=lambda location: location.band_hz)
-            figure = _map(ordered, [_ends(location) for location in ordered], "frequency band [Hz]")
-            maps.append(Picture(figure, _caption("frequency band")))
+            maps.append(Picture(_spectrum(ordered), _caption("frequency band, each as wide as its band")))
         if len(regimes) > 1:
             figure = _map(
                 regimes, [_wrapped(location.regime.replace("_", " "), 13) for location in regimes], "part of the motion"
@@ -69,15 +71,46 @@ def _caption(label: str) -> str:
     )
 
 
-def _ends(location: Excess) -> str:
-    """Write the ends of a band briefly."""
-    low, high = (number(end, 2 if end < 100 else 3) for end in location.band_hz)
-    return f"<{high}" if location.band_hz[0] <= 0 else f"{low}-{high}"
-
-
 def _wrapped(text: str, width: int) -> str:
     """Break a text into lines of a picture."""
     return "<br>".join(textwrap.wrap(text, width))
+
+
+def _spectrum(locations: Sequence[Excess]) -> go.Figure:
+    """Draw every band at its frequencies: those of several signals need not be the same."""
+    import plotly.graph_objects as go
+
+    from flexros.report.theme import stacked
+
+    rows = list(dict.fromkeys(_row(location) for location in locations))
+    lowest = _BELOW * min(location.band_hz[1] for location in locations)
+    largest = max(100 * max(location.share for location in locations), 1.0)
+    figure = stacked([""])
+    texts: list[dict[str, object]] = []
+    for location in locations:
+        row, (low, high) = rows.index(_row(location)), location.band_hz
+        low, share = max(low, lowest), 100 * location.share
+        words = band_words(location.band_hz, math.inf)
+        figure.add_trace(
+            go.Heatmap(
+                z=[[share]], x=[low, high], y=[row - 0.5, row + 0.5], zmin=0, zmax=largest, colorscale=_SCALE,
+                showscale=False, xgap=2, ygap=2,
+                hovertemplate=f"{_row(location)}, {words}: {number(share, 3)} % of the excess, "
+                f"{p_value_words(location.p_value)}<extra></extra>",
+            )
+        )  # fmt: skip
+        texts.append(_text(0.5 * math.log10(low * high), row, share, location.p_value, largest))
+    figure.update_layout(annotations=texts)
+    figure.update_yaxes(
+        tickvals=list(range(len(rows))),  # names as categories would have to be the same in every trace
+        ticktext=[_wrapped(row, 22) for row in rows],
+        range=[len(rows) - 0.5, -0.5],
+        showgrid=False,
+    )
+    ends = [math.log10(lowest), math.log10(max(location.band_hz[1] for location in locations))]
+    figure.update_xaxes(title_text="frequency [Hz]", type="log", range=ends, showgrid=False, dtick=1)
+    figure.update_layout(margin={"l": 170, "t": 20, "b": 58}, height=78 + 44 * len(rows))
+    return figure
 
 
 def _map(locations: Sequence[Excess], labels: Sequence[str], title: str) -> go.Figure:
@@ -121,17 +154,19 @@ def _cell_texts(
     rows: Sequence[str], columns: Sequence[str], share: FloatArray, p_value: FloatArray
 ) -> list[dict[str, object]]:
     """Annotations with share and significance, one per cell."""
-    dark_from = 0.55 * max(float(np.nanmax(share)), 1.0)
-    return [
-        {
-            "x": columns[c],
-            "y": rows[r],
-            "text": f"{share[r, c]:.0f}" + ("<br>●" if p_value[r, c] < SIGNIFICANT else ""),
-            "showarrow": False,
-            "font": {"size": 11, "color": "#ffffff" if share[r, c] > dark_from else "#1b1f24"},
-        }
-        for r, c in np.argwhere(np.isfinite(share))
-    ]
+    largest = max(float(np.nanmax(share)), 1.0)
+    return [_text(columns[c], rows[r], share[r, c], p_value[r, c], largest) for r, c in np.argwhere(np.isfinite(share))]
+
+
+def _text(x: str | float, y: str | int, share: float, p_value: float, largest: float) -> dict[str, object]:
+    """Return the annotation of one cell, white on dark blue."""
+    return {
+        "x": x,
+        "y": y,
+        "text": f"{share:.0f}" + ("<br>●" if p_value < SIGNIFICANT else ""),
+        "showarrow": False,
+        "font": {"size": 11, "color": "#ffffff" if share > 0.55 * largest else "#1b1f24"},
+    }
 
 
 def _row(location: Excess) -> str:

@@ -64,6 +64,7 @@ def _picture(result: IdentificationResult) -> Picture:
         go.Heatmap(
             z=100 * shares,
             zmin=0,
+            zmax=100 * float(shares.max()) or 1.0,  # without it zmin is not used
             x=[str(index + 1) for index in range(len(responses))],
             y=elements,
             colorscale=[[0, "#ffffff"], [1, "#0072b2"]],

@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from flexros.analysis.control_loops import control_loops
-from flexros.analysis.report.loop import common_beginning, loop_table, write_loop_report
+from flexros.analysis.report.loop import _drawn, common_beginning, loop_table, write_loop_report
 from flexros.control.design.margins import LoopMargins
 from flexros.control.design.methods.base import DesignProblem
 from flexros.control.pid import Pid
@@ -52,3 +53,16 @@ def test_table_of_few_loops_is_narrow_enough_for_a_phone(motors: int, upright: b
     assert names == tuple(f"motor_{motor + 1}" for motor in range(motors))
     crossover = next(row for row in table.rows if row[0] == "Crossover [Hz]")[1] if upright else table.rows[0][6]
     assert crossover == "16.7"
+
+
+def test_curves_are_smooth_at_a_resonance() -> None:
+    frequency = np.geomspace(0.1, 100.0, 3000)
+    loop = 1.0 / (1.0 - (frequency / 10.0) ** 2 + 0.02j * frequency / 10.0)
+    points = _drawn(frequency, loop)
+    assert points[0] == 0
+    assert points[-1] == 2999
+    assert len(points) < 1200
+    inside = np.abs(loop[points]) < 3.0
+    steps = np.abs(np.diff(loop[points]))[inside[1:] & inside[:-1]]
+    assert steps.max() < 0.3
+    assert np.diff(np.log10(frequency[points])).max() < 0.02

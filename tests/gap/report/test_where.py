@@ -1,0 +1,25 @@
+"""The map of the excess over frequency."""
+
+from __future__ import annotations
+
+import math
+
+from flexros.gap.report.where import _spectrum
+from flexros.gap.schema import Excess
+
+
+def excess(signal: str, low: float, high: float, share: float, p_value: float = 0.5) -> Excess:
+    return Excess(joint="motor_1", signal=signal, band_hz=(low, high), regime="all", share=share, p_value=p_value)
+
+
+def test_bands_of_several_signals_stand_at_their_own_frequencies() -> None:
+    figure = _spectrum([excess("position", 0.0, 2.0, 0.1), excess("position", 2.0, 8.0, 0.6, 0.001),
+                        excess("torque", 0.0, 5.0, 0.3)])  # fmt: skip
+    assert [(list(cell.x), list(cell.y)) for cell in figure.data] == [
+        ([1.2, 2.0], [-0.5, 0.5]), ([2.0, 8.0], [-0.5, 0.5]), ([1.2, 5.0], [0.5, 1.5]),
+    ]  # fmt: skip
+    assert list(figure.layout.yaxis.ticktext) == ["motor_1 position", "motor_1 torque"]
+    assert {cell.zmax for cell in figure.data} == {60.0}
+    texts = figure.layout.annotations
+    assert [text.text for text in texts] == ["10", "60<br>●", "30"]
+    assert math.isclose(10 ** texts[1].x, 4.0)
