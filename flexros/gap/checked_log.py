@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flexros.identify.rigid.torque_timing import with_torque_in_time
+from flexros.logs.reader import give_memory_back
 from flexros.record.checks.run import check_record
 from flexros.record.read import read_record
 from flexros.record.resampled import at_usual_rate
@@ -33,5 +34,8 @@ def checked_log(log: Log, robot: Robot, *, name: str, torque: TorqueSource = "co
         InputError: There is no usable position or torque, or a check rejects the log.
     """
     record = read_record(log, robot, name=name, torque=torque, positions=True)
+    give_memory_back()
     record = with_torque_in_time(with_recorded_parts(record, log), robot)
-    return at_usual_rate(check_record(record, robot))
+    checked = at_usual_rate(check_record(record, robot))
+    give_memory_back()
+    return checked

@@ -17,7 +17,7 @@ from flexros.gap.deadline import Deadline
 from flexros.gap.fit.elastic_timing import with_torque_in_time_behind_springs
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.fit.unknown_numbers import unknown_numbers
-from flexros.gap.held_out.closed_loop_gap import closed_loop_gap
+from flexros.gap.held_out.closed_loop_gap import closed_loop_gap, why_not_simulated
 from flexros.gap.held_out.predictions import prediction_of, sensor_errors, tool_errors
 from flexros.gap.noise.autoregression import autoregressive_spectrum
 from flexros.gap.noise.weights import measurement_in
@@ -28,6 +28,7 @@ from flexros.gap.search.prepare import prepare_search
 from flexros.gap.search.torque_start import base_fit, first_values, on_null, torque_start
 from flexros.gap.settings import DiagnosisSettings
 from flexros.gap.where.find import where
+from flexros.logs.reader import give_memory_back
 from flexros.record.most_informative import most_informative
 from flexros.record.resampled import may_be_resampled, resampled
 from flexros.record.shifted_torque import shifted
@@ -93,9 +94,12 @@ def diagnose(
     fitted, held = (most_informative(one, settings.most_values) for one in (fitted, held))
     tolerated = tolerance_of(model.robot, tolerance or {})
     unknown = unknown_numbers(fitted, model, tolerated)
-    fitted = replace(fitted, warnings=(*fitted.warnings, *unknown.warnings))
+    in_closed_loop = log if record.command is None else None
+    notes = () if in_closed_loop is None else why_not_simulated(in_closed_loop)
+    fitted = replace(fitted, warnings=(*fitted.warnings, *unknown.warnings, *notes))
     model = unknown.given_to(model)
     tolerated = unknown.tolerated(tolerance_of(model.robot, tolerance or {}), model.robot)
+    give_memory_back()  # what was needed of a long log beside the part that is used
     data = fit_data(fitted, model, settings)
     measurement = measurement_in(held, model.robot, data.measurement, settings)
     held_data = fit_data(held, model, settings, measurement, data.level)
@@ -128,10 +132,10 @@ def diagnose(
     )
     result = result_of(findings, prediction, excess, settings, stages, deadline)
 
-    if log is not None and record.command is None:
+    if in_closed_loop is not None:
         stages.begin("closed loop", 1.0)
         repaired = given.with_effects(result.patch) if result.patch else None
-        signals = closed_loop_gap(log, given, repaired, begin=held_data.record.begin)
+        signals = closed_loop_gap(in_closed_loop, given, repaired, begin=held_data.record.begin)
         result = replace(result, signals=(*result.signals, *signals))
     stages.end()
     return result

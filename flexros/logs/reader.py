@@ -25,7 +25,7 @@ from flexros.logs.time_series import OWN_SERIES, Log
 from flexros.one_line import one_line
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Collection, Iterable
 
     from mcap.records import Channel, Schema
 
@@ -42,7 +42,7 @@ def _contract_topics() -> dict[str, Topic]:
     return {name: topic for name, topic in load_topics().items() if topic.recorded and topic.type in series_codecs()}
 
 
-def read_log(path: Path | str, namespace: str | None = None) -> Log:
+def read_log(path: Path | str, namespace: str | None = None, *, leave_out: Collection[str] = ()) -> Log:
     """Read a log.
 
     Messages may be in any order, mixed with other topics, in several files and in any chunk compression; they are
@@ -52,6 +52,7 @@ def read_log(path: Path | str, namespace: str | None = None) -> Log:
     Args:
         path: A rosbag2 folder, an .mcap or a .db3 file.
         namespace: Namespace of the topics, e.g. "robot1" or "" for none; None if the file has only one.
+        leave_out: Relative names of topics that are not decoded, as those of a long log need memory.
 
     Returns:
         The log.
@@ -60,7 +61,7 @@ def read_log(path: Path | str, namespace: str | None = None) -> Log:
         InputError: There is no such log, it lacks a required topic, or several namespaces have it.
     """
     bag = find_bag_files(Path(path))
-    contract = _contract_topics()
+    contract = {name: topic for name, topic in _contract_topics().items() if name not in leave_out}
     content = _BagContent(contract)
     for file in bag.files:
         content.read(bag_file_reader(file))

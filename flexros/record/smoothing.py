@@ -40,11 +40,12 @@ def smooth_motion(position: FloatArray, sample_time: float, cutoff: float) -> Fl
     from scipy.signal import butter, sosfiltfilt  # here, because it loads slowly
 
     sections = butter(4, 2 * cutoff * sample_time, output="sos")
-    smooth = sosfiltfilt(sections, position, axis=0)
-    velocity = np.gradient(smooth, sample_time, axis=0)
-    acceleration = np.zeros_like(smooth)
-    acceleration[1:-1] = np.diff(smooth, 2, axis=0) / sample_time**2
-    return np.stack([smooth, velocity, acceleration])
+    motion = np.zeros((3, *position.shape))
+    for motor, column in enumerate(position.T):  # one by one: the filter makes several copies
+        smooth = sosfiltfilt(sections, column)
+        motion[0, :, motor], motion[1, :, motor] = smooth, np.gradient(smooth, sample_time)
+        motion[2, 1:-1, motor] = np.diff(smooth, 2) / sample_time**2
+    return motion
 
 
 def noise_power(position: FloatArray) -> FloatArray:

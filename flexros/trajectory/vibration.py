@@ -15,6 +15,9 @@ from flexros.trajectory.time_law import TimeLaw
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
 
+_ROWS_AT_ONCE = 100_000
+"""Times that are evaluated at once (chosen): each cosine of each joint is a temporary number."""
+
 
 @dataclass(frozen=True, eq=False)
 class Vibration(AbstractPath):
@@ -78,10 +81,12 @@ class Vibration(AbstractPath):
     def derivatives(self, s: FloatArray, order: int = MAX_DERIVATIVES) -> FloatArray:
         """See `AbstractPath.derivatives`; window and sum by the product rule."""
         s = np.asarray(s, dtype=float)
-        window, harmonics = self._window(s, order), self._harmonics(s, order)
         result = np.empty((order + 1, s.size, self.n_out))
-        for k in range(order + 1):
-            result[k] = sum(comb(k, i) * window[i][:, None] * harmonics[k - i] for i in range(k + 1))
+        for first in range(0, s.size, _ROWS_AT_ONCE):
+            rows = slice(first, first + _ROWS_AT_ONCE)
+            window, harmonics = self._window(s[rows], order), self._harmonics(s[rows], order)
+            for k in range(order + 1):
+                result[k, rows] = sum(comb(k, i) * window[i][:, None] * harmonics[k - i] for i in range(k + 1))
         result[0] += self.centre
         return result
 

@@ -12,6 +12,7 @@ from flexros.errors import InputError, unknown_name
 from flexros.gap.candidates.tolerance import KINDS
 from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose as diagnosed
+from flexros.gap.held_out.closed_loop_gap import measured_alone
 from flexros.gap.measure_gap import MeasuredGap
 from flexros.gap.measure_gap import measure_gap as measured
 from flexros.gap.settings import DiagnosisSettings, SearchSettings
@@ -182,14 +183,17 @@ def diagnose(
     if settings is None:
         search = SearchSettings(effects=tuple(effects), joints=tuple(joints))
         settings = DiagnosisSettings(time_limit=time_limit, search=search)
-    read = [log_of(one) for one in (log, holdout) if one is not None]
-    names = [name_of(one, number) for number, one in enumerate((log, holdout), 1) if one is not None]
-    records = [checked_log(one, known.robot, name=name, torque=torque) for one, name in zip(read, names)]
+    records = []
+    for number, one in enumerate((log, holdout), 1):
+        if one is not None:
+            read = log_of(one)
+            records.append(checked_log(read, known.robot, name=name_of(one, number), torque=torque))
+            read = measured_alone(read)
     result = diagnosed(
         records[0],
         known,
         holdout=records[1] if holdout is not None else None,
-        log=read[-1],
+        log=read,
         tolerance=tolerance,
         settings=settings,
         progress=progress,

@@ -47,6 +47,14 @@ def test_single_file_is_read_like_its_folder(tmp_path, make_log, assert_same_log
     assert_same_log(read_log(tmp_path / "log"), read_log(tmp_path / "log" / "log_0.mcap"))
 
 
+def test_topics_are_left_out(tmp_path, make_log):
+    log = make_log()
+    write_log(log, tmp_path / "log")
+    read = read_log(tmp_path / "log", leave_out=("tool_reference",))
+    assert read.tool_reference is None
+    np.testing.assert_array_equal(read.joint_states.position, log.joint_states.position)
+
+
 def test_path_may_be_text(tmp_path, make_log):
     write_log(make_log(), tmp_path / "log")
     assert len(read_log(str(tmp_path / "log")).joint_states.stamp) == 50

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from flexros.trajectory import vibration as module
 from flexros.trajectory.trajectory import Move
 from flexros.trajectory.vibration import Vibration
 
@@ -54,3 +55,10 @@ def test_its_law_is_the_time() -> None:
     path = vibration()
     move, t = Move(path, path.law()), np.array([0.2, 1.7])
     np.testing.assert_allclose(move.evaluate(t, 4), path.derivatives(t, 4), rtol=1e-12)
+
+
+def test_many_times_are_evaluated_in_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    path, t = vibration(), np.linspace(0.0, 3.0, 1001)
+    at_once = path.derivatives(t, 4)
+    monkeypatch.setattr(module, "_ROWS_AT_ONCE", 100)
+    np.testing.assert_allclose(path.derivatives(t, 4), at_once, rtol=1e-12, atol=1e-9)

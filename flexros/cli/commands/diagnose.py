@@ -57,6 +57,7 @@ def diagnose(
     from flexros.effects.patching.patched_robot import load_model
     from flexros.gap.checked_log import checked_log
     from flexros.gap.diagnose import diagnose as diagnosed
+    from flexros.gap.held_out.closed_loop_gap import measured_alone
     from flexros.gap.report.files import check_folder, write_diagnosis
     from flexros.logs.reader import read_log
 
@@ -64,9 +65,12 @@ def diagnose(
     tolerances, source = parse_tolerance(tolerance), torque_source(torque)
     settings = _settings(names_in(joints), names_in(effects), time_limit)
     known = load_model(model)
-    logs = [read_log(path, namespace=namespace or None) for path in (bag, holdout) if path is not None]
-    paths = [path for path in (bag, holdout) if path is not None]
-    records = [checked_log(log, known.robot, name=path.name, torque=source) for log, path in zip(logs, paths)]
+    records = []
+    for path in (bag, holdout):
+        if path is not None:
+            log = read_log(path, namespace=namespace or None, leave_out=("tool_reference",))
+            records.append(checked_log(log, known.robot, name=path.name, torque=source))
+            log = measured_alone(log)
     record, *others = records
     with progress_shown() as show:
         with interruptible("writing what is known; Ctrl-C again ends without a result") as interrupted:
@@ -74,7 +78,7 @@ def diagnose(
                 record,
                 known,
                 holdout=others[0] if others else None,
-                log=logs[-1],
+                log=log,
                 tolerance=tolerances,
                 settings=settings,
                 progress=show,

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flexros.errors import RunError
 from flexros.gap.result import SignalGap
+from flexros.logs.stamps import START_NS
 from flexros.logs.time_series import BASE_FRAME
 from flexros.scenario.recorded_experiment import recorded_experiment
 
@@ -19,6 +20,35 @@ if TYPE_CHECKING:
     from flexros.scenario.experiment import Experiment
 
 _MILLI = 1e-3
+MOST_SAMPLES = 1_000_000
+"""Samples of the longest log whose closed loop is simulated (chosen): a run of half an hour at 2 kHz needs 1.3 GB."""
+
+
+@dataclass(frozen=True, eq=False)
+class _SimulatedRun:
+    """What is compared of a simulated run: of half an hour the whole log is a gigabyte.
+
+    Attributes:
+        position: Measured motor positions [rad or m], shape (n, M).
+        tool: Positions of the tool [m], shape (n, 3).
+    """
+
+    position: FloatArray
+    tool: FloatArray
+
+
+def measured_alone(log: Log) -> Log:
+    """Return what `closed_loop_gap` needs of a log: measurements and provenance, no commands and references."""
+    tool = None if why_not_simulated(log) else log.tool_pose
+    return replace(log, joint_commands=None, joint_reference=None, tool_pose=tool, tool_reference=None, other_series={})
+
+
+def why_not_simulated(log: Log) -> tuple[str, ...]:
+    """Return a warning where the scenario of a log is known, but the log too long to simulate it."""
+    n = len(log.joint_states.stamp)
+    if n <= MOST_SAMPLES or not isinstance(log.provenance.get("scenario"), dict):
+        return ()
+    return (f"the closed loop is not simulated: the log has {n} samples, simulated are at most {MOST_SAMPLES}",)
 
 
 def closed_loop_gap(
@@ -37,8 +67,10 @@ def closed_loop_gap(
 
     Returns:
         Root mean square of the tool's distance in mm and of each motor's difference in mrad or mm; empty where
-        reference and controller are not known, or the loop with the nominal model is not stable.
+        reference and controller are not known, the log is too long, or the loop with the nominal model is not stable.
     """
+    if why_not_simulated(log):
+        return ()
     experiment = recorded_experiment(log)
     if experiment is None or experiment.plant.joint_names != nominal.robot.joint_names:
         return ()
@@ -46,7 +78,7 @@ def closed_loop_gap(
     if before is None:
         return ()
     stamp = log.joint_states.stamp
-    rows = np.round((stamp - before.joint_states.stamp[0]) * 1e-9 / experiment.sample_time).astype(np.int64)
+    rows = np.round((stamp - START_NS) * 1e-9 / experiment.sample_time).astype(np.int64)
     late = (stamp - stamp[0]) * 1e-9 >= begin
     counted = np.flatnonzero(late & (rows >= 0) & (rows < experiment.n_samples))
     if not len(counted):
@@ -55,24 +87,32 @@ def closed_loop_gap(
     return _gaps(log, before, after, rows, counted, nominal)
 
 
-def _run(experiment: Experiment, model: RobotWithEffects) -> Log | None:
+def _run(experiment: Experiment, model: RobotWithEffects) -> _SimulatedRun | None:
     """Simulate a model as the plant of an experiment; None where the loop is not stable."""
     from flexros.scenario.closed_loop import closed_loop
 
     try:
-        return closed_loop(replace(experiment, models=replace(experiment.models, plant=model)))
+        run = closed_loop(replace(experiment, models=replace(experiment.models, plant=model)))
     except RunError:
         return None
+    assert run.joint_states.position is not None
+    assert run.tool_pose is not None
+    return _SimulatedRun(run.joint_states.position.copy(), run.tool_pose.position.copy())
 
 
 def _gaps(
-    log: Log, before: Log, after: Log | None, rows: IntArray, counted: IntArray, nominal: RobotWithEffects
+    log: Log,
+    before: _SimulatedRun,
+    after: _SimulatedRun | None,
+    rows: IntArray,
+    counted: IntArray,
+    nominal: RobotWithEffects,
 ) -> tuple[SignalGap, ...]:
     robot, runs = nominal.robot, (before, after)
     gaps = []
     measured, stamp = log.tool_pose, log.joint_states.stamp
     if measured is not None and measured.frame_id == BASE_FRAME and np.array_equal(measured.stamp, stamp):
-        paths = [None if run is None or run.tool_pose is None else run.tool_pose.position for run in runs]
+        paths = [None if run is None else run.tool for run in runs]
         errors = [None if path is None else _rms(measured.position[counted] - path[rows[counted]]) for path in paths]
         assert errors[0] is not None
         floor = float(np.sqrt(3.0) * robot.tool_noise) / _MILLI
@@ -83,7 +123,7 @@ def _gaps(
         if position is None or name not in names:
             continue
         recorded = position[counted, names.index(name)]
-        simulated = [None if run is None else run.joint_states.position for run in runs]
+        simulated = [None if run is None else run.position for run in runs]
         errors = [None if run is None else _rms((recorded - run[rows[counted], motor])[:, None]) for run in simulated]
         assert errors[0] is not None
         unit = f"m{robot.motors[motor].position_unit}"

@@ -91,9 +91,10 @@ def rigid_inverse_dynamics(robot: Robot, position: FloatArray, sample_time: floa
     Returns:
         Torques [Nm or N], shape (n, M).
     """
-    motion = smooth_motion(position, sample_time, min(2.5 * highest, 0.2 / sample_time))
     n = len(position)
     factor = max(1, int(1 / (sample_time * _PER_PERIOD * 2.5 * highest)))
     samples = np.unique(np.append(np.arange(0, n, factor), n - 1))
-    torque = rigid_arm(robot).inverse_dynamics(motion[:, samples]).torque
+    cutoff = min(2.5 * highest, 0.2 / sample_time)
+    motions = [smooth_motion(column[:, None], sample_time, cutoff)[:, samples] for column in position.T]
+    torque = rigid_arm(robot).inverse_dynamics(np.concatenate(motions, axis=2)).torque
     return np.column_stack([np.interp(np.arange(n), samples, column) for column in torque.T])

@@ -39,6 +39,7 @@ RIGID_HIGHEST = 20.0
 NOISE_SHARE = 0.1
 """Largest share of encoder noise in the power of a clear motion (chosen)."""
 
+_LONG = 1_000_000  # samples from which a transform of any length would need too much memory
 _FIRST_BAND = 1e-4  # lowest frequency of half octave 0 [Hz]
 _PERIODS = 4  # periods of the lowest frequency in a stretch
 
@@ -65,20 +66,15 @@ class _Signals:
         self, first: int, end: int, low: float, high: float, bins: int, need: ElasticInverseDynamics | None
     ) -> _Piece:
         """Transform a stretch between two frequencies; above `rigid_below` the robot is elastic."""
-        T, window = self.sample_time, np.hanning(end - first)[:, None]
+        T, window = self.sample_time, np.hanning(end - first)
         part = slice(first, end)
         frequency = np.asarray(np.fft.rfftfreq(end - first, T), dtype=np.float64)
-        mean = self.given[part].mean(axis=0)
-        given, acceleration, rigid, sign = (
-            np.fft.rfft(window * values, axis=0)
-            for values in (
-                self.given[part] - mean,
-                self.acceleration[part],
-                self.rigid[part] - self.rigid[part].mean(axis=0),
-                self.sign[part],
-            )
-        )
         inside = slice(*np.searchsorted(frequency, (low, high)))
+        mean = {name: getattr(self, name)[part].mean(axis=0) for name in ("given", "rigid")}
+        given, acceleration, rigid, sign = (
+            _spectra(window, getattr(self, name)[part], mean.get(name), inside.stop)
+            for name in ("given", "acceleration", "rigid", "sign")
+        )
         kept, band, crowd = _strongest(frequency, inside, given, acceleration, bins)
         f = frequency[kept]
         w = np.asarray(2 * np.pi * f, dtype=np.float64)
@@ -121,7 +117,7 @@ def torque_balance(record: Record, robot: Robot, sample_time: float | None = Non
     bins = max(LEAST_BINS, BINS // len(starts))
     pieces = [signals.spectra(int(k), int(k) + length, lowest, highest, bins, need) for k in starts]
     slow = min(lowest, signals.rigid_below)
-    whole = len(position) - 2
+    whole = _transformed(len(position) - 2)
     if len(starts) > 1 and not np.any(long_holes(record.valid)) and slow > _PERIODS / (whole * T):
         pieces.append(signals.spectra(0, whole, _PERIODS / (whole * T), slow, BINS, None))
     return TorqueBalance(
@@ -130,6 +126,15 @@ def torque_balance(record: Record, robot: Robot, sample_time: float | None = Non
             for name in ("frequency", "band", "given", "needed", "own", "clear")
         )
     )
+
+
+def _transformed(samples: int) -> int:
+    """Return how many samples of a whole record are transformed: of a long one with a large prime factor not all."""
+    from scipy.fft import next_fast_len  # here, because it loads slowly
+
+    while samples > _LONG and next_fast_len(samples, real=True) != samples:
+        samples -= 1
+    return samples
 
 
 def _stretches(record: Record, T: float) -> tuple[int, IntArray]:
@@ -155,18 +160,31 @@ def rotor_unknown(robot: Robot) -> BoolArray:
 
 def _signals(record: Record, robot: Robot, position: FloatArray, T: float, lowest: float) -> _Signals:
     rigid_below = min(RIGID_SHARE * lowest, RIGID_HIGHEST, 0.05 / T)
+    cutoff = min(0.05 / T, 4 * RIGID_HIGHEST)
+    # One motor after the other: three derivatives of all motors of a long record would be as large as the record.
+    sign = [np.sign(smooth_motion(column[:, None], T, cutoff)[1]) for column in position.T]
     return _Signals(
         sample_time=T,
         position=position[1:-1],
         acceleration=np.diff(position, 2, axis=0) / T**2,
         given=bridged(record.torque, record.valid)[1:-1],
         rigid=rigid_inverse_dynamics(robot, position, T, rigid_below)[1:-1],
-        sign=np.sign(smooth_motion(position, T, min(0.05 / T, 4 * RIGID_HIGHEST))[1])[1:-1],
+        sign=np.hstack(sign)[1:-1],
         noise=noise_power(position),
         rotor_unknown=rotor_unknown(robot),
         rigid_below=rigid_below,
         delay=0.0 if record.measured_torque else robot.delay,
     )
+
+
+def _spectra(window: FloatArray, values: FloatArray, mean: FloatArray | None, below: int) -> ComplexArray:
+    """Transform signals less their mean, one by one: of a long record all frequencies at once would need much memory.
+
+    Returns:
+        The lowest frequencies, shape (below, M).
+    """
+    columns = values.T if mean is None else (column - own for column, own in zip(values.T, mean, strict=True))
+    return np.stack([np.fft.rfft(window * column)[:below].copy() for column in columns], axis=1)
 
 
 def _strongest(

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from flexros.errors import InputError
+from flexros.logs.reader import give_memory_back
 from flexros.record.checks.base import Finding, checks
 from flexros.record.checks.checked_record import CheckedRecord
 
@@ -32,6 +33,7 @@ def findings(record: Record, robot: Robot) -> tuple[Finding, ...]:
         for member in members:
             if member.stage == stage:
                 problems += member.look(checked)
+                give_memory_back()  # temporary arrays of a long log
         if any(finding.hopeless for finding in problems):
             break
     return tuple(sorted(problems, key=lambda finding: not finding.hopeless))

@@ -8,7 +8,8 @@ import pytest
 
 from flexros.effects import PlacedEffect, RobotWithEffects, place_effects
 from flexros.effects.coulomb_friction import CoulombFriction
-from flexros.gap.held_out.closed_loop_gap import closed_loop_gap
+from flexros.gap.held_out import closed_loop_gap as module
+from flexros.gap.held_out.closed_loop_gap import closed_loop_gap, measured_alone, why_not_simulated
 from flexros.logs.time_series import Log
 from flexros.robot import load_robot
 from flexros.scenario.closed_loop import closed_loop
@@ -61,3 +62,16 @@ def test_without_a_repair_only_the_gap_before_is_told(log: Log) -> None:
     tool, _ = closed_loop_gap(log, NOMINAL)
     assert tool.before > 0
     assert tool.after is None
+
+
+def test_the_measurements_of_a_log_suffice(log: Log) -> None:
+    assert closed_loop_gap(measured_alone(log), NOMINAL, REPAIRED) == closed_loop_gap(log, NOMINAL, REPAIRED)
+
+
+def test_a_log_that_is_too_long_is_not_simulated_and_says_so(log: Log, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert why_not_simulated(log) == ()
+    monkeypatch.setattr(module, "MOST_SAMPLES", 100)
+    (warning,) = why_not_simulated(log)
+    assert str(len(log.joint_states.stamp)) in warning
+    assert closed_loop_gap(log, NOMINAL, REPAIRED) == ()
+    assert why_not_simulated(replace(log, provenance={})) == ()
