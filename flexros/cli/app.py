@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any, get_type_hints
 import typer
 from typer.models import ArgumentInfo, OptionInfo
 
-from flexros.cli import completion
 from flexros.cli.commands import (
     analyze,
     benchmark,
@@ -34,6 +33,7 @@ from flexros.cli.commands import (
     view,
 )
 from flexros.cli.commands.identify import procedure as identify
+from flexros.cli.completion import COMPLETED
 from flexros.cli.guide import examples_text, guide_of
 from flexros.cli.help import JobGroup
 from flexros.cli.output import suggest
@@ -63,16 +63,6 @@ Examples:
   flexros analyze circle --report circle.html      # path error, tracking, timing
   flexros diagnose LOG --model ROBOT --out found   # why robot and model differ
 """
-
-COMPLETED = {
-    "model": completion.robots,
-    "real": completion.robots,
-    "name": completion.robots,
-    "scenario": completion.scenarios,
-    "effect": completion.placed_effects,
-    "effects": completion.effects,
-}
-"""What a shell completes, by the name of the argument."""
 
 app = typer.Typer(
     name="flexros",
@@ -178,7 +168,7 @@ def _add(name: str, commands: Mapping[str, Callable[..., Any]], help_text: str =
         into = typer.Typer(name=name, cls=JobGroup, help=help_text, no_args_is_help=True, rich_markup_mode=None)
     for word, command in commands.items():
         guide = guide_of(f"{name} {word}".strip() if help_text else word, command.__doc__ or "")
-        _complete(command)
+        _complete(command, f"{name} {word}" if help_text else word)
         into.command(
             word,
             short_help=guide.short,
@@ -190,13 +180,14 @@ def _add(name: str, commands: Mapping[str, Callable[..., Any]], help_text: str =
         app.add_typer(into, short_help=group.short, rich_help_panel=group.job)
 
 
-def _complete(command: Callable[..., Any]) -> None:
+def _complete(command: Callable[..., Any], name_of_command: str) -> None:
     """Let shells complete built-in names in the options and arguments of a command."""
     hints = get_type_hints(command, include_extras=True)
     for name, parameter in inspect.signature(command).parameters.items():
+        completed = COMPLETED.get(f"{name_of_command} {name}") or COMPLETED.get(name)
         for each in (parameter.default, *getattr(hints.get(name), "__metadata__", ())):
-            if name in COMPLETED and isinstance(each, (OptionInfo, ArgumentInfo)):
-                each.autocompletion = COMPLETED[name]
+            if completed and isinstance(each, (OptionInfo, ArgumentInfo)):
+                each.autocompletion = completed
 
 
 _add("", COMMANDS)

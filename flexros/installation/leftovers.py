@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import tempfile
 import time
@@ -16,8 +17,10 @@ from flexros.compile.object_cache import cache_folder
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-TEMPORARY = "flexros_*"
-"""Names of our folders among the temporary files."""
+TEMPORARY = re.compile(
+    r"flexros_((logs|truth|sensitivity|launch|tests|fuzz|browser)_)?[a-z0-9_]{8}|flexros_ros_log_\d+"
+)
+"""Names of our folders among the temporary files, as `tempfile` makes them: with eight random letters."""
 PROCESSES = Path("/proc")
 RECENT = 3600.0
 """Age of the last change below which a temporary folder counts as in use [s] (chosen)."""
@@ -70,8 +73,8 @@ def find_leftovers(
     if cache is not None and usable and any(cache.iterdir()):
         # removed objects are compiled again: a running process is not harmed
         found.append(_leftover(cache, "compiled models, made again when needed", in_use=False))
-    for path in sorted(folder.glob(TEMPORARY)):
-        if path.is_dir() and not path.is_symlink() and _own(path) and path != cache:
+    for path in sorted(folder.glob("flexros_*")):
+        if path != cache and _is_ours(path):
             used = any(str(path) in text for text in mentioned) or now - _changed(path) < RECENT
             found.append(_leftover(path, "temporary files", in_use=used))
     return tuple(found)
@@ -121,8 +124,14 @@ def _files(path: Path) -> Iterator[Path]:
                 yield file
 
 
-def _own(path: Path) -> bool:
-    return not hasattr(os, "geteuid") or path.lstat().st_uid == os.geteuid()
+def _is_ours(path: Path) -> bool:
+    """Tell our folders, which nobody else may read, from those in which a user keeps results, e.g. flexros_circle."""
+    if TEMPORARY.fullmatch(path.name) is None or path.is_symlink() or not path.is_dir():
+        return False
+    if not hasattr(os, "geteuid"):
+        return True
+    about = path.lstat()
+    return about.st_uid == os.geteuid() and about.st_mode & 0o077 == 0
 
 
 def _mentioned(processes: Path) -> Iterator[str]:

@@ -248,7 +248,7 @@ const apart = ({layout}, width) => {
   const right = Math.max(...starts), letters = Math.floor((width - layout.margin.l - layout.margin.r) * 0.42 / 7);
   for (const name of axes) {
     if (layout[name].domain[0] === right) layout[name].domain = [right + 0.04, 1];
-    if (!layout[name].tickvals && layout[name].type !== "log") layout[name].nticks = 5;
+    if (!layout[name].tickvals && layout[name].type !== "log") layout[name].nticks = 4;
   }
   for (const note of layout.annotations || []) {
     if (Math.abs(note.x - right) < 1e-6) note.x += 0.04;

@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 import os
+import shlex
+import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
 
 import pytest
+import typer
 
+from flexros.benchmark.controllers import controller_names
 from flexros.cli import completion
+from flexros.cli.app import app
 from flexros.effects import effects
 from flexros.robot import robot_names
 from flexros.scenario.scenario import scenario_names
@@ -21,6 +29,47 @@ def test_names_are_those_of_the_library() -> None:
     assert tuple(completion.scenarios("")) == scenario_names()
     assert set(completion.effects("")) == set(effects())
     assert completion.controllers("pid_o") == ["pid_optimised"]
+
+
+def test_words_are_those_that_the_commands_take() -> None:
+    from flexros.benchmark.multivariable.problem import PROBLEMS
+    from flexros.cli.commands.design import MARGINS, STRUCTURE
+    from flexros.cli.commands.identify.procedure import LAYOUTS
+    from flexros.cli.commands.run import TRANSPORTS
+    from flexros.control.design.methods.base import design_methods
+    from flexros.effects.patching.export import FORMATS
+    from flexros.identify.graybox.estimators import ESTIMATORS
+    from flexros.robot.exchange.urdf_export import FLEXIBLE
+    from flexros.validation.campaigns.base import campaigns
+    from flexros.validation.commands.bench import FOLDER
+
+    taken = {
+        "transport": TRANSPORTS, "layout": LAYOUTS, "torque": ("command", "measured"), "estimator": ESTIMATORS,
+        "benchmark on": PROBLEMS, "design method": [*design_methods(), STRUCTURE, MARGINS], "export to": FORMATS,
+        "robot flexible": FLEXIBLE, "campaign name": campaigns(),
+        "bench name": [path.stem.removeprefix("bench_") for path in FOLDER.glob("bench_*.py")],
+        "view what": [*robot_names(), "topics"], "design controller": [*controller_names(), *scenario_names()],
+    }  # fmt: skip
+    for argument, words in taken.items():
+        assert sorted(completion.COMPLETED[argument]("")) == sorted(words), argument
+    assert completion.COMPLETED["design controller"]("circle_d") == ["circle_dae", "circle_dae2"]
+
+
+def test_every_argument_that_is_completed_belongs_to_a_command() -> None:
+    """One that is renamed would lose its completion without a sign."""
+    arguments = set()
+    for path, command in leaves():
+        arguments |= {each for one in command.params for each in (one.name, f"{path} {one.name}")}
+    assert set(completion.COMPLETED) <= arguments
+
+
+def leaves(group: Any = None, path: str = "") -> Iterator[tuple[str, Any]]:
+    for name, command in (group or typer.main.get_command(app)).commands.items():
+        below = f"{path} {name}".strip()
+        if hasattr(command, "commands"):
+            yield from leaves(command, below)
+        else:
+            yield below, command
 
 
 def test_lists_and_places_of_effects() -> None:
@@ -45,3 +94,30 @@ def test_shell_gets_them(words: str, found: str) -> None:
         [sys.executable, "-c", PROGRAM], env={**os.environ, **variables}, capture_output=True, text=True, check=False
     )
     assert found in done.stdout, done.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("bash") is None, reason="bash is needed")
+@pytest.mark.parametrize(
+    ("words", "found"),
+    [
+        ("flexros diag", ["diagnose"]),
+        ("flexros run circle_dae --transp", ["--transport"]),
+        ("flexros run circle_dae --transport di", ["direct"]),
+        ("flexros campaign cov", ["coverage"]),
+        ("flexros design margins --controller circle_dae", ["circle_dae", "circle_dae2"]),
+        ("flexros analyze no_such_log", []),  # files are left to the shell
+    ],
+)
+def test_bash_completes(words: str, found: list[str], tmp_path: Path) -> None:
+    program = tmp_path / "flexros"
+    program.write_text(f'#!/bin/sh\nexec {sys.executable} -c {shlex.quote(PROGRAM)} "$@"\n')
+    program.chmod(0o755)
+    variables = {**os.environ, "HOME": str(tmp_path), "PATH": f"{tmp_path}:{os.environ['PATH']}"}
+    variables["_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION"] = "1"
+    script = (
+        f"{program} --install-completion bash >/dev/null && . ~/.bashrc && COMP_WORDS=({words}) && "
+        "COMP_CWORD=$((${#COMP_WORDS[@]} - 1)) && _flexros_completion flexros && printf '%s\\n' \"${COMPREPLY[@]}\""
+    )
+    done = subprocess.run(["bash", "-c", script], env=variables, capture_output=True, text=True, check=False)
+    assert done.stdout.split() == found, done.stderr

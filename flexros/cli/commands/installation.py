@@ -72,7 +72,8 @@ def clean(
     if wanted:
         say(f"Removed {len(removed)} of {len(found)}, {_size(sum(leftover.size for leftover in removed))}.")
     elif idle:
-        say("Nothing was removed; flexros clean --yes removes what is not in use.")
+        freed = _size(sum(leftover.size for leftover in idle))
+        say(f"Nothing was removed; flexros clean --yes removes what is not in use, {freed}.")
 
 
 def _print_leftovers(found: tuple[Leftover, ...]) -> None:

@@ -50,7 +50,7 @@ def find_bag_files(path: Path) -> BagFiles:
             )
         return BagFiles((path,), read_provenance(path.parent, warnings), tuple(warnings))
     if not path.is_dir():
-        raise InputError(f"there is no log at {path}; give a rosbag2 folder or an .mcap file")
+        raise InputError(f"there is no log at {path}; give a rosbag2 folder, an .mcap or a .db3 file")
     files = _listed(path, warnings) or sorted(file for suffix in STORAGES.values() for file in path.glob(f"*{suffix}"))
     if not files:
         present = ", ".join(sorted(p.name for p in path.iterdir())[:10]) or "nothing"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -44,11 +45,12 @@ def test_clean_shows_first_and_removes_on_demand(
 ) -> None:
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     monkeypatch.setenv("FLEXROS_CACHE", "off")
-    old, new = tmp_path / "flexros_old", tmp_path / "flexros_new"
-    for folder in (old, new):
-        folder.mkdir()
+    old, new = (Path(tempfile.mkdtemp(prefix="flexros_")) for _ in range(2))
+    results = tmp_path / "flexros_circle"  # flexros run ... --out /tmp/flexros_circle
+    results.mkdir()
+    for folder in (old, new, results):
         (folder / "log").write_bytes(bytes(250_000))
-    for path in (old / "log", old):
+    for path in (old / "log", old, results / "log", results):
         os.utime(path, (1e9, 1e9))
     shown = flexros("clean").out
     assert "0.2 MB" in shown
@@ -60,3 +62,4 @@ def test_clean_shows_first_and_removes_on_demand(
     assert content["freed_bytes"] == 250_000
     assert not old.exists()
     assert new.exists()
+    assert results.exists()

@@ -82,7 +82,7 @@ def test_compression_around_mcap_is_refused(tmp_path, mode):
 
 
 def test_nothing_there(tmp_path):
-    with pytest.raises(InputError, match="there is no log at .*; give a rosbag2 folder or an .mcap file"):
+    with pytest.raises(InputError, match="there is no log at .*; give a rosbag2 folder, an .mcap or a .db3 file"):
         find_bag_files(tmp_path / "x")
 
 
