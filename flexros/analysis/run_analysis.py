@@ -208,6 +208,7 @@ def _tool(
         return None, None, ()
     axes, turned = (None, True) if robot is None else _controlled(robot)
     error = path_error(pose, reference, start=start, axes=axes, turned=turned)
+    give_memory_back()
     if error.chord_error > 0.05 * error.path.maximum:
         warnings.append(
             f"the commanded path may deviate from the chords between its samples by {1e3 * error.chord_error:.2g} mm, "

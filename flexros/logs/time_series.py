@@ -89,6 +89,15 @@ class JointSeries:
         for name in ("position", "velocity", "effort"):
             _check_shape("JointSeries", name, getattr(self, name), (len(self.stamp), len(self.names)))
 
+    def until(self, stamp: int) -> JointSeries:
+        """Return the part up to a stamp [ns], without copies."""
+        n = int(np.searchsorted(self.stamp, stamp, side="right"))
+        position, velocity, effort = (
+            None if values is None else values[:n] for values in (self.position, self.velocity, self.effort)
+        )
+        received = None if self.received is None else self.received[:n]
+        return JointSeries(self.stamp[:n], self.names, position, velocity, effort, received)
+
 
 @dataclass(frozen=True, eq=False)
 class PoseSeries:

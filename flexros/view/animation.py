@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 import plotly.graph_objects as go
 
-from flexros.analysis import analyse
+from flexros.logs.stamps import NANOSECONDS
 from flexros.report.base import MovingLine, Paragraph, Picture
 from flexros.report.colours import FLOOR, REPAIRED
 from flexros.report.page import Chapter
@@ -31,18 +32,19 @@ HEIGHT = 420
 """Height of the picture [px]."""
 
 
-def motion_chapter(log: Log, model: RobotWithEffects, name: str) -> Chapter:
+def motion_chapter(log: Log, model: RobotWithEffects, name: str, commanded: FloatArray | None = None) -> Chapter:
     """Return the chapter with the moving arm of a run.
 
     Args:
         log: The log; its first 10 s are played.
         model: Model of its robot.
         name: Name of the log, for messages.
+        commanded: Commanded path of the tool, which is drawn too [m], shape (n, 3).
 
     Raises:
         InputError: The log has no motor positions of this robot.
     """
-    motion = robot_motion(log, model, name, length=LENGTH)
+    motion = robot_motion(_beginning(log), model, name, length=LENGTH)
     rows = evenly(len(motion.time), FRAMES)
     view = ArmView(model.robot)
     stiff, arm = (_through(view.at(part[rows])) for part in (motion.stiff, motion.arm))
@@ -53,10 +55,8 @@ def motion_chapter(log: Log, model: RobotWithEffects, name: str) -> Chapter:
     figure = space(HEIGHT)
     figure.add_trace(_line(stiff[0], "stiff springs, at the start", FLOOR, 5))
     figure.add_trace(_line(stiff[0] + factor * deviation[0], "arm", REPAIRED, 9))
-    tool = analyse(log, robot=model.robot).path
-    if tool is not None and len(tool.axes) > 1:
-        commanded = tool.run.commanded[evenly(len(tool.run.time), FRAMES)]
-        figure.add_trace(_line(commanded, "commanded path", REFERENCE, 3))
+    if commanded is not None:
+        figure.add_trace(_line(commanded[evenly(len(commanded), FRAMES)], "commanded path", REFERENCE, 3))
     reach = np.concatenate([(stiff + factor * deviation).reshape(-1, 3), stiff.reshape(-1, 3)])
     for axis, low, high in zip("xyz", reach.min(axis=0), reach.max(axis=0), strict=True):
         room = 0.08 * extent
@@ -70,6 +70,21 @@ def motion_chapter(log: Log, model: RobotWithEffects, name: str) -> Chapter:
     caption = f"The arm, its deflection drawn ×{{factor}}.{played} Turn it with the mouse."
     moving = MovingLine(1, motion.time[rows], stiff, deviation)
     return Chapter("The arm in motion", (Picture(figure, caption, (), factor, moving), Paragraph(motion.note, "note")))
+
+
+def _beginning(log: Log) -> Log:
+    """Return the joints of the part that is played, and a second more."""
+    end = log.joint_states.stamp[0] + round((LENGTH + 1.0) * NANOSECONDS)
+    joints = (None if one is None else one.until(end) for one in (log.joint_commands, log.joint_reference))
+    commands, reference = joints
+    return replace(
+        log,
+        joint_states=log.joint_states.until(end),
+        joint_commands=commands,
+        joint_reference=reference,
+        tool_pose=None,
+        tool_reference=None,
+    )
 
 
 def _through(ends: FloatArray) -> FloatArray:

@@ -55,3 +55,11 @@ def test_repeated_joint_name_is_refused():
 def test_pose_needs_four_numbers_of_orientation():
     with pytest.raises(InputError, match=r"PoseSeries.orientation has shape \(3, 3\)"):
         PoseSeries(STAMP, "base", np.zeros((3, 3)), np.zeros((3, 3)))
+
+
+def test_joints_until_a_stamp():
+    series = JointSeries(np.array([10, 20, 30]), ("a",), position=np.array([[1.0], [2.0], [3.0]]))
+    part = series.until(25)
+    np.testing.assert_array_equal(part.stamp, [10, 20])
+    np.testing.assert_array_equal(part.position, [[1.0], [2.0]])
+    assert part.velocity is None

@@ -29,6 +29,15 @@ def test_arm_of_the_report_ends_at_the_tool(circle: Path) -> None:
     assert np.abs(tool - log.tool_pose.position[rows]).max() < 2e-4
 
 
+def test_commanded_path_is_drawn_where_it_is_given(circle: Path) -> None:
+    log = read_log(circle)
+    assert log.tool_reference is not None
+    given = (None, log.tool_reference.position)
+    pictures = [motion_chapter(log, load_model("e12"), "circle", path).blocks[0] for path in given]
+    names = [[trace.name for trace in picture.figure.data] for picture in pictures]
+    assert names[1] == [*names[0], "commanded path"]
+
+
 @pytest.mark.slow
 def test_page_plays_the_arm_offline_and_stays_small(circle: Path, tmp_path: Path) -> None:
     chapter = motion_chapter(read_log(circle), load_model("e12"), "circle")

@@ -14,6 +14,7 @@ from flexros.cli.progress import progress_bar
 from flexros.errors import FlexrosError
 
 if TYPE_CHECKING:
+    from flexros.analysis.run_analysis import Analysis
     from flexros.logs.time_series import Log
     from flexros.report.page import Chapter
 
@@ -41,7 +42,7 @@ def analyze(
             bar.update(task, advance=1, description="reading")
         if report:
             bar.update(task, description="writing the report")
-            write_report(analyses, report, further=_motion(log, bag[0], model) if len(bag) == 1 else ())
+            write_report(analyses, report, further=_motion(log, bag[0], model, analyses[0]) if len(bag) == 1 else ())
     if as_json:
         dicts = [analysis.as_dict() for analysis in analyses]
         print_json(dicts[0] if len(dicts) == 1 else dicts)
@@ -54,14 +55,16 @@ def analyze(
         say(f"report: {report}")
 
 
-def _motion(log: Log, bag: Path, model: str) -> tuple[Chapter, ...]:
+def _motion(log: Log, bag: Path, model: str, analysis: Analysis) -> tuple[Chapter, ...]:
     """Return the chapter of the moving arm; none where the robot of the log is not known."""
     from flexros.effects.patching.patched_robot import load_model
     from flexros.view.animation import motion_chapter
     from flexros.view.shown import robot_of
 
+    path = analysis.path
+    commanded = path.run.commanded if path is not None and len(path.axes) > 1 else None
     try:
-        return (motion_chapter(log, load_model(model or robot_of(log, bag)), bag.name),)
+        return (motion_chapter(log, load_model(model or robot_of(log, bag)), bag.name, commanded),)
     except FlexrosError:
         return ()
 
