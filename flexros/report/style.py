@@ -188,7 +188,8 @@ const narrow = ({data, layout}, width) => {
   }
   const [across, up] = ["xaxis", "yaxis"].map((name) => layout[name] && layout[name].range);
   if (layout.yaxis && layout.yaxis.scaleanchor) {  // equal scales: no higher than its shape asks
-    const shape = across && up ? (up[1] - up[0]) / (across[1] - across[0]) : 1;
+    const stated = (layout.meta && layout.meta.shape) || 1;
+    const shape = across && up ? (up[1] - up[0]) / (across[1] - across[0]) : Math.min(1, Math.max(0.35, stated));
     const legend = 19 * data.filter((trace) => trace.showlegend !== false).length;
     layout.height = Math.min(layout.height, (width - margin.l - margin.r) * shape + margin.b + margin.t + legend);
   }

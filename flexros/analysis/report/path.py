@@ -174,13 +174,21 @@ def _axes(figure: go.Figure, axes: tuple[str, ...]) -> None:
 
 
 def _room(paths: Sequence[PathError], axes: tuple[str, ...], factor: int, figure: go.Figure) -> MagnifiedCurve:
-    """Add two invisible points next to the paths, so that no line touches the frame at any magnification."""
+    """Add two invisible points next to the paths, so that no line touches the frame at any magnification.
+
+    The figure also states its height over its width, for narrow screens.
+    """
     across, up = AXES.index(axes[0]), AXES.index(axes[1])
     low = 1e3 * min(path.run.commanded[:, across].min() for path in paths)
     high = 1e3 * max(path.run.commanded[:, across].max() for path in paths)
     height = 1e3 * paths[0].run.commanded[0, up]
     margin = 0.03 * (high - low)
     room = 1.1e3 * max(path.path.maximum for path in paths)
+    rise = 1e3 * (
+        max(path.run.commanded[:, up].max() for path in paths) - min(path.run.commanded[:, up].min() for path in paths)
+    )
+    drawn = factor * room
+    figure.update_layout(meta={"shape": float((rise + 2 * drawn) / (high - low + 2 * drawn + 2 * margin))})
     curve = MagnifiedCurve(
         trace=len(figure.data),
         base=np.array([[low - margin, height], [high + margin, height]]),

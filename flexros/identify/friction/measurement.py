@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from flexros.identify.friction.laws import LAWS, FrictionFit, fit_law
 from flexros.identify.friction.points import FrictionPoints, constant_speed_points
 
@@ -32,8 +34,9 @@ class FrictionMeasurement:
 
     @property
     def best(self) -> FrictionFit | None:
-        """The fit with the lowest information criterion; None without a fit."""
-        return min(self.fits, key=lambda fit: fit.criterion) if self.fits else None
+        """The fit with the lowest information criterion of the laws that the speeds determine; None without a fit."""
+        determined = [fit for fit in self.fits if np.isfinite(fit.deviations).all()]
+        return min(determined or self.fits, key=lambda fit: fit.criterion) if self.fits else None
 
     @property
     def speed_unit(self) -> str:

@@ -133,7 +133,8 @@ def _laws(measured: FrictionMeasurement) -> tuple[Block, ...]:
         for fit in measured.fits
     )
     caption = (
-        "Parameters with one standard deviation; the lowest criterion names the law that explains the points best."
+        "Parameters with one standard deviation; of the laws whose parameters the speeds determine, the lowest "
+        "criterion names the one that explains the points best. More speeds determine more."
     )
     return (TextTable(header, rows, caption, left=3),) if rows else ()
 

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -22,6 +23,15 @@ def test_best_law_and_record(measured: FrictionMeasurement) -> None:
     assert record["best"] == "LuGre, steady"
     assert [law["equation"] for law in record["laws"]] == ["3.14", "3.15", "3.16"]
     assert len(record["points"]) == 30
+
+
+def test_a_law_that_the_speeds_do_not_determine_is_not_named_best(measured: FrictionMeasurement) -> None:
+    """Three speeds in both directions pass through any law of four parameters."""
+    loose = [replace(fit, deviations=np.full_like(fit.deviations, np.inf)) for fit in measured.fits[1:]]
+    assert min(loose, key=lambda fit: fit.criterion).criterion < measured.fits[0].criterion
+    few = FrictionMeasurement("motor_1", measured.points, (measured.fits[0], *loose))
+    assert few.best is measured.fits[0]
+    assert FrictionMeasurement("motor_1", measured.points, tuple(loose)).best is loose[0]
 
 
 def test_picture_shows_the_points_and_every_law_as_it_was_fitted(measured: FrictionMeasurement) -> None:
