@@ -257,8 +257,7 @@ class FlexrosNode(AbstractTopicNode):
         self._clear_report()
         self._to_release = True
         try:
-            with interruptible():
-                result = self._transition(self._configure)
+            result = self._transition(self._configure)
         except KeyboardInterrupt:  # the loop that spins the node ends with it
             result = TransitionCallbackReturn.FAILURE
         self.configured = result is TransitionCallbackReturn.SUCCESS
@@ -267,8 +266,9 @@ class FlexrosNode(AbstractTopicNode):
         return result
 
     def _configure(self) -> None:
-        self._refuse_other_runs()
-        self.configure()
+        with interruptible():  # within the transition: what fails because of a request is no internal error
+            self._refuse_other_runs()
+            self.configure()
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Activate the node."""

@@ -49,14 +49,24 @@ class Interruption:
 
     @contextmanager
     def raising(self) -> Iterator[None]:
-        """Let a request to terminate raise KeyboardInterrupt within the block, also one that was made before."""
+        """Let a request to terminate raise KeyboardInterrupt within the block, also one that was made before.
+
+        Foreign code that runs the handler may swallow the exception and return nothing, as CasADi does: what fails then
+        fails because of the request.
+        """
         self._raises += 1
         try:
             if self._requested:
                 raise KeyboardInterrupt
             yield
+        except Exception:
+            if self._requested:
+                raise KeyboardInterrupt from None
+            raise
         finally:
             self._raises -= 1
+        if self._requested:
+            raise KeyboardInterrupt
 
 
 _present: Interruption | None = None

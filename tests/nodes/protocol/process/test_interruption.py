@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from time import monotonic
 
@@ -157,6 +158,27 @@ def test_request_raises_only_where_work_is_interruptible() -> None:
             pass
     with interruptible():
         pass
+
+
+@pytest.mark.parametrize("after", [lambda: float("no number"), lambda: None])
+def test_request_that_foreign_code_swallows_still_ends_the_work(after: Callable[[], object]) -> None:
+    """CasADi lost a KeyboardInterrupt and returned None; a node then reported an internal error."""
+
+    def work() -> None:
+        with interruptible():
+            with suppress(KeyboardInterrupt):
+                signal.raise_signal(signal.SIGINT)
+            after()
+
+    with interruption() as interrupted:
+        with pytest.raises(KeyboardInterrupt):
+            work()
+        assert interrupted()
+
+
+def test_error_without_a_request_stays_what_it_is() -> None:
+    with interruption(), pytest.raises(ValueError, match="own"), interruptible():
+        raise ValueError("own")
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
