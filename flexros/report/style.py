@@ -241,7 +241,7 @@ const paperHeight = ({data, layout}) => {
   return Math.min(layout.height, Math.max(420, 116 + 100 * rows));
 };
 
-// On paper the right one of two columns leaves room for the names of its axes, and titles are divided into lines.
+// On paper the right one of two columns leaves room for the names of its axes; texts are smaller.
 const apart = ({layout}, width) => {
   const axes = Object.keys(layout).filter((name) => /^xaxis\\d*$/.test(name) && layout[name].domain);
   const starts = [...new Set(axes.map((name) => layout[name].domain[0]))];
@@ -250,10 +250,12 @@ const apart = ({layout}, width) => {
   for (const name of axes) {
     if (layout[name].domain[0] === right) layout[name].domain = [right + 0.04, 1];
     if (!layout[name].tickvals && layout[name].type !== "log") layout[name].nticks = 4;
+    layout[name].tickfont = Object.assign({}, layout[name].tickfont, {size: 10});
   }
   for (const note of layout.annotations || []) {
     if (Math.abs(note.x - right) < 1e-6) note.x += 0.04;
-    if (note.xanchor === "left" && note.yref === "paper") note.text = lined(note.text, letters).join("<br>");
+    const long = note.xanchor === "left" && note.yref === "paper" && note.text.length > letters;
+    if (long) note.font = Object.assign({}, note.font, {size: 10});
   }
 };
 

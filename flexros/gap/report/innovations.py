@@ -78,7 +78,7 @@ def _empty(result: DiagnosisResult, motors: np.ndarray[tuple[int, ...], np.dtype
 
     names = [result.robot.joint_names[motor] for motor in motors.tolist()]
     titles = [title for name in names for title in (f"{name}, over time", f"{name}, spectrum")]
-    figure = stacked(titles, columns=2, height=210, shared_x=False)
+    figure = stacked(titles, columns=2, height=210, shared_x=False, gap=78)
     for row in range(1, len(names) + 1):
         figure.update_xaxes(title_text="time [s]", row=row, col=1)
         figure.update_yaxes(title_text="error / σ", row=row, col=1)
