@@ -513,9 +513,27 @@ class Search:
         return sorted(self._visible(fits), key=lambda fit: fit.chi2)
 
     def with_visible(self, fit: CandidateFit) -> CandidateFit:
-        """Fit again without the effects that are no more than a simpler one, which would cost the others their fit."""
+        """Fit again with the simpler effects that some are no more than: these would cost the others their fit."""
         names = self._invisible(fit)
-        return self.without(fit, *names) if 0 < len(names) < len(fit.hypothesis) else fit
+        if not names:
+            return fit
+        known = {candidate.name: candidate for candidate in self.candidates()}
+        rest = tuple(candidate for candidate in fit.hypothesis if candidate.name not in names)
+        simple: list[Candidate] = []
+        sizes: list[float] = []
+        for rich, values in zip(fit.hypothesis, fit.predictor.values(fit.theta), strict=True):
+            for effect, shared in rich.effect.extends.items() if rich.name in names else ():
+                own = {shared[name]: value for name, value in values.items() if name in shared}
+                other = known.get(f"{effect}@{rich.location}")
+                if other is not None and other.name not in fit.names and own:
+                    simple.append(other)
+                    sizes += [one.encode(own.get(one.name, 0.0 if one.signed else one.starts[0])) for one in other.free]
+        if not (rest or simple):
+            return fit
+        n_effect = fit.predictor.n_effect
+        kept = fit.theta[:n_effect][~fit.columns(names)[:n_effect]]
+        predictor = self.null.predictor((*rest, *simple), fit.predictor.plant)
+        return self._joint(predictor, np.concatenate([kept, sizes, fit.deviations]), finishing=True)
 
     def parallel(
         self, step: str, work: Callable[[Item], Result], items: Sequence[Item], *, needed: int = 0

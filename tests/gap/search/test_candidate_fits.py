@@ -91,6 +91,20 @@ def test_an_effect_far_from_its_starts_is_found(effect: str, size: str, true: fl
     assert best.predictor.values(best.theta)[0][size] == pytest.approx(true, rel=0.05)
 
 
+def test_a_rich_effect_that_is_no_more_than_a_simpler_one_beside_others_becomes_that_one() -> None:
+    search = search_of(FRICTION, SOFT)
+    rich, soft = (candidates_of()[name] for name in ("presliding_friction@motor_1", SOME[1]))
+    values = {"level": 0.05, "extra": 1e-6, "velocity": 0.1, "exponent": 2.0, "stiffness": 1e5, "damping": 1e-3}
+    theta = np.array([*(free.encode(values[free.name]) for free in rich.free), soft.free[0].encode(-0.05)])
+    predictor = search.null.predictor((rich, soft))
+    found = search.with_visible(CandidateFit(predictor, np.concatenate([theta, search.null.fit.deviations]), 1e9))
+    assert {SOME[0], SOME[1]} <= found.names
+    assert rich.name not in found.names
+    assert found.chi2 / search.data.n_values == pytest.approx(1.0, abs=5 * np.sqrt(2 / search.data.n_values))
+    level = found.predictor.values(found.theta)[[one.name for one in found.hypothesis].index(SOME[0])]["level"]
+    assert level == pytest.approx(0.05, rel=0.05)
+
+
 def test_sizes_of_an_addition_are_scaled_and_not_turned_around() -> None:
     friction, soft = (candidates_of()[name] for name in SOME[:2])
     level, relative = friction.free[0], soft.free[0]
