@@ -103,16 +103,16 @@ def _passes(points: FloatArray, period: int) -> int:
 
 def _low_lags(points: FloatArray) -> IntArray:
     n = len(points)
-    centred = points - points.mean(axis=0)
     size = next_fast_len(2 * n)
-    correlation = np.zeros(n)
-    for column in centred.T:
-        power = np.abs(rfft(column, size))
+    correlation, square = np.zeros(n), np.zeros(n)
+    for column, mean in zip(points.T, points.mean(axis=0), strict=True):
+        centred = column - mean
+        power = np.abs(rfft(centred, size))
         power *= power
         correlation += irfft(power, size)[:n]
-    del power  # as long as a column of the log
-    square = np.sum(centred**2, axis=1)
-    del centred
+        centred *= centred
+        square += centred
+    del power, centred  # as long as a column of the log
     total = np.concatenate([[0.0], np.cumsum(square)])
     mean_square = total[:0:-1] + total[n]  # at every lag L: total[n - L] + total[n] - total[L] - 2 correlation[L]
     mean_square -= total[:n]

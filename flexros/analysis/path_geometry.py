@@ -213,8 +213,7 @@ def _needed(vertices: FloatArray) -> IntArray:
 def _project(path: CommandedPath, points: FloatArray) -> Projection:
     vertices, arc_length = _searched(path)
     nearest_segment = _NearestSegment(vertices, points)
-    segments = np.arange(len(vertices) - 1)
-    waiting = nearest_segment.look_at(segments, np.arange(len(points)), _FIRST_CANDIDATES)
+    waiting = nearest_segment.look_at(None, np.arange(len(points)), _FIRST_CANDIDATES)
     # The longest of all segments proves little where the others are short: each group has a bound of its own.
     for group in nearest_segment.groups() if len(waiting) else ():
         nearest_segment.look_at(group, waiting)
@@ -251,32 +250,35 @@ class _NearestSegment:
         for number in np.unique(group):
             yield np.flatnonzero(group == number)
 
-    def look_at(self, segments: IntArray, rows: IntArray, most: int | None = None) -> IntArray:
+    def look_at(self, segments: IntArray | None, rows: IntArray, most: int | None = None) -> IntArray:
         """Look at more and more of some segments, those with the nearest centres first, until no other is nearer.
 
         Args:
-            segments: Numbers of the segments.
+            segments: Numbers of the segments; None for all of them.
             rows: Numbers of the points.
             most: Number of segments after which the search ends; None searches to the end.
 
         Returns:
             Numbers of the points for which a segment that was not looked at may be nearer.
         """
-        half = 0.5 * float(np.max(self._lengths[segments]))
-        starts = self._vertices[segments]
-        tree = cKDTree(starts + 0.5 * (self._vertices[segments + 1] - starts))
-        waiting, k = rows, min(_FIRST_CANDIDATES, len(segments))
+        half = 0.5 * float(np.max(self._lengths if segments is None else self._lengths[segments]))
+        starts = self._vertices[:-1] if segments is None else self._vertices[segments]
+        centres = (self._vertices[1:] if segments is None else self._vertices[segments + 1]) - starts
+        centres *= 0.5
+        centres += starts
+        tree, n = cKDTree(centres), len(centres)
+        waiting, k = rows, min(_FIRST_CANDIDATES, n)
         while True:
             unproved = []
             for part in _parts(waiting, k):
                 far, candidates = (values.reshape(-1, k) for values in tree.query(self._points[part], k=k))
-                self._take(segments[candidates], part)
+                self._take(candidates if segments is None else segments[candidates], part)
                 # The centre of any other segment is beyond the farthest candidate: it is at least far - half away.
-                unproved.append(part[(far[:, -1] - half < self.distance[part]) & (k < len(segments))])
+                unproved.append(part[(far[:, -1] - half < self.distance[part]) & (k < n)])
             waiting = np.concatenate(unproved)
             if not len(waiting) or (most is not None and k >= most):
                 return waiting
-            k = min(4 * k, len(segments))
+            k = min(4 * k, n)
 
     def _take(self, candidates: IntArray, rows: IntArray) -> None:
         """Keep the nearest of some candidates, shape (len(rows), k), where it is nearer than the one known."""
