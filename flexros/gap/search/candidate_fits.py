@@ -513,7 +513,7 @@ class Search:
         return sorted(self._visible(fits), key=lambda fit: fit.chi2)
 
     def with_visible(self, fit: CandidateFit) -> CandidateFit:
-        """Fit again with the simpler effects that some are no more than: these would cost the others their fit."""
+        """Fit again with simpler effects in place of those that are no more than these and spoil the fit of others."""
         names = self._invisible(fit)
         if not names:
             return fit
