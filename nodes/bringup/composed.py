@@ -27,6 +27,7 @@ from flexros_nodes.recorder import RecorderNode
 from flexros_nodes.shell.domain import DOMAIN_VARIABLE
 from flexros_nodes.shell.executable import close
 from flexros_nodes.shell.exposure import check_exposure
+from flexros_nodes.shell.removal import await_departures, limited_removal
 from flexros_nodes.shell.shared_memory import remove_segments_without_owner
 from flexros_nodes.shell.spinning import make_executor, spin
 
@@ -103,16 +104,18 @@ def _run_nodes(plan: RunPlan, interrupted: Interruption, beside: Mapping[str, No
         _spin_nodes(nodes, executor, interrupted, beside)
         reports = {node.node_name: close(node) for node in reversed(nodes)}
         _stop(beside)
+        await_departures(nodes[0], beside)
         reports |= {name: report for name, process in beside.items() if (report := process.report()) is not None}
         deaths = tuple(death for process in beside.values() if (death := process.death()))
         return summarise(reports, plan.folder, "composed", interrupted=interrupted(), deaths=deaths)
     finally:
         for node in nodes:
             close(node)
-        executor.shutdown()
-        for node in nodes:
-            node.destroy_node()
-        rclpy.try_shutdown(context=context)
+        with limited_removal():
+            executor.shutdown()
+            for node in nodes:
+                node.destroy_node()
+            rclpy.try_shutdown(context=context)
 
 
 def _spin_nodes(

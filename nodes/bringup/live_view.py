@@ -16,6 +16,7 @@ from visualization_msgs.msg import MarkerArray
 from flexros_nodes.protocol.process.interruption import interruption
 from flexros_nodes.shell.domain import environment
 from flexros_nodes.shell.exposure import exposure_settings
+from flexros_nodes.shell.removal import limited_removal
 from flexros_nodes.shell.ros_log_folder import ros_log_settings
 
 if TYPE_CHECKING:
@@ -54,9 +55,10 @@ def view_topics(
             while not interrupted() and not ended():
                 executor.spin_once(timeout_sec=WAIT)
         finally:
-            executor.shutdown()
-            node.destroy_node()
-            rclpy.try_shutdown(context=context)
+            with limited_removal():
+                executor.shutdown()
+                node.destroy_node()
+                rclpy.try_shutdown(context=context)
 
 
 def _motors(page: LivePage, message: JointState) -> None:

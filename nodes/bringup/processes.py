@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import tempfile
 from pathlib import Path
-from time import monotonic, sleep
+from time import monotonic
 from typing import TYPE_CHECKING
 
 import rclpy
@@ -22,6 +22,7 @@ from flexros_nodes.protocol.parameters import node_parameters
 from flexros_nodes.protocol.process.clock_steps import waking_at_clock_steps
 from flexros_nodes.shell.domain import DOMAIN_VARIABLE
 from flexros_nodes.shell.exposure import check_exposure
+from flexros_nodes.shell.removal import await_departures, limited_removal
 from flexros_nodes.shell.shared_memory import remove_segments_without_owner
 from flexros_nodes.shell.spinning import make_executor
 
@@ -39,9 +40,6 @@ CONFIGURE_TIMEOUT = 60.0
 
 START_TIMEOUT = 10.0
 """Time after which a process without services is restarted once [s], chosen: discovery takes about one second."""
-
-VANISHING_TIMEOUT = 0.5
-"""Longest wait for ended nodes to leave the graph [s], chosen: a killed one remains for long."""
 
 BRAKING_MARGIN = 2.0
 """Factor on braking duration plus one second, gives the longest time that the plant may take to brake; chosen."""
@@ -183,18 +181,13 @@ class ProcessManager:
             self.processes[name].request_stop()
         for name in reversed(self._plan.nodes):
             self.processes[name].stop(SHUTDOWN_TIMEOUT)
-        self._await_removal_of_nodes()
-        self._executor.shutdown()
-        self._node.destroy_node()
-        rclpy.try_shutdown(context=self._context)
+        await_departures(self._node, self.processes)
+        with limited_removal():
+            self._executor.shutdown()
+            self._node.destroy_node()
+            rclpy.try_shutdown(context=self._context)
         if self._has_killed or any(process.killed for process in self.processes.values()):
             remove_segments_without_owner()
-
-    def _await_removal_of_nodes(self) -> None:
-        """Wait until the nodes have left the graph: the middleware may hang if it is closed before."""
-        deadline = monotonic() + VANISHING_TIMEOUT
-        while len(self._node.get_node_names()) > 1 and monotonic() < deadline:
-            sleep(SLICE)
 
 
 def run_processes(plan: RunPlan, interrupted: Interruption) -> RunSummary:

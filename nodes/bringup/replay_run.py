@@ -17,6 +17,7 @@ from flexros_nodes.replay import ReplayNode
 from flexros_nodes.shell.domain import DOMAIN_VARIABLE, environment
 from flexros_nodes.shell.executable import bring_up, close
 from flexros_nodes.shell.exposure import check_exposure, exposure_settings
+from flexros_nodes.shell.removal import limited_removal
 from flexros_nodes.shell.ros_log_folder import ros_log_settings
 from flexros_nodes.shell.spinning import make_executor, spin
 
@@ -101,9 +102,10 @@ def _play(
         report = close(node)
     finally:
         close(node)
-        executor.shutdown()
-        node.destroy_node()
-        rclpy.try_shutdown(context=context)
+        with limited_removal():
+            executor.shutdown()
+            node.destroy_node()
+            rclpy.try_shutdown(context=context)
     cut_short = interrupted() and not ended
     return ReplaySummary(
         exit_code=INTERRUPTED if cut_short else report.exit_code,

@@ -17,6 +17,7 @@ from flexros.errors import FlexrosError
 from flexros_nodes.protocol.node_report import ERROR_PREFIX, NodeReport
 from flexros_nodes.protocol.process.interruption import interruption
 from flexros_nodes.protocol.real_time.precise_timing import take_priority, threads_of_loop
+from flexros_nodes.shell.removal import limit_time
 from flexros_nodes.shell.ros_log_folder import ros_log_settings
 from flexros_nodes.shell.shared_memory import become_cleaner
 from flexros_nodes.shell.spinning import make_executor, spin
@@ -81,7 +82,7 @@ def _run(node_class: type[FlexrosNode], interrupted: Interruption) -> NodeReport
     if _parent_died(node):
         interrupted.parent_died = True  # the process ends at once; its memory takes the middleware with it
         return report
-    limit_exit_time(END_TIMEOUT)
+    limit_time(END_TIMEOUT)  # to the end of the process: its report is written
     executor.shutdown()
     node.destroy_node()
     return report
@@ -90,16 +91,6 @@ def _run(node_class: type[FlexrosNode], interrupted: Interruption) -> NodeReport
 def _print_error(report: NodeReport) -> None:
     if report.exit_code:
         print(f"{ERROR_PREFIX}{report.message}", file=sys.stderr, flush=True)
-
-
-def limit_exit_time(timeout: float) -> None:
-    """Let SIGALRM end this process after a time [s]; its report is written.
-
-    Where Fast DDS was built with an old compiler, as in the wheels, removing a participant while a partner leaves can
-    deadlock, holding the lock of Python (eProsima/Fast-DDS issue 6513).
-    """
-    signal.signal(signal.SIGALRM, signal.SIG_DFL)
-    signal.setitimer(signal.ITIMER_REAL, timeout)
 
 
 def _watch_partners(node: FlexrosNode, stop: Future, interrupted: Interruption) -> None:

@@ -192,10 +192,13 @@ class Bench:
     def close(self) -> None:
         import rclpy
 
-        self.executor.shutdown()
-        for node in self.nodes:
-            node.destroy_node()
-        rclpy.try_shutdown(context=self.context)
+        from flexros_nodes.shell.removal import limited_removal
+
+        with limited_removal():
+            self.executor.shutdown()
+            for node in self.nodes:
+                node.destroy_node()
+            rclpy.try_shutdown(context=self.context)
 
     def add(self, node_class: type[FlexrosNode], **values: Any) -> Any:
         return self.hold(node_class(context=self.context, values={"scenario": "circle_dae", **values}))

@@ -6,7 +6,6 @@ import json
 import os
 import signal
 import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from time import monotonic, sleep
@@ -66,15 +65,6 @@ def test_node_that_prepares_its_reference_ends_within_the_grace_of_a_launch(
     _, errors = process.communicate(timeout=TIMEOUT)
     assert process.returncode == 0, errors
     assert monotonic() - began < 5.0
-
-
-def test_process_that_the_middleware_does_not_let_go_is_ended_by_the_system() -> None:
-    hang = (
-        "import ctypes; from flexros_nodes.shell.executable import limit_exit_time as end; end(0.2); "
-        "ctypes.PyDLL(None).pause()"  # PyDLL keeps the lock of Python meanwhile
-    )
-    environment = {**os.environ, "PYTHONPATH": str(CHECKOUT)}
-    assert subprocess.run([sys.executable, "-c", hang], env=environment, timeout=TIMEOUT).returncode == -signal.SIGALRM
 
 
 def test_four_executables_find_each_other_and_the_plant_ends_the_run(start_node: StartNode, tmp_path: Path) -> None:

@@ -98,7 +98,10 @@ def started(*arguments: str, **settings: str) -> Iterator[psutil.Process]:
             yield psutil.Process(process.pid)
         finally:
             process.terminate()
-            process.wait(30.0)
+            try:
+                process.wait(30.0)
+            finally:
+                process.kill()  # the end of the with waits for it without limit
 
 
 def addresses(process: psutil.Process, n_processes: int) -> set[str]:
