@@ -215,6 +215,22 @@ def holding(text: str) -> Panels:
     return [panel("second link of the elbow", "angle [rad]", "torque at rest [Nm]", curves)]
 
 
+def over_angle(text: str) -> Panels:
+    """Draw the disturbance torque at the second motor of the elbow over its angle."""
+    from effects_in_motion import with_effects
+
+    from flexros.simulate.plant_model import PlantModel
+
+    angles, motor = np.linspace(-1.5, 1.5, 61), ELBOW.n_coordinates + ELBOW.motor_rows[1]
+    model, inertia = PlantModel(ELBOW, with_effects(ELBOW, text).laws), ELBOW.parameters["motor_2.inertia"].value
+    torque = []
+    for angle in angles:
+        arguments = (ELBOW.equilibrium([0.0, angle]), np.zeros(2), np.zeros(6), [])
+        torque.append(inertia * float((model.derivative(*arguments) - ELBOW.model.derivative(*arguments))[motor]))
+    curves = [nominal(angles, 0 * angles), changed(angles, np.array(torque))]
+    return [panel("second motor of the elbow", "angle [rad]", "disturbance torque [Nm]", curves)]
+
+
 def tool_error(text: str) -> Panels:
     """Draw the error of the measured tool over the angle of the first link."""
 
@@ -240,6 +256,7 @@ DRAWINGS: dict[str, tuple[Callable[[str], Panels], str]] = {
     "actuator_lag": (step_response, "actuator_lag@motor_1:time_constant=3e-3"),
     "backlash": (backlash, "backlash@motor_1:gap=1e-3"),
     "coulomb_friction": (over_speed, "coulomb_friction@motor_1:level=20,asymmetry=0.2"),
+    "counterbalance": (over_angle, "counterbalance@motor_2:cosine=60,sine=20"),
     "damping_error": (lambda text: [responses(text)], "damping_error@body_1.rz:relative=2"),
     "delay": (step_response, "delay@all:time=3e-3"),
     "encoder_eccentricity": (encoder_error, "encoder_eccentricity@motor_1:amplitude=1e-4,order=300"),

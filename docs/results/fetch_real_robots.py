@@ -1,7 +1,7 @@
 """Fetch public logs of robots: python docs/results/fetch_real_robots.py FOLDER [--from PATH]...
 
-The logs of five public repositories, without a licence for copies or with one that does not fit, are brought into
-FOLDER, at the commits below and with their checksums; they are not part of this repository. `--from` names a clone, a
+The logs of six public repositories, most of them without a licence for copies, are brought into FOLDER, at the commits
+below and with their checksums; they are not part of this repository. `--from` names a clone, a
 bare clone or a plain folder of one of them that is there already. What cannot be reached is skipped with its reason,
 and the exit code is then 1.
 """
@@ -13,6 +13,7 @@ import hashlib
 import subprocess
 import sys
 import urllib.error
+import urllib.parse
 import urllib.request
 from dataclasses import dataclass
 from pathlib import Path
@@ -31,6 +32,10 @@ PANDA_LOG = "matlab/data/Exciting_Traj/Trajectory_1/rbt_log/exciting_traj"
 
 TX40 = "examples/staubli_TX40"
 """Folder of the files of the TX40: positions and torques of the motors, in a table each."""
+
+
+KR300_LOG = "data/recorded_trajectories/2020-10-21 10s FF {} 08ms/data.mat"
+"""Files of the KR 300: three motions."""
 
 
 @dataclass(frozen=True)
@@ -127,6 +132,16 @@ REPOSITORIES = (
             "data/recdata/xMate7p_traj3_results.csv": (
                 "b8cf0a91bf58d4afafa7a65c9e69c7916ad63759248ef60e477c59db1d0af5e6"
             ),
+        },
+    ),
+    Repository(
+        "JonasWeigand",
+        "Robot_Identification",
+        "9e403c07d9dadbb391a9f3921e8d219f714636a8",
+        {
+            KR300_LOG.format("A"): ("4c152c5b7f2c899731fdeebcf0d011cc103df72be19fac160caf47aa9b73ab75"),
+            KR300_LOG.format("B"): ("edeb35f65c4ec4bb697e757fc1e4e9668551b6fe7b2c3dbbb526d040dd8d5ce7"),
+            KR300_LOG.format("C"): ("c5d5688521ece941e6c4afd39643a01cd36ae8c7790342640277f8b15b5515b4"),
         },
     ),
 )

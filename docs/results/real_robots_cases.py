@@ -131,6 +131,10 @@ _XMATE_COULOMB = (
     (0.330, 0.417),
 )
 """Coulomb friction of the seven joints by least squares of each of the three logs, smallest and largest [Nm]."""
+_KR300_COULOMB = ((333, 355), (242, 472), (294, 406), (50, 111), (47, 134), (76, 91))
+_KR300_VISCOUS = ((1978, 2088), (1992, 2307), (1584, 2024), (238, 454), (534, 1000), (391, 459))
+"""Friction of the six joints, smallest and largest of four numbers: published, and by least squares of each log."""
+_KR300_LOG = "data/recorded_trajectories/2020-10-21 10s FF {} 08ms/data.mat"
 _UR_LOGS = "dataset_ur10e/identification_data"
 
 CASES = (
@@ -319,6 +323,33 @@ CASES = (
         known=tuple(_coulomb(joint, low, high) for joint, (low, high) in enumerate(_XMATE_COULOMB, start=1)),
         source="least squares of the torque of each of the three logs, with viscous friction beside it, which is zero "
         "within its deviation at most joints",
+        fetched=True,
+    ),
+    Case(
+        name="kr300",
+        title="Six axes of a KUKA KR 300 R2500",
+        about="Weigand, Ulmen, Janot and Ruskowski (2021), [github.com/JonasWeigand/Robot_Identification]"
+        "(https://github.com/JonasWeigand/Robot_Identification), MIT: fetched by `fetch_real_robots.py`. 250 Hz, three "
+        "logs of 10 s; a hydraulic cylinder at joint 2 carries weight, and the arm of 0.9 t carries up to 200 kg. "
+        "Nominal: the masses and inertias of its CAD model, tolerance 3 %, without friction, rotors, cylinder and "
+        "load. The first log is fitted; with one of the other two fitted instead the load is not found, and the "
+        "verdict is `unknown_effect`.",
+        folder="Robot_Identification",
+        robot="kr300_robot.yaml",
+        mapping="kr300.yaml",
+        fitted=(_KR300_LOG.format("A"),),
+        further={name: (_KR300_LOG.format(name),) for name in "BC"},
+        known=tuple(
+            one
+            for joint, (coulomb, viscous) in enumerate(zip(_KR300_COULOMB, _KR300_VISCOUS, strict=True), start=1)
+            for one in (
+                _coulomb(joint, *coulomb),
+                Known("viscous friction", f"motor_{joint}", *viscous, "Nm s/rad"),
+            )
+        ),
+        source="published with the data (Coulomb friction by the sum of its two steps), and least squares of the "
+        "torque of each of the three logs above 1 deg/s, with a load of 180 kg, rotors, and a torque over sine and "
+        "cosine of the position of each joint",
         fetched=True,
     ),
     Case(

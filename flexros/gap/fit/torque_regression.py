@@ -9,7 +9,8 @@ that the model lacks.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -32,6 +33,8 @@ from flexros.record.smoothing import motion_cutoff
 from flexros.robot.parameters import INERTIA_COMPONENTS
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
     from flexros.arrays import BoolArray, FloatArray
     from flexros.effects import RobotWithEffects
     from flexros.gap.fit.arm_torque import ArmTorque
@@ -58,6 +61,8 @@ Load = Literal["none", "body", "point"]
 """Load that the last body that moves may carry: none, a share of itself, or a mass at a point."""
 LOAD = ("mass", "first_moment.x", "first_moment.y", "first_moment.z")
 """Columns of a load."""
+BALANCE = ("cosine", "sine")
+"""Columns of a counterbalance: its torques at positions 0 and 90 degrees."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +78,7 @@ class TorqueRegression:
         rest: Rest of the torque of every motor, rms [Nm or N], shape (M,).
         load: Mass [kg] and first moment [kg m] of a load on the last body that moves, shape (4,); zeros without one.
         servo_stiffness: Relative error of the stiffness of every servo [1], shape (M,); zeros where torques are known.
+        balance: Numbers of a counterbalance [Nm], shape (2,), by the index of its motor; empty without one.
     """
 
     inertia: FloatArray
@@ -83,6 +89,7 @@ class TorqueRegression:
     rest: FloatArray
     load: FloatArray
     servo_stiffness: FloatArray
+    balance: Mapping[int, FloatArray] = field(default_factory=dict)
 
 
 def regress_torque(
@@ -93,6 +100,7 @@ def regress_torque(
     *,
     load: Load = "none",
     delay: float = 0.0,
+    balanced: int | None = None,
 ) -> TorqueRegression | None:
     """Regress the torques of a log on friction, motor inertias and tolerated parameters of the bodies.
 
@@ -105,6 +113,8 @@ def regress_torque(
             then: all bodies a little heavier look much like it.
         delay: Delay of the commands beyond that of the model [s]. Where positions are commanded, the torques are those
             of the servos, whose stiffness may be wrong too.
+        balanced: Index of a motor with a further torque over its own position, such as that of a spring or a gas
+            cylinder that carries the weight of the arm; its first harmonic is free. None for none.
 
     Returns:
         The regression; None for a log in which no motor moves, or that is too short, and for links that bend.
@@ -150,14 +160,22 @@ def regress_torque(
         lightest = np.full(M, -MOST_REDUCED)
     column = KINDS.index("coulomb_friction") * M
     b = b - A[:, :, column : column + M] @ known
-    if load == "point":
-        return _with_point(A, b, robot, known, rows.motion.moving, lightest)
-    return _solved(A, b, robot, known, len(tolerance.names), rows.motion.moving, lightest)
+    if balanced is not None:
+        position = decimate(bridged_motion(rows.record.position, rows.record.valid), rows.factor)[rows.counts]
+        A = np.insert(A, [len(KINDS) * M] * len(BALANCE), _of_balance(position, balanced), axis=-1)
+        lightest = np.concatenate([np.full(len(BALANCE), -np.inf), lightest])
+    solved = partial(_solved, robot=robot, known=known, moving=rows.motion.moving, lightest=lightest, balanced=balanced)
+    return _with_point(A, b, solved) if load == "point" else solved(A, b, tolerated=len(tolerance.names))
 
 
-def _with_point(
-    A: FloatArray, b: FloatArray, robot: Robot, known: FloatArray, moving: BoolArray, lightest: FloatArray
-) -> TorqueRegression:
+def _of_balance(position: FloatArray, motor: int) -> FloatArray:
+    """Return the torques that both numbers of a counterbalance take from its motor, shape (n, M, 2)."""
+    columns: FloatArray = np.zeros((*position.shape, len(BALANCE)))
+    columns[:, motor] = -np.stack([np.cos(position[:, motor]), np.sin(position[:, motor])], axis=-1)
+    return columns
+
+
+def _with_point(A: FloatArray, b: FloatArray, solved: Callable[..., TorqueRegression]) -> TorqueRegression:
     """Solve the regression with a load at a point, whose inertia follows from its mass and first moment.
 
     With mass m and first moment s its inertia at the joint is (s's E - s s') / m. That is linear where the load is
@@ -165,14 +183,14 @@ def _with_point(
     """
     inertias = A[..., -len(INERTIA_COMPONENTS) :]
     A = A[..., : -len(INERTIA_COMPONENTS)]
-    found = _solved(A, b, robot, known, 0, moving, lightest)
+    found = solved(A, b, tolerated=0)
     for _ in range(ROUNDS):
         before, turned = found.load.copy(), A.copy()
         before[0] = max(before[0], np.linalg.norm(before[1:]) / FARTHEST_LOAD)
         if before[0] <= 0:
             break
         turned[..., -len(LOAD) :] += inertias @ _inertia_slopes(before)
-        found = _solved(turned, b, robot, known, 0, moving, lightest)
+        found = solved(turned, b, tolerated=0)
         if np.allclose(found.load, before, rtol=1e-3, atol=1e-6):
             break
     return found
@@ -254,16 +272,18 @@ def _tolerated(robot: Robot, tolerance: Tolerance, nominal: FloatArray) -> Float
 def _solved(
     A: FloatArray,
     b: FloatArray,
+    *,
     robot: Robot,
     known: FloatArray,
     tolerated: int,
     moving: BoolArray,
     lightest: FloatArray,
+    balanced: int | None,
 ) -> TorqueRegression:
     """Solve the regression within physical bounds, each motor weighted by what is left of its torque.
 
-    Between the columns of the motors and those of tolerated parameters stand those of a load or of servos, with their
-    lower bounds `lightest`.
+    Between the columns of the motors and those of tolerated parameters stand those of a counterbalance, then those of a
+    load or of servos, with their lower bounds `lightest`.
     """
     n, M, k = A.shape
     inertia = np.array([robot.parameters[f"{name}.inertia"].value for name in robot.joint_names])
@@ -296,10 +316,14 @@ def _solved(
     values = np.where((own > LEAST_SHARE * left) & moving, solution[: 3 * M].reshape(3, M), 0.0)
     inertias, viscous_friction, coulomb_friction = values
     shares = left / np.maximum(before, 1e-300)
-    begin, end = len(KINDS) * M, len(KINDS) * M + len(lightest)
+    between, end = len(KINDS) * M, len(KINDS) * M + len(lightest)
+    begin = between + (0 if balanced is None else len(BALANCE))
+    balance = {} if balanced is None else {balanced: solution[between:begin]}
     found, servos = solution[begin:end], end - begin == M and bool(np.all(lightest == -MOST_REDUCED))
     load, stiffness = (np.zeros(len(LOAD)), found) if servos else (found, np.zeros(M))
     if servos:
         stiffness = np.where((np.diag(size[:, begin:end]) > LEAST_SHARE * left) & moving, stiffness, 0.0)
     deviations = solution[end:]
-    return TorqueRegression(inertias, viscous_friction, coulomb_friction, deviations, shares, left, load, stiffness)
+    return TorqueRegression(
+        inertias, viscous_friction, coulomb_friction, deviations, shares, left, load, stiffness, balance
+    )

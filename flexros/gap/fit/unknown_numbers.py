@@ -12,7 +12,7 @@ from flexros.effects.left_out.rotor_inertia import RotorInertia
 from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_moved
 from flexros.effects.viscous_friction import ViscousFriction
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.fit.torque_regression import FARTHEST_LOAD, only_coulomb, regress_torque
+from flexros.gap.fit.torque_regression import FARTHEST_LOAD, Load, only_coulomb, regress_torque
 from flexros.prediction.integration_step import least_inertia, stops_too_fast
 
 if TYPE_CHECKING:
@@ -207,20 +207,46 @@ def _load(
 ) -> tuple[TorqueRegression | None, ToolLoad | None]:
     """Estimate the load that an arm lacks, and its regression; None for none.
 
+    The weight of many heavy arms is carried by a spring or a gas cylinder at one motor, of which the file says nothing
+    either. In the torque of that motor it hides the load, which the others show.
+    """
+    if not _may_carry(model.robot):
+        return None, None
+    found = _load_beside(record, model, tolerance, lacking, None)
+    if found is not None:
+        return found
+    balanced = [
+        _load_beside(record, model, tolerance, lacking, motor)
+        for motor, one in enumerate(model.robot.motors)
+        if one.rotary
+    ]
+    best = min((one for one in balanced if one is not None), key=lambda one: _rest(one[0]), default=None)
+    return (None, None) if best is None else best
+
+
+def _load_beside(
+    record: Record, model: RobotWithEffects, tolerance: Tolerance, lacking: int, balanced: int | None
+) -> tuple[TorqueRegression, ToolLoad] | None:
+    """Estimate the load beside a further torque over the position of one motor; None for no load.
+
     Where the file states rotors, it may state a load too: then it must be clearly elsewhere than the last body, whose
     mass alone is that of a payload error.
     """
     robot = model.robot
-    if not _may_carry(robot):
-        return None, None
-    without = regress_torque(record, model, Tolerance(), load="none" if lacking == robot.n_motors else "body")
-    loaded = regress_torque(record, model, tolerance, load="point")
+    plain: Load = "none" if lacking == robot.n_motors else "body"
+    without = regress_torque(record, model, Tolerance(), load=plain, balanced=balanced)
+    loaded = regress_torque(record, model, tolerance, load="point", balanced=balanced)
     if without is None or loaded is None:
-        return None, None
+        return None
     mass, moment = float(loaded.load[0]), loaded.load[1:]
     moved = sum(robot.parameters[f"body_{k}.mass"].value for k, b in enumerate(robot.spec.bodies, 1) if b.directions)
     gain = float(np.prod(np.minimum(without.left / np.maximum(loaded.left, 1e-300), MOST_BY_ONE)))
     if mass < LIGHTEST * moved or gain < EXPLAINED or np.linalg.norm(moment) > FARTHEST_LOAD * mass:
-        return None, None
+        return None
     x, y, z = (moment / mass).tolist()
     return loaded, ToolLoad(mass=mass, x=x, y=y, z=z)
+
+
+def _rest(regression: TorqueRegression) -> float:
+    """Return the sum of the logarithms of what is left at the motors [1]."""
+    return float(np.log(np.maximum(regression.rest, 1e-300)).sum())

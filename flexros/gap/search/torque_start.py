@@ -1,4 +1,4 @@
-"""The fit that the search begins with on a real machine: friction and motor inertia of all motors at once."""
+"""The fit that the search begins with on a real machine: friction, motor inertia and counterbalance, all at once."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.candidates.candidate import list_candidates
+from flexros.effects.counterbalance import Counterbalance
+from flexros.gap.candidates.candidate import Candidate, free_parameter, list_candidates
 from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.scales import scales_of_motors
 from flexros.gap.fit.arm_torque import arm_torque
@@ -20,8 +21,10 @@ if TYPE_CHECKING:
 
     from flexros.arrays import FloatArray
     from flexros.effects import RobotWithEffects
-    from flexros.gap.candidates.candidate import Candidate, Hypothesis
+    from flexros.gap.candidates.candidate import Hypothesis
+    from flexros.gap.candidates.scales import Scales
     from flexros.gap.candidates.tolerance import Tolerance
+    from flexros.gap.fit.arm_torque import ArmTorque
     from flexros.gap.fit.null_fit import NullFit
     from flexros.gap.fit.torque_regression import TorqueRegression
     from flexros.gap.residuals.fit_data import FitData
@@ -32,6 +35,11 @@ if TYPE_CHECKING:
 
 MOST_DELAYED = 10
 """Longest delay of commanded positions that is tried [samples] (chosen)."""
+BALANCED = 2.5
+"""Factor by which a counterbalance lowers what is left at its motor, from which there is one [1] (chosen)."""
+CARRIES = 0.5
+"""Torque of a counterbalance over the largest of its motor, from which there is one [1] (chosen): it is built to carry
+weight. Less is an error of the weight of the arm, as on a robot whose URDF is a third too light."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,8 +63,8 @@ class TorqueStart:
         """The nominal robot."""
         return self.model.robot
 
-    def hypothesis(self) -> list[tuple[Candidate, float]]:
-        """List the effects with the initial values of their sizes [their units]."""
+    def hypothesis(self) -> list[tuple[Candidate, tuple[float, ...]]]:
+        """List the effects with the initial values of their first parameters [their units]."""
         found = self.regression
         values: dict[tuple[str, str], float] = {}
         for motor, name in enumerate(self.robot.joint_names):
@@ -67,13 +75,22 @@ class TorqueStart:
             values["motor_inertia_error", name] = inertia / nominal if nominal > 0 else 0.0
             values["servo_stiffness_error", name] = float(found.servo_stiffness[motor])
         values["delay", "all"] = self.delay
-        return [
-            (replace(candidate, free=candidate.free[:1]), value)
-            for candidate in list_candidates(
-                self.robot, scales_of_motors(self.robot, self.record), measured=True, known=self.model.laws
-            )
+        scales = scales_of_motors(self.robot, self.record)
+        single = [
+            (replace(candidate, free=candidate.free[:1]), (value,))
+            for candidate in list_candidates(self.robot, scales, measured=True, known=self.model.laws)
             if (value := values.get((candidate.effect.name, candidate.location), 0.0)) != 0
         ]
+        return [*single, *(self._counterbalance(motor, scales) for motor in found.balance)]
+
+    def _counterbalance(self, motor: int, scales: Scales) -> tuple[Candidate, tuple[float, ...]]:
+        """Return the counterbalance of a motor with the initial values of its parameters."""
+        location = self.robot.joint_names[motor]
+        free = tuple(
+            free_parameter(name, allowed, scales.of(allowed.scale, location))
+            for name, allowed in Counterbalance.ranges.items()
+        )
+        return Candidate(Counterbalance, location, free), tuple(self.regression.balance[motor].tolist())
 
 
 def torque_start(
@@ -99,9 +116,27 @@ def torque_start(
     if record.command is not None:
         start = _servo_start(record, model, tolerance)
     else:
-        regression = regress_torque(record, model, tolerance, arm_torque(data, model, tolerance))
+        regression = _balanced(record, model, tolerance, arm_torque(data, model, tolerance))
         start = None if regression is None else TorqueStart(regression, model, record)
     return start if start is not None and start.hypothesis() else None
+
+
+def _balanced(
+    record: Record, model: RobotWithEffects, tolerance: Tolerance, arm: ArmTorque | None
+) -> TorqueRegression | None:
+    """Regress the torques, with a counterbalance at the motor at which it explains most, if that is much."""
+    best = plain = regress_torque(record, model, tolerance, arm)
+    if plain is None:
+        return None
+    factor = BALANCED
+    for location in Counterbalance().locations(model.robot):
+        motor = model.robot.joint_names.index(location)
+        found = regress_torque(record, model, tolerance, arm, balanced=motor)
+        if found is None or np.linalg.norm(found.balance[motor]) < CARRIES * np.nanmax(np.abs(record.torque[:, motor])):
+            continue
+        if plain.rest[motor] > factor * found.rest[motor]:
+            best, factor = found, plain.rest[motor] / found.rest[motor]
+    return best
 
 
 def _servo_start(record: Record, model: RobotWithEffects, tolerance: Tolerance) -> TorqueStart | None:
@@ -133,10 +168,12 @@ def first_values(start: TorqueStart, null: NullFit, settings: DiagnosisSettings)
         The effects with these values; None where none of them competes.
     """
     competing = competitors(start.robot, settings.search)
-    pairs = [(one, value) for one, value in start.hypothesis() if competing.contain(one)]
+    pairs = [(one, values) for one, values in start.hypothesis() if competing.contain(one)]
     if not pairs:
         return None
-    sizes = np.array([candidate.free[0].encode(value) for candidate, value in pairs])
+    sizes = np.array(
+        [free.encode(value) for one, values in pairs for free, value in zip(one.free, values, strict=True)]
+    )
     return _at(null, tuple(candidate for candidate, _ in pairs), sizes, start.regression.deviations)
 
 

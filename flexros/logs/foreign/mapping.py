@@ -67,8 +67,8 @@ class MappedColumn(Settings):
 
     column: str = Field(
         "",
-        description="name in the file; name[k] is column k, from 0, of a matrix or of a list in a cell, [k] that of "
-        "a table without names",
+        description="name in the file; name[k] is signal k, from 0, of a matrix, whose longer side are the samples, or "
+        "of a list in a cell, [k] that of a table without names",
     )
     sum: dict[str, float] = Field(
         default_factory=dict,

@@ -112,8 +112,9 @@ def open_source(path: Path) -> AbstractSignalSource:
 def flatten(arrays: Mapping[str, object]) -> dict[str, FloatArray]:
     """Convert the arrays of a file to columns.
 
-    A vector is one column with its name, a matrix with n rows is the columns name[0], name[1], ...; entries of a
-    structure are named with dots. Scalars, texts and everything else are ignored.
+    A vector is one column with its name, a matrix with n samples is the columns name[0], name[1], ...; its samples are
+    along its longer side, because a log has more of them than signals. Entries of a structure are named with dots.
+    Scalars, texts and everything else are ignored.
 
     Args:
         arrays: Arrays and nested structures by name.
@@ -129,15 +130,14 @@ def flatten(arrays: Mapping[str, object]) -> dict[str, FloatArray]:
         array = np.squeeze(value)
         if array.dtype.kind not in "fiub" or array.size < 2 or array.ndim > 2:
             continue
-        n = 1 if array.ndim == 1 else array.shape[1]
-        if len(columns) + n > MOST_SIGNALS:
-            raise InputError(
-                f"it has more than {MOST_SIGNALS} columns; is a matrix transposed? Its rows must be samples"
-            )
         if array.ndim == 1:
-            columns[name] = array.astype(np.float64)
+            signals = {name: array}
         else:
-            columns.update({f"{name}[{k}]": array[:, k].astype(np.float64) for k in range(n)})
+            by_sample = array if array.shape[0] >= array.shape[1] else array.T
+            signals = {f"{name}[{k}]": column for k, column in enumerate(by_sample.T)}
+        if len(columns) + len(signals) > MOST_SIGNALS:
+            raise InputError(f"it has more than {MOST_SIGNALS} columns; save the signals of the log alone")
+        columns.update({title: np.array(column, dtype=np.float64) for title, column in signals.items()})
     return columns
 
 

@@ -116,3 +116,30 @@ def test_a_motor_that_is_not_driven_carries_no_load() -> None:
     assert found is not None
     assert found.left[1] < 0.01
     assert unknown_numbers(passive, given, tolerance_of(given.robot, {})).load is None
+
+
+def test_numbers_of_a_counterbalance_are_found_beside_friction_and_rotors() -> None:
+    record = record_of_arm(balance=(-90.0, 15.0))
+    found = regress_torque(record, RobotWithEffects(arm(), ()), Tolerance(), balanced=0)
+    assert found is not None
+    np.testing.assert_allclose(found.balance[0], (-90.0, 15.0), rtol=0.01)
+    np.testing.assert_allclose(found.inertia, INERTIA, rtol=0.03)
+    np.testing.assert_allclose(found.coulomb_friction, COULOMB, rtol=0.03)
+    plain = regress_torque(record, RobotWithEffects(arm(), ()), Tolerance())
+    assert plain is not None
+    assert plain.rest[0] > 10 * found.rest[0]
+
+
+def test_load_behind_a_counterbalance_is_estimated() -> None:
+    """The weight of a heavy arm is carried by a spring at its first motor, of which the file says nothing.
+
+    At that motor the weight of a load at the second joint looks like the spring; its first moment there does not.
+    """
+    model, record = RobotWithEffects(arm(), ()), record_of_arm(load=1.0, balance=(-90.0, 15.0))
+    plain = regress_torque(record, model, Tolerance(), load="point")
+    assert plain is not None
+    assert plain.rest[0] > 5.0
+    unknown = unknown_numbers(record, model, tolerance_of(arm(), {}))
+    assert unknown.load is not None
+    assert unknown.load.mass * unknown.load.x == pytest.approx(3.0 * 0.15, rel=0.02)
+    assert unknown.inertias["motor_2"] == pytest.approx(0.3, rel=0.03)

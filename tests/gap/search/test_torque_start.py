@@ -181,3 +181,36 @@ def test_a_load_of_many_times_the_last_body_is_found() -> None:
     causes = {f"{cause.effect}@{cause.location}": cause.parameters for cause in found.causes}
     assert causes["payload_error@tool"]["relative"].value == pytest.approx(11.0, rel=0.15)
     assert not causes["payload_error@tool"]["relative"].at_limit
+
+
+def start_with(balance: tuple[float, float]) -> TorqueStart:
+    record, model = record_of_arm(imported=True, balance=balance), RobotWithEffects(arm(), ())
+    data = fit_data(record, model, DiagnosisSettings())
+    found = torque_start(data, model, Tolerance(), DiagnosisSettings())
+    assert found is not None
+    return found
+
+
+def test_search_begins_with_a_counterbalance_that_torques_show() -> None:
+    sizes = {one.name: values for one, values in start_with((40.0, -15.0)).hypothesis()}
+    assert set(sizes) == {*FRICTION, "counterbalance@motor_1"}
+    np.testing.assert_allclose(sizes["counterbalance@motor_1"], (40.0, -15.0), rtol=0.03)
+    np.testing.assert_allclose([sizes[f"coulomb_friction@motor_{k}"][0] for k in (1, 2)], COULOMB, rtol=0.03)
+
+
+def test_small_torque_over_the_position_is_no_counterbalance() -> None:
+    assert {one.name for one, _ in start_with((0.2, 0.0)).hypothesis()} == FRICTION
+
+
+@pytest.mark.slow
+def test_counterbalance_is_named_with_its_size() -> None:
+    settings = DiagnosisSettings(where=None, next_experiment=None)
+    log, held = (record_of_arm(imported=True, seed=seed, balance=(40.0, -15.0)) for seed in (5, 6))
+    found = diagnose(log, arm(), holdout=held, settings=settings)
+    causes = {f"{one.effect}@{one.location}": one for one in found.diagnosis.causes}
+    assert found.diagnosis.verdict == "explained"
+    assert set(causes) == {*FRICTION, "counterbalance@motor_1"}
+    sizes = causes["counterbalance@motor_1"].parameters
+    for name, size in (("cosine", 40.0), ("sine", -15.0)):
+        assert sizes[name].std is not None
+        assert abs(sizes[name].value - size) < 3 * sizes[name].std < 0.3 * abs(size)

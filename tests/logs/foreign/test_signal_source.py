@@ -37,3 +37,10 @@ def test_matrices_and_structures_are_columns() -> None:
     assert list(columns) == ["a.q[0]", "a.q[1]", "row"]
     np.testing.assert_array_equal(columns["a.q[1]"], [1, 3, 5])
     assert columns["row"].shape == (4,)
+
+
+def test_samples_of_a_matrix_are_along_its_longer_side() -> None:
+    matrix = np.arange(6.0).reshape(3, 2)
+    wide, long = flatten({"q": matrix.T}), flatten({"q": matrix})
+    assert list(wide) == ["q[0]", "q[1]"]
+    np.testing.assert_array_equal(wide["q[1]"], long["q[1]"])

@@ -1,0 +1,33 @@
+"""A counterbalance carries weight by the position of its joint."""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from flexros.effects.counterbalance import Counterbalance
+from flexros.robot import load_robot
+from flexros.simulate.plant_model import PlantModel
+from tests.effects.effect_runs import laws_of
+
+ELBOW = load_robot("elbow")
+
+
+@pytest.mark.parametrize("angle", [-1.2, 0.0, 0.7])
+def test_torque_at_the_motor_follows_its_position(angle: float) -> None:
+    balanced = PlantModel(ELBOW, laws_of(ELBOW, "counterbalance@motor_2:cosine=-60,sine=25"))
+    state, motor = ELBOW.equilibrium([0.0, angle]), ELBOW.motor_rows[1]
+    arguments = (np.zeros(2), np.zeros(6), ca.DM(0, 1))
+    difference = balanced.derivative(state, *arguments) - ELBOW.model.derivative(state, *arguments)
+    rates = difference.full().ravel()[ELBOW.n_coordinates :]
+    expected = np.zeros(ELBOW.n_coordinates)
+    torque = -60 * np.cos(state[motor]) + 25 * np.sin(state[motor])
+    expected[motor] = torque / ELBOW.parameters["motor_2.inertia"].value
+    np.testing.assert_allclose(rates, expected, atol=1e-9 * abs(torque))
+
+
+def test_joints_that_turn_under_gravity_have_one() -> None:
+    assert Counterbalance().locations(ELBOW) == ("motor_1", "motor_2")
+    assert Counterbalance().locations(load_robot("two_mass")) == ()
+    assert Counterbalance().locations(load_robot("emps")) == ()
