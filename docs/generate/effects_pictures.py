@@ -225,8 +225,8 @@ def over_angle(text: str) -> Panels:
     model, inertia = PlantModel(ELBOW, with_effects(ELBOW, text).laws), ELBOW.parameters["motor_2.inertia"].value
     torque = []
     for angle in angles:
-        arguments = (ELBOW.equilibrium([0.0, angle]), np.zeros(2), np.zeros(6), [])
-        torque.append(inertia * float((model.derivative(*arguments) - ELBOW.model.derivative(*arguments))[motor]))
+        at = (ELBOW.equilibrium([0.0, angle]), np.zeros(2), np.zeros(6), np.zeros(0))
+        torque.append(inertia * float((model.derivative(*at) - ELBOW.model.derivative(*at))[motor]))
     curves = [nominal(angles, 0 * angles), changed(angles, np.array(torque))]
     return [panel("second motor of the elbow", "angle [rad]", "disturbance torque [Nm]", curves)]
 

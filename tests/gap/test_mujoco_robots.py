@@ -83,7 +83,7 @@ def test_search_of_a_servo_log_begins_with_gains_friction_and_delay(tmp_path: Pa
     arm = program("arms").drawn_arm(5, tmp_path, drive="servo")
     start = started(*recorded(arm, program("truth").Truth(causes, delay=2), tmp_path))
     assert start.delay == pytest.approx(2 / program("truth").RATE)
-    found = {candidate.name: value for candidate, value in start.hypothesis()}
+    found = {candidate.name: size for candidate, (size,) in start.hypothesis()}
     assert found["servo_stiffness_error@motor_1"] == pytest.approx(-0.3, abs=0.05)
     assert found["coulomb_friction@motor_2"] == pytest.approx(0.25, rel=0.1)
     assert found["motor_inertia_error@motor_2"] == pytest.approx(0.4, abs=0.06)
