@@ -144,7 +144,12 @@ def _unknown(diagnosis: Diagnosis) -> str:
     text = f"There is a gap that {tried} explains"
     if diagnosis.causes and diagnosis.gap.closed_fraction is not None:
         left = max(1 - diagnosis.gap.closed_fraction, 0.0)
-        text += f": the best one, {cause_words(diagnosis.causes[0])}, leaves {share_words(left)} of it on held-out data"
+        others = len({(one.effect, one.location) for one in diagnosis.budget if one.effect is not None}) - 1
+        beside = f" and {others} other effect{'s' if others > 1 else ''}" if others > 0 else ""
+        best = "the best one" if others <= 0 else "the best explanation"
+        text += (
+            f": {best}, {cause_words(diagnosis.causes[0])}{beside}, leaves {share_words(left)} of it on held-out data"
+        )
     return f"{text}. {_where(diagnosis)}".strip()
 
 

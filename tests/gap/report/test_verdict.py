@@ -8,8 +8,9 @@ import pytest
 
 from flexros.gap.report.terminal import gap_line
 from flexros.gap.report.verdict import partial_sentence, reported_causes, verdict_sentence
+from flexros.gap.report.words import cause_words
 from flexros.gap.result import DiagnosisResult
-from flexros.gap.schema import NEXT_EXPERIMENT, Diagnosis, EffectLocation, Partial
+from flexros.gap.schema import NEXT_EXPERIMENT, BudgetShare, Diagnosis, EffectLocation, Partial
 
 Diagnosed = Callable[[str], DiagnosisResult]
 
@@ -39,6 +40,16 @@ def test_an_unknown_effect_is_reported_with_remainder_and_location(diagnosed: Di
     assert "no known effect explains" in text
     assert "leaves 42 % of it on held-out data" in text
     assert "It is largest in motor_1, below 2 Hz: 61 % of the excess (p < 0.001)." in text
+
+
+@pytest.mark.parametrize(("n", "words"), [(1, ""), (2, " and 1 other effect"), (3, " and 2 other effects")])
+def test_what_several_effects_leave_is_not_said_of_one(diagnosed: Diagnosed, n: int, words: str) -> None:
+    diagnosis = diagnosed("unknown_effect").diagnosis
+    values = {"class": "timing", "effect": "delay", "share_first": 0.1, "share_last": 0.1, "interval": None}
+    shares = tuple(BudgetShare.model_validate({**values, "joint": name, "location": name}) for name in "abc"[:n])
+    text = " ".join(verdict_sentence(diagnosis.model_copy(update={"budget": shares})).split())
+    assert ("the best explanation, " if words else "the best one, ") in text
+    assert f"{cause_words(diagnosis.causes[0])}{words}, leaves 42 % of it" in text
 
 
 def test_both_causes_of_a_pair_are_reported(diagnosed: Diagnosed) -> None:
