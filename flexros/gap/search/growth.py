@@ -9,7 +9,7 @@ import numpy as np
 from flexros.gap.search.bristles import with_bristles
 from flexros.gap.search.elimination import reduced
 from flexros.gap.search.exchange import corrected, exchanged
-from flexros.gap.search.worth import compared, incomplete, simple_first, unique, worth
+from flexros.gap.search.worth import compared, incomplete, more_than_chance, simple_first, unique, worth
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -122,7 +122,7 @@ def _removed(search: Search, fit: CandidateFit, usual: float) -> float:
     n, null = search.data.n_values, search.null.fit
     settings, form = search.settings.search, search.settings.ranking.shaped_form * (null.chi2 - n)
     little = not search.torques_decide and fit.chi2 - n < min(form, settings.little * n)
-    return settings.removed_of_little if little and compared(search, [fit]).significant(fit) else usual
+    return settings.removed_of_little if little and more_than_chance(compared(search, [fit]), fit) else usual
 
 
 def with_more(

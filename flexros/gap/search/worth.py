@@ -35,12 +35,22 @@ def incomplete(search: Search, comparison: ModelComparison, chosen: CandidateFit
 
     The floor of a real machine is a tolerance: above it something is left, and below it there may be what is worth it.
     So it is where positions are rounded so coarsely that the level without gap is known worse than by chance: what
-    effects must gain there, `threshold`, allows for the rounding.
+    effects must gain there, `threshold`, allows for the rounding. Where the noise itself is uncertain, a level that is
+    above one by more than chance may be that of the noise, or of an effect: what effects gain tells these apart.
     """
-    rounded = comparison.rounding > 0 and comparison.floor_error > np.sqrt(2.0 / comparison.n_values)
-    if search.data.record.imported or rounded:
+    if search.data.record.imported or (comparison.rounding > 0 and comparison.floor_error > _chance(comparison)):
         return True
-    return comparison.significant(chosen) or comparison.beyond_tolerance(chosen)
+    return more_than_chance(comparison, chosen) or comparison.beyond_tolerance(chosen)
+
+
+def more_than_chance(comparison: ModelComparison, fit: CandidateFit) -> bool:
+    """Return whether a fit leaves more than noise of the stated level would by chance."""
+    return comparison.level(fit) - 1.0 > comparison.settings.significant * _chance(comparison)
+
+
+def _chance(comparison: ModelComparison) -> float:
+    """Return the standard deviation of the level without gap, of noise that is known [1]."""
+    return float(np.sqrt(2.0 / comparison.n_values))
 
 
 def worth(

@@ -43,16 +43,18 @@ def test_within_the_floor_of_a_real_machine_only_much_of_what_is_left_is_found(
     assert worth(search, comparison, rest, fit, 0.4) is expected
 
 
-@pytest.mark.parametrize(("floor_error", "rounding", "expected"), [
-    (0.1, 0.9, True),
-    (0.1, 0.0, False),
-    (0.001, 0.9, False),
+@pytest.mark.parametrize(("floor_error", "rounding", "level", "expected"), [
+    (0.1, 0.9, 0.98, True),
+    (0.1, 0.0, 0.98, False),
+    (0.1, 0.0, 1.05, True),
+    (0.1, 0.0, 1.0005, False),
+    (0.001, 0.9, 1.0005, False),
 ])  # fmt: skip
-def test_where_rounding_hides_the_floor_effects_may_be_missing_below_it(
-    floor_error: float, rounding: float, expected: bool
+def test_where_the_floor_is_uncertain_effects_may_be_missing_near_it(
+    floor_error: float, rounding: float, level: float, expected: bool
 ) -> None:
     """Of a floor known to 10 %, a level of 1.05 does not tell whether an effect is missing that gains 500 nats."""
-    comparison, (_, fit) = measured_fits(50.0, 1.05 if floor_error > 0.01 else 1.0005)
+    comparison, (_, fit) = measured_fits(50.0, level)
     comparison = replace(comparison, floor_error=floor_error, rounding=rounding)
     search = SimpleNamespace(settings=DiagnosisSettings(), data=SimpleNamespace(record=SimpleNamespace(imported=False)))
     assert incomplete(search, comparison, fit) is expected
