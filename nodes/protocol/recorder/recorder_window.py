@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
 FIRST_SAMPLE_PATIENCE = 2.0
 """Wait for the first sample of a topic of a partner [s], chosen: a foreign controller may not publish all of them."""
-LONGEST_PATIENCE = 6.0
+LONGEST_PATIENCE = 12.0
 """The same for a topic that has a publisher [s], chosen: connecting may take seconds under load, and the time-out of
 the recorder is longer."""
 
