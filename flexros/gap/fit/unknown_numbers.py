@@ -43,6 +43,9 @@ LIGHTEST = 0.05
 EXPLAINED = 10.0
 """Product over the motors of the factors by which a load lowers what is left of their torques, from which the file
 lacks it [1] (chosen): 1.6 on a UR10e that carries nothing, above 1000 on an arm whose tool is 7 % of its mass."""
+RELIEVED = 2.0
+"""Factor by which a counterbalance alone lowers what is left at its motor, from which a load is sought beside it [1]
+(chosen)."""
 MOST_BY_ONE = EXPLAINED
 """Largest factor of one motor in that product [1] (chosen), so that the others must not be left with more: that one
 motor has no torque, as where it is not driven, is explained by a load that takes the weight of its body away."""
@@ -208,35 +211,49 @@ def _load(
     """Estimate the load that an arm lacks, and its regression; None for none.
 
     The weight of many heavy arms is carried by a spring or a gas cylinder at one motor, of which the file says nothing
-    either. In the torque of that motor it hides the load, which the others show.
+    either. In the torque of that motor it hides the load, which the others show. It must show without a load: beside
+    one it could just take up the weight of a load that is none.
     """
-    if not _may_carry(model.robot):
+    robot = model.robot
+    if not _may_carry(robot):
         return None, None
-    found = _load_beside(record, model, tolerance, lacking, None)
-    if found is not None:
-        return found
-    balanced = [
-        _load_beside(record, model, tolerance, lacking, motor)
-        for motor, one in enumerate(model.robot.motors)
-        if one.rotary
-    ]
-    best = min((one for one in balanced if one is not None), key=lambda one: _rest(one[0]), default=None)
+    kind: Load = "none" if lacking == robot.n_motors else "body"
+    without = regress_torque(record, model, Tolerance(), load=kind)
+    if without is None:
+        return None, None
+    found = [_load_beside(record, model, tolerance, without)]
+    for motor, one in enumerate(robot.motors):
+        if found[0] is not None or not one.rotary:
+            continue
+        relieved = regress_torque(record, model, Tolerance(), load=kind, balanced=motor)
+        if relieved is not None and without.rest[motor] > RELIEVED * relieved.rest[motor]:
+            found.append(_load_beside(record, model, tolerance, relieved, motor))
+    best = min((one for one in found if one is not None), key=lambda one: _rest(one[0]), default=None)
     return (None, None) if best is None else best
 
 
 def _load_beside(
-    record: Record, model: RobotWithEffects, tolerance: Tolerance, lacking: int, balanced: int | None
+    record: Record,
+    model: RobotWithEffects,
+    tolerance: Tolerance,
+    without: TorqueRegression,
+    balanced: int | None = None,
 ) -> tuple[TorqueRegression, ToolLoad] | None:
-    """Estimate the load beside a further torque over the position of one motor; None for no load.
+    """Estimate the load beside a counterbalance of one motor; None for no load.
 
     Where the file states rotors, it may state a load too: then it must be clearly elsewhere than the last body, whose
     mass alone is that of a payload error.
+
+    Args:
+        record: The log.
+        model: The nominal model.
+        tolerance: Parameters of the robot that may deviate.
+        without: The regression without a load.
+        balanced: Index of the motor with the counterbalance; None for none.
     """
     robot = model.robot
-    plain: Load = "none" if lacking == robot.n_motors else "body"
-    without = regress_torque(record, model, Tolerance(), load=plain, balanced=balanced)
     loaded = regress_torque(record, model, tolerance, load="point", balanced=balanced)
-    if without is None or loaded is None:
+    if loaded is None:
         return None
     mass, moment = float(loaded.load[0]), loaded.load[1:]
     moved = sum(robot.parameters[f"body_{k}.mass"].value for k, b in enumerate(robot.spec.bodies, 1) if b.directions)

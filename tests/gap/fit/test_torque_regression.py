@@ -143,3 +143,17 @@ def test_load_behind_a_counterbalance_is_estimated() -> None:
     assert unknown.load is not None
     assert unknown.load.mass * unknown.load.x == pytest.approx(3.0 * 0.15, rel=0.02)
     assert unknown.inertias["motor_2"] == pytest.approx(0.3, rel=0.03)
+
+
+def test_load_is_sought_beside_a_counterbalance_that_relieves_its_motor_by_itself(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Else a motor that is not driven is explained by a load, and by a counterbalance of what that load weighs."""
+    model, record = RobotWithEffects(arm(), ()), record_of_arm(load=1.0, balance=(-90.0, 15.0))
+    plain, relieved = (regress_torque(record, model, Tolerance(), balanced=motor) for motor in (None, 0))
+    assert plain is not None
+    assert relieved is not None
+    factor = plain.rest[0] / relieved.rest[0]
+    for needed, found in ((0.9 * factor, True), (1.1 * factor, False)):
+        monkeypatch.setattr("flexros.gap.fit.unknown_numbers.RELIEVED", needed)
+        assert (unknown_numbers(record, model, tolerance_of(arm(), {})).load is not None) is found
