@@ -43,7 +43,7 @@ LIGHTEST = 0.05
 EXPLAINED = 10.0
 """Product over the motors of the factors by which a load lowers what is left of their torques, from which the file
 lacks it [1] (chosen): 1.6 on a UR10e that carries nothing, above 1000 on an arm whose tool is 7 % of its mass."""
-RELIEVED = 2.0
+RELIEVED = 1.5
 """Factor by which a counterbalance alone lowers what is left at its motor, from which a load is sought beside it [1]
 (chosen)."""
 MOST_BY_ONE = EXPLAINED
