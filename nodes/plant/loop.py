@@ -122,9 +122,9 @@ class PlantLoop:
             self.lockstep.hold()
             return
         if self.window.held or self._kept is not None:
-            patience = self._node.value("recorder_timeout")
-            if self.window.wait(FASTEST_RESEND) > patience:
-                raise RunError(recorder_timeout_message(self.window.confirmed, patience))
+            timeout = self._node.value("recorder_timeout")
+            if self.window.wait(FASTEST_RESEND) > timeout:
+                raise RunError(recorder_timeout_message(self.window.confirmed, timeout))
             self.go_on()
         if self.window.held:
             return
@@ -181,7 +181,8 @@ class PlantLoop:
             self.lockstep.hold()
             self.messages.publish()
         elif self._kept is not None and not self.pause.holds:
-            if self.sample == 0 and not self.window.has_begun(self.messages.is_published):
+            timeout = self._node.value("recorder_timeout")
+            if self.sample == 0 and not self.window.has_begun(self.messages.is_published, timeout):
                 return
             command, self._kept = self._kept, None
             now = perf_counter()

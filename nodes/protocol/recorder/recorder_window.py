@@ -9,9 +9,9 @@ if TYPE_CHECKING:
 
 FIRST_SAMPLE_PATIENCE = 2.0
 """Wait for the first sample of a topic of a partner [s], chosen: a foreign controller may not publish all of them."""
-LONGEST_PATIENCE = 12.0
-"""The same for a topic that has a publisher [s], chosen: connecting may take seconds under load, and the time-out of
-the recorder is longer."""
+LONGEST_PATIENCE = 0.6
+"""The same for a topic that has a publisher, as a part of the time-out of the recorder, chosen: connecting may take
+seconds under load, and the loop begins before the recorder counts as gone."""
 
 
 class RecorderWindow:
@@ -89,16 +89,17 @@ class RecorderWindow:
         self._silence += time
         return self._silence
 
-    def has_begun(self, published: Callable[[str], bool]) -> bool:
+    def has_begun(self, published: Callable[[str], bool], timeout: float) -> bool:
         """Return whether the first sample is recorded, so that the loop may continue.
 
         Args:
             published: Returns whether a topic has a publisher, so that a longer wait is worthwhile.
+            timeout: Time without a confirmation after which the recorder counts as gone [s].
         """
         if not self.holds(self._own, self._first):
             return False
         missing = [topic for topic in self._others if not self.holds((topic,), self._first)]
-        if not missing or self._silence > LONGEST_PATIENCE:
+        if not missing or self._silence > LONGEST_PATIENCE * timeout:
             return True
         return self._silence > FIRST_SAMPLE_PATIENCE and not any(published(topic) for topic in missing)
 

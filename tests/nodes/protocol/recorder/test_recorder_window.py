@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from flexros_nodes.protocol.recorder.recorder_window import FIRST_SAMPLE_PATIENCE, LONGEST_PATIENCE, RecorderWindow
 
+TIMEOUT = 10.0
+"""Time without a confirmation after which the recorder counts as gone [s]."""
+
 
 def nobody(topic: str) -> bool:
     """No topic has a publisher."""
@@ -62,9 +65,9 @@ def test_loop_begins_when_every_topic_has_its_first_sample() -> None:
     window = RecorderWindow(1_000, ("joint_states", "tool_pose"), ("joint_commands",))
     window.start(10_000)
     for topic in ("joint_commands", "joint_states", "tool_pose"):
-        assert not window.has_begun(nobody)
+        assert not window.has_begun(nobody, TIMEOUT)
         window.confirm(topic, 10_000)
-    assert window.has_begun(nobody)
+    assert window.has_begun(nobody, TIMEOUT)
 
 
 def test_topic_that_a_partner_does_not_send_is_not_awaited_for_ever() -> None:
@@ -72,9 +75,9 @@ def test_topic_that_a_partner_does_not_send_is_not_awaited_for_ever() -> None:
     window.start(10_000)
     window.confirm("joint_states", 10_000)
     window.wait(FIRST_SAMPLE_PATIENCE)
-    assert not window.has_begun(nobody)
+    assert not window.has_begun(nobody, TIMEOUT)
     window.wait(0.1)
-    assert window.has_begun(nobody)
+    assert window.has_begun(nobody, TIMEOUT)
 
 
 def test_topic_that_a_partner_publishes_is_awaited_longer() -> None:
@@ -83,10 +86,19 @@ def test_topic_that_a_partner_publishes_is_awaited_longer() -> None:
     window.start(10_000)
     window.confirm("joint_states", 10_000)
     window.wait(2 * FIRST_SAMPLE_PATIENCE)
-    assert not window.has_begun(lambda topic: topic == "tool_reference")
-    assert window.has_begun(nobody)
-    window.wait(LONGEST_PATIENCE)
-    assert window.has_begun(lambda topic: topic == "tool_reference")
+    assert not window.has_begun(lambda topic: topic == "tool_reference", TIMEOUT)
+    assert window.has_begun(nobody, TIMEOUT)
+    window.wait(LONGEST_PATIENCE * TIMEOUT)
+    assert window.has_begun(lambda topic: topic == "tool_reference", TIMEOUT)
+
+
+def test_loop_begins_before_the_recorder_counts_as_gone() -> None:
+    """A recorder that never receives the topic of a partner does not end the run."""
+    window = RecorderWindow(1_000, ("joint_states",), ("tool_reference",))
+    window.start(10_000)
+    window.confirm("joint_states", 10_000)
+    while not window.has_begun(lambda topic: True, TIMEOUT):
+        assert window.wait(0.1) < TIMEOUT
 
 
 def test_loop_never_begins_without_the_topics_of_the_plant() -> None:
@@ -94,7 +106,7 @@ def test_loop_never_begins_without_the_topics_of_the_plant() -> None:
     window.start(10_000)
     window.confirm("joint_reference", 10_000)
     assert window.wait(10.0 * FIRST_SAMPLE_PATIENCE) == 10.0 * FIRST_SAMPLE_PATIENCE
-    assert not window.has_begun(nobody)
+    assert not window.has_begun(nobody, TIMEOUT)
 
 
 def test_silence_is_counted_from_the_last_news() -> None:
