@@ -292,7 +292,11 @@ class FlexrosNode(AbstractTopicNode):
         return self._transition(partial(self.end, None))
 
     def destroy_node(self) -> None:
-        """Release everything; the last node of a context also releases its sockets and shared memory."""
+        """Release everything, also what an active node holds; the last node of a context also releases its sockets."""
+        try:
+            self._release_once()
+        except FlexrosError as error:
+            self.get_logger().error(str(error))
         self._release_claims()
         super().destroy_node()
         self._state_machine.destroy_when_not_in_use()  # else it keeps the node until garbage collection

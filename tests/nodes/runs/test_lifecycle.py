@@ -179,6 +179,16 @@ def test_recorder_refuses_to_go_on_with_a_closed_log(bench: Bench, tmp_path: Pat
     assert (tmp_path / "second" / "second_0.mcap").is_file()
 
 
+def test_log_of_a_recorder_destroyed_while_active_is_closed(bench: Bench, tmp_path: Path) -> None:
+    recorder = bench.add(RecorderNode, folder=str(tmp_path / "log"))
+    recorder.trigger_configure()
+    recorder.trigger_activate()
+    bench.executor.remove_node(recorder)
+    bench.nodes.remove(recorder)
+    recorder.destroy_node()
+    assert (tmp_path / "log" / "log_0.mcap").read_bytes().endswith(MCAP_MAGIC)
+
+
 @pytest.mark.parametrize("end", ["trigger_cleanup", "trigger_shutdown"])
 def test_log_of_a_run_that_never_began_is_closed(bench: Bench, tmp_path: Path, end: str) -> None:
     recorder = bench.add(RecorderNode, folder=str(tmp_path / "log"))
