@@ -195,6 +195,8 @@ def _explanations(search: Search, comparison: ModelComparison, chosen: Candidate
     removed = search.settings.search.removed
 
     def rivals_with(fit: CandidateFit) -> bool:
+        if fit is chosen:
+            return True
         fewer = len(fit.hypothesis) < len(chosen.hypothesis)
         if most > PAIR and fewer and worth(search, comparison, fit, chosen, removed):
             return False  # the form error of the large effects of a crowd is no doubt about the small ones
