@@ -41,7 +41,11 @@ class ActuatorLag(AbstractCommandLaw):
         "prediction errors follow torque changes as for a delay, but the response also rolls off at high frequencies"
     )
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
-        {"time_constant": Range("time", 1e-6, 0.02, starts=6, source="current loops of 0.05 to 2 kHz")}
+        {
+            "time_constant": Range(
+                "time", 1e-6, 0.02, starts=6, widest=0.2, source="current loops of 0.05 to 2 kHz; slow servos"
+            )
+        }
     )
 
     time_constant: float = Field(0.0, ge=0.0, le=1.0, description="time constant T [s]")

@@ -38,7 +38,7 @@ class TorqueGainError(AbstractCommandLaw):
     relative: float = Field(0.0, gt=-1.0, lt=10.0, description="deviation of the torque from the commanded one [1]")
 
     def sought(self, robot: Robot, location: str) -> bool:
-        """Return whether torques are commanded: with servos it is an error of their stiffness."""
+        """Return whether torques are commanded: with servos below their limits it is an error of their stiffness."""
         del location
         return robot.commands == "torque"
 

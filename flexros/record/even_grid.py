@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import InputError
+from flexros.record.missing_samples import LEAST_STRETCH, MOST_BRIDGED
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray, IntArray
@@ -139,7 +140,7 @@ def even_grid(stamp: IntArray, nominal: float, topic: str) -> EvenGrid:
     _check_rate(typical, topic)
     numbers, start, sample_time = _numbers(time, typical)
     warnings: list[str] = []
-    missing = 1 - len(np.unique(numbers)) / (numbers[-1] - numbers[0] + 1)
+    missing = 1 - len(np.unique(numbers)) / (numbers[-1] - numbers[0] + 1 - _paused(numbers))
     if missing > MOST_MISSING or len(np.unique(numbers)) < (1 - MOST_MISSING) * len(numbers):
         numbers, start, sample_time = _by_count(time, topic, missing)
         warnings.append(
@@ -160,6 +161,15 @@ def even_grid(stamp: IntArray, nominal: float, topic: str) -> EvenGrid:
     start, numbers = start + sample_time * int(numbers[0]), numbers - numbers[0]
     deviation = time[rows] - start - sample_time * numbers
     return EvenGrid(int(stamp[0]), start, sample_time, rows, numbers, deviation, tuple(warnings), irregular)
+
+
+def _paused(numbers: IntArray) -> int:
+    """Count the slots of pauses between experiments, see `flexros.record.missing_samples.pauses`."""
+    slots = np.unique(numbers)
+    skipped = np.diff(slots) - 1
+    holes = np.flatnonzero(skipped > MOST_BRIDGED)
+    stretches = np.diff(np.concatenate([[-1], holes, [len(slots) - 1]])) >= LEAST_STRETCH
+    return int(skipped[holes[stretches[:-1] & stretches[1:]]].sum())
 
 
 def _is_irregular(time: FloatArray, numbers: IntArray, step: float) -> bool:

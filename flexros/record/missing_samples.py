@@ -15,6 +15,9 @@ MOST_BRIDGED = 5
 """Most samples in a row that may be missing and still be bridged (chosen): positions are interpolated by a cubic, a
 command is held. A longer hole is a loss of the recorder, in which neither motion nor torque is known."""
 
+LEAST_STRETCH = 50
+"""Fewest samples between two long holes, from which these are pauses between experiments and not losses (chosen)."""
+
 
 def runs(marked: BoolArray) -> tuple[IntArray, IntArray]:
     """Find stretches that are marked.
@@ -48,6 +51,26 @@ def long_holes(valid: BoolArray) -> BoolArray:
     for begin, length in zip(*runs(~valid), strict=True):
         if length > MOST_BRIDGED:
             marked[begin : begin + length] = True
+    return marked
+
+
+def pauses(valid: BoolArray) -> BoolArray:
+    """Mark the samples of pauses: long holes that have a long stretch of measured samples on either side.
+
+    Args:
+        valid: Which samples were measured, shape (n,).
+
+    Returns:
+        Samples that belong to a pause, shape (n,).
+    """
+    holes = long_holes(valid)
+    stretches = np.zeros(len(valid), dtype=bool)
+    for begin, length in zip(*runs(~holes), strict=True):
+        stretches[begin : begin + length] = length >= LEAST_STRETCH
+    marked = np.zeros(len(valid), dtype=bool)
+    for begin, length in zip(*runs(holes), strict=True):
+        end = begin + length
+        marked[begin:end] = begin > 0 and end < len(valid) and stretches[begin - 1] and stretches[end]
     return marked
 
 

@@ -17,6 +17,7 @@ from flexros.logs.stamps import START_NS
 from flexros.record.even_grid import even_grid
 from flexros.record.further_sensors import further_sensors
 from flexros.record.joint_columns import motor_columns
+from flexros.record.missing_samples import pauses, runs
 from flexros.record.polled_source import recovered
 from flexros.record.quantization import resolution_of
 from flexros.record.record import Record, ToolRecord
@@ -324,13 +325,16 @@ def _finite(values: FloatArray) -> tuple[FloatArray, BoolArray]:
 
 
 def _count_lost(valid: BoolArray, name: str, warnings: list[str]) -> None:
-    """Reject records of which too much is missing; report how much is."""
-    lost = int(np.count_nonzero(~valid))
-    if lost > MOST_LOST * len(valid):
+    """Reject records of which too much is missing, pauses between experiments apart; report how much is."""
+    lost, paused = int(np.count_nonzero(~valid)), int(np.count_nonzero(pauses(valid)))
+    if lost - paused > MOST_LOST * (len(valid) - paused):
         raise InputError(
             f"{name}: {lost} of {len(valid)} samples are missing or not finite (first at sample "
             f"{int(np.argmin(valid))}), allowed is a share of {MOST_LOST:g}; cut the log or record it without losses"
         )
+    if paused:
+        warnings.append(f"the log pauses {len(runs(pauses(valid))[0])} times: its {paused} samples there do not count")
+    lost -= paused
     if lost:
         warnings.append(
             f"{lost} of {len(valid)} samples are missing or not finite; the values before them are held there, and "

@@ -48,6 +48,13 @@ def test_lost_messages_leave_their_slots_empty() -> None:
     assert grid.numbers[place[1100]] == 999 or not keep[999]
 
 
+def test_pauses_between_experiments_are_empty_slots_however_long() -> None:
+    keep = np.arange(N) % 500 < 100
+    grid = even_grid(stamps(1e-2, 1e-4)[keep], 1e-2, "x")
+    np.testing.assert_array_equal(grid.numbers, np.flatnonzero(keep))
+    assert grid.warnings == ()
+
+
 def test_two_messages_in_one_slot_leave_the_nearer_one() -> None:
     stamp = np.sort(np.append(stamps(1e-3), 1_000_000_000 + 50_200_000))
     grid = even_grid(stamp, 1e-3, "log: joint_states")

@@ -4,7 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexros.record.missing_samples import MOST_BRIDGED, bridged, bridged_motion, long_holes, longest_run, runs
+from flexros.record.missing_samples import (
+    MOST_BRIDGED,
+    bridged,
+    bridged_motion,
+    long_holes,
+    longest_run,
+    pauses,
+    runs,
+)
 
 
 def test_runs_have_begin_and_length() -> None:
@@ -19,6 +27,16 @@ def test_holes_are_long_beyond_the_limit() -> None:
     valid[5 : 5 + MOST_BRIDGED] = False
     valid[20 : 21 + MOST_BRIDGED] = False
     np.testing.assert_array_equal(np.flatnonzero(long_holes(valid)), np.arange(20, 21 + MOST_BRIDGED))
+
+
+def test_pauses_lie_between_long_stretches() -> None:
+    valid = np.ones(400, dtype=bool)
+    valid[100:200] = False  # a pause
+    valid[300:320] = False  # a loss: 25 samples follow
+    valid[345:360] = False
+    valid[390:] = False  # the end
+    np.testing.assert_array_equal(np.flatnonzero(pauses(valid)), np.arange(100, 200))
+    assert not pauses(np.ones(10, dtype=bool)).any()
 
 
 def test_long_holes_are_bridged_by_straight_lines() -> None:

@@ -212,6 +212,21 @@ def test_mostly_missing_is_refused(emps: Robot) -> None:
         read(replace(log, joint_states=replace(log.joint_states, position=position)), emps)
 
 
+def test_pauses_between_experiments_do_not_count_as_lost(emps: Robot) -> None:
+    log = make_log()
+    keep = np.arange(N) % 1000 < 400
+    states, commands = log.joint_states, log.joint_commands
+    assert commands is not None
+    short = replace(
+        log,
+        joint_states=replace(states, stamp=states.stamp[keep], position=states.position[keep]),
+        joint_commands=replace(commands, stamp=commands.stamp[keep], effort=commands.effort[keep]),
+    )
+    record = read(short, emps)
+    np.testing.assert_array_equal(record.valid, keep[: record.n_samples])
+    assert any("pauses 2 times" in text for text in record.warnings)
+
+
 @pytest.mark.parametrize("true_instants", [True, False])
 def test_jitter_is_undone_where_the_stamps_tell_the_true_instants(emps: Robot, true_instants: bool) -> None:
     rng = np.random.default_rng(5)

@@ -158,7 +158,10 @@ class _Joint:
             damping=self.damping / squared,
             friction=self.friction / self.scale,
             armature=self.motor.inertia / squared,
-            torque_limit=None if np.isinf(self.limit) else self.limit / self.scale,
+            # the torque constant is part of the gains of a servo, and of the torque at which it is limited
+            torque_limit=None
+            if np.isinf(self.limit)
+            else self.limit / self.scale * (1.0 if servo is None else self.gain),
             torque_gain=self.gain if servo is None else 1.0,
             delay=self.delay,
             stiffness=stiffness,

@@ -16,7 +16,7 @@ class ServoDampingError(AbstractRelativeError):
     """The gain of a position loop on the speed scaled.
 
     It is sought in logs with position commands only, and where the damping follows the rate of the command. Elsewhere
-    it acts as viscous friction does, which is the name given then.
+    it acts as viscous friction does, which is the name given then, unless the servo reaches its torque limit.
     """
 
     name: ClassVar[str] = "servo_damping_error"

@@ -126,7 +126,8 @@ def _sandwich(fit: CandidateFit, data: FitData, form: RankingSettings | None) ->
     meat += J[M * n :].T @ J[M * n :]
     inverse = np.linalg.pinv(line.information)
     covariance: FloatArray = inverse @ meat @ inverse
-    return covariance
+    # where an unlikely fit nearly diverges, the spectrum overflows
+    return covariance if np.all(np.isfinite(covariance)) else np.asarray(inverse)
 
 
 def _form_errors(fit: CandidateFit, data: FitData, residual: FloatArray, form: RankingSettings) -> FloatArray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import pytest
 from flexros.effects import effects
 from flexros.gap.candidates.candidate import Candidate
 from flexros.gap.candidates.tolerance import Tolerance
+from flexros.gap.fit import estimates
 from flexros.gap.fit.estimates import covariance_of, parameters_of, placed_effects, smoothed, unit_of_parameter
 from flexros.gap.fit.least_squares import CandidateFit, chi2_of, fit, initial_values
 from flexros.gap.settings import FitSettings, RankingSettings
@@ -42,6 +44,16 @@ def test_effects_have_their_numbers(fitted: CandidateFit) -> None:
     assert friction["level"].value == pytest.approx(0.05)
     assert (friction["level"].unit, soft["relative"].unit) == ("Nm", "1")
     assert soft["relative"].value == pytest.approx(-0.1)
+
+
+def test_deviations_of_a_fit_that_nearly_diverges_are_finite(
+    fitted: CandidateFit, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(estimates, "smoothed", lambda power: np.full_like(power, np.inf))
+    data = data_of()
+    with np.errstate(invalid="ignore"):
+        (friction, _) = parameters_of(replace(fitted), data)
+    assert np.isfinite(friction["level"].std)
 
 
 def test_deviations_are_in_the_units_of_the_numbers(fitted: CandidateFit) -> None:

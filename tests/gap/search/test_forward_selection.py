@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from flexros.gap.deadline import Deadline
+from flexros.gap.search import forward_selection
 from flexros.gap.search.candidate_fits import Search
 from flexros.gap.search.elimination import reduced
 from flexros.gap.search.exchange import corrected, exchanged
@@ -107,6 +108,14 @@ def test_rivals_are_no_richer_than_what_was_chosen() -> None:
     found = explain(search_of(FRICTION, among=SOME))
     assert max(len(one.predictor.hypothesis) for one in found.rivals) == 1
     assert sum(not one.predictor.hypothesis for one in found.rivals) == 1
+
+
+def test_what_was_chosen_is_a_rival_also_where_less_explains_as_much(monkeypatch: pytest.MonkeyPatch) -> None:
+    search = search_of(FRICTION, among=SOME)
+    found = explain(search)
+    monkeypatch.setattr(forward_selection, "simplest", lambda _search, comparison, *_: comparison.null)
+    again = forward_selection._explanations(search, found.comparison, found.chosen, detected=True)
+    assert any(one is found.chosen for one in again.rivals)
 
 
 def test_without_time_nothing_is_found() -> None:

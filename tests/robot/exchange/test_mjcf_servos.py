@@ -10,6 +10,7 @@ import pytest
 from flexros.effects.patching.export import export_model
 from flexros.effects.patching.patched_robot import load_patched
 from flexros.robot import load_robot
+from flexros.robot.exchange.mjcf_actuators import joint_actuator
 from flexros.robot.exchange.mjcf_import import robot_from_mjcf
 from flexros.robot.exchange.numbers import Export
 from flexros.robot.parameters import SERVO
@@ -27,6 +28,7 @@ ARM = """<mujoco model="arm">
 </mujoco>
 """
 POSITION = '<position name="a" joint="j" kp="100" kv="5"/>'
+GENERAL = '<general name="a" joint="j" gainprm="100" biastype="affine" biasprm="0 -100 -5"/>'
 SOFTER = "effects:\n  - {effect: servo_stiffness_error, location: motor_1, parameters: {relative: -0.2}}\n"
 
 
@@ -63,9 +65,7 @@ def test_general_actuators_count_where_the_control_is_the_position(tmp_path: Pat
     assert gains(tmp_path, '<motor joint="j"/>') is None
 
 
-@pytest.mark.parametrize(
-    "actuator", [POSITION, '<general name="a" joint="j" gainprm="100" biastype="affine" biasprm="0 -100 -5"/>']
-)
+@pytest.mark.parametrize("actuator", [POSITION, GENERAL])
 def test_repaired_gains_are_written_back(actuator: str, tmp_path: Path) -> None:
     exported = repaired(tmp_path, actuator)
     model = mujoco.MjModel.from_xml_string(exported.text)
@@ -74,6 +74,31 @@ def test_repaired_gains_are_written_back(actuator: str, tmp_path: Path) -> None:
     (one,) = exported.written
     assert (one.quantity, one.before, one.value, one.unit) == ("servo stiffness", 100.0, pytest.approx(80.0), "Nm/rad")
     assert exported.not_held == ()
+
+
+def test_a_torque_constant_scales_gains_and_limit_of_a_servo(tmp_path: Path) -> None:
+    stronger = SOFTER.replace("servo_stiffness_error", "torque_gain_error").replace("-0.2", "0.5")
+    exported = repaired(tmp_path, POSITION.replace("/>", ' forcerange="-4 4"/>'), stronger)
+    model = mujoco.MjModel.from_xml_string(exported.text)
+    assert model.actuator_gainprm[0, 0] == pytest.approx(150.0)
+    assert model.actuator_forcerange[0] == pytest.approx([-6.0, 6.0])
+
+
+@pytest.mark.parametrize(
+    "actuator",
+    [
+        POSITION.replace("/>", ' timeconst="0.1"/>'),
+        GENERAL.replace("/>", ' dyntype="filter" dynprm="0.1"/>'),
+    ],
+)
+def test_a_lag_that_a_robot_file_does_not_hold_is_taken_out_with_the_gains(actuator: str, tmp_path: Path) -> None:
+    exported = repaired(tmp_path, actuator)
+    found = joint_actuator(mujoco.MjModel.from_xml_string(exported.text), 0)
+    assert found is not None
+    assert found.time_constant == 0
+    assert [(one.quantity, one.before, one.value) for one in exported.written][-1] == ("lag of the control", 0.1, 0.0)
+    untouched = repaired(tmp_path, actuator, "effects: []\n")
+    assert "lag of the control" not in [one.quantity for one in untouched.written]
 
 
 def test_right_gains_are_left_as_they_are(tmp_path: Path) -> None:

@@ -1,0 +1,103 @@
+"""Servos that reach their torque limits: gains, limit and friction are fitted at once before the search."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from flexros.effects import RobotWithEffects, parse_effect, place_effects
+from flexros.gap.candidates.tolerance import tolerance_of
+from flexros.gap.checked_log import checked_log
+from flexros.gap.diagnose import diagnose
+from flexros.gap.fit.null_fit import NullFit, fit_null
+from flexros.gap.residuals.fit_data import fit_data
+from flexros.gap.search.limited_servos import fit_of_limited_servos, limited_servos
+from flexros.gap.settings import DiagnosisSettings, SearchSettings
+from flexros.logs.stamps import stamps_ns
+from flexros.logs.time_series import JointSeries, Log
+from flexros.record.record import Record
+from flexros.simulate.plant import Plant
+from tests.gap.diagnosis_logs import settings_of
+from tests.gap.servo_logs import NOISE, ONE, T, servo_log, servo_robot
+
+pytestmark = pytest.mark.slow
+
+LIMIT = 6.0
+MODEL = RobotWithEffects(servo_robot(limit=LIMIT), ())
+HOBBY = (
+    "servo_stiffness_error@motor_1:relative=1.0",
+    "servo_damping_error@motor_1:relative=-0.85",
+    "torque_gain_error@motor_1:relative=0.4",
+    "viscous_friction@motor_1:coefficient=1.2",
+    "coulomb_friction@motor_1:level=0.25",
+)
+"""A servo whose damping is the back-EMF behind its limit, unlike that of its model."""
+
+
+@cache
+def steps(*effects: str, seed: int = 0) -> Record:
+    """A log of commanded steps."""
+    rng = np.random.default_rng(seed)
+    placed = place_effects(
+        servo_robot(limit=LIMIT).commanded_by("position"), [parse_effect(one, "x") for one in effects]
+    )
+    wanted = np.repeat([0.0, *rng.uniform(-1.2, 1.2, 30)], 100)[:, None]  # it begins upright, without torque
+    plant = Plant(placed.robot, T, placed.robot.equilibrium([0.0]), laws=placed.laws, torque=wanted[0], substeps=8)
+    position = np.empty_like(wanted)
+    for k, row in enumerate(wanted):
+        position[k] = plant.measure()
+        plant.advance(row)
+    position += NOISE * rng.normal(size=position.shape)
+    stamp = stamps_ns(len(wanted), T)
+    log = Log(JointSeries(stamp, ONE, position=position), JointSeries(stamp, ONE, position=wanted))
+    return replace(checked_log(log, MODEL.robot, name="log"), imported=True)
+
+
+@cache
+def null() -> NullFit:
+    model = replace(MODEL, robot=MODEL.robot.commanded_by("position"))
+    return fit_null(fit_data(steps(*HOBBY), model, DiagnosisSettings()), model, tolerance_of(model.robot, {}))
+
+
+def test_steps_reach_the_limit_and_slow_motion_does_not() -> None:
+    assert limited_servos(MODEL.robot, steps(*HOBBY)).tolist() == [True]
+    slow = checked_log(servo_log(), servo_robot(), name="log")
+    assert limited_servos(servo_robot(), slow).tolist() == [False]
+
+
+def test_all_numbers_of_a_hobby_servo_are_found() -> None:
+    found = fit_of_limited_servos(null(), DiagnosisSettings())
+    assert found is not None
+    assert found.chi2 < 2 * null().data.n_values
+    sizes = {
+        one.effect.name: next(iter(values.values()))
+        for one, values in zip(found.hypothesis, found.predictor.values(found.theta), strict=True)
+    }
+    assert sizes["servo_stiffness_error"] == pytest.approx(1.0, abs=0.15)
+    assert sizes["servo_damping_error"] == pytest.approx(-0.85, abs=0.1)
+    assert sizes["torque_gain_error"] == pytest.approx(0.4, abs=0.1)
+    assert sizes["viscous_friction"] == pytest.approx(1.2, rel=0.1)
+    assert sizes["coulomb_friction"] == pytest.approx(0.25, rel=0.3)
+
+
+def test_effects_that_do_not_compete_are_left_out() -> None:
+    one = DiagnosisSettings(search=SearchSettings(effects=("coulomb_friction",)))
+    found = fit_of_limited_servos(null(), one)
+    assert found is not None
+    assert found.names == {"coulomb_friction@motor_1"}
+    assert fit_of_limited_servos(null(), DiagnosisSettings(search=SearchSettings(effects=("backlash",)))) is None
+
+
+def test_the_diagnosis_names_them_and_the_repair_holds_on_another_log() -> None:
+    result = diagnose(steps(*HOBBY), MODEL, holdout=steps(*HOBBY, seed=5), settings=settings_of())
+    causes = {cause.effect for cause in result.diagnosis.causes if cause.probability > 0.5}
+    assert causes == {one.partition("@")[0] for one in HOBBY}
+    assert result.diagnosis.gap.closed_fraction == pytest.approx(1.0, abs=0.01)
+
+
+def test_a_right_servo_at_its_limit_has_no_gap() -> None:
+    result = diagnose(steps(), MODEL, holdout=steps(seed=5), settings=settings_of())
+    assert result.diagnosis.verdict == "no_gap"
