@@ -1,15 +1,17 @@
 """Fetch public logs of robots: python docs/results/fetch_real_robots.py FOLDER [--from PATH]...
 
-The logs of six public repositories, most of them without a licence for copies, are brought into FOLDER, at the commits
-below and with their checksums; they are not part of this repository. `--from` names a clone, a
-bare clone or a plain folder of one of them that is there already. What cannot be reached is skipped with its reason,
-and the exit code is then 1.
+The logs of seven public repositories, most of them without a licence for copies, are brought into FOLDER, at the
+commits below and with their checksums; they are not part of this repository. `--from` names a clone, a bare clone or a
+plain folder of one of them that is there already. What cannot be reached is skipped with its reason, and the exit code
+is then 1.
 """
 
 from __future__ import annotations
 
 import argparse
 import hashlib
+import json
+import math
 import subprocess
 import sys
 import urllib.error
@@ -36,6 +38,14 @@ TX40 = "examples/staubli_TX40"
 
 KR300_LOG = "data/recorded_trajectories/2020-10-21 10s FF {} 08ms/data.mat"
 """Files of the KR 300: three motions."""
+
+
+SERVO = "src/sysid/dataset"
+"""Folder of the files of the hobby servo: experiments with commanded and measured positions, each from rest."""
+
+
+SERVO_PAUSE = 2.0
+"""Time between two of its experiments in the assembled logs [s]: the servo returns to its middle, unrecorded."""
 
 
 @dataclass(frozen=True)
@@ -144,6 +154,17 @@ REPOSITORIES = (
             KR300_LOG.format("C"): ("c5d5688521ece941e6c4afd39643a01cd36ae8c7790342640277f8b15b5515b4"),
         },
     ),
+    Repository(
+        "mauicv",
+        "servo-sysid",
+        "e4a48407899108cae084ff25e8b5d12e3da070cc",
+        {
+            f"{SERVO}/dataset.json": "4561efd1d0f416e81c25ed5a6a085c81d05ac20378945177d398270f54c60511",
+            f"{SERVO}/real-action-state-dataset.json": (
+                "f676b2acc8672603161031aeca2bc16e847970cd59ac19c20bf7f558191a9d8d"
+            ),
+        },
+    ),
 )
 """The files that docs/results/real_robots.py reads."""
 
@@ -223,6 +244,37 @@ def assemble_tx40(folder: Path) -> None:
     part.replace(part.with_name("tx40.csv"))
 
 
+def assemble_servo(folder: Path) -> None:
+    """Put the experiments of the hobby servo into CSV files, every other one into each, where they are there.
+
+    The first recordings, with other experiments, go into a file of their own. Of the others, single steps of 0.24 and
+    1 s and falls without a command are left out.
+
+    Args:
+        folder: The folder of the files of all repositories.
+    """
+    here = folder / "servo-sysid"
+    files = [here / SERVO / f"{name}.json" for name in ("dataset", "real-action-state-dataset")]
+    if not all(file.is_file() for file in files):
+        return
+    experiments, first = (json.loads(file.read_text())["data"] for file in files)
+    kinds = ("chirp", "prbs", "triangle", "ramp", "square")
+    numbered = [(number, one) for number, one in enumerate(experiments) if one["type"] in kinds]
+    logs = {f"log_{part + 1}": [one for number, one in numbered if number % 2 == part] for part in range(2)}
+    for name, parts in (*logs.items(), ("first_recordings", first)):
+        rows, begin = ["time,command,position"], 0.0
+        for one in parts:  # both in half turns, 50 a second
+            pairs = list(zip(one["actions"], one["sensor_data"], strict=True))
+            rows += [
+                f"{begin + k / 50:.2f},{math.pi * command:.8f},{math.pi * position:.8f}"
+                for k, (command, position) in enumerate(pairs)
+            ]
+            begin += len(pairs) / 50 + SERVO_PAUSE
+        part = here / f".{name}.csv.part"
+        part.write_text("\n".join(rows) + "\n")
+        part.replace(part.with_name(f"{name}.csv"))
+
+
 def _checksum(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
 
@@ -270,6 +322,7 @@ def main() -> int:
     skipped = fetch(given.folder, given.sources)
     assemble_panda(given.folder)
     assemble_tx40(given.folder)
+    assemble_servo(given.folder)
     for reason in skipped:
         print(f"skipped: {reason}", file=sys.stderr)
     here = sum(

@@ -36,8 +36,8 @@ FLEXROS_REALDATA=<folder with emps/, ...> python docs/results/real_robots.py wor
 ```
 
 from the JSON files in `docs/results/real_robots`, one per case, where mappings and robot files of the fetched sets are
-as well. Nothing of the diagnosis was set for these robots: all settings are the defaults. By default the last third of
-the fitted log is held out; where there are further logs, the figures below are of those, else of that third.
+as well. All settings are the defaults; where a part was written with a robot in view, its section says so. The last
+third of the fitted log is held out; where there are further logs, the figures below are of those, else of that third.
 
 A share of the gap is (E before - E after) / (E before - 1), where E is the mean squared prediction error 0.1 s ahead
 over its floor, as `flexros gap` computes it: within its tolerances each model is fitted to the log in question. Below
