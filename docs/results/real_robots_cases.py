@@ -359,8 +359,8 @@ CASES = (
         about="A servo of 25 kg cm with an arm of 0.35 kg, [github.com/mauicv/servo-sysid]"
         "(https://github.com/mauicv/servo-sysid), no licence stated: fetched by `fetch_real_robots.py`. Position "
         "commands alone, at 50 Hz: pseudo-random steps, squares, triangles, ramps and a chirp of 2 to 3 s each, with "
-        "pauses between them. Nominal: the MJCF of its authors, whose filter of the command (0.1 s) has no place in a robot "
-        "file, tolerance 3 %. Every other experiment is fitted; not fitted are the others, and their first "
+        "pauses between them. Nominal: the MJCF of its authors, whose filter of the command (0.1 s) has no place in a "
+        "robot file, tolerance 3 %. Every other experiment is fitted; not fitted are the others, and their first "
         "recordings. The fit of servos at their torque limits was written with this log in view.",
         folder="servo-sysid",
         robot="hobby_servo_robot.yaml",
