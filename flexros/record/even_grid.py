@@ -164,7 +164,10 @@ def even_grid(stamp: IntArray, nominal: float, topic: str) -> EvenGrid:
 
 
 def _paused(numbers: IntArray) -> int:
-    """Count the slots of pauses between experiments, see `flexros.record.missing_samples.pauses`."""
+    """Count the slots of pauses between experiments, as `flexros.record.missing_samples.pauses` marks them.
+
+    It needs no row per slot: stamps in a wrong unit would make billions.
+    """
     slots = np.unique(numbers)
     skipped = np.diff(slots) - 1
     holes = np.flatnonzero(skipped > MOST_BRIDGED)

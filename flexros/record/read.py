@@ -326,14 +326,15 @@ def _finite(values: FloatArray) -> tuple[FloatArray, BoolArray]:
 
 def _count_lost(valid: BoolArray, name: str, warnings: list[str]) -> None:
     """Reject records of which too much is missing, pauses between experiments apart; report how much is."""
-    lost, paused = int(np.count_nonzero(~valid)), int(np.count_nonzero(pauses(valid)))
+    pausing = pauses(valid)
+    lost, paused = int(np.count_nonzero(~valid)), int(np.count_nonzero(pausing))
     if lost - paused > MOST_LOST * (len(valid) - paused):
         raise InputError(
             f"{name}: {lost} of {len(valid)} samples are missing or not finite (first at sample "
             f"{int(np.argmin(valid))}), allowed is a share of {MOST_LOST:g}; cut the log or record it without losses"
         )
     if paused:
-        warnings.append(f"the log pauses {len(runs(pauses(valid))[0])} times: its {paused} samples there do not count")
+        warnings.append(f"the log pauses {len(runs(pausing)[0])} times: its {paused} samples there do not count")
     lost -= paused
     if lost:
         warnings.append(

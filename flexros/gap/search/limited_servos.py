@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
     from flexros.arrays import BoolArray
     from flexros.effects import AbstractEffect
+    from flexros.gap.candidates.scales import Scales
     from flexros.gap.fit.null_fit import NullFit
     from flexros.gap.settings import DiagnosisSettings
     from flexros.record.record import Record
@@ -41,7 +42,6 @@ BRAKE = 0.5
 limited ends the acceleration where the back-EMF reaches it."""
 UNDAMPED = -0.85
 """Relative error of the damping of a loop that hardly brakes, with which one of the fits begins [1] (chosen)."""
-
 WIDER = 10.0
 """Factor by which friction may exceed what the largest nominal torque overcomes [1], as the gains of a servo may be
 wrong by it (chosen)."""
@@ -86,42 +86,28 @@ def fit_of_limited_servos(
     limited = limited_servos(robot, record)
     if not limited.any():
         return None
-    tried = [
-        _fitted(null, limited, error, delay * record.sample_time, settings, stop)
-        for error, delay in product((0.0, UNDAMPED), DELAYS)
-    ]
-    found = [one for one in tried if one is not None and np.isfinite(one.chi2)]
-    if not found:
-        return None
-    best = min(found, key=lambda one: one.chi2)
-    iterations = settings.fit.final_iterations
-    return fit(best.predictor, null.data, best.theta, iterations, settings=settings.fit, stop=stop)
-
-
-def _fitted(
-    null: NullFit,
-    limited: BoolArray,
-    damping: float,
-    delay: float,
-    settings: DiagnosisSettings,
-    stop: Callable[[], bool] | None,
-) -> CandidateFit | None:
-    """Fit the servos for a few iterations, beginning with an error of their damping and a delay [s]."""
-    pairs = [pair for motor in np.flatnonzero(limited).tolist() for pair in _of_motor(null, motor, damping)]
-    pairs.append(_begun(null, Delay, "all", delay))
-    competing = competitors(null.model.robot, settings.search)
+    begun = [pair for motor in np.flatnonzero(limited).tolist() for pair in _of_motor(robot, record, motor)]
+    begun.append((Delay, "all", 0.0))
+    scales, competing = scales_of_motors(robot, record), competitors(robot, settings.search)
+    pairs = [(_candidate(effect, location, scales), value) for effect, location, value in begun]
     pairs = [(one, value) for one, value in pairs if competing.contain(one)]
     if not pairs:
         return None
-    predictor = null.predictor(tuple(candidate for candidate, _ in pairs))
-    sizes = [candidate.free[0].encode(value) for candidate, value in pairs]
-    theta = np.clip(np.concatenate([sizes, np.zeros(predictor.tolerance.n_free)]), *predictor.bounds)
-    return fit(predictor, null.data, theta, SCREENED, settings=settings.fit, stop=stop)
+    predictor = null.predictor(tuple(one for one, _ in pairs))
+    tried = []
+    for error, delay in product((0.0, UNDAMPED), DELAYS):
+        own: dict[type[AbstractEffect], float] = {ServoDampingError: error, Delay: delay * record.sample_time}
+        sizes = [one.free[0].encode(own.get(one.effect, value)) for one, value in pairs]
+        theta = np.clip(np.concatenate([sizes, np.zeros(predictor.tolerance.n_free)]), *predictor.bounds)
+        tried.append(fit(predictor, null.data, theta, SCREENED, settings=settings.fit, stop=stop))
+    best = min((one for one in tried if np.isfinite(one.chi2)), key=lambda one: one.chi2, default=None)
+    if best is None:
+        return None
+    return fit(predictor, null.data, best.theta, settings.fit.final_iterations, settings=settings.fit, stop=stop)
 
 
-def _of_motor(null: NullFit, motor: int, damping: float) -> list[tuple[Candidate, float]]:
-    """List the effects of one servo with the values that the fit begins with."""
-    robot, record = null.model.robot, null.data.record
+def _of_motor(robot: Robot, record: Record, motor: int) -> list[tuple[type[AbstractEffect], str, float]]:
+    """List the effects of one servo, where they are, and the values that the fits begin with."""
     name, limit = robot.joint_names[motor], robot.torque_limits[motor]
     speed = np.gradient(bridged_motion(record.position, record.valid)[:, motor], record.sample_time)[record.valid]
     fastest = float(np.quantile(np.abs(speed), 0.95))
@@ -134,16 +120,15 @@ def _of_motor(null: NullFit, motor: int, damping: float) -> list[tuple[Candidate
     if robot.parameters[f"{name}.inertia"].value > 0:
         values.append((MotorInertiaError, 0.0))
     if robot.parameters[f"{name}.{SERVO}damping"].value > 0:
-        values.append((ServoDampingError, damping))
-    return [_begun(null, effect, name, value) for effect, value in values]
+        values.append((ServoDampingError, 0.0))
+    return [(effect, name, value) for effect, value in values]
 
 
-def _begun(null: NullFit, effect: type[AbstractEffect], location: str, value: float) -> tuple[Candidate, float]:
-    """Return an effect with its first parameter free, and the value that the fit begins with."""
+def _candidate(effect: type[AbstractEffect], location: str, scales: Scales) -> Candidate:
+    """Return an effect with its first parameter free."""
     # nobody knows the limit of a servo better than its gains, and friction is measured by its torque
     ranges = ServoStiffnessError.ranges if effect is TorqueGainError else effect.ranges
     name, allowed = next(iter(ranges.items()))
     if allowed.scale.startswith("torque"):
         allowed = replace(allowed, high=WIDER * allowed.high)
-    scales = scales_of_motors(null.model.robot, null.data.record)
-    return Candidate(effect, location, (free_parameter(name, allowed, scales.of(allowed.scale, location)),)), value
+    return Candidate(effect, location, (free_parameter(name, allowed, scales.of(allowed.scale, location)),))

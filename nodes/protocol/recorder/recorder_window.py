@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
 FIRST_SAMPLE_PATIENCE = 2.0
 """Wait for the first sample of a topic of a partner [s], chosen: a foreign controller may not publish all of them."""
-LONGEST_PATIENCE = 0.6
+PATIENCE_SHARE = 0.6
 """The same for a topic that has a publisher, as a part of the time-out of the recorder, chosen: connecting may take
 seconds under load, and the loop begins before the recorder counts as gone."""
 
@@ -99,7 +99,7 @@ class RecorderWindow:
         if not self.holds(self._own, self._first):
             return False
         missing = [topic for topic in self._others if not self.holds((topic,), self._first)]
-        if not missing or self._silence > LONGEST_PATIENCE * timeout:
+        if not missing or self._silence > PATIENCE_SHARE * timeout:
             return True
         return self._silence > FIRST_SAMPLE_PATIENCE and not any(published(topic) for topic in missing)
 

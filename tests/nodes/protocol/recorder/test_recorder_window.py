@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from flexros_nodes.protocol.recorder.recorder_window import FIRST_SAMPLE_PATIENCE, LONGEST_PATIENCE, RecorderWindow
+from flexros_nodes.protocol.recorder.recorder_window import FIRST_SAMPLE_PATIENCE, PATIENCE_SHARE, RecorderWindow
 
 TIMEOUT = 10.0
 """Time without a confirmation after which the recorder counts as gone [s]."""
@@ -88,7 +88,7 @@ def test_topic_that_a_partner_publishes_is_awaited_longer() -> None:
     window.wait(2 * FIRST_SAMPLE_PATIENCE)
     assert not window.has_begun(lambda topic: topic == "tool_reference", TIMEOUT)
     assert window.has_begun(nobody, TIMEOUT)
-    window.wait(LONGEST_PATIENCE * TIMEOUT)
+    window.wait(PATIENCE_SHARE * TIMEOUT)
     assert window.has_begun(lambda topic: topic == "tool_reference", TIMEOUT)
 
 
