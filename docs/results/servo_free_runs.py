@@ -72,7 +72,7 @@ def main(folder: Path) -> None:
             def errors(free: np.ndarray, where: str = where) -> np.ndarray:
                 numbers = np.concatenate([free, [1.0] * (len(NAMES) - len(free))])
                 found = simulated(command, numbers, where.startswith("within"))
-                return np.asarray(np.clip(np.nan_to_num(found, nan=9), -9, 9) - position)[measured]
+                return np.asarray((np.clip(np.nan_to_num(found, nan=9), -9, 9) - position)[measured])
 
             low, high = LOWEST[:n], HIGHEST[:n]
             start = np.clip(first[:n], low + 1e-6, high - 1e-6)
