@@ -24,8 +24,8 @@ from flexros.gap.noise.weights import measurement_in
 from flexros.gap.progress import Stages
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.search.forward_selection import explain
-from flexros.gap.search.limited_servos import fit_of_limited_servos
 from flexros.gap.search.prepare import prepare_search
+from flexros.gap.search.servo_start import fit_of_servos
 from flexros.gap.search.torque_start import base_fit, first_values, on_null, torque_start
 from flexros.gap.settings import DiagnosisSettings
 from flexros.gap.where.find import where
@@ -157,7 +157,7 @@ def _first_fits(
     few = settings.fit.model_copy(update={"null_iterations": 1})  # what the torques show is fitted from the torques
     null = fit_null(data, model, tolerance, settings.fit if start is None else few)
     first = None if start is None else first_values(start, null, settings)
-    of_servos = fit_of_limited_servos(null, settings, deadline.of_fit())
+    of_servos = fit_of_servos(null, first, settings, deadline.of_fit())
     if of_servos is not None and (first is None or of_servos.chi2 < first.chi2):
         first = of_servos
     base = None if first is None else base_fit(null, first, settings, deadline.of_fit())

@@ -1,4 +1,4 @@
-"""Servos that reach their torque limits: gains, limit and friction are fitted at once before the search."""
+"""Servos: gains, limits and friction are fitted at once before the search."""
 
 from __future__ import annotations
 
@@ -12,9 +12,11 @@ from flexros.effects import RobotWithEffects, parse_effect, place_effects
 from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
+from flexros.gap.fit.least_squares import CandidateFit
 from flexros.gap.fit.null_fit import NullFit, fit_null
+from flexros.gap.fit.torque_regression import regress_torque
 from flexros.gap.residuals.fit_data import fit_data
-from flexros.gap.search.limited_servos import fit_of_limited_servos, limited_servos
+from flexros.gap.search.servo_start import fit_of_servos, limited_servos
 from flexros.gap.settings import DiagnosisSettings, SearchSettings
 from flexros.logs.stamps import stamps_ns
 from flexros.logs.time_series import JointSeries, Log
@@ -62,6 +64,11 @@ def null() -> NullFit:
     return fit_null(fit_data(steps(*HOBBY), model, DiagnosisSettings()), model, tolerance_of(model.robot, {}))
 
 
+def sizes_of(found: CandidateFit) -> dict[str, float]:
+    values = found.predictor.values(found.theta)
+    return {one.effect.name: next(iter(own.values())) for one, own in zip(found.hypothesis, values, strict=True)}
+
+
 def test_steps_reach_the_limit_and_slow_motion_does_not() -> None:
     assert limited_servos(MODEL.robot, steps(*HOBBY)).tolist() == [True]
     slow = checked_log(servo_log(), servo_robot(), name="log")
@@ -69,13 +76,10 @@ def test_steps_reach_the_limit_and_slow_motion_does_not() -> None:
 
 
 def test_all_numbers_of_a_hobby_servo_are_found() -> None:
-    found = fit_of_limited_servos(null(), DiagnosisSettings())
+    found = fit_of_servos(null(), None, DiagnosisSettings())
     assert found is not None
     assert found.chi2 < 2 * null().data.n_values
-    sizes = {
-        one.effect.name: next(iter(values.values()))
-        for one, values in zip(found.hypothesis, found.predictor.values(found.theta), strict=True)
-    }
+    sizes = sizes_of(found)
     assert sizes["servo_stiffness_error"] == pytest.approx(1.0, abs=0.15)
     assert sizes["servo_damping_error"] == pytest.approx(-0.85, abs=0.1)
     assert sizes["torque_gain_error"] == pytest.approx(0.4, abs=0.1)
@@ -85,10 +89,10 @@ def test_all_numbers_of_a_hobby_servo_are_found() -> None:
 
 def test_effects_that_do_not_compete_are_left_out() -> None:
     one = DiagnosisSettings(search=SearchSettings(effects=("coulomb_friction",)))
-    found = fit_of_limited_servos(null(), one)
+    found = fit_of_servos(null(), None, one)
     assert found is not None
     assert found.names == {"coulomb_friction@motor_1"}
-    assert fit_of_limited_servos(null(), DiagnosisSettings(search=SearchSettings(effects=("backlash",)))) is None
+    assert fit_of_servos(null(), None, DiagnosisSettings(search=SearchSettings(effects=("backlash",)))) is None
 
 
 def test_the_diagnosis_names_them_and_the_repair_holds_on_another_log() -> None:
@@ -101,3 +105,21 @@ def test_the_diagnosis_names_them_and_the_repair_holds_on_another_log() -> None:
 def test_a_right_servo_at_its_limit_has_no_gap() -> None:
     result = diagnose(steps(), MODEL, holdout=steps(seed=5), settings=settings_of())
     assert result.diagnosis.verdict == "no_gap"
+
+
+def test_noise_that_biases_a_regression_leaves_gains_and_damping_right() -> None:
+    effects = ("viscous_friction@motor_1:coefficient=-0.25", "coulomb_friction@motor_1:level=0.25")
+    robot = servo_robot()
+    record = checked_log(servo_log(*effects, noise=2e-2), robot, name="log")
+    record = replace(record, imported=True)
+    model = RobotWithEffects(robot.commanded_by("position"), ())
+    regression = regress_torque(record, model, tolerance_of(model.robot, {}))
+    assert regression is not None
+    assert regression.servo_stiffness[0] < -0.1
+    noisy = fit_null(fit_data(record, model, DiagnosisSettings()), model, tolerance_of(model.robot, {}))
+    found = fit_of_servos(noisy, None, DiagnosisSettings())
+    assert found is not None
+    sizes = sizes_of(found)
+    assert sizes["servo_stiffness_error"] == pytest.approx(0.0, abs=0.02)
+    assert sizes["coulomb_friction"] == pytest.approx(0.25, rel=0.25)
+    assert sizes["viscous_friction"] == pytest.approx(-0.25, abs=0.04)

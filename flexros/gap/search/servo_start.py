@@ -1,4 +1,4 @@
-"""Where the search begins for servos that reach their torque limits: gains, limit, friction and delay at once."""
+"""Where the search begins for servos under position commands: gains, limits, friction, inertia and delay at once."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from flexros.effects.motor_inertia_error import MotorInertiaError
 from flexros.effects.servos import ServoDampingError, ServoStiffnessError
 from flexros.effects.torque_gain_error import TorqueGainError
 from flexros.effects.viscous_friction import ViscousFriction
-from flexros.gap.candidates.candidate import Candidate, free_parameter
+from flexros.gap.candidates.candidate import Candidate, free_parameter, list_candidates
 from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.scales import scales_of_motors
 from flexros.gap.fit.least_squares import CandidateFit, fit
@@ -23,7 +23,7 @@ from flexros.record.servo_torque import servo_torque
 from flexros.robot.parameters import SERVO
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from flexros.arrays import BoolArray
     from flexros.effects import AbstractEffect
@@ -40,6 +40,10 @@ FRICTION = 0.1
 BRAKE = 0.5
 """Viscous friction that the fits begin with at the largest speed, over the torque limit [1] (chosen): a voltage that is
 limited ends the acceleration where the back-EMF reaches it."""
+LITTLE = 0.01
+"""Coulomb friction that the fits of other servos begin with, over its largest one [1] (chosen)."""
+OF_SERVO = (CoulombFriction, ViscousFriction, ServoStiffnessError, MotorInertiaError)
+"""Effects of a servo that stays within its limit. Its damping acts on its speed as viscous friction does."""
 UNDAMPED = -0.85
 """Relative error of the damping of a loop that hardly brakes, with which one of the fits begins [1] (chosen)."""
 WIDER = 10.0
@@ -60,54 +64,86 @@ def limited_servos(robot: Robot, record: Record) -> BoolArray:
     return np.asarray(np.mean(np.abs(torque[record.valid]) >= robot.torque_limits, axis=0) > OFTEN_LIMITED)
 
 
-def fit_of_limited_servos(
-    null: NullFit, settings: DiagnosisSettings, stop: Callable[[], bool] | None = None
+def fit_of_servos(
+    null: NullFit,
+    regressed: CandidateFit | None,
+    settings: DiagnosisSettings,
+    stop: Callable[[], bool] | None = None,
 ) -> CandidateFit | None:
-    """Fit all numbers of servos that reach their torque limits.
+    """Fit all numbers of servos from several starts.
 
-    At its limit a servo does not act in proportion to its gains, so that no regression of torques shows them. The limit
-    and the torque constant scale the torque alike: both are named `torque_gain_error`. The back-EMF of a hobby servo
-    brakes at the limit too, where the damping of the loop has no part: it is viscous friction, and the loop may have
-    hardly any damping.
+    The torques of servos are computed from positions, so that a regression of them is one with errors on both sides: it
+    makes gains too small, and damping with them. Gains mostly are near those of the model, so the fits also begin
+    there. At its limit a servo does not act in proportion to its gains: there the limit is fitted too. Limit and torque
+    constant scale the torque alike; both are named `torque_gain_error`. The back-EMF of a hobby servo brakes at the
+    limit too, where the damping of the loop has no part: it is viscous friction, and the loop may have hardly any
+    damping.
 
     Args:
         null: The nominal model, fitted.
+        regressed: The nominal model with what a regression of the torques shows; None without one.
         settings: Settings of the diagnosis.
         stop: Asked after each iteration; True ends the fits where they are.
 
     Returns:
-        The best one of the fits that begin with and without damping of the loop, and with several delays; None where
-        no servo reaches its limit, for a simulated log near its model, and where none of the effects competes.
+        The best one of the fits that begin with the nominal gains and with those of the regression, and with several
+        delays; of servos at their limits also without damping. None for logs of torques, behind springs, and for a
+        simulated log near its model.
     """
     robot, record = null.model.robot, null.data.record
     far_off = null.data.nominal_level > settings.residuals.far_off
-    if robot.flexible_motors or not (record.imported or far_off):
+    if record.command is None or robot.flexible_motors or not (record.imported or far_off):
         return None
     limited = limited_servos(robot, record)
-    if not limited.any():
+    competing = competitors(robot, settings.search)
+    begun = [pair for pair in _begun(null, limited) if competing.contain(pair[0])]
+    if not begun:
         return None
-    begun = [pair for motor in np.flatnonzero(limited).tolist() for pair in _of_motor(robot, record, motor)]
-    begun.append((Delay, "all", 0.0))
-    scales, competing = scales_of_motors(robot, record), competitors(robot, settings.search)
-    pairs = [(_candidate(effect, location, scales), value) for effect, location, value in begun]
-    pairs = [(one, value) for one, value in pairs if competing.contain(one)]
-    if not pairs:
-        return None
-    predictor = null.predictor(tuple(one for one, _ in pairs))
-    tried = []
-    for error, delay in product((0.0, UNDAMPED), DELAYS):
-        own: dict[type[AbstractEffect], float] = {ServoDampingError: error, Delay: delay * record.sample_time}
-        sizes = [one.free[0].encode(own.get(one.effect, value)) for one, value in pairs]
+    predictor = null.predictor(tuple(one for one, _ in begun))
+
+    def screened(own: Mapping[str, float]) -> CandidateFit:
+        sizes = [one.free[0].encode(own.get(one.name, value)) for one, value in begun]
         theta = np.clip(np.concatenate([sizes, np.zeros(predictor.tolerance.n_free)]), *predictor.bounds)
-        tried.append(fit(predictor, null.data, theta, SCREENED, settings=settings.fit, stop=stop))
+        return fit(predictor, null.data, theta, SCREENED, settings=settings.fit, stop=stop)
+
+    tried = []
+    for error, delay in product((0.0, UNDAMPED) if limited.any() else (0.0,), DELAYS):
+        undamped = {f"{ServoDampingError.name}@{name}": error for name in robot.joint_names}
+        tried.append(screened({**undamped, f"{Delay.name}@all": delay * record.sample_time}))
+    if regressed is not None:
+        tried.append(screened(_first_values(regressed)))
     best = min((one for one in tried if np.isfinite(one.chi2)), key=lambda one: one.chi2, default=None)
     if best is None:
         return None
     return fit(predictor, null.data, best.theta, settings.fit.final_iterations, settings=settings.fit, stop=stop)
 
 
+def _first_values(fit: CandidateFit) -> dict[str, float]:
+    """Return the first parameter of every effect of a fit, by effect and location."""
+    values = fit.predictor.values(fit.theta)
+    return {one.name: next(iter(found.values())) for one, found in zip(fit.hypothesis, values, strict=True)}
+
+
+def _begun(null: NullFit, limited: BoolArray) -> list[tuple[Candidate, float]]:
+    """List the effects of all servos, each with its first parameter, and the values that the fits begin with."""
+    robot, record = null.model.robot, null.data.record
+    scales = scales_of_motors(robot, record)
+    at_limit = {
+        f"{effect.name}@{location}": (_wide(effect, location, scales), value)
+        for motor in np.flatnonzero(limited).tolist()
+        for effect, location, value in _of_motor(robot, record, motor)
+    }
+    others = [name for name, one in zip(robot.joint_names, limited, strict=True) if not one]
+    begun = list(at_limit.values())
+    for candidate in list_candidates(robot, scales, measured=True, known=null.model.laws):
+        first = replace(candidate, free=candidate.free[:1])
+        if (candidate.effect in OF_SERVO and candidate.location in others) or candidate.name == f"{Delay.name}@all":
+            begun.append((first, LITTLE * first.free[0].high if candidate.effect is CoulombFriction else 0.0))
+    return begun
+
+
 def _of_motor(robot: Robot, record: Record, motor: int) -> list[tuple[type[AbstractEffect], str, float]]:
-    """List the effects of one servo, where they are, and the values that the fits begin with."""
+    """List the effects of a servo at its limit, where they are, and the values that the fits begin with."""
     name, limit = robot.joint_names[motor], robot.torque_limits[motor]
     speed = np.gradient(bridged_motion(record.position, record.valid)[:, motor], record.sample_time)[record.valid]
     fastest = float(np.quantile(np.abs(speed), 0.95))
@@ -124,8 +160,8 @@ def _of_motor(robot: Robot, record: Record, motor: int) -> list[tuple[type[Abstr
     return [(effect, name, value) for effect, value in values]
 
 
-def _candidate(effect: type[AbstractEffect], location: str, scales: Scales) -> Candidate:
-    """Return an effect with its first parameter free."""
+def _wide(effect: type[AbstractEffect], location: str, scales: Scales) -> Candidate:
+    """Return an effect of a servo at its limit with its first parameter free, in a wide range."""
     # nobody knows the limit of a servo better than its gains, and friction is measured by its torque
     ranges = ServoStiffnessError.ranges if effect is TorqueGainError else effect.ranges
     name, allowed = next(iter(ranges.items()))
