@@ -307,6 +307,13 @@ class SearchSettings(Settings):
         description="the same where little more than noise is left, within the model-form error of the gap: there "
         "imitations of the form removed up to 0.41 [1] (development seeds)",
     )
+    removed_at_motor: float = Field(
+        default=0.6,
+        gt=0,
+        lt=1,
+        description="share of the remaining gap at one of several motors that is enough where that is little of the "
+        "whole [1] (chosen)",
+    )
     little: float = Field(
         default=0.2, ge=0, description="excess of the level of the prediction errors over the floor that is little [1]"
     )

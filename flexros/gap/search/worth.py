@@ -74,7 +74,26 @@ def worth(
     relieved = after.prior_penalty < (1 - removed) * before.prior_penalty
     if comparison.beyond_tolerance(before) and relieved and not search.data.record.imported:
         return True
-    return comparison.removed(before, after) >= removed
+    return comparison.removed(before, after) >= removed or _at_one_motor(search, comparison, before, after)
+
+
+def _at_one_motor(search: Search, comparison: ModelComparison, before: CandidateFit, after: CandidateFit) -> bool:
+    """Return whether further effects remove most of what remains at one of several motors, in a simulated log.
+
+    What no effect explains at one motor may be far more than all the rest: beside it, effects at the others remove
+    little of the whole. Both must be fits: an estimate by linear theory says nothing of single motors.
+    """
+    n, M = search.data.record.position.shape
+    if search.data.record.imported or M == 1 or before.names == after.names:
+        return False
+    first, second = (
+        np.maximum(np.sum(fit.residual(search.data)[: M * n].reshape(M, n) ** 2, axis=1), 1e-300)
+        for fit in (before, after)
+    )
+    counted = np.isfinite(search.data.spread).sum(axis=0)
+    removed = (first - second) / np.maximum(first - counted, 1e-12)
+    gained = counted * np.log(first / second) + comparison.penalty(before) - comparison.penalty(after)
+    return bool(np.any((removed > search.settings.search.removed_at_motor) & (gained > comparison.threshold)))
 
 
 def _gained(search: Search, comparison: ModelComparison, before: CandidateFit, after: CandidateFit) -> float:

@@ -119,3 +119,16 @@ def test_what_is_within_the_numerical_error_of_a_model_is_no_effect() -> None:
     search.data.record.imported = False
     assert not worth(search, ModelComparison(null, (rest, fit), 20_000), rest, fit, 0.4)
     assert worth(search, ModelComparison(measured_fit(1e3), (rest, fit), 20_000), rest, fit, 0.4)
+
+
+@pytest.mark.parametrize(("quiet", "expected"), [(2_000.0, True), (6_000.0, False)])
+def test_most_of_what_remains_at_one_of_several_motors_is_worth_it(quiet: float, expected: bool) -> None:
+    """An unknown effect at the first motor leaves 400,000; beside it, one at the second removes little of the whole."""
+    n = 1_000
+    null, rest, fit = measured_fit(1e3), measured_fit(20.5), measured_fit(20.0, COULOMB)
+    for one, sums in ((rest, (400_000.0, 11_000.0)), (fit, (400_000.0, quiet))):
+        one.residual = lambda _, sums=sums: np.repeat(np.sqrt(np.array(sums) / n), n)
+    record = SimpleNamespace(imported=False, position=np.zeros((n, 2)))
+    data = SimpleNamespace(record=record, spread=np.ones((n, 2)))
+    search: Any = SimpleNamespace(settings=DiagnosisSettings(), data=data)
+    assert worth(search, ModelComparison(null, (rest, fit), 20_000), rest, fit, 0.4) is expected
