@@ -128,13 +128,12 @@ def _begun(null: NullFit, limited: BoolArray) -> list[tuple[Candidate, float]]:
     """List the effects of all servos, each with its first parameter, and the values that the fits begin with."""
     robot, record = null.model.robot, null.data.record
     scales = scales_of_motors(robot, record)
-    at_limit = {
-        f"{effect.name}@{location}": (_wide(effect, location, scales), value)
+    begun = [
+        (_wide(effect, location, scales), value)
         for motor in np.flatnonzero(limited).tolist()
-        for effect, location, value in _of_motor(robot, record, motor)
-    }
+        for effect, location, value in _at_limit(robot, record, motor)
+    ]
     others = [name for name, one in zip(robot.joint_names, limited, strict=True) if not one]
-    begun = list(at_limit.values())
     for candidate in list_candidates(robot, scales, measured=True, known=null.model.laws):
         first = replace(candidate, free=candidate.free[:1])
         if (candidate.effect in OF_SERVO and candidate.location in others) or candidate.name == f"{Delay.name}@all":
@@ -142,7 +141,7 @@ def _begun(null: NullFit, limited: BoolArray) -> list[tuple[Candidate, float]]:
     return begun
 
 
-def _of_motor(robot: Robot, record: Record, motor: int) -> list[tuple[type[AbstractEffect], str, float]]:
+def _at_limit(robot: Robot, record: Record, motor: int) -> list[tuple[type[AbstractEffect], str, float]]:
     """List the effects of a servo at its limit, where they are, and the values that the fits begin with."""
     name, limit = robot.joint_names[motor], robot.torque_limits[motor]
     speed = np.gradient(bridged_motion(record.position, record.valid)[:, motor], record.sample_time)[record.valid]
