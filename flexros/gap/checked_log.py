@@ -1,14 +1,10 @@
-"""Read a log for a diagnosis: an even record, with the periodic parts of its experiment, checked."""
+"""Read a log for a diagnosis: an even, checked record, with the periodic parts of its experiment."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flexros.identify.rigid.torque_timing import with_torque_in_time
-from flexros.logs.reader import give_memory_back
-from flexros.record.checks.run import check_record
-from flexros.record.read import read_record
-from flexros.record.resampled import at_usual_rate
+from flexros.identify.log_record import log_record
 from flexros.scenario.recorded_experiment import with_recorded_parts
 
 if TYPE_CHECKING:
@@ -33,9 +29,5 @@ def checked_log(log: Log, robot: Robot, *, name: str, torque: TorqueSource = "co
     Raises:
         InputError: There is no usable position or torque, or a check rejects the log.
     """
-    record = read_record(log, robot, name=name, torque=torque, positions=True)
-    give_memory_back()
-    record = with_torque_in_time(with_recorded_parts(record, log), robot)
-    checked = at_usual_rate(check_record(record, robot))
-    give_memory_back()
-    return checked
+    record = log_record(log, robot, name=name, torque=torque, positions=True, parameters_known=True)
+    return with_recorded_parts(record, log)

@@ -1,12 +1,14 @@
-"""A log for identification: the record of a diagnosis, whose checks tolerate a nominal robot with wrong parameters."""
+"""A log as the record that identification and diagnosis take their samples from."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from flexros.identify.rigid.torque_timing import with_torque_in_time
+from flexros.logs.reader import give_memory_back
 from flexros.record.checks.run import check_record
 from flexros.record.read import read_record
+from flexros.record.resampled import at_usual_rate
 
 if TYPE_CHECKING:
     from flexros.logs.time_series import Log
@@ -15,21 +17,38 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 
-def log_record(log: Log, robot: Robot, *, name: str, torque: TorqueSource = "command") -> Record:
-    """Read and check a log from which parameters of the robot are identified.
+def log_record(
+    log: Log,
+    robot: Robot,
+    *,
+    name: str,
+    torque: TorqueSource = "command",
+    positions: bool = False,
+    parameters_known: bool = False,
+) -> Record:
+    """Read and check a log: the record of identification and, with what `gap.checked_log` adds, of a diagnosis.
+
+    When a measured torque acted is found here where rigid links show it. On robots with springs at all motors it takes
+    the model of the diagnosis (`flexros.gap.fit.elastic_timing`), so diagnosis and gap alone allow for it there: a
+    measured torque may act half a sample from where `flexros identify` takes it.
 
     Args:
         log: The log.
         robot: The robot with its nominal parameters.
         name: Name of the log, for messages.
         torque: Torque that is taken where both were recorded; the other one is taken where it alone was.
+        positions: Whether a log of position commands without torques is read; see `read_record`.
+        parameters_known: Whether the nominal parameters are about right; see `check_record`.
 
     Returns:
-        The record of `read_record`, measured torques when they acted. Samples that a check found unusable are not
-        valid.
+        The record of `read_record`, measured torques when they acted, of a very fast recorder at a lower rate. Samples
+        that a check found unusable are not valid.
 
     Raises:
         InputError: There is no usable position or torque, or a check rejects the log.
     """
-    record = with_torque_in_time(read_record(log, robot, name=name, torque=torque), robot)
-    return check_record(record, robot, parameters_known=False)
+    record = read_record(log, robot, name=name, torque=torque, positions=positions)
+    give_memory_back()
+    checked = check_record(with_torque_in_time(record, robot), robot, parameters_known=parameters_known)
+    give_memory_back()
+    return at_usual_rate(checked)

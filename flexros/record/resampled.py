@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.record.local_cubic import local_cubic
+from flexros.record.shifted_torque import moved_later
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -54,7 +55,8 @@ def resampled(record: Record, sample_time: float, reason: str = "the rate of the
     """Resample a record.
 
     Positions are interpolated by cubics, torques and commanded positions averaged over each new sample, and other
-    signals interpolated linearly. A new sample is valid where the old ones beside it are.
+    signals interpolated linearly, measured torques as they acted. A new sample is valid where the old ones beside it
+    are.
 
     Args:
         record: The record.
@@ -87,6 +89,7 @@ def resampled(record: Record, sample_time: float, reason: str = "the rate of the
         sums = np.column_stack([np.interp(edges, ends, column) for column in integral.T])
         return np.asarray(np.diff(sums, axis=0) / spans[:, None])
 
+    effort = None if record.effort is None else moved_later(record.effort, record.torque_shift)
     position = local_cubic(before[record.valid], record.position[record.valid], at)
     text = f"{record.name} has {1 / old:.6g} samples per second; it was resampled to {1 / sample_time:.6g}, {reason}"
     return replace(
@@ -99,7 +102,8 @@ def resampled(record: Record, sample_time: float, reason: str = "the rate of the
         valid=record.valid[left] & record.valid[right],
         late=None if record.late is None else record.late[left] | record.late[right],
         velocity=linear(record.velocity),
-        effort=linear(record.effort),
+        effort=linear(effort),
+        torque_shift=0.0,
         reference=linear(record.reference),
         parts=(),
         first=round(record.first * old / sample_time),

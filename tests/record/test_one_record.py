@@ -91,7 +91,20 @@ def held_torques(log: Log) -> Log:
     return replace(log, joint_states=states, joint_commands=None, provenance={"import": {"files": ["log.csv"]}})
 
 
-CASES = [as_recorded, foreign_names, lost_samples, jitter, measured_torque, held_torques]
+def fast_recorder(log: Log) -> Log:
+    """Measured torques of a foreign recorder of 4 kHz, twice the rate of the robot, each held until the next one."""
+    states, commands = log.joint_states, log.joint_commands
+    assert states.position is not None
+    assert commands is not None
+    assert commands.effort is not None
+    stamp = states.stamp[0] + np.arange(2 * len(states.stamp) - 1) * round(0.5e9 * E12.sample_time)
+    position = np.column_stack([np.interp(stamp, states.stamp, column) for column in states.position.T])
+    effort = np.repeat(commands.effort, 2, axis=0)[: len(stamp)]
+    states = JointSeries(stamp, states.names, position, effort=effort)
+    return replace(log, joint_states=states, joint_commands=None, provenance={"import": {"files": ["log.csv"]}})
+
+
+CASES = [as_recorded, foreign_names, lost_samples, jitter, measured_torque, held_torques, fast_recorder]
 
 
 def of_rigid(log: Log, settings: RigidSettings = SLOW) -> Record:
@@ -119,6 +132,12 @@ def test_one_axis_takes_its_signals_from_the_same_record(log: Log, change) -> No
     np.testing.assert_array_equal(axis.torque, record.torque[first : first + n, 1])
     np.testing.assert_array_equal(axis.output[valid], record.position[first : first + n, 1][valid])
     assert axis.valid is None or np.array_equal(axis.valid, valid)
+
+
+def test_a_recorder_above_2_khz_is_thinned_for_all(log: Log) -> None:
+    changed = fast_recorder(log)
+    rates = [1 / record.sample_time for record in (checked_log(changed, E12, name="log"), of_rigid(changed))]
+    assert rates == pytest.approx([1000.0, 1000.0])
 
 
 def test_measured_torque_is_an_argument(log: Log) -> None:

@@ -59,3 +59,12 @@ def test_a_very_fast_recorder_is_slowed_down_for_an_imported_log_alone() -> None
     np.testing.assert_allclose(slow.position, fast.position[::5], atol=1e-9)
     np.testing.assert_allclose(slow.torque[:-1, 0], fast.torque.reshape(-1, 5).mean(axis=1)[:-1])
     assert at_usual_rate(replace(record_of(1 / 2000), imported=True)).sample_time == 1 / 2000
+
+
+def test_measured_torques_are_moved_to_when_they_acted() -> None:
+    fast = record_of(1 / 4000)
+    ramp = np.arange(N, dtype=float)[:, None]
+    held = replace(fast, imported=True, measured_torque=True, effort=ramp, torque_shift=0.5)
+    slow = at_usual_rate(held)
+    np.testing.assert_allclose(slow.effort[1:], 4 * np.arange(1, slow.n_samples)[:, None] - 0.5)
+    assert slow.torque_shift == 0.0
