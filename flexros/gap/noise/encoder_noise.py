@@ -137,7 +137,10 @@ def _warnings(
             listed = ", ".join(f"{value:.2f}" for value in colours[motor])
             warnings.append(f"the encoder noise of {name} is not white (autoregression {listed})")
     if jitter > 0:
-        warnings.append(f"the sampling instants jitter by {1e6 * jitter:.3g} us rms: the noise grows with speed")
+        warnings.append(
+            f"the noise of the positions grows with speed, as where they were taken {1e6 * jitter:.3g} us rms off even "
+            "instants; stamps need not show it"
+        )
     return tuple(warnings)
 
 

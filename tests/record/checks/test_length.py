@@ -12,3 +12,11 @@ def test_short_record_is_refused(found, healthy) -> None:
 def test_record_of_some_seconds_is_reported(found, healthy) -> None:
     texts = [finding.text for finding in found("emps", healthy("emps").part(6000, 12000))]
     assert any("the log lasts 6 s; below 10 s" in text for text in texts)
+
+
+def test_ten_seconds_are_counted_with_the_last_sample_and_a_tolerance(found, healthy) -> None:
+    record = healthy("emps")
+    assert record.sample_time == 1e-3
+    for n_samples, short in ((10_000, False), (9960, False), (9940, True)):
+        texts = [finding.text for finding in found("emps", record.part(0, n_samples))]
+        assert any("below 10 s" in text for text in texts) == short
