@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from flexros.blas_threads import one_blas_thread
+from flexros.gap.answer.assemble import settles
 from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.fit.elastic_timing import with_torque_in_time_behind_springs
 from flexros.gap.fit.null_fit import fit_null
@@ -106,7 +107,9 @@ def measure_gap(
     if repaired is not None:
         stages.begin("repaired model", 1.0)
         after, significant = _errors(repaired.commanded_by(record.commands), unknown, data, tolerance or {}, settings)
-    return MeasuredGap(gap_numbers(before, after, record.sample_time), significant, data.record.warnings)
+    numbers = gap_numbers(before, after, record.sample_time)
+    told = data.record.without_doubts() if settles(numbers.closed_fraction) else data.record
+    return MeasuredGap(numbers, significant, told.warnings)
 
 
 def _errors(

@@ -2,7 +2,8 @@
 
 Diagnosis, rigid regression and the prediction of one axis take their samples from `read_record` by way of
 `flexros.identify.log_record`, which says where a diagnosis goes further. Frequency responses, whose sampling instants
-come from a plan, and the monitor, whose messages come one by one, follow the same rules with the same parts: `torque_source`, `motor_columns`, `MOST_BRIDGED`, `NOTED_JITTER`, `LOWEST_RATE` and `HIGHEST_RATE`.
+come from a plan, and the monitor, whose messages come one by one, follow the same rules with the same parts:
+`torque_source`, `motor_columns`, `MOST_BRIDGED`, `NOTED_JITTER`, `LOWEST_RATE` and `HIGHEST_RATE`.
 """
 
 from __future__ import annotations

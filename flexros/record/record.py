@@ -58,6 +58,7 @@ class Record:
         first: Number of the first sample, counted from the beginning of simulated time.
         begin: Time of the first sample since the beginning of the log [s]; zero except for a part.
         warnings: What was repaired or is doubtful, one sentence each.
+        doubts: Those of them that doubt the nominal model and not the log.
     """
 
     name: str
@@ -84,6 +85,7 @@ class Record:
     first: int = 0
     begin: float = 0.0
     warnings: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()
 
     @property
     def n_samples(self) -> int:
@@ -116,6 +118,10 @@ class Record:
     def duration(self) -> float:
         """Time from the first sample to the last [s]."""
         return (self.n_samples - 1) * self.sample_time
+
+    def without_doubts(self) -> Record:
+        """Return the record without the warnings that doubt the nominal model, for a model that was repaired."""
+        return replace(self, warnings=tuple(text for text in self.warnings if text not in self.doubts), doubts=())
 
     def part(self, first: int, end: int) -> Record:
         """Cut out samples first ... end - 1.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from flexros.effects import RobotWithEffects, parse_effect, place_effects
@@ -86,3 +88,10 @@ def test_progress_tells_which_model_predicts() -> None:
     repaired = place_effects(ROBOT, [parse_effect(FRICTION, "test")])
     measure_gap(record_of(), MODEL, repaired=repaired, progress=lambda *call: calls.append(call))
     assert calls == [("nominal model", 0.0), ("repaired model", 0.5)]
+
+
+def test_a_repaired_model_that_closes_the_gap_settles_doubts_about_the_nominal_one() -> None:
+    record = replace(record_of(FRICTION), warnings=("about the log", "about the model"), doubts=("about the model",))
+    repaired = place_effects(ROBOT, [parse_effect(FRICTION, "test")])
+    assert measure_gap(record, MODEL).warnings[:2] == ("about the log", "about the model")
+    assert "about the model" not in measure_gap(record, MODEL, repaired=repaired).warnings

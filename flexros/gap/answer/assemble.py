@@ -49,11 +49,13 @@ if TYPE_CHECKING:
     from flexros.gap.schema import GapNumbers, NextExperiment, Verdict
     from flexros.gap.settings import DiagnosisSettings
     from flexros.gap.where.find import Where
+    from flexros.record.record import Record
 
 STEP_ERROR = 1e-3
 """Relative standard deviation of a quantization step that is read off the levels of a log [1]."""
 LOW_FRACTION, LEAST_GAP = 0.5, 2.0
-"""Closed fraction below which, and gap above which, it is warned that the explanation may not hold elsewhere [1]."""
+"""Closed fraction below which, and gap above which, it is warned that the explanation may not hold elsewhere [1].
+From that fraction on a repair settles what was doubtful about the nominal model."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,14 +101,17 @@ def result_of(
     patch = () if _worse(errors) else repair_of(findings)
     names, covariance = covariance_of(chosen, findings.data, findings.settings)
     tolerated = chosen.predictor.tolerance
+    records = findings.data.record, findings.held.record
+    if patch and settles(_closed(errors.after, findings, errors)):
+        records = records[0].without_doubts(), records[1].without_doubts()
     before = _explanation(explanations.null, findings, null_prediction)
     after = _explanation(chosen, findings) if patch else None
     probabilities = dict(zip(explanations.rivals, explanations.probabilities))
     return DiagnosisResult(
-        diagnosis=_diagnosis(findings, verdict, errors, excess, settings, stages, deadline),
+        diagnosis=_diagnosis(findings, verdict, errors, excess, settings, stages, deadline, _record_warnings(*records)),
         robot=model.robot,
-        record=findings.data.record,
-        holdout=findings.held.record,
+        record=records[0],
+        holdout=records[1],
         before=before,
         ranking=_ranking(findings, verdict),
         null_probability=float(probabilities[explanations.null]),
@@ -171,13 +176,14 @@ def _diagnosis(
     settings: DiagnosisSettings,
     stages: Stages,
     deadline: Deadline,
+    of_records: tuple[str, ...],
 ) -> Diagnosis:
     """Put together what is written into diagnosis.json."""
     sample_time = findings.held.record.sample_time
     gap = gap_numbers(errors.before, errors.after, sample_time, errors.rival)
     whole = verdict != "no_gap"
     budget = budget_of(findings, errors.before, errors.after or errors.before) if whole else without_gap(findings)
-    warnings = (*_record_warnings(findings), *_sensor_warnings(findings), *_answer_warnings(findings, gap))
+    warnings = (*of_records, *_sensor_warnings(findings), *_answer_warnings(findings, gap))
     following = _next(findings, verdict, stages, deadline) if settings.next_experiment else None
     return Diagnosis(
         schema=2,
@@ -325,10 +331,18 @@ def _next(findings: Findings, verdict: Verdict, stages: Stages, deadline: Deadli
     )
 
 
-def _record_warnings(findings: Findings) -> tuple[str, ...]:
+def settles(closed: float | None) -> bool:
+    """Return whether a repair that closes this share of the gap settles the doubts about the nominal model.
+
+    Args:
+        closed: The share [1]; None where the gap does not show.
+    """
+    return closed is not None and closed >= LOW_FRACTION
+
+
+def _record_warnings(fitted: Record, held: Record) -> tuple[str, ...]:
     """Return the warnings of the fitted log, and those that only the held-out one has."""
-    fitted, held = findings.data.record.warnings, findings.held.record.warnings
-    return (*fitted, *(f"held-out log: {text}" for text in held if text not in fitted))
+    return (*fitted.warnings, *(f"held-out log: {text}" for text in held.warnings if text not in fitted.warnings))
 
 
 def _sensor_warnings(findings: Findings) -> tuple[str, ...]:

@@ -26,12 +26,15 @@ class Finding:
         spoilt: Samples that must not count, shape (n,); None where all do.
         like_parameters: Whether wrong parameters of the nominal robot look the same. Identification, which estimates
             them, warns of such a finding only.
+        of_model: Whether it doubts the nominal model and not the log. A diagnosis whose repair closes much of the gap
+            settles it.
     """
 
     text: str
     hopeless: bool
     spoilt: BoolArray | None = None
     like_parameters: bool = False
+    of_model: bool = False
 
 
 class AbstractCheck(ABC):

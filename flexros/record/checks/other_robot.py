@@ -14,7 +14,7 @@ LEAST = 0.3
 
 
 class OtherRobot(AbstractCheck):
-    """Torques unlike the inverse-dynamics torques belong to another robot, or unknown forces act."""
+    """Torques unlike the inverse-dynamics torques: a model to be repaired, another robot, or unknown forces."""
 
     name: ClassVar[str] = "other_robot"
     stage: ClassVar[int] = 2
@@ -37,7 +37,8 @@ class OtherRobot(AbstractCheck):
         if not foreign:
             return ()
         text = (
-            f"robot {checked.robot.name} explains little of the torque of {', '.join(foreign)}: it is another robot, "
-            "or forces act that are not in the log"
+            f"robot {checked.robot.name} explains little of the torque of {', '.join(foreign)}, as a model without "
+            "friction or with wrong masses, gears or rotors does; where a repaired model closes little of the gap too, "
+            "it is another robot, or forces act that are not in the log"
         )
-        return (Finding(text, hopeless=False),)
+        return (Finding(text, hopeless=False, of_model=True),)

@@ -64,5 +64,9 @@ def check_record(record: Record, robot: Robot, *, parameters_known: bool = True)
     for finding in problems:
         if finding.spoilt is not None:
             valid &= ~finding.spoilt
-    texts = (finding.text for finding in problems)
-    return replace(record, valid=valid, warnings=tuple(dict.fromkeys([*record.warnings, *texts])))
+    return replace(
+        record,
+        valid=valid,
+        warnings=tuple(dict.fromkeys([*record.warnings, *(finding.text for finding in problems)])),
+        doubts=tuple(finding.text for finding in problems if finding.of_model),
+    )

@@ -183,3 +183,13 @@ def test_without_a_repair_there_is_nothing_after_it() -> None:
     assert (gap.after, gap.closed_fraction, gap.best_rival) == (None, None, None)
     assert result.patch == ()
     assert result.after is None
+
+
+@pytest.mark.parametrize(("chosen", "settled"), [(COULOMB, True), (STIFFNESS, False)])
+def test_a_repair_that_closes_the_gap_settles_doubts_about_the_nominal_model(chosen: str, settled: bool) -> None:
+    data = data_of(TRUTH)
+    doubted = replace(data.record, warnings=("about the log", "about the model"), doubts=("about the model",))
+    result = answered(fitted(1.0, chosen), probabilities=(1.0,), data=replace(data, record=doubted))
+    for warnings in (result.diagnosis.warnings, result.record.warnings):
+        assert "about the log" in warnings
+        assert ("about the model" in warnings) != settled

@@ -13,12 +13,12 @@ from flexros.record.checks.run import check_record
 
 def test_hopeless_record_is_refused_by_name(healthy, robots) -> None:
     record = replace(healthy("emps").part(0, 800), name="cut")
-    with pytest.raises(InputError, match=r"^cut: the log is too short: it has 0\.799 s"):
+    with pytest.raises(InputError, match=r"^cut: the log is too short: it has 0\.8 s"):
         check_record(record, robots("emps"))
 
 
 def test_record_that_overlaps_its_commands_for_some_samples_only_is_too_short(healthy, robots) -> None:
-    with pytest.raises(InputError, match="too short: it has 0.009 s with 10 measured samples"):
+    with pytest.raises(InputError, match="too short: it has 0.01 s with 10 measured samples"):
         check_record(healthy("emps").part(0, 10), robots("emps"))
 
 
@@ -47,3 +47,13 @@ def test_spoilt_samples_are_not_valid(healthy, robots) -> None:
     checked = check_record(replace(record, position=position), robots("emps"))
     assert not checked.valid[2001:2020].any()
     assert checked.valid[:2000].all()
+
+
+@pytest.mark.slow
+def test_what_doubts_the_model_is_told_apart_from_what_doubts_the_log(healthy, robots) -> None:
+    record = replace(healthy("elbow"), warnings=("of the recorder",))
+    checked = check_record(record, robots("e12"), parameters_known=False)
+    (doubt,) = checked.doubts
+    assert "robot e12 explains little" in doubt
+    assert doubt in checked.warnings
+    assert checked.without_doubts().warnings == ("of the recorder",)
