@@ -128,9 +128,13 @@ def recovered(log: Log, warnings: list[str]) -> Log:
         The log, the same one where nothing was to be repaired.
     """
     states, commands = log.joint_states, log.joint_commands
-    source = None if states.position is None else polled_source(states.stamp, states.position)
-    together = commands is not None and np.array_equal(commands.stamp, states.stamp)
-    if source is None or (commands is not None and not together):
+    if states.position is None or (commands is not None and not np.array_equal(commands.stamp, states.stamp)):
+        return log
+    known = np.all(np.isfinite(states.position), axis=1)  # the others are missed values
+    states, commands = _rows(states, known), None if commands is None else _rows(commands, known)
+    assert states.position is not None
+    source = polled_source(states.stamp, states.position)
+    if source is None:
         return log
     warnings.append(
         f"the recorder polled joint_states: {100 * source.repeated:.2g} % of the values were taken twice and "
@@ -142,6 +146,13 @@ def recovered(log: Log, warnings: list[str]) -> Log:
         joint_states=source.evened(states),
         joint_commands=None if commands is None else source.evened(commands),
     )
+
+
+def _rows(series: JointSeries, rows: BoolArray) -> JointSeries:
+    """Take some messages of a series."""
+    signals = ("stamp", "position", "velocity", "effort", "received")
+    parts = {name: getattr(series, name) for name in signals}
+    return replace(series, **{name: None if part is None else part[rows] for name, part in parts.items()})
 
 
 def _elapsed(time: FloatArray, position: FloatArray) -> tuple[FloatArray, FloatArray]:

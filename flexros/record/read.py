@@ -27,6 +27,8 @@ from flexros.record.stamp_jitter import positions_on_grid
 from flexros.record.torque_hold import held_torque, sampled_torque
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from flexros.arrays import BoolArray, FloatArray
     from flexros.logs.time_series import JointSeries, Log
     from flexros.record.even_grid import EvenGrid
@@ -74,8 +76,8 @@ def read_record(
     states = log.joint_states
     assert states.position is not None
     servos = positions and has_position_commands(log)
-    source = "command" if servos else torque_source(log, torque, name, warnings)
     reader = _Reader(log, robot, name, warnings)
+    source = "command" if servos else torque_source(log, torque, reader.columns, name, warnings)
     grid = even_grid(states.stamp, robot.sample_time, f"{name}: joint_states")
     warnings += grid.warnings
     position, valid, instants = positions_on_grid(states.position[:, reader.columns], grid, name, warnings)
@@ -120,12 +122,15 @@ def _thinned(log: Log) -> float:
     return float(np.median(np.diff(commands.stamp))) * 1e-9 / period
 
 
-def torque_source(log: Log, wanted: TorqueSource, name: str, warnings: list[str]) -> TorqueSource:
-    """Choose the torque of a log: the wanted one, or the other one where only that was recorded.
+def torque_source(
+    log: Log, wanted: TorqueSource, columns: Sequence[int], name: str, warnings: list[str]
+) -> TorqueSource:
+    """Choose the torque of a log: the wanted one, or the other one where only that was recorded of all motors.
 
     Args:
         log: The log.
         wanted: Torque that is taken where both were recorded.
+        columns: Column of each motor in joint_states, length M.
         name: Name of the log, for messages.
         warnings: Receives a sentence where the other one is taken.
 
@@ -133,11 +138,19 @@ def torque_source(log: Log, wanted: TorqueSource, name: str, warnings: list[str]
         The torque that was recorded.
 
     Raises:
-        InputError: No torque was recorded.
+        InputError: No torque was recorded, or that of some motors alone.
     """
     commands, states = log.joint_commands, log.joint_states
     commanded = commands is not None and commands.effort is not None
-    measured = states.effort is not None and bool(np.any(np.isfinite(states.effort)))
+    effort = states.effort
+    known = {states.names[i]: effort is not None and bool(np.isfinite(effort[:, i]).any()) for i in columns}
+    measured = all(known.values())
+    lacking = ", ".join(joint for joint, is_known in known.items() if not is_known)
+    if not commanded and any(known.values()) and lacking:
+        raise InputError(
+            f"{name}: joint_states has no measured torque (effort) of {lacking}, and there are no commanded torques "
+            "(effort of joint_commands); record one of them for all motors"
+        )
     if not commanded and not measured:
         raise InputError(
             f"{name} has neither commanded torques (effort of joint_commands) nor measured ones (effort of "
@@ -147,7 +160,7 @@ def torque_source(log: Log, wanted: TorqueSource, name: str, warnings: list[str]
         warnings.append("the log has no joint_commands; the measured torques of joint_states are used")
         return "measured"
     if wanted == "measured" and not measured:
-        warnings.append("joint_states has no measured torques (effort); the commanded torques are used")
+        warnings.append(f"joint_states has no measured torques (effort) of {lacking}; the commanded torques are used")
         return "command"
     return wanted
 
@@ -279,12 +292,16 @@ class _Reader:
         return False
 
     def measured(self, values: FloatArray | None, grid: EvenGrid, rows: slice, instants: bool) -> FloatArray | None:
-        """Return a signal of joint_states by slot, missing values held; None where none is finite."""
-        if values is None or not np.any(np.all(np.isfinite(values[grid.rows][:, self.columns]), axis=1)):
+        """Return a signal of joint_states by slot, missing values held; NaN for motors without; None without any."""
+        if values is None:
             return None
-        if instants:
-            return grid.interpolated(values[grid.rows][:, self.columns])[rows]
-        return _finite(values[:, self.columns][grid.rows][grid.held()[0]])[0][rows]
+        taken, held = values[grid.rows][:, self.columns], grid.held()[0]
+        known = np.any(np.isfinite(taken), axis=0)
+        signal = np.full((grid.n_slots, len(known)), np.nan)
+        for motor in np.flatnonzero(known):
+            column = taken[:, motor, None]
+            signal[:, motor] = (grid.interpolated(column) if instants else _finite(column[held])[0])[:, 0]
+        return signal[rows] if known.any() else None
 
     def reference(self, grid: EvenGrid, rows: slice) -> FloatArray | None:
         """Interpolate the reference positions onto the grid; None where there are none."""

@@ -39,8 +39,9 @@ class Record:
             one.
         bridged: Samples of long holes, whose interpolated positions keep the prediction near the motion; they do not
             count, shape (n,); None where there are none, or where nothing was predicted yet.
-        velocity: Measured motor speeds [rad/s or m/s], shape (n, M); None where not recorded.
-        effort: Measured motor torques at the samples [Nm or N], shape (n, M); None where not recorded.
+        velocity: Measured motor speeds [rad/s or m/s], shape (n, M); NaN for motors without, None where not recorded.
+        effort: Measured motor torques at the samples [Nm or N], shape (n, M); NaN for motors without, None where not
+            recorded.
         reference: Reference of the motor positions [rad or m], shape (n, M); None where not recorded.
         tool: Positions seen by a tool tracker; None without one.
         sensors: Further sensors: link-side encoders, joint torque sensors, accelerometer and gyroscope of the tool.

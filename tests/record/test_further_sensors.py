@@ -92,3 +92,15 @@ def test_joints_that_the_robot_lacks_are_told() -> None:
 def test_a_sensor_that_stands_still_is_no_measurement() -> None:
     link = JointSeries(STAMP, NAMES, effort=np.zeros((N, 2)))
     assert replace(record_of(link_states=link)).sensors == ()
+
+
+def test_joints_may_have_different_sensors() -> None:
+    nothing = np.full(N, np.nan)
+    link = JointSeries(
+        STAMP,
+        NAMES,
+        position=np.column_stack([VALUES[:, 0] + 0.1, nothing]),
+        effort=np.column_stack([nothing, VALUES[:, 1]]),
+    )
+    names = [sensor.name for sensor in record_of(link_states=link).sensors]
+    assert names == ["link position of motor_1", "joint torque of motor_2"]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -55,6 +57,18 @@ def test_the_log_becomes_even_with_positions_at_their_instants() -> None:
     true = motion((number[0] + np.arange(len(states.stamp))) * PERIOD)
     assert np.abs(states.position - true).max() < 5 * PERIOD  # one value at a turn may be a period off
     assert np.median(np.abs(states.position - true)) < 1e-6
+
+
+def test_a_lost_value_is_one_that_was_missed() -> None:
+    log, _ = log_of()
+    states = log.joint_states
+    position = np.array(states.position)
+    position[4000, 1] = np.nan
+    warnings: list[str] = []
+    evened = recovered(replace(log, joint_states=replace(states, position=position)), warnings).joint_states
+    assert len(warnings) == 1
+    assert len(evened.stamp) == pytest.approx(len(recovered(log, []).joint_states.stamp), abs=2)
+    assert np.isfinite(evened.position).all()
 
 
 def test_commands_taken_together_are_evened_alike() -> None:

@@ -38,6 +38,15 @@ def make_log(**changes: object) -> Log:
     return replace(Log(states, JointSeries(stamp, ONE, effort=column(2))), **changes)
 
 
+def two_columns(seed: int) -> np.ndarray:
+    return np.random.default_rng(seed).normal(size=(N, 2))
+
+
+def log_of_two() -> Log:
+    stamp, names = stamps_ns(N, T), ("motor_1", "motor_2")
+    return Log(JointSeries(stamp, names, position=two_columns(1)), JointSeries(stamp, names, effort=two_columns(2)))
+
+
 def read(log: Log, robot: Robot, torque: TorqueSource = "command") -> Record:
     return read_record(log, robot, name="log", torque=torque)
 
@@ -138,6 +147,30 @@ def test_measured_speeds_are_read_beside_the_positions(emps: Robot) -> None:
     velocity = read(replace(log, joint_states=replace(log.joint_states, velocity=speed)), emps).velocity
     np.testing.assert_array_equal(velocity[8:], speed[8:])
     assert velocity[7, 0] == speed[6, 0]
+
+
+def test_speeds_of_one_motor_alone_are_read_and_the_other_is_unknown() -> None:
+    log, speed = log_of_two(), two_columns(5)
+    speed[:, 0] = np.nan
+    speed[7, 1] = np.nan
+    velocity = read(replace(log, joint_states=replace(log.joint_states, velocity=speed)), load_robot("elbow")).velocity
+    assert velocity is not None
+    assert np.isnan(velocity[:, 0]).all()
+    np.testing.assert_array_equal(np.delete(velocity[:, 1], 7), np.delete(speed[:, 1], 7))
+    assert velocity[7, 1] == speed[6, 1]
+
+
+@pytest.mark.parametrize("torque", ["command", "measured"])
+def test_torques_measured_at_one_motor_alone_do_not_count_as_those_that_acted(torque: TorqueSource) -> None:
+    log, effort = log_of_two(), two_columns(5)
+    effort[:, 0] = np.nan
+    states = replace(log.joint_states, effort=effort)
+    record = read(replace(log, joint_states=states), load_robot("elbow"), torque)
+    assert not record.measured_torque
+    assert record.valid.all()
+    np.testing.assert_array_equal(record.torque, two_columns(2))
+    with pytest.raises(InputError, match="no measured torque .* of motor_1, and there are no commanded"):
+        read(replace(log, joint_states=states, joint_commands=None), load_robot("elbow"), torque)
 
 
 def test_no_torque_is_refused(emps: Robot) -> None:

@@ -110,8 +110,10 @@ def axis_record(record: Record, motor: int, output: OutputQuantity, delay: float
         InputError: The output was not recorded, or there are too few samples.
     """
     measured = record.position if output == "position" else record.velocity
-    if measured is None:
-        raise InputError(f"{record.name}: joint_states has no {output}, which is to be predicted; record it")
+    if measured is None or not np.isfinite(measured[:, motor]).any():
+        raise InputError(
+            f"{record.name}: joint_states has no {output} of motor_{motor + 1}, which is to be predicted; record it"
+        )
     begin, length = runs(~long_holes(record.valid))
     longest = int(np.argmax(length)) if len(length) else 0
     rows = slice(begin[longest], begin[longest] + length[longest]) if len(length) else slice(0, 0)

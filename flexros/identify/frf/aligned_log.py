@@ -126,11 +126,11 @@ def align(
     """
     warnings: list[str] = []
     states = log.joint_states
-    source = torque_source(log, torque, "the log", warnings)
+    columns = _columns_of(states, plan, "joint_states", warnings)
+    source = torque_source(log, torque, columns, "the log", warnings)
     series, name = (log.joint_commands, "joint_commands") if source == "command" else (states, "joint_states")
     assert series is not None
     check_equal_rates(states.stamp, series.stamp)
-    columns = _columns_of(states, plan, "joint_states", warnings)
     names = tuple(states.names[i] for i in columns)
     if start_stamp is None:
         start_stamp = START_NS if log.provenance.get("scenario") else int(states.stamp[0])

@@ -15,6 +15,7 @@ from flexros.logs.foreign.mapping import clock_of
 from flexros.logs.foreign.plausibility import doubts
 from flexros.logs.foreign.quantities import QUANTITIES, TIME_UNITS
 from flexros.logs.foreign.signal_source import AbstractSignalSource, open_source, safe_name
+from flexros.logs.foreign.usable_rows import FEWEST, LostValues, check_size, usable_times
 from flexros.logs.mcap.bag_files import find_bag_files
 from flexros.logs.stamps import START_NS
 from flexros.logs.time_series import OWN_SERIES, ImuSeries, JointSeries, Log
@@ -29,17 +30,11 @@ if TYPE_CHECKING:
     from flexros.logs.foreign.mapping import Clock, LogMapping, MappedColumn
     from flexros.logs.foreign.signal_source import Signal
 
-_FEWEST = 2
-"""Smallest number of rows of a log."""
-
 TOOL_FRAME = "tool"
 """Frame of the sensors of the tool."""
 
 _FIELDS_OF_TOOL = {"linear_acceleration": "acceleration", "angular_velocity": "turning_rate"}
 """Fields of the series of an Imu message."""
-
-_LARGEST = 1e9
-"""Largest value of any quantity [SI unit] (chosen); beyond it numbers are damaged."""
 
 _PART = 2**20
 """Bytes of a file that are read at once [byte]."""
@@ -64,8 +59,9 @@ def import_log(mapping: LogMapping, files: Sequence[Path]) -> Log:
     """Read files of another recorder as a log.
 
     The columns may be in several files of the same clock. The first row gets the stamp 1 s; the provenance keeps its
-    time in the file. Quantities of one topic that were sampled at different times (other file, other time offset) are
-    interpolated linearly at the times of the topic's first quantity; the warnings report it.
+    time in the file. Values that are not finite stay NaN, and of rows with the same time the first is kept; the
+    warnings count both. Quantities of one topic that were sampled at different times (other file, other time offset)
+    are interpolated linearly at the times of the topic's first quantity; the warnings report it.
 
     Args:
         mapping: Quantity and unit of every column.
@@ -75,15 +71,16 @@ def import_log(mapping: LogMapping, files: Sequence[Path]) -> Log:
         The log; its provenance names mapping, files and their hashes.
 
     Raises:
-        InputError: A column is missing, not numeric, not finite or too short, or times do not increase; the message
+        InputError: A column is missing, not numeric, too short or largely not finite, or times go back; the message
             names file, column and row.
     """
     sources = {path: open_source(path) for path in files}
     present, absent = _find(mapping, sources)
-    signals = _read(mapping, sources, present)
+    left_out: list[str] = []
+    signals = _read(mapping, sources, present, left_out)
     zero = min(float(signal.time[0]) for signal in signals)
     warnings = [f"optional column '{name}' is in none of the files" for name in absent]
-    warnings += [note for signal in signals for note in signal.notes]
+    warnings += dict.fromkeys((*(note for signal in signals for note in signal.notes), *left_out))
     topics: dict[str, list[_Mapped]] = defaultdict(list)
     for signal in signals:
         topics[QUANTITIES[signal.entry.quantity].topic].append(signal)
@@ -132,7 +129,10 @@ def _find(
 
 
 def _read(
-    mapping: LogMapping, sources: dict[Path, AbstractSignalSource], present: list[tuple[Path, MappedColumn]]
+    mapping: LogMapping,
+    sources: dict[Path, AbstractSignalSource],
+    present: list[tuple[Path, MappedColumn]],
+    left_out: list[str],
 ) -> list[_Mapped]:
     """Read, check and convert all columns, file by file; return them in the order of the mapping."""
     read: dict[Path, dict[str, Signal]] = {}
@@ -145,16 +145,19 @@ def _read(
         wanted += [clock.column for clock in clocks if clock is not None and clock.column in source.names]
         read[path] = source.read(list(dict.fromkeys(wanted)))
     origin = min(signal.origin for signals in read.values() for signal in signals.values())
-    mapped = []
+    mapped, lost = [], LostValues()
     for path, entry in present:
         signal, column = _added(entry, read[path], path), f"{path}, column '{entry.label}'"
-        _check_finite(signal.values, column)
         clock = clock_of(mapping, entry, path.name)
-        time = _times(mapping, clock, signal, read[path], sources[path].names, column, str(path))
+        time, clock_name = _times(mapping, clock, signal, read[path], sources[path].names, column, str(path))
+        used, notes = usable_times(time, clock_name)
         time = time + ((signal.origin - origin) * 1e-9 + entry.time_offset)
-        values = entry.factor * signal.values + entry.offset
-        _check_size(values, signal.values, column)
-        mapped.append(_Mapped(entry, column, time, values, origin, signal.notes))
+        quantity = f"{entry.quantity} of {entry.component}"
+        values = lost.marked(entry.factor * signal.values + entry.offset, used, str(path), entry.label, quantity)
+        check_size(values, signal.values, column)
+        mapped.append(_Mapped(entry, column, time[used], values[used], origin, signal.notes))
+        left_out += notes
+    left_out += lost.notes
     return mapped
 
 
@@ -182,8 +185,8 @@ def _times(
     names: Sequence[str],
     column: str,
     path: str,
-) -> FloatArray:
-    """Return the times of a signal [s]: its own, or those of its clock."""
+) -> tuple[FloatArray, str]:
+    """Return the times of a signal [s], its own or those of its clock, and where they are from."""
     if signal.time is not None:
         time, clock_name = signal.time, column
     elif clock is None:
@@ -206,40 +209,7 @@ def _times(
             f"{column} has {len(signal.values)} rows, but its time '{clock.column if clock else ''}' has {len(time)}; "
             "make them equally long"
         )
-    _check_increasing(time, clock_name)
-    return time
-
-
-def _check_finite(values: FloatArray, column: str) -> None:
-    bad = np.flatnonzero(~np.isfinite(values))
-    if bad.size:
-        raise InputError(
-            f"{column}, row {bad[0] + 1}: {values[bad[0]]} is not finite ({bad.size} such rows); remove these rows "
-            "or fill the gap"
-        )
-
-
-def _check_size(values: FloatArray, given: FloatArray, column: str) -> None:
-    bad = np.flatnonzero(np.abs(values) > _LARGEST)
-    if bad.size:
-        raise InputError(
-            f"{column}, row {bad[0] + 1}: {given[bad[0]]:.4g} is {values[bad[0]]:.4g} in SI units, but at most "
-            f"{_LARGEST:.0e} is a measurement ({bad.size} such rows); remove damaged rows, or correct the scale"
-        )
-
-
-def _check_increasing(time: FloatArray, column: str) -> None:
-    if len(time) < _FEWEST:
-        raise InputError(f"{column} has {len(time)} rows, but at least {_FEWEST} are needed; give a longer log")
-    _check_finite(time, column)
-    bad = np.flatnonzero(np.diff(time) <= 0)
-    if bad.size:
-        row = int(bad[0])
-        word = "repeats" if time[row + 1] == time[row] else "goes back"
-        raise InputError(
-            f"{column}, row {row + 2}: the time {word} ({time[row]:.9g} s, then {time[row + 1]:.9g} s; {bad.size} such "
-            "rows), but must increase; sort the rows and drop repeats"
-        )
+    return time, clock_name
 
 
 def _add_motor_positions(topics: dict[str, list[_Mapped]]) -> None:
@@ -268,7 +238,7 @@ def _common_times(signals: list[_Mapped], warnings: list[str]) -> tuple[FloatArr
             f"{base.entry.quantity} of {base.entry.component}"
         )
     time = base.time[inside]
-    if len(time) < _FEWEST:
+    if len(time) < FEWEST:
         raise InputError(f"{base.column} and {moved[0].column} have no time in common; correct the clocks")
     return time, [
         np.interp(time, signal.time, signal.values) if signal in moved else signal.values[inside] for signal in signals
@@ -291,21 +261,24 @@ def _tool_series(signals: list[_Mapped], zero: float, warnings: list[str]) -> Im
 
 
 def _series(signals: list[_Mapped], zero: float, warnings: list[str]) -> JointSeries:
-    """Stack the joints of the quantities of one topic."""
+    """Stack the joints of the quantities of one topic; NaN where a joint lacks a quantity that others have."""
     joints = sorted({signal.entry.joint for signal in signals}, key=lambda name: int(name.split("_")[1]))
     time, common = _common_times(signals, warnings)
     fields: dict[str, dict[str, FloatArray]] = defaultdict(dict)
     for signal, own in zip(signals, common, strict=True):
         fields[QUANTITIES[signal.entry.quantity].field][signal.entry.joint] = own
-    quantities = {QUANTITIES[signal.entry.quantity].field: signal.entry.quantity for signal in signals}
-    for field, values in fields.items():
-        missing = [joint for joint in joints if joint not in values]
-        if missing:
+    for signal in signals:
+        known = fields[QUANTITIES[signal.entry.quantity].field]
+        missing = [joint for joint in joints if joint not in known]
+        if missing and QUANTITIES[signal.entry.quantity].drives:
             raise InputError(
-                f"the quantity {quantities[field]} is mapped for {', '.join(values)} but not for {', '.join(missing)}; "
-                "map it for all joints or for none"
+                f"the quantity {signal.entry.quantity}, which drives the robot, is mapped for {', '.join(known)} but "
+                f"not for {', '.join(missing)}; map it for all joints or for none"
             )
-    stacked: dict[str, Any] = {field: np.column_stack([v[joint] for joint in joints]) for field, v in fields.items()}
+    unknown = np.full(len(time), np.nan)
+    stacked: dict[str, Any] = {
+        field: np.column_stack([known.get(joint, unknown) for joint in joints]) for field, known in fields.items()
+    }
     return JointSeries(_stamps(time, zero), tuple(joints), **stacked)
 
 

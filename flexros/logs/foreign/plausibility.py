@@ -42,8 +42,10 @@ def doubts(series: Mapping[str, Any]) -> list[str]:
                 name, states, series.get("joint_commands"), link
             )
     imu: ImuSeries | None = series.get("tool_imu")
-    if imu is not None and imu.acceleration is not None and np.all(np.isfinite(imu.acceleration)):
-        mean = float(np.linalg.norm(imu.acceleration, axis=1).mean())
+    whole = np.zeros((0, 3)) if imu is None or imu.acceleration is None else imu.acceleration
+    whole = whole[np.all(np.isfinite(whole), axis=1)]
+    if len(whole):
+        mean = float(np.linalg.norm(whole, axis=1).mean())
         if not GRAVITY[0] < mean < GRAVITY[1]:
             found.append(
                 f"tool_acceleration is {mean:.3g} m/s2 in the mean, although it must contain gravity (9.81 m/s2); "
@@ -82,12 +84,13 @@ def _joint_torque(name: str, states: JointSeries, commands: JointSeries | None, 
 def _pair(
     name: str, series: JointSeries, field: str, link: JointSeries, link_field: str
 ) -> tuple[FloatArray, FloatArray] | None:
-    """Return a signal of a motor and one of its link at the same times; None where one is missing or constant."""
+    """Return a signal of a motor and one of its link where both are known; None where one is missing or constant."""
     motor, own = getattr(series, field), getattr(link, link_field)
     if motor is None or own is None or name not in series.names:
         return None
     at = np.interp(link.stamp, series.stamp, motor[:, series.names.index(name)])
-    values: FloatArray = own[:, link.names.index(name)]
-    if not (np.std(at) > 0 and np.std(values) > 0):
+    both = np.column_stack([at, own[:, link.names.index(name)]])
+    both = both[np.all(np.isfinite(both), axis=1)]
+    if not (len(both) and np.all(np.std(both, axis=0) > 0)):
         return None
-    return np.asarray(at, dtype=np.float64), values
+    return both[:, 0], both[:, 1]

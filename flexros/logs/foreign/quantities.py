@@ -21,6 +21,7 @@ class Quantity:
         kind: Kind of its unit: "position", "velocity", "torque", "acceleration" or "turning rate".
         of_tool: Whether it is one of the tool, along an axis, instead of one of a joint.
         beyond_motor: Whether it is added to the position of the motor: a deflection.
+        drives: Whether it drives the robot, so that no joint of its topic may lack it.
     """
 
     topic: str
@@ -28,6 +29,7 @@ class Quantity:
     kind: str
     of_tool: bool = False
     beyond_motor: bool = False
+    drives: bool = False
 
 
 QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
@@ -35,8 +37,8 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
         "position": Quantity("joint_states", "position", "position"),
         "velocity": Quantity("joint_states", "velocity", "velocity"),
         "measured_torque": Quantity("joint_states", "effort", "torque"),
-        "torque_command": Quantity("joint_commands", "effort", "torque"),
-        "position_command": Quantity("joint_commands", "position", "position"),
+        "torque_command": Quantity("joint_commands", "effort", "torque", drives=True),
+        "position_command": Quantity("joint_commands", "position", "position", drives=True),
         "velocity_command": Quantity("joint_commands", "velocity", "velocity"),
         "reference_position": Quantity("joint_reference", "position", "position"),
         "reference_velocity": Quantity("joint_reference", "velocity", "velocity"),

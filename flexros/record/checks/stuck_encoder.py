@@ -85,9 +85,9 @@ def _stuck(values: FloatArray, step: float) -> BoolArray:
 def _stands_still(record: Record, motor: int) -> bool:
     """Whether reference or measured speed say that a motor stands still while others move."""
     for values, size in ((record.reference, np.ptp), (record.velocity, lambda v, axis: np.abs(v).max(axis=axis))):
-        if values is not None:
+        if values is not None and np.isfinite(values[:, motor]).all():
             sizes = size(values, axis=0)
-            return bool(sizes[motor] < STILL * sizes.max())
+            return bool(sizes[motor] < STILL * np.nanmax(sizes))
     return False
 
 

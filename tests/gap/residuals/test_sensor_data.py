@@ -8,11 +8,17 @@ import numpy as np
 import pytest
 
 from flexros.effects import RobotWithEffects
-from flexros.gap.residuals.fit_data import FitData
+from flexros.gap.checked_log import checked_log
+from flexros.gap.residuals.fit_data import FitData, fit_data
 from flexros.gap.residuals.sensor_channel import SensorChannel
+from flexros.gap.settings import DiagnosisSettings
+from flexros.logs.time_series import JointSeries
 from flexros.record.record import Record
-from flexros.robot import Robot
+from flexros.robot import Robot, load_robot
 from flexros.robot.quantity import Quantity
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario
 from tests.gap.diagnosis_logs import ROBOT, predictor_of
 from tests.gap.sensor_logs import NOISE, sensed, sensed_data, truth_of
 
@@ -148,3 +154,20 @@ def test_real_machines_have_tolerance_in_scale_and_clock() -> None:
     assert channel_of(data).noise > 0.04 * np.std(real.sensors[0].values)
     assert channel_of(data).unknown.shape[1] == 3
     assert np.sum(residual_of(data) ** 2) < 1.1 * np.sum(residual_of(plain) ** 2) + 5
+
+
+def test_every_joint_has_the_channels_of_its_own_sensors() -> None:
+    scenario = load_scenario("diagnosis").with_values({"robot": "elbow", "diagnosis.length": 10.0}, "test")
+    log, elbow = closed_loop(Experiment.prepare(scenario)), load_robot("elbow")
+    states, commands = log.joint_states, log.joint_commands
+    assert states.position is not None
+    assert commands is not None
+    assert commands.effort is not None
+    noise = np.random.default_rng(1).normal(size=states.position.shape)
+    position, effort = states.position + 1e-4 * noise, commands.effort + 0.1 * noise
+    position[:, 1], effort[:, 0] = np.nan, np.nan
+    link = JointSeries(states.stamp, states.names, position=position, effort=effort)
+    record = checked_log(replace(log, other_series={"link_states": link}), elbow, name="log")
+    data = fit_data(record, RobotWithEffects(elbow, ()), DiagnosisSettings())
+    assert data.sensors is not None
+    assert data.sensors.wanted == (("link position", 0), ("joint torque", 1))

@@ -82,5 +82,5 @@ def test_few_samples_in_a_row_are_rejected(given: Log) -> None:
 
 
 def test_speed_that_was_not_recorded_is_named() -> None:
-    with pytest.raises(InputError, match="joint_states has no velocity, which is to be predicted; record it"):
+    with pytest.raises(InputError, match="joint_states has no velocity of motor_1, which is to be predicted"):
         axis_of(log(), "velocity")

@@ -127,22 +127,96 @@ def test_file_without_any_of_the_columns(mapping_of, table, write_csv, tmp_path:
         import_log(mapping_of(Q), files)
 
 
+def test_time_that_goes_back_is_refused_with_its_row(mapping_of, table, write_csv, tmp_path: Path) -> None:
+    table["t"][7] = 0.0055
+    with pytest.raises(InputError, match="time column 't', row 8: the time goes back .0.006 s, then 0.0055 s"):
+        import_log(mapping_of(Q), [write_csv(tmp_path / "a.csv", table)])
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".mat", ".npz"])
+def test_a_value_that_is_not_finite_is_a_lost_sample(mapping_of, table, write_csv, tmp_path: Path, suffix) -> None:
+    table["q"][[4, 9]] = np.nan
+    table["u"][9] = np.inf
+    file = tmp_path / f"a{suffix}"
+    {".csv": write_csv, ".mat": savemat, ".npz": lambda path, columns: np.savez(path, **columns)}[suffix](file, table)
+    log = import_log(mapping_of(Q, {**Q, "joint": "motor_2"}, U), [file])
+    np.testing.assert_array_equal(np.flatnonzero(np.isnan(log.joint_states.position).any(axis=1)), [4, 9])
+    np.testing.assert_array_equal(np.flatnonzero(np.isnan(log.joint_commands.effort[:, 0])), [9])
+    assert len(log.joint_states.stamp) == 50
+    positions, torques = log.warnings
+    for told in ("2 of 50 rows", " of q (first: row 5)"):
+        assert told in positions
+    for told in ("1 of 50 rows", " of u (first: row 10)"):
+        assert told in torques
+
+
+def test_an_empty_cell_is_a_lost_sample(mapping_of, table, write_csv, tmp_path: Path) -> None:
+    file = write_csv(tmp_path / "a.csv", table)
+    lines = file.read_text().splitlines()
+    lines[6] = ",".join([lines[6].split(",")[0], "", *lines[6].split(",")[2:]])
+    file.write_text("\n".join(lines))
+    log = import_log(mapping_of(Q, U), [file])
+    assert np.flatnonzero(np.isnan(log.joint_states.position[:, 0])).tolist() == [5]
+    assert "1 of 50 rows" in log.warnings[0]
+
+
+def test_lost_samples_are_written_and_read_again(mapping_of, table, write_csv, tmp_path: Path, assert_same_log) -> None:
+    table["q"][4] = np.nan
+    log = import_log(mapping_of(Q, U), [write_csv(tmp_path / "a.csv", table)])
+    write_log(log, tmp_path / "bag")
+    assert_same_log(log, read_log(tmp_path / "bag"))
+
+
+def test_a_repeated_time_keeps_the_first_row(mapping_of, table, write_csv, tmp_path: Path) -> None:
+    table["t"][[7, 8, 20]] = table["t"][[6, 6, 19]]
+    log = import_log(mapping_of(Q, U), [write_csv(tmp_path / "a.csv", table)])
+    kept = np.delete(np.arange(50), [7, 8, 20])
+    np.testing.assert_array_equal(log.joint_states.position[:, 0], table["q"][kept])
+    np.testing.assert_array_equal(log.joint_commands.effort[:, 0], table["u"][kept])
+    (text,) = log.warnings
+    assert "time column 't' repeats" in text
+    assert "in 3 of 50 rows (first: row 8)" in text
+
+
+def test_a_row_without_a_time_is_left_out(mapping_of, table, write_csv, tmp_path: Path) -> None:
+    table["t"][7] = np.nan
+    log = import_log(mapping_of(Q), [write_csv(tmp_path / "a.csv", table)])
+    np.testing.assert_array_equal(log.joint_states.position[:, 0], np.delete(table["q"], 7))
+    assert "in 1 of 50 rows (first: row 8)" in log.warnings[0]
+
+
 @pytest.mark.parametrize(
-    ("column", "row", "value", "message"),
+    ("column", "message"),
     [
-        ("t", 7, 0.0055, "time column 't', row 8: the time goes back (0.006 s, then 0.0055 s; 1 such rows)"),
-        ("t", 7, 0.006, "time column 't', row 8: the time repeats (0.006 s, then 0.006 s; 1 such rows)"),
-        ("t", 7, np.nan, "time column 't', row 8: nan is not finite"),
-        ("q", 4, np.nan, "column 'q', row 5: nan is not finite (1 such rows)"),
+        ("q", r"column 'q' \(position of motor_1\) is not finite in 20 of 50 rows \(first: row 11\)"),
+        ("t", r"time column 't' has no finite time in 20 of 50 rows \(first: row 11\)"),
     ],
 )
-def test_times_that_do_not_increase_and_gaps(
-    mapping_of, table, write_csv, tmp_path, column, row, value, message
-) -> None:
-    table[column][row] = value
-    with pytest.raises(InputError) as caught:
+def test_a_large_part_that_is_not_finite_is_refused(mapping_of, table, write_csv, tmp_path, column, message) -> None:
+    table[column][10:30] = np.nan
+    with pytest.raises(InputError, match=message):
         import_log(mapping_of(Q), [write_csv(tmp_path / "a.csv", table)])
-    assert message in str(caught.value)
+
+
+def test_a_column_without_values_is_refused_by_its_name(mapping_of, table, write_csv, tmp_path: Path) -> None:
+    table["u"][:] = np.nan
+    with pytest.raises(InputError, match=r"column 'u' \(torque_command of motor_1\) has no finite value in 50 rows"):
+        import_log(mapping_of(Q, U), [write_csv(tmp_path / "a.csv", table)])
+
+
+def test_times_too_coarse_for_the_rows_are_refused(mapping_of, table, write_csv, tmp_path: Path) -> None:
+    table["t"] = np.floor(table["t"] / 0.005) * 0.005
+    with pytest.raises(InputError, match=r"time column 't' repeats .* 40 of 50 rows .*rate: HZ"):
+        import_log(mapping_of(Q), [write_csv(tmp_path / "a.csv", table)])
+
+
+def test_lost_positions_of_a_motor_are_lost_beyond_it(mapping_of, table, write_csv, tmp_path: Path) -> None:
+    table["q"][4] = np.nan
+    deflection = {"column": "u", "quantity": "link_deflection", "unit": "mrad"}
+    axes = [{"column": "q", "quantity": "tool_acceleration", "axis": axis, "unit": "mm/s2"} for axis in "xyz"]
+    log = import_log(mapping_of(Q, deflection, *axes), [write_csv(tmp_path / "a.csv", table)])
+    assert np.flatnonzero(np.isnan(log.series("link_states").position[:, 0])).tolist() == [4]
+    assert any("must contain gravity" in text for text in log.warnings)
 
 
 def test_unequal_lengths(mapping_of, table, tmp_path: Path) -> None:
@@ -157,10 +231,30 @@ def test_too_few_rows(mapping_of, tmp_path: Path) -> None:
         import_log(mapping_of(Q), [tmp_path / "a.csv"])
 
 
-def test_quantity_for_some_joints_only(mapping_of, table, write_csv, tmp_path: Path) -> None:
-    columns = [Q, {**Q, "column": "r", "joint": "motor_2"}, {"column": "u", "quantity": "velocity", "unit": "rad/s"}]
-    with pytest.raises(InputError, match="velocity .* for motor_1 but not for motor_2"):
-        import_log(mapping_of(*columns), [write_csv(tmp_path / "a.csv", table)])
+TWO = [Q, {**Q, "column": "r", "joint": "motor_2"}]
+
+
+def test_a_joint_that_lacks_a_quantity_has_no_values_of_it(mapping_of, table, write_csv, tmp_path, assert_same_log):
+    velocity = {"column": "u", "quantity": "velocity", "unit": "rad/s", "joint": "motor_2"}
+    link = {"column": "q", "quantity": "link_position", "unit": "rad"}
+    torque = {"column": "u", "quantity": "joint_torque", "unit": "Nm", "joint": "motor_2"}
+    log = import_log(mapping_of(*TWO, velocity, link, torque), [write_csv(tmp_path / "a.csv", table)])
+    nothing = np.full(50, np.nan)
+    np.testing.assert_array_equal(log.joint_states.velocity, np.column_stack([nothing, table["u"]]))
+    sensors = log.series("link_states")
+    assert sensors.names == ("motor_1", "motor_2")
+    np.testing.assert_array_equal(sensors.position, np.column_stack([table["q"], nothing]))
+    np.testing.assert_array_equal(sensors.effort, np.column_stack([nothing, table["u"]]))
+    write_log(log, tmp_path / "bag")
+    assert_same_log(log, read_log(tmp_path / "bag"))
+
+
+@pytest.mark.parametrize(("drive", "unit"), [("torque_command", "Nm"), ("position_command", "rad")])
+def test_what_drives_the_robot_is_needed_at_all_joints(mapping_of, table, write_csv, tmp_path, drive, unit) -> None:
+    rate = {"column": "u", "quantity": "velocity_command", "unit": "rad/s", "joint": "motor_2"}
+    mapping = mapping_of(*TWO, {"column": "u", "quantity": drive, "unit": unit}, rate)
+    with pytest.raises(InputError, match=f"{drive}, .* for motor_1 but not for motor_2"):
+        import_log(mapping, [write_csv(tmp_path / "a.csv", table)])
 
 
 def test_clocks_without_common_time(mapping_of, table, write_csv, tmp_path: Path) -> None:

@@ -15,8 +15,10 @@ from flexros.input_limits import LONGEST_LINE
 from flexros.logs.foreign.signal_source import AbstractSignalSource, Signal, first_line
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
     from pathlib import Path
+
+    from flexros.arrays import FloatArray
 
 _DELIMITERS = (",", ";", "\t")
 _COMMENT = "#"
@@ -32,7 +34,7 @@ class CsvTable(AbstractSignalSource):
     """A table whose first line, commented out or not, names the columns; further lines with # are skipped.
 
     Columns of a table without names are called [0], [1], ... A cell may hold a list, e.g. "[0.1, 0.2]" with one entry
-    per joint: its column `q` is then the columns q[0], q[1], ...
+    per joint: its column `q` is then the columns q[0], q[1], ... An empty cell is NaN, also one of a list.
     """
 
     format: ClassVar[str] = "table as text"
@@ -43,6 +45,7 @@ class CsvTable(AbstractSignalSource):
         self._lines_before, self._delimiter, names = _header(path)
         cells = self._first_row()
         self._lists = any(_LIST.search(cell) for cell in cells)
+        self._sizes = [len(_entries(cell)) for cell in cells]
         self._names = _expanded(names, cells) if self._lists and len(cells) == len(names) else names
 
     @property
@@ -54,26 +57,34 @@ class CsvTable(AbstractSignalSource):
         """Read columns; see `AbstractSignalSource.read`."""
         columns = [self._names.index(name) for name in names]
         try:
-            with warnings.catch_warnings():
-                warnings.filterwarnings("ignore", "loadtxt: input contained no data", UserWarning)  # reported below
-                table = np.loadtxt(
-                    self._plain_lines() if self._lists else self._path,
-                    delimiter=self._delimiter,
-                    comments=_COMMENT,
-                    skiprows=0 if self._lists else self._lines_before,
-                    usecols=columns,
-                    ndmin=2,
-                    quotechar='"',
-                    encoding="utf-8-sig",
-                )
-        except (ValueError, IndexError) as error:
-            raise self._first_fault(columns, error) from error
+            table = self._table(columns)
+        except (ValueError, IndexError):  # perhaps an empty cell, which the fast way does not know
+            try:
+                table = self._table(columns, _number)
+            except (ValueError, IndexError) as error:
+                raise self._first_fault(columns, error) from error
         if not len(table):
             raise InputError(
                 f"{self._path} has no rows below its line of names ({', '.join(self._names)}); give a table with "
                 "rows of numbers"
             )
         return {name: Signal(table[:, k].copy()) for k, name in enumerate(names)}
+
+    def _table(self, columns: list[int], converter: Callable[[str], float] | None = None) -> FloatArray:
+        """Read columns, cells by a converter if one is given, shape (n, n_columns)."""
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", "loadtxt: input contained no data", UserWarning)  # reported by `read`
+            return np.loadtxt(
+                self._plain_lines() if self._lists else self._path,
+                delimiter=self._delimiter,
+                comments=_COMMENT,
+                skiprows=0 if self._lists else self._lines_before,
+                usecols=columns,
+                converters=converter,
+                ndmin=2,
+                quotechar='"',
+                encoding="utf-8-sig",
+            )
 
     def _first_row(self) -> list[str]:
         """Return the cells of the first row below the names; none where there is no row."""
@@ -89,11 +100,17 @@ class CsvTable(AbstractSignalSource):
                 if number > self._lines_before and text.strip():
                     yield number, text
 
+    def _divided(self, line: str) -> list[str]:
+        """Divide a line, lists into their entries; an empty cell where the first row has a list stands for all."""
+        cells = _cells(line, self._delimiter)
+        sizes = self._sizes if len(cells) == len(self._sizes) else [1] * len(cells)
+        return [entry for cell, size in zip(cells, sizes) for entry in (_entries(cell) if cell else [""] * size)]
+
     def _plain_lines(self) -> Iterator[str]:
         """Yield the rows with the entries of lists as cells of their own."""
         between = self._delimiter or " "
         for number, line in self._rows():
-            cells = [entry for cell in _cells(line, self._delimiter) for entry in _entries(cell)]
+            cells = self._divided(line)
             if len(cells) != len(self._names):
                 raise InputError(
                     f"{self._path}, line {number} has {len(cells)} numbers with those in lists, but the first row has "
@@ -104,11 +121,11 @@ class CsvTable(AbstractSignalSource):
     def _first_fault(self, columns: list[int], error: Exception) -> InputError:
         """Return the error that names the first entry that is not a number."""
         for number, line in self._rows():
-            cells = [entry for cell in _cells(line, self._delimiter) for entry in _entries(cell)]
+            cells = self._divided(line)
             for column in columns:
                 cell = cells[column] if column < len(cells) else None
-                if cell is None or not _is_number(cell):
-                    given = "is missing" if not cell else f"is '{cell}', which is not a number"
+                if cell is None or (cell and not _is_number(cell)):
+                    given = "is missing" if cell is None else f"is '{cell}', which is not a number"
                     return InputError(
                         f"{self._path}, line {number}: column '{self._names[column]}' {given}; correct the line"
                     )
@@ -143,7 +160,7 @@ def _header(path: Path) -> tuple[int, str | None, tuple[str, ...]]:
         raise InputError(f"{path}, line {number} cannot be divided into columns ({error}); correct it") from error
     if any(map(_holds_numbers, names)):
         if commented is None or len(_cells(commented[1], delimiter)) != len(names):
-            if all(map(_holds_numbers, names)):
+            if all(not name or _holds_numbers(name) for name in names):
                 return number - 1, delimiter, tuple(f"[{k}]" for k in range(len(names)))
             raise InputError(
                 f"{path}, line {number}: the first line holds '{names[0]}', but must name the columns; add such a line"
@@ -194,6 +211,11 @@ def _expanded(names: Sequence[str], cells: Sequence[str]) -> tuple[str, ...]:
 def _holds_numbers(cell: str) -> bool:
     """Whether a cell is a number or a list of numbers."""
     return bool(_entries(cell)) and all(map(_is_number, _entries(cell)))
+
+
+def _number(cell: str) -> float:
+    """Convert a cell; an empty one is NaN."""
+    return float(cell) if cell.strip() else np.nan
 
 
 def _is_number(text: str) -> bool:

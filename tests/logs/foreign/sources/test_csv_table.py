@@ -47,7 +47,6 @@ def test_columns_that_are_not_asked_for_may_be_text(tmp_path: Path) -> None:
         ("t,q\n0,1\n1,x\n", "line 3: column 'q' is 'x', which is not a number"),
         ("t;q\n0;1,5\n", "line 2: column 'q' is '1,5', which is not a number"),
         ("t,q\n0,1\n\n1\n", "line 4: column 'q' is missing"),
-        ("t,q\n0,\n", "line 2: column 'q' is missing"),
     ],
 )
 def test_entry_that_is_no_number(tmp_path: Path, text: str, message: str) -> None:
@@ -119,3 +118,18 @@ def test_list_of_another_length_is_refused_with_its_line(tmp_path: Path) -> None
 def test_brackets_in_names_are_names(tmp_path: Path) -> None:
     (tmp_path / "a.csv").write_text("t,q[0],q[1]\n0,1,2\n1,3,4\n")
     assert CsvTable(tmp_path / "a.csv").names == ("t", "q[0]", "q[1]")
+
+
+@pytest.mark.parametrize(
+    ("text", "column", "values"),
+    [
+        ("t,q,u\n0,,1\n1,2,\n", "q", [np.nan, 2]),
+        ("t,q,u\n0,,1\n1,2,\n", "u", [1, np.nan]),
+        ("t;q\n0; \n1;NaN\n2;3\n", "q", [np.nan, np.nan, 3]),
+        ("0,,1\n1,2,3\n", "[1]", [np.nan, 2]),
+        ('t,q,u\n0,"[1, 2]",5\n1,,6\n', "q[1]", [2, np.nan]),
+        ('t,q,u\n0,"[1, 2]",5\n1,,6\n', "u", [5, 6]),
+    ],
+)
+def test_an_empty_cell_is_a_value_that_is_not_known(tmp_path: Path, text: str, column: str, values: list) -> None:
+    np.testing.assert_array_equal(table(tmp_path, text).read([column])[column].values, values)
