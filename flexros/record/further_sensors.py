@@ -130,12 +130,13 @@ def further_sensors(
     states = log.joint_states
     for quantity, place, index, sent, values in (*_of_joints(log, robot, joints, name, warnings), *_of_tool(log)):
         late = next((entry.delay for entry in robot.further_sensors if entry.quantity == quantity), 0.0)
-        stamp, finite = sent - round(late * 1e9), np.isfinite(values)
+        stamp, finite, motor = sent - round(late * 1e9), np.isfinite(values), None
+        if quantity == "link position" and states.position is not None:
+            motor = np.interp(stamp, states.stamp, states.position[:, columns[index]])
+            finite &= np.isfinite(motor)
+            motor = motor[finite]
         if not finite.any():
             continue
-        motor = None
-        if quantity == "link position" and states.position is not None:
-            motor = np.interp(stamp[finite], states.stamp, states.position[:, columns[index]])
         rotary = SENSOR_QUANTITIES[quantity].of_tool or robot.motors[index].rotary
         sensor = SensorRecord(
             quantity,

@@ -104,3 +104,15 @@ def test_joints_may_have_different_sensors() -> None:
     )
     names = [sensor.name for sensor in record_of(link_states=link).sensors]
     assert names == ["link position of motor_1", "joint torque of motor_2"]
+
+
+def test_a_link_position_without_that_of_its_motor_is_left_out() -> None:
+    position = VALUES.copy()
+    position[7, 0] = np.nan
+    states = JointSeries(STAMP, NAMES, position=position)
+    link = JointSeries(STAMP, ("motor_1",), position=VALUES[:, :1])
+    log = Log(states, JointSeries(STAMP, NAMES, effort=VALUES), other_series={"link_states": link})
+    (sensor,) = read_record(log, load_robot("elbow"), name="log").sensors
+    assert sensor.motor is not None
+    assert len(sensor.values) == len(sensor.motor) == N - 1
+    assert np.isfinite(sensor.motor).all()

@@ -101,15 +101,16 @@ class LostValues:
                 f"{title} is not finite in {n} of {n_used} rows (first: row {int(np.argmax(lost)) + 1}), allowed is a "
                 f"share of {MOST_LOST:g}; a quantity of a lower rate needs a file of its own, with its own times"
             )
-        if n:
-            self.columns[file, lost.tobytes()].append(column)
+        told = self.columns[file, lost.tobytes()] if n else [column]
+        if column not in told:
+            told.append(column)
         return np.where(np.isfinite(values), values, np.nan)
 
     @property
     def notes(self) -> tuple[str, ...]:
         """What was lost, one sentence for each set of rows."""
         return tuple(
-            f"{file}: {mark.count(1)} of {len(mark)} rows have no finite value of {', '.join(dict.fromkeys(columns))} (first: row "
+            f"{file}: {mark.count(1)} of {len(mark)} rows have no finite value of {', '.join(columns)} (first: row "
             f"{mark.index(1) + 1}); these samples are lost"
             for (file, mark), columns in self.columns.items()
         )

@@ -72,6 +72,12 @@ def test_numbers_that_are_not_finite_are_warned_of(value):
     assert warnings == ["/joint_states: position is not a finite number in 1 of 2 messages"]
 
 
+@pytest.mark.parametrize(("value", "told"), [(1.0, 0), (np.nan, 1)])
+def test_a_joint_without_any_number_is_told_only_where_no_joint_has_one(value, told):
+    _, warnings = joints((1, {"a": value, "b": np.nan}), (2, {"a": value, "b": np.nan}))
+    assert len(warnings) == told
+
+
 def test_messages_of_other_joints_are_left_out():
     series, warnings = joints((1, {"gripper": 9.0}), (1, {"a": 1.0}), (2, {"a": 2.0}))
     assert series.names == ("a",)
