@@ -55,7 +55,7 @@ def colour_of(noise: FloatArray) -> tuple[float, float, FloatArray]:
     cost, removed, coefficients = np.inf, 0.0, np.zeros(0)
     for _ in range(PASSES):
         cost, coefficients, driving = _autoregression(lags + removed, noise.size)
-        removed = min(TREND / length * driving / max(1 - coefficients.sum(), 1e-3) ** 2, lags[0])
+        removed = min(TREND / length * max(driving, 0.0) / max(1 - coefficients.sum(), 1e-3) ** 2, lags[0])
     return cost, float(np.sqrt(lags[0] + removed)), coefficients
 
 

@@ -56,3 +56,10 @@ def test_autoregressive_noise_without_coefficients_is_white() -> None:
 def test_positive_coefficient_is_low_frequency_noise() -> None:
     power = autoregressive_spectrum(np.array([[0.8]]))[:, 0]
     assert power[0] / power[-1] == pytest.approx((1.8 / 0.2) ** 2, rel=1e-3)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_slow_swing_that_no_autoregression_has_keeps_its_size() -> None:
+    swing = np.sin(np.pi * np.linspace(0, 1, LENGTH)) ** 2 * np.sin(6 * np.pi * np.linspace(0, 1, LENGTH))
+    _, deviation, _ = colour_of(np.stack([swing] * 3))
+    assert deviation >= np.sqrt(np.mean(swing**2))
