@@ -12,9 +12,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.logs.time_series import JointSeries
+
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray, IntArray
-    from flexros.logs.time_series import JointSeries, Log
+    from flexros.logs.time_series import Log
 
 NEAR = 0.15
 """Largest distance of an interval from a whole number of periods to count as one [1] (chosen)."""
@@ -149,10 +151,10 @@ def recovered(log: Log, warnings: list[str]) -> Log:
 
 
 def _rows(series: JointSeries, rows: BoolArray) -> JointSeries:
-    """Take some messages of a series."""
-    signals = ("stamp", "position", "velocity", "effort", "received")
-    parts = {name: getattr(series, name) for name in signals}
-    return replace(series, **{name: None if part is None else part[rows] for name, part in parts.items()})
+    """Take some messages of a series, without their times of receipt."""
+    parts = (series.position, series.velocity, series.effort)
+    position, velocity, effort = (None if values is None else values[rows] for values in parts)
+    return JointSeries(series.stamp[rows], series.names, position, velocity, effort)
 
 
 def _elapsed(time: FloatArray, position: FloatArray) -> tuple[FloatArray, FloatArray]:

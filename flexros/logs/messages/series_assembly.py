@@ -126,6 +126,6 @@ def warn_of_not_finite(topic: str, field: str, columns: Sequence[FloatArray], wa
     """
     finite = np.concatenate([np.isfinite(values) for values in columns], axis=1)
     known = finite.any(axis=0)
-    rows = finite[:, known | ~known.any()].all(axis=1)
-    if n_bad := int(np.count_nonzero(~rows)):
-        warnings.append(f"{topic}: {field} is not a finite number in {n_bad} of {len(rows)} messages")
+    usable = finite[:, known | ~known.any()]
+    if n_bad := int(np.count_nonzero(~np.all(usable, axis=1))):
+        warnings.append(f"{topic}: {field} is not a finite number in {n_bad} of {len(usable)} messages")
