@@ -6,12 +6,17 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from flexros.blas_threads import one_blas_thread
-from flexros.gap.answer.assemble import settles
 from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.fit.elastic_timing import with_torque_in_time_behind_springs
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.fit.unknown_numbers import unknown_numbers
-from flexros.gap.held_out.prediction_gap import errors_ahead, gap_numbers, over_expected_floor, unknown_rounding
+from flexros.gap.held_out.prediction_gap import (
+    errors_ahead,
+    gap_numbers,
+    over_expected_floor,
+    settled,
+    unknown_rounding,
+)
 from flexros.gap.progress import Stages
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.search.model_probability import allowing_for_doubt, compare
@@ -108,8 +113,7 @@ def measure_gap(
         stages.begin("repaired model", 1.0)
         after, significant = _errors(repaired.commanded_by(record.commands), unknown, data, tolerance or {}, settings)
     numbers = gap_numbers(before, after, record.sample_time)
-    told = data.record.without_doubts() if settles(numbers.closed_fraction) else data.record
-    return MeasuredGap(numbers, significant, told.warnings)
+    return MeasuredGap(numbers, significant, settled(data.record, numbers.closed_fraction).warnings)
 
 
 def _errors(

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.record.local_cubic import local_cubic
-from flexros.record.shifted_torque import moved_later
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -55,8 +54,8 @@ def resampled(record: Record, sample_time: float, reason: str = "the rate of the
     """Resample a record.
 
     Positions are interpolated by cubics, torques and commanded positions averaged over each new sample, and other
-    signals interpolated linearly, measured torques as they acted. A new sample is valid where the old ones beside it
-    are.
+    signals interpolated linearly. Measured torques keep their shift in samples, so each moves by what the sample time
+    changes of it. A new sample is valid where the old ones beside it are.
 
     Args:
         record: The record.
@@ -76,10 +75,10 @@ def resampled(record: Record, sample_time: float, reason: str = "the rate of the
     left = np.clip(np.floor(at / old + 1e-9).astype(np.int64), 0, record.n_samples - 1)
     right = np.minimum(left + (at > before[left] + 1e-9 * old), record.n_samples - 1)
 
-    def linear(values: FloatArray | None) -> FloatArray | None:
+    def linear(values: FloatArray | None, shift: float = 0.0) -> FloatArray | None:
         if values is None:
             return None
-        return np.column_stack([np.interp(at, before, column) for column in values.T])
+        return np.column_stack([np.interp(at + shift * sample_time, before + shift * old, one) for one in values.T])
 
     edges, ends = np.append(at, at[-1] + sample_time), np.append(before, before[-1] + old)
     spans = np.diff(np.minimum(edges, ends[-1]))
@@ -89,7 +88,6 @@ def resampled(record: Record, sample_time: float, reason: str = "the rate of the
         sums = np.column_stack([np.interp(edges, ends, column) for column in integral.T])
         return np.asarray(np.diff(sums, axis=0) / spans[:, None])
 
-    effort = None if record.effort is None else moved_later(record.effort, record.torque_shift)
     position = local_cubic(before[record.valid], record.position[record.valid], at)
     text = f"{record.name} has {1 / old:.6g} samples per second; it was resampled to {1 / sample_time:.6g}, {reason}"
     return replace(
@@ -102,8 +100,7 @@ def resampled(record: Record, sample_time: float, reason: str = "the rate of the
         valid=record.valid[left] & record.valid[right],
         late=None if record.late is None else record.late[left] | record.late[right],
         velocity=linear(record.velocity),
-        effort=linear(effort),
-        torque_shift=0.0,
+        effort=linear(record.effort, record.torque_shift),
         reference=linear(record.reference),
         parts=(),
         first=round(record.first * old / sample_time),

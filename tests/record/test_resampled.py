@@ -9,6 +9,7 @@ import pytest
 
 from flexros.record.record import Record
 from flexros.record.resampled import at_usual_rate, may_be_resampled, resampled
+from flexros.record.shifted_torque import moved_later
 
 N = 2000
 OLD = 1 / 100.235
@@ -61,10 +62,11 @@ def test_a_very_fast_recorder_is_slowed_down_for_an_imported_log_alone() -> None
     assert at_usual_rate(replace(record_of(1 / 2000), imported=True)).sample_time == 1 / 2000
 
 
-def test_measured_torques_are_moved_to_when_they_acted() -> None:
+def test_measured_torques_act_when_they_acted_before() -> None:
     fast = record_of(1 / 4000)
     ramp = np.arange(N, dtype=float)[:, None]
     held = replace(fast, imported=True, measured_torque=True, effort=ramp, torque_shift=0.5)
     slow = at_usual_rate(held)
-    np.testing.assert_allclose(slow.effort[1:], 4 * np.arange(1, slow.n_samples)[:, None] - 0.5)
-    assert slow.torque_shift == 0.0
+    assert slow.effort is not None
+    acting = moved_later(slow.effort, slow.torque_shift)[1:-1]
+    np.testing.assert_allclose(acting, 4 * np.arange(1, slow.n_samples - 1)[:, None] - 0.5)

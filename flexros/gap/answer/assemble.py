@@ -28,6 +28,7 @@ from flexros.gap.held_out.prediction_gap import (
     errors_ahead,
     gap_numbers,
     over_expected_floor,
+    settled,
     signal_gaps,
 )
 from flexros.gap.held_out.predictions import prediction_of, signature_evidence
@@ -54,8 +55,7 @@ if TYPE_CHECKING:
 STEP_ERROR = 1e-3
 """Relative standard deviation of a quantization step that is read off the levels of a log [1]."""
 LOW_FRACTION, LEAST_GAP = 0.5, 2.0
-"""Closed fraction below which, and gap above which, it is warned that the explanation may not hold elsewhere [1].
-From that fraction on a repair settles what was doubtful about the nominal model."""
+"""Closed fraction below which, and gap above which, it is warned that the explanation may not hold elsewhere [1]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,17 +101,19 @@ def result_of(
     patch = () if _worse(errors) else repair_of(findings)
     names, covariance = covariance_of(chosen, findings.data, findings.settings)
     tolerated = chosen.predictor.tolerance
-    records = findings.data.record, findings.held.record
-    if patch and settles(_closed(errors.after, findings, errors)):
-        records = records[0].without_doubts(), records[1].without_doubts()
+    closed = _closed(errors.after, findings, errors) if patch else None
+    record, holdout = (settled(one.record, closed) for one in (findings.data, findings.held))
+    told = _record_warnings(record, holdout)
     before = _explanation(explanations.null, findings, null_prediction)
     after = _explanation(chosen, findings) if patch else None
     probabilities = dict(zip(explanations.rivals, explanations.probabilities))
     return DiagnosisResult(
-        diagnosis=_diagnosis(findings, verdict, errors, excess, settings, stages, deadline, _record_warnings(*records)),
+        diagnosis=_diagnosis(
+            findings, verdict, errors, excess, settings, stages, deadline, _record_warnings(record, holdout)
+        ),
         robot=model.robot,
-        record=records[0],
-        holdout=records[1],
+        record=record,
+        holdout=holdout,
         before=before,
         ranking=_ranking(findings, verdict),
         null_probability=float(probabilities[explanations.null]),
@@ -176,14 +178,14 @@ def _diagnosis(
     settings: DiagnosisSettings,
     stages: Stages,
     deadline: Deadline,
-    of_records: tuple[str, ...],
+    told: tuple[str, ...],
 ) -> Diagnosis:
     """Put together what is written into diagnosis.json."""
     sample_time = findings.held.record.sample_time
     gap = gap_numbers(errors.before, errors.after, sample_time, errors.rival)
     whole = verdict != "no_gap"
     budget = budget_of(findings, errors.before, errors.after or errors.before) if whole else without_gap(findings)
-    warnings = (*of_records, *_sensor_warnings(findings), *_answer_warnings(findings, gap))
+    warnings = (*told, *_sensor_warnings(findings), *_answer_warnings(findings, gap))
     following = _next(findings, verdict, stages, deadline) if settings.next_experiment else None
     return Diagnosis(
         schema=2,
@@ -329,15 +331,6 @@ def _next(findings: Findings, verdict: Verdict, stages: Stages, deadline: Deadli
         progress=lambda share: stages.inner(NEXT_EXPERIMENT, share),
         stop=deadline.stops,
     )
-
-
-def settles(closed: float | None) -> bool:
-    """Return whether a repair that closes this share of the gap settles the doubts about the nominal model.
-
-    Args:
-        closed: The share [1]; None where the gap does not show.
-    """
-    return closed is not None and closed >= LOW_FRACTION
 
 
 def _record_warnings(fitted: Record, held: Record) -> tuple[str, ...]:

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from flexros.gap.residuals.fit_data import FitData
     from flexros.record.further_sensors import SensorRecord
     from flexros.record.quantization import Quantization
+    from flexros.record.record import Record
     from flexros.robot import Robot
 
 METRIC = "mean squared prediction error 0.1 s ahead over its floor variance"
@@ -30,6 +31,8 @@ HORIZON = 0.1
 """Prediction horizon [s] (the contract)."""
 BOOTSTRAP_STREAM = 20
 """Stream of random numbers of the bootstrap."""
+SETTLES = 0.5
+"""Closed share of the gap from which a repaired model explains the log, so that it is of this robot [1] (chosen)."""
 RUN_AWAY = 1e15
 """Error over the floor that a diverged prediction counts as [1] (chosen)."""
 _MILLI, _MICRO = 1e-3, 1e-6
@@ -228,6 +231,16 @@ def closed_fraction(before: AheadErrors, after: AheadErrors, sample_time: float)
     means = means[:, means[0] - 1.0 > least]
     low, high = np.quantile((means[0] - means[1]) / (means[0] - 1.0), [0.025, 0.975])
     return ClosedShare((before.mean - after.mean) / (before.mean - 1.0), (float(low), float(high)))
+
+
+def settled(record: Record, closed: float | None) -> Record:
+    """Return a record without the warnings that doubt the nominal model, where a repair closes much of the gap.
+
+    Args:
+        record: The log.
+        closed: Share of the gap that the repaired model closes [1]; None without one, or where no gap shows.
+    """
+    return record if closed is None or closed < SETTLES else record.without_doubts()
 
 
 def gap_numbers(

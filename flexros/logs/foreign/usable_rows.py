@@ -101,9 +101,8 @@ class LostValues:
                 f"{title} is not finite in {n} of {n_used} rows (first: row {int(np.argmax(lost)) + 1}), allowed is a "
                 f"share of {MOST_LOST:g}; a quantity of a lower rate needs a file of its own, with its own times"
             )
-        told = self.columns[file, lost.tobytes()] if n else [column]
-        if column not in told:
-            told.append(column)
+        if n and column not in (listed := self.columns[file, lost.tobytes()]):
+            listed.append(column)
         return np.where(np.isfinite(values), values, np.nan)
 
     @property

@@ -100,7 +100,7 @@ class CsvTable(AbstractSignalSource):
                 if number > self._lines_before and text.strip():
                     yield number, text
 
-    def _divided(self, line: str) -> list[str]:
+    def _row_entries(self, line: str) -> list[str]:
         """Divide a line, lists into their entries; an empty cell where the first row has a list stands for all."""
         cells = _cells(line, self._delimiter)
         sizes = self._sizes if len(cells) == len(self._sizes) else [1] * len(cells)
@@ -110,7 +110,7 @@ class CsvTable(AbstractSignalSource):
         """Yield the rows with the entries of lists as cells of their own."""
         between = self._delimiter or " "
         for number, line in self._rows():
-            cells = self._divided(line)
+            cells = self._row_entries(line)
             if len(cells) != len(self._names):
                 raise InputError(
                     f"{self._path}, line {number} has {len(cells)} numbers with those in lists, but the first row has "
@@ -121,7 +121,7 @@ class CsvTable(AbstractSignalSource):
     def _first_fault(self, columns: list[int], error: Exception) -> InputError:
         """Return the error that names the first entry that is not a number."""
         for number, line in self._rows():
-            cells = self._divided(line)
+            cells = self._row_entries(line)
             for column in columns:
                 cell = cells[column] if column < len(cells) else None
                 if cell is None or (cell and not _is_number(cell)):
