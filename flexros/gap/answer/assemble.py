@@ -108,9 +108,7 @@ def result_of(
     after = _explanation(chosen, findings) if patch else None
     probabilities = dict(zip(explanations.rivals, explanations.probabilities))
     return DiagnosisResult(
-        diagnosis=_diagnosis(
-            findings, verdict, errors, excess, settings, stages, deadline, _record_warnings(record, holdout)
-        ),
+        diagnosis=_diagnosis(findings, verdict, errors, excess, settings, stages, deadline, told),
         robot=model.robot,
         record=record,
         holdout=holdout,
