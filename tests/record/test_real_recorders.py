@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 
 from flexros.effects import RobotWithEffects
+from flexros.gap.noise.encoder_noise import measure_noise
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.settings import DiagnosisSettings
 from flexros.logs.foreign.import_log import import_log
@@ -18,6 +20,7 @@ from flexros.record.checks.run import findings
 from flexros.record.quantization import lattice_step
 from flexros.record.read import read_record
 from flexros.record.record import Record
+from flexros.record.smoothing import smooth_motion
 from flexros.robot import Robot, load_robot
 
 FOLDER = Path(os.environ.get("FLEXROS_REALDATA") or "/nowhere")
@@ -61,3 +64,21 @@ def test_resolution_of_an_encoder_is_found_in_decimals(stage: int, counts: int) 
     record, _ = recorded(LINKS, "lqr.csv", f"mapping_stage{stage}.yaml", f"robot_stage{stage}.yaml")
     step = lattice_step(record.position[:, 0])
     assert step == pytest.approx(2 * np.pi / counts, rel=1e-3)
+
+
+@pytest.mark.slow
+def test_noise_that_grows_with_speed_is_not_the_rounding_of_a_coarse_encoder() -> None:
+    record, robot = recorded(PENDULUM, "C_143601.csv", "mapping.yaml", "robot_without_friction.yaml")
+    step = lattice_step(record.position[:, 0])
+    assert step is not None
+    smooth = smooth_motion(record.position, record.sample_time, 50.0)[0]
+    rounded = replace(record, position=step * np.rint(smooth / step))
+    measured, made = (measure_noise(one, robot, DiagnosisSettings()).jitter for one in (record, rounded))
+    assert measured > 2e-5
+    assert made == 0.0
+
+
+def test_a_log_of_ten_seconds_is_not_called_short() -> None:
+    record, robot = recorded(PENDULUM, "C_143601.csv", "mapping.yaml", "robot_without_friction.yaml")
+    assert record.duration < 10.0
+    assert not any("below 10 s" in finding.text for finding in findings(record, robot))
