@@ -130,8 +130,8 @@ def with_more(
 ) -> CandidateFit | None:
     """Add candidates to a fit: several whose gains add up, or one of the best.
 
-    Several begin with the sizes that they have together by linear theory. Where their fit ends above the fit without
-    them nevertheless, that is no sign that nothing is missing: then each of the best ones is tried alone as well.
+    Several begin with the sizes that they have together by linear theory. Where their fit removes less than it must,
+    that is no sign that nothing is missing: then each of the best ones is tried alone as well.
 
     Args:
         search: The search.
@@ -158,7 +158,7 @@ def with_more(
         sizes = surroundings.sizes(np.stack([addition.change for addition in group], axis=-1))
         group = [addition.sized(size) for addition, size in zip(group, sizes, strict=True)]
     grown = _fitted(search, fit, [group], fits) if len(group) > 1 else None
-    least = fit.chi2 - settings.removed_by_step * max(fit.chi2 - search.data.n_values, 0.0)
+    least = fit.chi2 - _removed(search, fit, settings.removed_by_step) * max(fit.chi2 - search.data.n_values, 0.0)
     if grown is None or (grown.chi2 > least and not search.torques_decide and not search.deadline.stops()):
         alone = _fitted(search, fit, [[addition] for addition in additions[: settings.added]], fits)
         grown = min((one for one in (grown, alone) if one is not None), key=lambda one: one.chi2, default=None)

@@ -171,8 +171,7 @@ class ModelComparison:
         contrast = contrast_of(fit.hypothesis, reference.hypothesis)
         if not contrast.own:
             return 0.0
-        without = self._fits_by_names.get(fit.names - contrast.own, self.null)
-        gap = max(self.level(without) - self.level(fit), 0.0)
+        gap = max(self._least_level_of(fit.names - contrast.own) - self.level(fit), 0.0)
         error = form_error(gap, plain=contrast.plain, settings=self.settings)
         if not contrast.between or self.distance is None:
             return error
@@ -182,9 +181,16 @@ class ModelComparison:
         distance = self.distance(fit, reference) / self.n_values
         return form_error(gap, plain=True, distance=distance, settings=self.settings)
 
+    def _least_level_of(self, names: frozenset[str]) -> float:
+        """Return the level that some effects leave [1], or the least of parts of them that were fitted."""
+        if names not in self._levels:
+            parts = (self.level(fit) for fit in (self.null, *self.fits) if fit.names <= names)
+            self._levels[names] = min(parts)
+        return self._levels[names]
+
     @cached_property
-    def _fits_by_names(self) -> dict[frozenset[str], CandidateFit]:
-        return {**{fit.names: fit for fit in reversed(self.fits)}, frozenset(): self.null}
+    def _levels(self) -> dict[frozenset[str], float]:
+        return {}
 
 
 @dataclass(frozen=True)
