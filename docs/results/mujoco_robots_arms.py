@@ -10,8 +10,8 @@ import numpy as np
 
 from flexros.effects.patching.export import export_model
 from flexros.effects.patching.patched_robot import load_patched
-from flexros.robot.exchange.mjcf_import import robot_from_mjcf
-from flexros.robot.exchange.urdf_import import robot_from_urdf
+from flexros.robot.exchange.mjcf.robot_import import robot_from_mjcf
+from flexros.robot.exchange.urdf.robot_import import robot_from_urdf
 
 if TYPE_CHECKING:
     from pathlib import Path

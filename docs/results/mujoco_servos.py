@@ -21,7 +21,7 @@ from flexros.gap.diagnose import diagnose
 from flexros.gap.report.files import write_diagnosis
 from flexros.logs.stamps import START_NS
 from flexros.logs.time_series import JointSeries, Log
-from flexros.robot.exchange.mjcf_import import robot_from_mjcf
+from flexros.robot.exchange.mjcf.robot_import import robot_from_mjcf
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray

@@ -9,7 +9,7 @@ import numpy as np
 from flexros.effects.patching.export import export_model
 from flexros.effects.patching.patched_robot import load_patched
 from flexros.robot import load_robot
-from flexros.robot.exchange.sdf_export import ENTRIES, sdf_text
+from flexros.robot.exchange.urdf.sdf_export import ENTRIES, sdf_text
 
 
 def test_sdf_has_the_links_and_joints_of_the_urdf() -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexros.errors import InputError, unknown_name
-from flexros.robot.exchange.mujoco_model import mujoco_package
+from flexros.robot.exchange.mjcf.mujoco_model import mujoco_package
 from flexros.robot.exchange.slanted_axis import ALIGNED, turn_to
 
 if TYPE_CHECKING:

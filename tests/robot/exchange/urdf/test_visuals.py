@@ -11,8 +11,8 @@ from scipy.spatial.transform import Rotation
 from flexros.errors import InputError
 from flexros.robot import Robot, load_robot
 from flexros.robot.body_placement import BodyPlacements
-from flexros.robot.exchange.urdf_import import robot_from_urdf
-from flexros.robot.exchange.urdf_visuals import BASE, mesh_path, visuals
+from flexros.robot.exchange.urdf.robot_import import robot_from_urdf
+from flexros.robot.exchange.urdf.visuals import BASE, mesh_path, visuals
 
 INERTIAL = (
     '<inertial><mass value="1"/><origin xyz="0.1 0 0"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'

@@ -9,9 +9,9 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.robot.exchange.joint_names import motor_joints
-from flexros.robot.exchange.link_load import add_load
 from flexros.robot.exchange.number_text import number
 from flexros.robot.exchange.numbers import Export, NotHeld, Written, same
+from flexros.robot.exchange.urdf.link_load import add_load
 from flexros.robot.exchange.xml_text import XmlElement, XmlText
 from flexros.robot.quantity import unit_of
 from flexros.robot.spring import Spring

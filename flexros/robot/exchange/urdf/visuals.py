@@ -14,8 +14,8 @@ from flexros.config.text_file import read_text
 from flexros.errors import InputError
 from flexros.input_limits import LARGEST_URDF
 from flexros.robot.body_placement import BodyPlacements
-from flexros.robot.exchange.urdf_import import turned_base
-from flexros.robot.exchange.urdf_tree import read_numbers, read_tree
+from flexros.robot.exchange.urdf.robot_import import turned_base
+from flexros.robot.exchange.urdf.tree import read_numbers, read_tree
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

@@ -12,9 +12,9 @@ import pytest
 from flexros.effects.patching.export import export_model
 from flexros.effects.patching.patched_robot import load_patched
 from flexros.errors import InputError
-from flexros.robot.exchange.mjcf_import import robot_from_mjcf
+from flexros.robot.exchange.mjcf.robot_import import robot_from_mjcf
 from flexros.robot.exchange.numbers import Export
-from tests.robot.exchange.arm_mjcf import ARM
+from tests.robot.exchange.mjcf.arm_mjcf import ARM
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
 

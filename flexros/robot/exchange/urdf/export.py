@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from flexros.robot.exchange.urdf_tree import NO_LIMIT
+from flexros.robot.exchange.urdf.tree import NO_LIMIT
 from flexros.robot.link_shape import link_shapes, tool_offset
 
 if TYPE_CHECKING:

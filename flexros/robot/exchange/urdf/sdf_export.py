@@ -9,7 +9,7 @@ import numpy as np
 
 from flexros.robot.exchange.link_inertia import LEAST, possible_tensor
 from flexros.robot.exchange.number_text import number
-from flexros.robot.exchange.urdf_export import urdf_text
+from flexros.robot.exchange.urdf.export import urdf_text
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element

@@ -10,8 +10,8 @@ import pytest
 from flexros.effects.patching.export import export_model
 from flexros.effects.patching.patched_robot import load_patched
 from flexros.robot import load_robot
-from flexros.robot.exchange.mjcf_actuators import joint_actuator
-from flexros.robot.exchange.mjcf_import import robot_from_mjcf
+from flexros.robot.exchange.mjcf.actuators import joint_actuator
+from flexros.robot.exchange.mjcf.robot_import import robot_from_mjcf
 from flexros.robot.exchange.numbers import Export
 from flexros.robot.parameters import SERVO
 

@@ -16,7 +16,7 @@ from flexros.errors import InputError
 from flexros.input_limits import LARGEST_URDF
 from flexros.robot.exchange.imported import ImportedEffect, ImportedJoint, ImportedRobot
 from flexros.robot.exchange.slanted_axis import roll_pitch_yaw, turn_to
-from flexros.robot.exchange.urdf_tree import MOVABLE, NO_LIMIT, read_tree
+from flexros.robot.exchange.urdf.tree import MOVABLE, NO_LIMIT, read_tree
 from flexros.robot.physical import ROUNDED
 from flexros.robot.quantity import unit_of
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from flexros.arrays import FloatArray
-    from flexros.robot.exchange.urdf_tree import Inertial, UrdfJoint
+    from flexros.robot.exchange.urdf.tree import Inertial, UrdfJoint
 
 ALUMINIUM = 2700.0
 """Density of links whose inertia was rounded to zero, as URDFs of light last links have it [kg/m3] (chosen)."""

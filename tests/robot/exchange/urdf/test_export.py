@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from flexros.robot import Robot, load_robot, robot_from_data, robot_names
-from flexros.robot.exchange.urdf_export import Flexible, urdf_text
-from flexros.robot.exchange.urdf_import import skeleton_from_urdf
+from flexros.robot.exchange.urdf.export import Flexible, urdf_text
+from flexros.robot.exchange.urdf.robot_import import skeleton_from_urdf
 
 pytestmark = pytest.mark.slow
 

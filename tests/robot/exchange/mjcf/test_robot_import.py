@@ -12,8 +12,8 @@ from flexros.effects.patching.export import export_model
 from flexros.effects.patching.patched_robot import load_patched
 from flexros.errors import InputError
 from flexros.robot import load_robot
-from flexros.robot.exchange.mjcf_import import robot_from_mjcf
-from tests.robot.exchange.arm_mjcf import ARM
+from flexros.robot.exchange.mjcf.robot_import import robot_from_mjcf
+from tests.robot.exchange.mjcf.arm_mjcf import ARM
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
 

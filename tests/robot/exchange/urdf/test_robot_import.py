@@ -10,8 +10,8 @@ import pytest
 from flexros.errors import InputError
 from flexros.robot import load_robot
 from flexros.robot.body_placement import BodyPlacements
-from flexros.robot.exchange.urdf_export import urdf_text
-from flexros.robot.exchange.urdf_import import robot_from_urdf, skeleton_from_urdf
+from flexros.robot.exchange.urdf.export import urdf_text
+from flexros.robot.exchange.urdf.robot_import import robot_from_urdf, skeleton_from_urdf
 
 URDF = """<robot name="little">
   <link name="base"/>

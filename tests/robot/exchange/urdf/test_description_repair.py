@@ -11,7 +11,7 @@ from flexros.effects.patching.export import Format, export_model
 from flexros.effects.patching.patched_robot import PatchedRobot, load_patched
 from flexros.errors import InputError
 from flexros.robot.exchange.numbers import Export
-from flexros.robot.exchange.urdf_import import skeleton_from_urdf
+from flexros.robot.exchange.urdf.robot_import import skeleton_from_urdf
 
 PATCH = """robot: elbow
 effects:

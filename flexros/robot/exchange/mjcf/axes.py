@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexros.robot.exchange.mjcf_actuators import JointActuator, joint_actuator
+from flexros.robot.exchange.mjcf.actuators import JointActuator, joint_actuator
 
 if TYPE_CHECKING:
-    from flexros.robot.exchange.mjcf_arm import ArmJoint, MjcfArm
+    from flexros.robot.exchange.mjcf.arm import ArmJoint, MjcfArm
 
 WEIGHTLESS = 1e-5
 """Mass of a rotor's own body over that of the next one, and its inertia over the armature, that are none (chosen)."""

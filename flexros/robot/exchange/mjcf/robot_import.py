@@ -7,18 +7,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexros.robot.exchange.imported import ImportedEffect, ImportedJoint, ImportedRobot
-from flexros.robot.exchange.mjcf_arm import find_arm
-from flexros.robot.exchange.mjcf_axes import axes_of
-from flexros.robot.exchange.mjcf_robot_text import robot_text
-from flexros.robot.exchange.mujoco_model import compile_file
+from flexros.robot.exchange.mjcf.arm import find_arm
+from flexros.robot.exchange.mjcf.axes import axes_of
+from flexros.robot.exchange.mjcf.mujoco_model import compile_file
+from flexros.robot.exchange.mjcf.robot_text import robot_text
 from flexros.robot.exchange.numbers import NotHeld
 from flexros.robot.quantity import unit_of
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from flexros.robot.exchange.mjcf_actuators import JointActuator
-    from flexros.robot.exchange.mjcf_arm import ArmJoint, MjcfArm
+    from flexros.robot.exchange.mjcf.actuators import JointActuator
+    from flexros.robot.exchange.mjcf.arm import ArmJoint, MjcfArm
 
 
 def robot_from_mjcf(file: Path, end: str = "") -> ImportedRobot:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from flexros.robot.exchange.mujoco_model import mujoco_package
+from flexros.robot.exchange.mjcf.mujoco_model import mujoco_package
 
 
 @dataclass(frozen=True)

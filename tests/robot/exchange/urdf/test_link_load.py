@@ -10,9 +10,9 @@ import pytest
 from flexros.effects.patching.export import export_model
 from flexros.effects.patching.patched_robot import load_patched
 from flexros.record.balance.inverse_dynamics import rigid_arm
-from flexros.robot.exchange.urdf_import import skeleton_from_urdf
+from flexros.robot.exchange.urdf.robot_import import skeleton_from_urdf
 
-URDF = Path(__file__).parents[3] / "docs" / "examples" / "ur5e.urdf"
+URDF = Path(__file__).parents[4] / "docs" / "examples" / "ur5e.urdf"
 PATCH = """
 robot: ur5e.yaml
 effects:

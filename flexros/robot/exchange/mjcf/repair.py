@@ -10,10 +10,10 @@ from flexros.config.text_file import read_text
 from flexros.errors import InputError
 from flexros.input_limits import LARGEST_URDF
 from flexros.robot.exchange.joint_names import motor_joints, tagged
-from flexros.robot.exchange.mjcf_actuators import actuators_of, added, joint_actuator
-from flexros.robot.exchange.mjcf_arm import MjcfArm, find_arm
-from flexros.robot.exchange.mjcf_export import delay_attributes
-from flexros.robot.exchange.mujoco_model import compile_file, compile_text
+from flexros.robot.exchange.mjcf.actuators import actuators_of, added, joint_actuator
+from flexros.robot.exchange.mjcf.arm import MjcfArm, find_arm
+from flexros.robot.exchange.mjcf.export import delay_attributes
+from flexros.robot.exchange.mjcf.mujoco_model import compile_file, compile_text
 from flexros.robot.exchange.number_text import number, numbers_text
 from flexros.robot.exchange.numbers import Export, NotHeld, Written, same
 from flexros.robot.exchange.xml_text import XmlElement, XmlText
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from flexros.robot import Robot
-    from flexros.robot.exchange.mjcf_actuators import JointActuator
+    from flexros.robot.exchange.mjcf.actuators import JointActuator
     from flexros.robot.exchange.numbers import BodyNumbers, JointNumbers, RepairedNumbers
 
 

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from flexros.arrays import FloatArray
-    from flexros.robot.exchange.mjcf_arm import ArmJoint, MjcfArm
-    from flexros.robot.exchange.mjcf_axes import ArmAxis
+    from flexros.robot.exchange.mjcf.arm import ArmJoint, MjcfArm
+    from flexros.robot.exchange.mjcf.axes import ArmAxis
 
 SMALL = 1e-13
 """Values below are round-off of the frames, and zero [m, kg m2] (chosen)."""
