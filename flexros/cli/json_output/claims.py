@@ -71,7 +71,7 @@ class BenchmarkedSpeed(Output):
 
 
 class CampaignFigures(OpenOutput):
-    """Figures of one campaign; the keys are its own, as in the JSON file beside its page of results."""
+    """Figures of one campaign; the keys are its own, as in its JSON file in the folder `data`."""
 
 
 class BlindScore(Output):

@@ -19,7 +19,7 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def script() -> ModuleType:
-    return program("docs/results/mujoco_servos.py")
+    return program("docs/results/programs/mujoco_servos.py")
 
 
 def gap(script: ModuleType, folder: Path, **changed: tuple[float, ...]) -> MeasuredGap:

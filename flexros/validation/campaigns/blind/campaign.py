@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from flexros.validation.blind.score.answer import Answer
     from flexros.validation.campaigns.base import CampaignRequest
 
-PAGE, FIGURES = "blind.md", "blind.json"
+PAGE, FIGURES = "blind.md", "data/blind.json"
 
 
 class BlindCheck(AbstractCampaign):
@@ -91,7 +91,7 @@ def blind_result(
         "versions": used,
     }
     files = {PAGE: blind_page(answers, failures, planned, settings, drawn, used), FIGURES: json_text(figures)}
-    files |= {f"blind_{name}.svg": text for name, text in drawn.items()}
+    files |= {f"figures/blind_{name}.svg": text for name, text in drawn.items()}
     return CampaignResult(files, figures, blind_summary(answers, planned))
 
 

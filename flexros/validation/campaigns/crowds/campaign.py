@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from flexros.validation.blind.score.answer import Answer
     from flexros.validation.campaigns.base import CampaignRequest
 
-PAGE, FIGURES = "crowds.md", "crowds.json"
+PAGE, FIGURES = "crowds.md", "data/crowds.json"
 
 
 class BlindCrowds(AbstractCampaign):

@@ -57,13 +57,13 @@ def test_page_holds_figures_pictures_and_what_is_left() -> None:
     assert "The other 96 cases take about 0.3 h" in result.summary[-1]
     for name in ("confusion", "detection", "calibration"):
         assert f"blind_{name}.svg" in page
-        Xml.fromstring(result.files[f"blind_{name}.svg"])
+        Xml.fromstring(result.files[f"figures/blind_{name}.svg"])
     assert len(result.record["cases"]) == 4
     assert "salt" not in result.record["cases"][0]
 
 
 def test_confusion_matrix_has_a_cell_for_every_truth_and_answer() -> None:
-    picture = blind_result(answers(), {}, 4, BlindSettings(), {}).files["blind_confusion.svg"]
+    picture = blind_result(answers(), {}, 4, BlindSettings(), {}).files["figures/blind_confusion.svg"]
     assert picture.count("<rect") == 1 + 3 * 4  # background; three truths, one effect that was said and three others
 
 

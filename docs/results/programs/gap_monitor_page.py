@@ -1,4 +1,4 @@
-"""Write gap_monitor.md: python docs/results/gap_monitor_page.py nominal|detection|accepted|page [WORK].
+"""Write gap_monitor.md: python docs/results/programs/gap_monitor_page.py nominal|detection|accepted|page [WORK].
 
 `nominal`, `detection` and `accepted` append their results case by case to WORK/*.jsonl until all cases are done;
 `page` writes the page. Seeds from 5000 on were not used in development.
@@ -262,7 +262,7 @@ def main(what: str, work: Path) -> None:
         add(work / f"{what}.jsonl", cases[what]())
     else:
         text = page_text(work, RATES, ONSET)
-        (Path(__file__).parent / "gap_monitor.md").write_text(text, encoding="utf-8")
+        (Path(__file__).parents[1] / "gap_monitor.md").write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Write emps.md, on the measured drive: FLEXROS_REALDATA=... python docs/results/emps_page.py [FOLDER]."""
+"""Write emps.md, on the measured drive: FLEXROS_REALDATA=... python docs/results/programs/emps_page.py [FOLDER]."""
 
 from __future__ import annotations
 
@@ -32,7 +32,8 @@ NOISE = 5e-7
 """Noise of simulated positions [m]: the residuals after friction are then as large as in the measured log."""
 HEAD = """# A measured drive: EMPS
 
-Written by `FLEXROS_REALDATA=<folder with emps/> python docs/results/emps_page.py`. The data (Janot, Gautier and Brunot
+Written by `FLEXROS_REALDATA=<folder with emps/> python docs/results/programs/emps_page.py`.
+The data (Janot, Gautier and Brunot
 2019) are not part of this repository. Model: `emps`, mass and viscous friction only. Two thirds of each log are fitted,
 the last third is held out.
 """
@@ -182,6 +183,6 @@ def page(folder: Path) -> str:
 
 
 if __name__ == "__main__":
-    target = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent
+    target = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[1]
     target.mkdir(parents=True, exist_ok=True)
     (target / "emps.md").write_text(page(Path(os.environ["FLEXROS_REALDATA"]) / "emps"), encoding="utf-8")

@@ -1,4 +1,7 @@
-"""Write multivariable_benchmark.md: python docs/results/multivariable_benchmark_page.py [--tune ROBOT KIND NUMBER]."""
+"""Write multivariable_benchmark.md, or tune a design of it.
+
+python docs/results/programs/multivariable_benchmark_page.py [--tune ROBOT KIND NUMBER]
+"""
 
 from __future__ import annotations
 
@@ -40,7 +43,8 @@ SETS = ", ".join(
 )
 HEAD = f"""# Multivariable benchmark
 
-Written by `python docs/results/multivariable_benchmark_page.py`. Moberg (2007, section 6.2) asks for a benchmark of
+Written by `python docs/results/programs/multivariable_benchmark_page.py`.
+Moberg (2007, section 6.2) asks for a benchmark of
 several axes with parametric uncertainty. This is one of ours, by the rules of [that of Paper C](feedback_benchmark.md):
 `flexros benchmark --on e12 CONTROLLER.yaml` or `--on six_axis`. **All numbers are chosen.**
 
@@ -79,14 +83,14 @@ def main(arguments: Sequence[str]) -> None:
         robot, kind, evaluations = arguments[1:4]
         print(json_text(tuned(problem_named(robot), kind, int(evaluations))))
         return
-    folder = Path(__file__).parent
+    folder = Path(__file__).parents[1]
     parts = [HEAD]
     for name, problem in PROBLEMS.items():
         bench = MotionBenchmark(problem)
         loaded = [load_motion_controller(problem, one) for one in motion_controller_names(problem)]
         results = sorted((bench.evaluate(one) for one in loaded), key=lambda result: result.cost)
         ranked = [next(one for one in loaded if one.name == result.name) for result in results]
-        (folder / f"multivariable_benchmark_{name}.svg").write_text(_picture(bench, ranked).svg())
+        (folder / "figures" / f"multivariable_benchmark_{name}.svg").write_text(_picture(bench, ranked).svg())
         parts.append(_section(name, results, ranked, bench))
     (folder / "multivariable_benchmark.md").write_text("\n".join(parts))
 
@@ -115,7 +119,7 @@ def _section(
         f"{best.largest_torque:.3g} %, of which the feedforward of the motion is {needed:.3g} %.",
         "",
         f"![Deviation of the tool of the nominal model from its undisturbed path, "
-        f"{name}](multivariable_benchmark_{name}.svg)",
+        f"{name}](figures/multivariable_benchmark_{name}.svg)",
         "",
         f"*Distance of the tool of the nominal model from its undisturbed path [mm] over time [s], {name}, with "
         f"noise.*",

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-OWN = Path(__file__).parent / "real_robots"
+OWN = Path(__file__).parent / "measured"
 """Mappings and robot files of data sets that have none."""
 KINDS = {
     "Coulomb friction": (("coulomb_friction", "level"), ("presliding_friction", "level")),
@@ -368,10 +368,11 @@ CASES = (
         fitted=("log_1.csv",),
         further={name: (f"{name}.csv",) for name in ("log_2", "first_recordings")},
         known=(Known("viscous friction", "motor_1", 0.60, 0.74, "Nm s/rad"), _coulomb(1, 0.63, 1.03)),
-        source="least squares of free runs from rest in all experiments by `python docs/results/servo_free_runs.py "
-        "fetched`, with the damping of the loop within or beyond the torque limit (then it counts as viscous friction) "
-        "and the weight of the arm free or not, beside torque limits of 3.7 to 4.6 Nm (2.7 in the MJCF) and delays of "
-        "18 to 44 ms; these models leave 0.09 to 0.12 rad rms",
+        source="least squares of free runs from rest in all experiments by `python "
+        "docs/results/programs/measured/servo_free_runs.py fetched`, with the damping of the loop within or "
+        "beyond the torque limit (then it counts as viscous friction) and the weight of the arm free or not, "
+        "beside torque limits of 3.7 to 4.6 Nm (2.7 in the MJCF) and delays of 18 to 44 ms; these models leave "
+        "0.09 to 0.12 rad rms",
         by_mujoco=_NO_TORQUE,
         fetched=True,
     ),

@@ -1,8 +1,8 @@
-"""Write real_robots.md: FLEXROS_REALDATA=... python docs/results/real_robots.py WORK --fetched FOLDER.
+"""Write real_robots.md: FLEXROS_REALDATA=... python docs/results/programs/real_robots.py WORK --fetched FOLDER.
 
-Each case leaves docs/results/real_robots/NAME.json step by step, so that a run which was interrupted continues; what is
-there is not computed again (`--again` does). `--cases NAME...` runs some cases, `--cases` alone none. The page is
-written from these files. Cases whose data are not there are skipped with the reason; the exit code is then 1. Logs,
+Each case leaves docs/results/data/real_robots/NAME.json step by step, so that a run which was interrupted continues;
+what is there is not computed again (`--again` does). `--cases NAME...` runs some cases, `--cases` alone none. The page
+is written from these files. Cases whose data are not there are skipped with the reason; the exit code is then 1. Logs,
 robot files and reports of the diagnoses stay in WORK.
 """
 
@@ -32,7 +32,8 @@ def data_of(case: Case, fetched: Path | None) -> Path:
         InputError: It is not there.
     """
     if case.fetched and fetched is None:
-        raise InputError("its data are fetched by docs/results/fetch_real_robots.py; name their folder by --fetched")
+        fetching = "docs/results/programs/measured/fetch_real_robots.py"
+        raise InputError(f"its data are fetched by {fetching}; name their folder by --fetched")
     given = fetched if case.fetched else Path(os.environ.get("FLEXROS_REALDATA", "") or "/nowhere")
     assert given is not None
     folder = given / case.folder
@@ -52,9 +53,9 @@ def main() -> int:
     parser.add_argument("--cases", nargs="*", default=[case.name for case in CASES], choices=[c.name for c in CASES])
     parser.add_argument("--again", action="store_true", help="forget what is known of these cases")
     parser.add_argument("--limit", type=float, default=LIMIT, help="time after which a diagnosis is partial [s]")
-    parser.add_argument("--results", type=Path, default=Path(__file__).parent, help="folder of the page")
+    parser.add_argument("--results", type=Path, default=Path(__file__).parents[1], help="folder of the page")
     given = parser.parse_args()
-    jsons, skipped = given.results / "real_robots", 0
+    jsons, skipped = given.results / "data" / "real_robots", 0
     for case in CASES:
         if case.name not in given.cases:
             continue

@@ -1,4 +1,4 @@
-"""Least squares of free runs of the hobby servo: python docs/results/servo_free_runs.py FETCHED.
+"""Least squares of free runs of the hobby servo: python docs/results/programs/measured/servo_free_runs.py FETCHED.
 
 It gives what real_robots.md calls known of that robot. Each experiment begins at rest in the middle; a servo with an
 arm is simulated through all of them, without our diagnosis, and its numbers are fitted to the measured positions. Four

@@ -1,4 +1,4 @@
-"""Fetch public logs of robots: python docs/results/fetch_real_robots.py FOLDER [--from PATH]...
+"""Fetch public logs of robots: python docs/results/programs/measured/fetch_real_robots.py FOLDER [--from PATH]...
 
 The logs of seven public repositories, most of them without a licence for copies, are brought into FOLDER, at the
 commits below and with their checksums; they are not part of this repository. `--from` names a clone, a bare clone or a
@@ -166,7 +166,7 @@ REPOSITORIES = (
         },
     ),
 )
-"""The files that docs/results/real_robots.py reads."""
+"""The files that docs/results/programs/real_robots.py reads."""
 
 
 def fetch(

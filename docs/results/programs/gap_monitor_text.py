@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 
 HEAD = """# The gap monitor
 
-Written by `python docs/results/gap_monitor_page.py page`, from what `... nominal`, `... detection` and `... accepted`
-measured (see `docs/results/gap_monitor_page.py`). Motions and noise use seeds from 5000 on, which were not used in
-development. Motions are those of the diagnosis experiment, a different sequence for each seed. All thresholds follow
-from the noise, without a calibration. The load of the monitor next to a running loop is reported in
+Written by `python docs/results/programs/gap_monitor_page.py page`, from what `... nominal`, `... detection` and
+`... accepted` measured. Motions and noise use seeds from 5000 on, which were not used in development.
+Motions are those of the diagnosis experiment, a different sequence for each seed. All thresholds follow from the noise,
+without a calibration. The load of the monitor next to a running loop is reported in
 `docs/results/gap_monitor_load.md`.
 """
 FALSE = """

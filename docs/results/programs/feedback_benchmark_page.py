@@ -1,4 +1,4 @@
-"""Write feedback_benchmark.md, with every built-in design: python docs/results/feedback_benchmark_page.py [FILE]."""
+"""Write feedback_benchmark.md: python docs/results/programs/feedback_benchmark_page.py [FILE], with all designs."""
 
 from __future__ import annotations
 
@@ -29,7 +29,8 @@ if TYPE_CHECKING:
 
 HEAD = """# Feedback benchmark
 
-Written by `python docs/results/feedback_benchmark_page.py`. The benchmark of Moberg (2007), Paper C: cost V and demands
+Written by `python docs/results/programs/feedback_benchmark_page.py`.
+The benchmark of Moberg (2007), Paper C: cost V and demands
 of every built-in design, mean over seeds 1 to 5 of the noise. [The guide](../how-to/feedback_benchmark.md) explains
 measures and demands.
 
@@ -262,7 +263,7 @@ def _commands(ranked: Sequence[tuple[BenchmarkController, BenchmarkResult]]) -> 
 
 def main() -> None:
     """Write the page."""
-    file = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).with_suffix("").with_name("feedback_benchmark.md")
+    file = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[1] / "feedback_benchmark.md"
     sensors = {load_controller(name).sensors for name in controller_names()}
     file.write_text(page({one: FeedbackBenchmark(one) for one in sensors | {()}}), encoding="utf-8")
 

@@ -1,4 +1,4 @@
-"""Write kinematic_identification.md, on simulated robots: python docs/results/kinematic_identification.py."""
+"""Write kinematic_identification.md, on simulated robots: python docs/results/programs/kinematic_identification.py."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ NOISE, LOADS, DRAWS = 5e-5, (0.0, 100.0, 200.0), 6
 PLANNED, OTHER = 60, 100
 HEAD = f"""# Lengths, zeros and compliances from tracker poses
 
-Written by `python docs/results/kinematic_identification.py`. Robot `six_axis`; in each row its lengths, zeros, mounting
+Written by `python docs/results/programs/kinematic_identification.py`.
+Robot `six_axis`; in each row its lengths, zeros, mounting
 angles and compliances are drawn from the prior of the fit. {PLANNED} planned poses with loads of 0, 100 and 200 kg and
 tracker noise of {1e3 * NOISE:g} mm (rms per coordinate) are fitted; the distances are those in {OTHER} other poses
 without noise. The poses follow from the elastostatic model of the fit, which is the equilibrium of the plant within
@@ -47,7 +48,7 @@ def main() -> None:
         sizes = " | ".join(f"{one:.3g}" for one in (before.mean(), before.max(), after.mean(), after.max()))
         rows.append(f"| {draw} | {sizes} | {np.mean(inside[-1]):.0%} of {len(theta)} |")
     total = f"\nTogether {np.mean(inside):.1%} of {np.size(inside)} numbers lie in their 95 % intervals.\n"
-    Path(__file__).with_suffix(".md").write_text(HEAD + "\n".join(rows) + "\n" + total)
+    (Path(__file__).parents[1] / "kinematic_identification.md").write_text(HEAD + "\n".join(rows) + "\n" + total)
 
 
 if __name__ == "__main__":

@@ -13,7 +13,8 @@ NEAR = 0.25
 """Relative error of a size up to which it counts as right [1]."""
 HEAD = """# Arms of MuJoCo
 
-Written by `python docs/results/mujoco_robots.py`. Arms of two to four joints, drawn with a seed, one in three without
+Written by `python docs/results/programs/mujoco_robots.py`.
+Arms of two to four joints, drawn with a seed, one in three without
 gravity, and a UR5e from its URDF with six joints are simulated by MuJoCo and hide several effects each. The nominal
 model is imported from MJCF or URDF; the logs, {duration:g} s at 250 Hz, are CSV files with a mapping. A first log is
 fitted, a second one held out, and the gaps below are those of a third one, which is not used. Torques are commands or,

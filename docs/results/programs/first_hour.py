@@ -1,4 +1,4 @@
-"""Time the first hour of README.md: python docs/results/first_hour.py, in the checkout, with ROS 2 and Chromium.
+"""Time the first hour of README.md: python docs/results/programs/first_hour.py, with ROS 2 and Chromium.
 
 Each block of the section runs as it is printed, in a folder of its own. The times are written into README.md and
 first_hour.md.
@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-CHECKOUT = Path(__file__).parents[2]
+CHECKOUT = Path(__file__).parents[3]
 sys.path.insert(0, str(CHECKOUT))
 
 from tests.browser import opened_browser, wait  # noqa: E402
@@ -37,7 +37,8 @@ VIEW = re.compile(r"^flexros view .*$", re.MULTILINE)
 
 HEAD = """# The first hour, timed
 
-Written by `python docs/results/first_hour.py`. The four things a new user wants to see, by the commands of the section
+Written by `python docs/results/programs/first_hour.py`.
+The four things a new user wants to see, by the commands of the section
 *First hour* of `README.md`, after `make demo` has installed everything. Wall time is that of the machine, with whatever
 else ran on it, and without the download of packages; processor time is that of all processes of the journey but the
 browser. Goal: each in under ten minutes. `tests/contracts/test_first_hour.py` runs the same.
@@ -169,7 +170,7 @@ def main() -> None:
         f"{os.cpu_count()} processors ({platform.machine()}) of a shared server, Python {platform.python_version()}"
     )
     page = HEAD.format(machine=machine, rows="\n".join(rows))
-    Path(__file__).with_suffix(".md").write_text(page, encoding="utf-8")
+    (Path(__file__).parents[1] / "first_hour.md").write_text(page, encoding="utf-8")
     text = README.read_text(encoding="utf-8")
     for before, after in times.items():
         text = text.replace(before, after)

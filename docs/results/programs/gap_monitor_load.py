@@ -1,4 +1,4 @@
-"""Write gap_monitor_load.md, the processor load of the gap monitor: python docs/results/gap_monitor_load.py.
+"""Write gap_monitor_load.md, the processor load of the gap monitor: python docs/results/programs/gap_monitor_load.py.
 
 All nodes are processes of their own; processor time is that of the operating system. It takes a quarter of an hour.
 """
@@ -36,7 +36,8 @@ TICK = os.sysconf("SC_CLK_TCK")
 
 HEAD = """# Load of the gap monitor
 
-Written by `python docs/results/gap_monitor_load.py`. Every node is a process of its own, on a machine with two
+Written by `python docs/results/programs/gap_monitor_load.py`.
+Every node is a process of its own, on a machine with two
 processors and other load. `Computing` is the processor time of the monitor without the reception of messages by the
 middleware. The monitor runs at lower priority, the loop does not wait for it, and it skips what it does not receive.
 
@@ -164,4 +165,4 @@ def _used(process: int) -> float:
 
 
 if __name__ == "__main__":
-    (Path(__file__).parent / "gap_monitor_load.md").write_text(page(), encoding="utf-8")
+    (Path(__file__).parents[1] / "gap_monitor_load.md").write_text(page(), encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Write mujoco_round_trip.md: FLEXROS_REALDATA=... python docs/results/mujoco_round_trip.py [FOLDER].
+"""Write mujoco_round_trip.md: FLEXROS_REALDATA=... python docs/results/programs/mujoco_round_trip.py [FOLDER].
 
 The log DIAGNOSED is diagnosed twice, with different held-out data, which takes some minutes.
 """
@@ -37,7 +37,8 @@ WINDOWS = (0.1, 0.5)
 
 HEAD = """# Round trip: measured log, patch, MuJoCo
 
-Written by `FLEXROS_REALDATA=<folder with dfki_double_pendulum/> python docs/results/mujoco_round_trip.py`. The data
+Written by `FLEXROS_REALDATA=<folder with dfki_double_pendulum/> python docs/results/programs/mujoco_round_trip.py`.
+The data
 (DFKI double pendulum, design C.1, 500 Hz, 10 s each; BSD-3-Clause) are not part of this repository.
 
 The nominal robot file, rigid and without friction, is exported by `flexros export ROBOT --to mjcf`. Patches are then
@@ -200,6 +201,6 @@ def _effects(patch: Path) -> str:
 
 
 if __name__ == "__main__":
-    target = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent
+    target = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[1]
     written = page(Path(os.environ["FLEXROS_REALDATA"]) / DATA)
     (target / "mujoco_round_trip.md").write_text(written, encoding="utf-8")

@@ -31,13 +31,14 @@ closes on logs that were not fitted. Written by
 <!-- not run: reads measured data, which are not part of this repository -->
 ```
 pip install "mujoco[sysid]"
-python docs/results/fetch_real_robots.py fetched
-FLEXROS_REALDATA=<folder with emps/, ...> python docs/results/real_robots.py work --fetched fetched
+python docs/results/programs/measured/fetch_real_robots.py fetched
+FLEXROS_REALDATA=<folder with emps/, ...> python docs/results/programs/real_robots.py work --fetched fetched
 ```
 
-from the JSON files in `docs/results/real_robots`, one per case, where mappings and robot files of the fetched sets are
-as well. All settings are the defaults; where a part was written with a robot in view, its section says so. The last
-third of the fitted log is held out; where there are further logs, the figures below are of those, else of that third.
+from the JSON files in `docs/results/data/real_robots`, one per case; mappings and robot files of the fetched sets are
+in `docs/results/programs/measured`. All settings are the defaults; where a part was written with a robot in view,
+its section says so. The last third of the fitted log is held out; where there are further logs, the figures below are
+of those, else of that third.
 
 A share of the gap is (E before - E after) / (E before - 1), where E is the mean squared prediction error 0.1 s ahead
 over its floor, as `flexros gap` computes it: within its tolerances each model is fitted to the log in question. Below
@@ -152,7 +153,8 @@ def _range(content: Found, way: str) -> str:
 def _section(case: Case, content: Found) -> Iterator[str]:
     diagnosis = content["diagnosis"]
     yield f"\n## {case.title}\n\n{case.about}\n\nFitted: {_names(case.fitted)}. Known: {case.source}.\n\n"
-    yield f"`python docs/results/real_robots.py work --fetched fetched --again --cases {case.name}` repeats it.\n\n"
+    command = f"python docs/results/programs/real_robots.py work --fetched fetched --again --cases {case.name}"
+    yield f"`{command}` repeats it.\n\n"
     yield f"Verdict {_verdict(diagnosis)} in {_used(diagnosis)}."
     if diagnosis.get("gap", {}).get("closed_fraction") is not None:
         yield f" In the held-out third the patch closes {_share(diagnosis['gap'])} of the gap of {_level(diagnosis)}."
