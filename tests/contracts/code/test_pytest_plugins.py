@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-CHECKOUT = Path(__file__).parents[2]
+CHECKOUT = Path(__file__).parents[3]
 PLUGINS = ("launch_testing", "launch_testing_ros_pytest_entrypoint", "launch_pytest")
 
 

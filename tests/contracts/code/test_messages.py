@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-CHECKOUT = Path(__file__).resolve().parents[2]
+CHECKOUT = Path(__file__).resolve().parents[3]
 COMMANDS = (CHECKOUT / "flexros" / "cli", CHECKOUT / "flexros" / "validation" / "commands")
 OPTION = re.compile(r"(?<![\w(-])--[a-z][a-z-]+")
 WHOLE_COMMAND = re.compile(r"flexros [a-z-]+ [^;]*--[a-z]|^--[a-z-]+$")

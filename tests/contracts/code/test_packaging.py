@@ -14,7 +14,7 @@ import pytest
 
 pytestmark = pytest.mark.slow
 
-CHECKOUT = Path(__file__).parents[2]
+CHECKOUT = Path(__file__).parents[3]
 PARTS = ("flexros", "nodes", "msgs_config", "resource", "setup.py", "setup.cfg", "pyproject.toml", "package.xml")
 
 LOAD_ALL_DATA = """

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-CHECKOUT = Path(__file__).parents[2]
+CHECKOUT = Path(__file__).parents[3]
 MODULES = [path for room in ("flexros", "nodes", "msgs_config") for path in sorted((CHECKOUT / room).rglob("*.py"))] + [
     CHECKOUT / "environment.py",
     CHECKOUT / "setup.py",
