@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 import plotly.graph_objects as go
 
-from flexros.identify.report.response_picture import position_name
+from flexros.identify.frf.response_picture import position_name
 from flexros.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
 from flexros.report.grid import digits, menu, panels
 from flexros.report.number_text import percent
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.identify.frf.distortion import Distortion
     from flexros.identify.frf.frequency_response import FrequencyResponse
-    from flexros.identify.graybox.result import IdentificationResult
+    from flexros.identify.result import IdentificationResult
 
 _LEVELS: tuple[tuple[str, str, str, str, str], ...] = (
     ("output", "frequency", "output", "#1b1f24", "lines"),

@@ -19,7 +19,7 @@ from flexros.report.page import Chapter, page_html
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from flexros.identify.graybox.result import IdentificationResult
+    from flexros.identify.result import IdentificationResult
     from flexros.report.base import AbstractSection
 
 SECTIONS: tuple[AbstractSection[IdentificationResult], ...] = (

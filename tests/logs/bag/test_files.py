@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from flexros.errors import InputError
-from flexros.logs.mcap.bag_files import find_bag_files
+from flexros.logs.bag.files import find_bag_files
 
 METADATA = """
 rosbag2_bagfile_information:

@@ -4,11 +4,19 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+import pytest
 
-from flexros.identify.graybox.response_noise import response_noise
+from flexros.identify.frf.response_noise import response_noise
+from flexros.robot import load_robot
+from tests.identify.graybox.conftest import E12_FREQUENCY, E12_POSES, measure
 
 if TYPE_CHECKING:
     from flexros.identify.frf.frequency_response import FrequencyResponse
+
+
+@pytest.fixture(scope="module")
+def noisy_e12() -> tuple[FrequencyResponse, ...]:
+    return measure(load_robot("e12"), E12_POSES, E12_FREQUENCY, noise=3e-3)
 
 
 def test_total_covariance_is_preferred(noisy_e12: tuple[FrequencyResponse, ...]) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import plotly.graph_objects as go
 
-from flexros.identify.graybox.response_noise import response_noise
+from flexros.identify.frf.response_noise import response_noise
 from flexros.report.colours import MEASURED
 from flexros.report.grid import digits, menu, panels
 

@@ -8,8 +8,8 @@ from scipy.linalg import expm
 from scipy.signal import cont2discrete
 
 from flexros.errors import InputError
+from flexros.identify.frf.sampled import sampled_hold
 from flexros.identify.graybox.frequency_model import FrequencyModel
-from flexros.identify.graybox.sampled import sampled_hold
 from flexros.robot import load_robot
 from flexros.robot.linear.positions import LinearisedPositions, linearise_positions
 

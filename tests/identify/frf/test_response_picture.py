@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from flexros.identify.frf.frequency_response import FrequencyResponse
-from flexros.identify.report.response_picture import ModelCurve, position_name, response_picture
+from flexros.identify.frf.response_picture import ModelCurve, position_name, response_picture
 
 
 @pytest.fixture(name="response")

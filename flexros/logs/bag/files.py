@@ -10,7 +10,7 @@ from flexros.config.text_file import is_file
 from flexros.config.yaml_file import read_yaml
 from flexros.errors import InputError
 from flexros.input_limits import MOST_WARNINGS
-from flexros.logs.mcap.bag_metadata import METADATA_FILE
+from flexros.logs.bag.metadata import METADATA_FILE
 from flexros.logs.provenance_file import read_provenance
 from flexros.logs.sqlite.file_reader import STORAGE, SUFFIX
 

@@ -10,9 +10,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexros.identify.graybox.result import ExperimentFacts, IdentificationResult
 from flexros.identify.report.record import identification_record
 from flexros.identify.report.verdict import kept_text, verdict
+from flexros.identify.result import ExperimentFacts, IdentificationResult
 
 pytestmark = pytest.mark.slow
 

@@ -7,7 +7,7 @@ import pytest
 from ruamel.yaml import YAML
 
 from flexros.config.topics import load_topics
-from flexros.logs.mcap.bag_metadata import BagMetadata, BagTopic, as_yaml, offered_qos, write_whole
+from flexros.logs.bag.metadata import BagMetadata, BagTopic, as_yaml, offered_qos, write_whole
 
 
 def make():

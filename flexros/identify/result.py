@@ -1,4 +1,4 @@
-"""The gray-box fit of frequency responses and its result; `identify.report` derives verdict, record and report."""
+"""Unknown parameters of a robot from its frequency responses: the whole fit, and its result."""
 
 from __future__ import annotations
 
