@@ -217,7 +217,7 @@ class SearchSettings(Settings):
         default=0.5,
         gt=0,
         le=1,
-        description="share of its own gain that a candidate must keep beside others to be added with them [1]",
+        description="share of its own gain that a candidate must keep together with others to be added with them [1]",
     )
     kept_of_misfit: float = Field(
         default=0.05,
@@ -238,7 +238,7 @@ class SearchSettings(Settings):
         default=0.7,
         gt=0,
         le=1,
-        description="predicted gain of an effect, over that of a richer one at the same place, from which on a real "
+        description="predicted gain of an effect, over that of a richer one at the same location, from which on a real "
         "machine the richer one is not added [1]",
     )
     clear_in_torques: float = Field(
@@ -254,8 +254,8 @@ class SearchSettings(Settings):
     hopeful: float = Field(
         default=0.5,
         ge=0,
-        description="predicted gain from which a further effect is fitted beside those that torques show, over what it "
-        "must remove [1]: linear theory underestimates some",
+        description="predicted gain from which a further effect is fitted in addition to those that torques show, over "
+        "what it must remove [1]: linear theory underestimates some",
     )
     resumed: int = Field(
         default=2,
@@ -276,7 +276,7 @@ class SearchSettings(Settings):
         default=1.5,
         ge=1,
         description="predicted gain of a curve, over that of any further law at its motor or at none, from which it is "
-        "added: less is an error of form of that law [1] (chosen)",
+        "added: less is a model-form error of that law [1] (chosen)",
     )
     regained: float = Field(
         default=0.5,
@@ -670,8 +670,8 @@ class DiagnosisSettings(Settings):
     most_values: int = Field(
         default=600_000,
         ge=1000,
-        description="most samples of all motors together that are fitted or held out; of a longer log the part that "
-        "tells most, so that memory stays below 1.5 GB",
+        description="most samples of all motors together that are fitted or held out; of a longer log the most "
+        "informative part, so that memory stays below 1.5 GB",
     )
     time_limit: float | None = Field(
         default=None,

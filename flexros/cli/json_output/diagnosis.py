@@ -19,9 +19,9 @@ class ComparedDiagnosis(Output):
 
 
 class ComparedParameter(Output):
-    """A parameter of an effect, or a number of the model, over the diagnoses, in their order."""
+    """A parameter of an effect, or one of the model, over the diagnoses, in their order."""
 
-    effect: str = Field(description="name of the effect; empty for a number of the model")
+    effect: str = Field(description="name of the effect; empty for a parameter of the model")
     location: str = Field(description="its location")
     name: str = Field(description="name of the parameter")
     unit: str = Field(description="SI unit, 1 for none")
@@ -38,7 +38,7 @@ class ComparedDiagnoses(Output):
 
     diagnoses: list[ComparedDiagnosis] = Field(description="the diagnoses in the order given")
     effects: list[ComparedParameter] = Field(description="parameters of effects, those of most diagnoses first")
-    numbers: list[ComparedParameter] = Field(description="numbers of the nominal model that a diagnosis corrects")
+    numbers: list[ComparedParameter] = Field(description="parameters of the nominal model that a diagnosis corrects")
 
 
 class Alarm(Output):

@@ -290,7 +290,7 @@ class _Repair:
             if element.attributes.get("name") == name:
                 return element
         raise InputError(
-            f"{self.source}: the {tag} '{name}' does not stand in the file itself (it is included, replicated or has "
+            f"{self.source}: the {tag} '{name}' is not in the file itself (it is included, replicated or has "
             "no name); give a file that holds it, with a name"
         )
 
@@ -304,6 +304,6 @@ class _Repair:
             ):
                 return element
         raise InputError(
-            f"{self.source}: the actuator '{name}' of joint {joint} does not stand in the file itself; give a file "
+            f"{self.source}: the actuator '{name}' of joint {joint} is not in the file itself; give a file "
             "that holds it"
         )
