@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from flexros.errors import InputError
-from flexros.identify.rigid.log_record import log_record
+from flexros.identify.log_record import log_record
 from flexros.logs.stamps import stamps_ns
 from flexros.logs.time_series import JointSeries
 from flexros.record.read import read_record

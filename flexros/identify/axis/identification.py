@@ -14,7 +14,7 @@ from flexros.identify.axis.predictor import Predictor
 from flexros.identify.axis.record import AxisRecord, axis_record
 from flexros.identify.axis.search_setup import bounds_around, short_steps, starting_values
 from flexros.identify.axis.structure import AxisStructure
-from flexros.identify.rigid.log_record import log_record
+from flexros.identify.log_record import log_record
 from flexros.prediction.damped_least_squares import StopRule
 
 if TYPE_CHECKING:

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import InputError
+from flexros.identify.log_record import log_record
 from flexros.identify.rigid.base_parameters import BaseParameters, base_parameters
 from flexros.identify.rigid.excitation import LARGEST_CONDITION, Excitation, judge_excitation
 from flexros.identify.rigid.least_squares import Solution, condition_number, covariance, weighted_least_squares
-from flexros.identify.rigid.log_record import log_record
 from flexros.identify.rigid.motion_estimate import check_rows
 from flexros.identify.rigid.record import torque_as_it_acts, torque_at_samples
 from flexros.identify.rigid.regression_rows import RegressionRows
