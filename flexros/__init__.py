@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from flexros.errors import FlexrosError, InputError, RunError
     from flexros.gap.measure_gap import MeasuredGap
     from flexros.identify.frf.frequency_response import FrequencyResponse
-    from flexros.identify.graybox.result import IdentificationResult
+    from flexros.identify.result import IdentificationResult
     from flexros.logs.reader import read_log
     from flexros.logs.time_series import Log
     from flexros.logs.write_log import write_log
@@ -39,7 +39,7 @@ _WHERE = {
     "FlexrosError": "errors",
     "FrequencyResponse": "identify.frf.frequency_response",
     "FrequencyResponses": "workbench.identification",
-    "IdentificationResult": "identify.graybox.result",
+    "IdentificationResult": "identify.result",
     "InputError": "errors",
     "LinearModel": "robot.linear.linearise",
     "Log": "logs.time_series",

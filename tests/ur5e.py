@@ -15,7 +15,7 @@ from flexros.arrays import FloatArray
 from flexros.config.yaml_file import parse_yaml
 from flexros.record.record import Record
 from flexros.robot import Robot, robot_from_data
-from flexros.robot.exchange.urdf_import import skeleton_from_urdf
+from flexros.robot.exchange.urdf.robot_import import skeleton_from_urdf
 
 EXAMPLES = Path(__file__).parents[1] / "docs" / "examples"
 URDF = EXAMPLES / "ur5e.urdf"

@@ -76,7 +76,7 @@ def relative_deviation(response: FrequencyResponse) -> dict[str, float | None]:
     Returns:
         The median [1] by output; None where the record does not determine the deviation.
     """
-    from flexros.identify.graybox.response_noise import response_noise
+    from flexros.identify.frf.response_noise import response_noise
 
     noise = response_noise(response)
     if noise is None:

@@ -38,7 +38,7 @@ def analysis_figure(analysis: Analysis, what: str = "") -> go.Figure:
     """
     from flexros.analysis.report.error_over_time import ErrorSection
     from flexros.analysis.report.path import path_picture
-    from flexros.identify.report.response_picture import response_picture
+    from flexros.identify.frf.response_picture import response_picture
 
     responses = analysis.responses.positions if analysis.responses is not None else ()
     errors = [block for block in ErrorSection().blocks([analysis]) if hasattr(block, "figure")]

@@ -49,7 +49,7 @@ class ControllerFile(Settings):
     parameters: dict[str, dict[str, float]] = Field(
         default_factory=dict, description="numbers from which the laws were made, by nominal and perturbed"
     )
-    sensors: tuple[str, ...] = Field(default=(), description="sensors beside the motor encoder: tool_acceleration")
+    sensors: tuple[str, ...] = Field(default=(), description="sensors besides the motor encoder: tool_acceleration")
     controller: dict[str, Any] | None = Field(default=None, description="kind and settings for all models")
     nominal: dict[str, Any] | None = Field(default=None, description="kind and settings for the nominal model (C1)")
     perturbed: dict[str, Any] | None = Field(default=None, description="kind and settings for the sets M1 and M2 (C2)")

@@ -11,6 +11,7 @@ from importlib import metadata
 from typing import TYPE_CHECKING, Any, get_type_hints
 
 import typer
+from typer.core import TyperGroup
 from typer.models import ArgumentInfo, OptionInfo
 
 from flexros.cli.commands import (
@@ -34,8 +35,7 @@ from flexros.cli.commands import (
 )
 from flexros.cli.commands.identify import procedure as identify
 from flexros.cli.completion import COMPLETED
-from flexros.cli.guide import examples_text, guide_of
-from flexros.cli.help import JobGroup
+from flexros.cli.guide import JOBS, examples_text, guide_of
 from flexros.cli.output import suggest
 from flexros.errors import INTERNAL_ERROR, INTERRUPTED, FlexrosError, InputError
 
@@ -63,6 +63,26 @@ Examples:
   flexros analyze circle --report circle.html      # path error, tracking, timing
   flexros diagnose LOG --model ROBOT --out found   # why robot and model differ
 """
+
+
+class JobGroup(TyperGroup):
+    """A group whose help lists its commands by job, as plain text that needs no colours and no wide terminal."""
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write a section for each job with its commands."""
+        shown = {name: command for name in self.list_commands(ctx) if (command := self.get_command(ctx, name))}
+        width = max(map(len, shown), default=0)
+        by_job: dict[str, list[tuple[str, str]]] = {}
+        for name, command in shown.items():
+            job = getattr(command, "rich_help_panel", None)
+            job = job if isinstance(job, str) else "Commands"
+            text = command.get_short_help_str(formatter.width - width - 6)
+            by_job.setdefault(job, []).append((name.ljust(width), text))
+        for job in (*JOBS, *(other for other in by_job if other not in JOBS)):
+            if job in by_job:
+                with formatter.section(job):
+                    formatter.write_dl(by_job[job])
+
 
 app = typer.Typer(
     name="flexros",

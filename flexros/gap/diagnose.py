@@ -90,11 +90,11 @@ def diagnose(
     stages.begin("nominal model", 0.03)
     fitted, held = (record, holdout) if holdout is not None else split(record, settings.fitted_share)
     _check_alike(fitted, held)
-    fitted = with_torque_in_time_behind_springs(fitted, model.robot)
+    fitted = with_torque_in_time_behind_springs(fitted, model.robot, settings)
     held = resampled(shifted(held, fitted.torque_shift), fitted.sample_time)
     fitted, held = (most_informative(one, settings.most_values) for one in (fitted, held))
     tolerated = tolerance_of(model.robot, tolerance or {})
-    unknown = unknown_numbers(fitted, model, tolerated)
+    unknown = unknown_numbers(fitted, model, tolerated, settings.torque_start)
     in_closed_loop = log if record.command is None else None
     notes = () if in_closed_loop is None else why_not_simulated(in_closed_loop)
     fitted = replace(fitted, warnings=(*fitted.warnings, *unknown.warnings, *notes))

@@ -178,7 +178,7 @@ class Diagnosis(Settings):
         default=(), description="what the repaired model leaves, by joint, regime and band, the largest first"
     )
     model_numbers: tuple[ModelNumber, ...] = Field(
-        default=(), description="numbers of the nominal model that are wrong beyond their tolerance"
+        default=(), description="parameters of the nominal model that are wrong beyond their tolerance"
     )
     tolerance_sensitivity: tuple[ToleranceSensitivity, ...] = Field(
         default=(),

@@ -13,10 +13,10 @@ import numpy as np
 
 from flexros.config.topics import load_topics
 from flexros.errors import InputError
-from flexros.logs.mcap.bag_files import find_bag_files
-from flexros.logs.mcap.bag_reader import BagFileReader, bag_file_reader
+from flexros.logs.bag.files import find_bag_files
+from flexros.logs.bag.reader import BagFileReader, bag_file_reader
+from flexros.logs.cdr_cursor import MessageError
 from flexros.logs.messages.bulk_decode import TopicDecoder, payloads_of
-from flexros.logs.messages.cdr_cursor import MessageError
 from flexros.logs.messages.codec import codec_of, series_codecs
 from flexros.logs.messages.foreign_definition import is_common, translator
 from flexros.logs.messages.series_assembly import assemble_series

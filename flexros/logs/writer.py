@@ -9,7 +9,7 @@ import numpy as np
 
 from flexros.atomic_file import write_whole
 from flexros.errors import InputError, RunError, unknown_name
-from flexros.logs.mcap.bag_metadata import BagMetadata, BagTopic, as_yaml, offered_qos
+from flexros.logs.bag.metadata import BagMetadata, BagTopic, as_yaml, offered_qos
 from flexros.logs.mcap.chunk_thread import ChunkThread
 from flexros.logs.mcap.file_writer import McapFileWriter
 from flexros.logs.messages.schemas import message_schema

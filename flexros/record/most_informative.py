@@ -1,4 +1,4 @@
-"""The part of a long log that tells most about friction and inertia, for work whose cost grows with the samples."""
+"""The most informative part of a long log about friction and inertia, for work whose cost grows with the samples."""
 
 from __future__ import annotations
 
@@ -46,8 +46,8 @@ def most_informative(record: Record, most: int) -> Record:
     part = record.part(best * step, best * step + length)
     T = record.sample_time
     warning = (
-        f"the log lasts {n * T:.4g} s: the {length * T:.4g} s from {best * step * T:.4g} s on are used, which tell "
-        "most about inertia and friction"
+        f"the log lasts {n * T:.4g} s: the {length * T:.4g} s from {best * step * T:.4g} s on are used, the "
+        "most informative ones about inertia and friction"
     )
     return replace(part, warnings=(*part.warnings, warning))
 

@@ -10,10 +10,10 @@ from flexros.errors import InputError
 from flexros.identify.frf.files.netcdf import save_responses
 from flexros.identify.frf.positions import estimate_responses
 from flexros.identify.frf.settings import FrfSettings
-from flexros.identify.graybox.result import ExperimentFacts, fit_responses
 from flexros.identify.graybox.search import SearchSettings
 from flexros.identify.report.files import make_folder, write_identification
 from flexros.identify.report.record import identification_record
+from flexros.identify.result import ExperimentFacts, fit_responses
 from flexros.logs.reader import read_log
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.identification import LONGEST, design_identification, unknown_names
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from flexros.identify.design.experiment_design import DesignSettings
-    from flexros.identify.graybox.result import IdentificationResult
+    from flexros.identify.result import IdentificationResult
     from flexros.robot import Robot
     from flexros.scenario.identification import DesignedExperiment
     from flexros.scenario.scenario import Scenario

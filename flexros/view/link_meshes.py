@@ -10,12 +10,12 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.input_limits import LARGEST_MESH
-from flexros.robot.exchange.urdf_visuals import mesh_path, visuals
+from flexros.robot.exchange.urdf.visuals import mesh_path, visuals
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray, IntArray
     from flexros.robot import Robot
-    from flexros.robot.exchange.urdf_visuals import Visual
+    from flexros.robot.exchange.urdf.visuals import Visual
 
 SUFFIXES = (".stl", ".obj", ".ply", ".off", ".glb", ".dae")
 """Kinds of mesh files that are read."""

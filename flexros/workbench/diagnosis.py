@@ -139,7 +139,7 @@ class Diagnosis:
         return f"<Diagnosis, {verdict_line(self.answer)}>"
 
     def _repr_html_(self) -> str:
-        from flexros.gap.report.notebook import diagnosis_html
+        from flexros.gap.report.write import diagnosis_html
 
         return diagnosis_html(self.result)
 

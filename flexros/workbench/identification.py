@@ -11,8 +11,8 @@ from flexros.identify.frf.files.netcdf import load_responses, save_responses
 from flexros.identify.frf.frequency_response import FrequencyResponse
 from flexros.identify.frf.positions import estimate_responses
 from flexros.identify.frf.settings import FrfSettings
-from flexros.identify.graybox.result import IdentificationResult, fit_responses
 from flexros.identify.graybox.search import SearchSettings
+from flexros.identify.result import IdentificationResult, fit_responses
 from flexros.provenance import versions
 from flexros.scenario.identification import unknown_names
 from flexros.scenario.identification_plan import plan_of_log, plan_of_scenario
@@ -87,7 +87,7 @@ class FrequencyResponses(Sequence[FrequencyResponse]):
 
     def plot(self) -> go.Figure:
         """Draw each pair of input and output with its standard deviation; a menu chooses the position."""
-        from flexros.identify.report.response_picture import response_picture
+        from flexros.identify.frf.response_picture import response_picture
 
         return response_picture(self._responses)
 

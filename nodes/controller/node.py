@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from std_msgs.msg import Header
 
 from flexros.errors import FlexrosError, RunError
-from flexros.logs.messages.cdr_cursor import MessageError
+from flexros.logs.cdr_cursor import MessageError
 from flexros.logs.messages.joint_state import JointStateTemplate, JointStateView
 from flexros.logs.messages.joint_trajectory import read_joint_trajectory
 from flexros.logs.stamps import NANOSECONDS, sample_number

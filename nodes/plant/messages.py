@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from rosgraph_msgs.msg import Clock
 
-from flexros.logs.messages.cdr_cursor import CdrCursor
+from flexros.logs.cdr_cursor import CdrCursor
 from flexros.logs.messages.joint_state import JointStateTemplate
 from flexros.logs.messages.pose_stamped import PoseStampedTemplate
 from flexros.logs.stamps import NANOSECONDS, stamp_ns, stamp_of

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from std_msgs.msg import String
 
-from flexros.robot.exchange.urdf_export import urdf_text
+from flexros.robot.exchange.urdf.export import urdf_text
 from flexros_nodes.plant.arm_frames import ArmFrames
 from flexros_nodes.plant.arm_markers import ArmMarkers
 from flexros_nodes.shell.topic_interface import period

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexros.errors import RunError
-from flexros.logs.messages.cdr_cursor import CdrCursor, MessageError
+from flexros.logs.cdr_cursor import CdrCursor, MessageError
 
 if TYPE_CHECKING:
     from flexros.identify.experiment.plan import ExperimentPlan

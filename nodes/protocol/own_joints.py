@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flexros.logs.messages.cdr_cursor import CdrCursor
+from flexros.logs.cdr_cursor import CdrCursor
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

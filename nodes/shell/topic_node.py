@@ -12,7 +12,7 @@ from rclpy.exceptions import InvalidParameterTypeException
 from std_srvs.srv import Trigger
 
 from flexros.errors import FlexrosError, InputError
-from flexros.logs.messages.cdr_cursor import MessageError
+from flexros.logs.cdr_cursor import MessageError
 from flexros_nodes.shell.parameter_node import AbstractParameterNode
 from flexros_nodes.shell.topic_interface import message_class, overriding_options, qos_profile, topic
 

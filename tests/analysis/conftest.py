@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
+from flexros.analysis import analyse
+from flexros.analysis.comparison import Comparison, MethodRun, QuotedFigure
 from flexros.logs.time_series import JointSeries, Log, PoseSeries
 from tests.identify.frf.recorded_experiment import run
 
@@ -97,3 +99,20 @@ def make_run() -> Callable[..., Log]:
 def experiment_log() -> Log:
     """A short identification experiment on E12 in two positions with two blocks each."""
     return run().log
+
+
+@pytest.fixture(scope="module")
+def comparison(make_run: Callable[..., Log]) -> Comparison:
+    """Two methods, one case that was run twice, one that is only quoted."""
+
+    def run(method: str, case: str, error: float) -> MethodRun:
+        return MethodRun(method, case, analyse(make_run(error=error)))
+
+    runs = (
+        run("DAE", "nominal", 3e-4),
+        run("DAE", "load", 1.2e-3),
+        run("DAE", "load", 1.4e-3),
+        run("PD", "nominal", 9e-3),
+    )
+    quoted = (QuotedFigure("DAE", "nominal", 0.32e-3, 0.329e-3), QuotedFigure("DAE", "slow", 0.64e-3, None))
+    return Comparison(runs, quoted, ("A caveat.",))

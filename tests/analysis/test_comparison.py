@@ -2,23 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from flexros.analysis import analyse, circle_test
-from flexros.analysis.comparison import Comparison, MethodRun, QuotedFigure
-
-
-@pytest.fixture(scope="module")
-def comparison(make_run):
-    def run(method, case, error):
-        return MethodRun(method, case, analyse(make_run(error=error)))
-
-    runs = (
-        run("DAE", "nominal", 3e-4),
-        run("DAE", "load", 1.2e-3),
-        run("DAE", "load", 1.4e-3),
-        run("PD", "nominal", 9e-3),
-    )
-    quoted = (QuotedFigure("DAE", "nominal", 0.32e-3, 0.329e-3), QuotedFigure("DAE", "slow", 0.64e-3, None))
-    return Comparison(runs, quoted, ("A caveat.",))
+from flexros.analysis import circle_test
 
 
 def test_of_several_runs_of_a_case_the_worst_counts(comparison):

@@ -6,25 +6,10 @@ import pytest
 from rich.console import Console
 
 from flexros.analysis import analyse
-from flexros.analysis.comparison import Comparison, MethodRun, QuotedFigure
+from flexros.analysis.comparison import Comparison, MethodRun
 from flexros.analysis.figures_table import figure_rows
 from flexros.analysis.terminal_tables import comparison_table, terminal_table
 from flexros.report.number_text import number
-
-
-@pytest.fixture(scope="module")
-def comparison(make_run):
-    def run(method, case, error):
-        return MethodRun(method, case, analyse(make_run(error=error)))
-
-    runs = (
-        run("DAE", "nominal", 3e-4),
-        run("DAE", "load", 1.2e-3),
-        run("DAE", "load", 1.4e-3),
-        run("PD", "nominal", 9e-3),
-    )
-    quoted = (QuotedFigure("DAE", "nominal", 0.32e-3, 0.329e-3), QuotedFigure("DAE", "slow", 0.64e-3, None))
-    return Comparison(runs, quoted, ("A caveat.",))
 
 
 def test_terminal_table_prints_the_figures(make_run):

@@ -39,7 +39,7 @@ def test_words_are_those_that_the_commands_take() -> None:
     from flexros.control.design.methods.base import design_methods
     from flexros.effects.patching.export import FORMATS
     from flexros.identify.graybox.estimators import ESTIMATORS
-    from flexros.robot.exchange.urdf_export import FLEXIBLE
+    from flexros.robot.exchange.urdf.export import FLEXIBLE
     from flexros.validation.campaigns.base import campaigns
     from flexros.validation.commands.bench import FOLDER
 

@@ -10,7 +10,7 @@ import pytest
 from tests.contracts.conftest import folder_of_reader
 from tests.program import CHECKOUT, program
 
-hour = program("docs/results/first_hour.py")
+hour = program("docs/results/programs/first_hour.py")
 JOURNEYS = hour.journeys()
 
 

@@ -9,7 +9,7 @@ import pytest
 from ruamel.yaml import YAML
 
 from flexros.robot import load_robot
-from flexros.robot.exchange.urdf_export import urdf_text
+from flexros.robot.exchange.urdf.export import urdf_text
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import load_scenario
 

@@ -41,7 +41,7 @@ from flexros.logs.stamps import stamp_of
 from flexros.logs.time_series import Log
 from flexros.monitor.calibration import read_calibration
 from flexros.robot import load_robot
-from flexros.robot.exchange.urdf_import import skeleton_from_urdf
+from flexros.robot.exchange.urdf.robot_import import skeleton_from_urdf
 from flexros.scenario.scenario import load_scenario
 from flexros.validation.blind.seal import read_case
 from flexros_nodes.bringup.launch_plan import plan_launch, run_arguments

@@ -22,7 +22,7 @@ from scipy.io import savemat
 
 from flexros.identify.frf.files.netcdf import save_responses
 from flexros.identify.frf.frequency_response import FrequencyResponse
-from flexros.logs.mcap.bag_metadata import METADATA_FILE
+from flexros.logs.bag.metadata import METADATA_FILE
 from flexros.logs.mcap.file_writer import MAGIC
 from flexros.logs.stamps import stamps_ns
 from flexros.logs.time_series import JointSeries, Log, PoseSeries

@@ -27,7 +27,7 @@ from flexros.record.record import Record
 
 pytest.importorskip("mujoco", reason="MuJoCo is not installed")
 
-PROGRAMS = Path(__file__).parents[2] / "docs" / "results"
+PROGRAMS = Path(__file__).parents[2] / "docs" / "results" / "programs"
 DURATION = 8.0
 
 

@@ -16,7 +16,7 @@ from typing import Any
 
 import pytest
 
-PROGRAMS = Path(__file__).parents[2] / "docs" / "results"
+PROGRAMS = Path(__file__).parents[2] / "docs" / "results" / "programs"
 REALDATA = os.environ.get("FLEXROS_REALDATA", "")
 DATA = Path(REALDATA) / "dfki_double_pendulum"
 
@@ -131,9 +131,9 @@ def test_effect_counts_from_the_robot_file_and_a_number_of_the_model_from_zero()
 
 def test_page_in_the_repository_is_that_of_its_json_files() -> None:
     cases = program("real_robots_cases").CASES
-    files = {case.name: PROGRAMS / "real_robots" / f"{case.name}.json" for case in cases}
+    files = {case.name: PROGRAMS.parent / "data" / "real_robots" / f"{case.name}.json" for case in cases}
     found = {name: json.loads(file.read_text(encoding="utf-8")) for name, file in files.items() if file.is_file()}
-    written = (PROGRAMS / "real_robots.md").read_text(encoding="utf-8")
+    written = (PROGRAMS.parent / "real_robots.md").read_text(encoding="utf-8")
     assert written == program("real_robots_page").page(found)
 
 
@@ -158,7 +158,7 @@ def git(folder: Path, *words: str) -> str:
 
 
 def test_files_are_fetched_from_a_bare_clone_and_a_folder(tmp_path: Path) -> None:
-    fetching = program("fetch_real_robots")
+    fetching = program("measured.fetch_real_robots")
     origin, bare = tmp_path / "origin", tmp_path / "bare"
     (origin / "data").mkdir(parents=True)
     (origin / "data" / "log.csv").write_bytes(b"1,2\n")
@@ -179,7 +179,7 @@ def test_files_are_fetched_from_a_bare_clone_and_a_folder(tmp_path: Path) -> Non
 
 
 def test_files_that_cannot_be_had_are_skipped_with_the_reason(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    fetching = program("fetch_real_robots")
+    fetching = program("measured.fetch_real_robots")
     (reason,) = fetching.fetch(tmp_path / "fetched", [tmp_path], fetching.REPOSITORIES[1:])[:1]
     assert "Optimal_SysID" in reason
 

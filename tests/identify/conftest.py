@@ -17,8 +17,8 @@ from flexros.identify.experiment.plan import ExperimentPlan
 from flexros.identify.frf.distortion import Distortion
 from flexros.identify.frf.frequency_response import FrequencyResponse
 from flexros.identify.graybox.frequency_model import FrequencyModel
-from flexros.identify.graybox.result import ExperimentFacts, IdentificationResult, identification_result
 from flexros.identify.graybox.search import SearchSettings, search
+from flexros.identify.result import ExperimentFacts, IdentificationResult, identification_result
 from flexros.robot import load_robot
 from flexros.robot.linear.positions import linearise_positions
 from flexros.scenario.identification import template_scenario

@@ -11,9 +11,9 @@ import numpy as np
 from mcap.opcode import Opcode
 from mcap.writer import Writer
 
-from flexros.logs.mcap.chunk import MESSAGE_HEADER
 from flexros.logs.mcap.file_reader import McapFileReader
 from flexros.logs.mcap.file_writer import MAGIC
+from flexros.logs.message_block import MESSAGE_HEADER
 from flexros.logs.messages.bulk_decode import payloads_of
 
 _HEAD = struct.Struct("<BQ")

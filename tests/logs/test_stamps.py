@@ -5,7 +5,7 @@ import struct
 import numpy as np
 import pytest
 
-from flexros.logs.messages.cdr_cursor import MessageError
+from flexros.logs.cdr_cursor import MessageError
 from flexros.logs.messages.joint_state import JointStateTemplate
 from flexros.logs.stamps import sample_number, stamp_ns, stamp_of, stamps_ns
 

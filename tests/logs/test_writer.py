@@ -317,7 +317,7 @@ def test_failure_while_closing_keeps_every_message(tmp_path, monkeypatch):
 def test_failure_of_the_metadata_is_reported(tmp_path, monkeypatch):
     writer = LogWriter(tmp_path / "log", [TOPICS["joint_states"]], {})
     write_states(writer, 100)
-    monkeypatch.setattr("flexros.logs.mcap.bag_metadata.write_whole", refuse)
+    monkeypatch.setattr("flexros.logs.bag.metadata.write_whole", refuse)
     with pytest.raises(RunError, match=r"No space left .* \(without up-to-date metadata.yaml\)"):
         writer.close()
     assert (tmp_path / "log" / "log_0.mcap").read_bytes().count(b"\x89MCAP0\r\n") == 2, "one summary"

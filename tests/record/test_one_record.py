@@ -11,8 +11,7 @@ from flexros.gap.checked_log import checked_log
 from flexros.identify.axis.record import axis_record
 from flexros.identify.log_record import log_record
 from flexros.identify.rigid.base_parameters import base_parameters
-from flexros.identify.rigid.fit import fit_rigid
-from flexros.identify.rigid.log_rows import rows_of_log
+from flexros.identify.rigid.fit import fit_rigid, rows_of_log
 from flexros.identify.rigid.regressor import RigidRegressor
 from flexros.identify.rigid.settings import RigidSettings
 from flexros.logs.time_series import JointSeries, Log

@@ -35,7 +35,7 @@ from tests.soak.result import Result
 from tests.soak.starting import CHECKOUT
 from tests.soak.watching import BLOCKS, FLAT
 
-PAGE, FIGURES = "endurance.md", "endurance.json"
+PAGE, FIGURES = "endurance.md", "data/endurance.json"
 
 HEAD = """# Endurance and faults
 
@@ -241,7 +241,8 @@ def main() -> int:
     parser.add_argument("--work", type=Path, default=CHECKOUT / "bags" / "soak", help="folder of finished parts")
     given = parser.parse_args()
     given.work.mkdir(parents=True, exist_ok=True)
-    file, kept = given.out / FIGURES, given.work / FIGURES
+    file, kept = given.out / FIGURES, given.work / Path(FIGURES).name
+    file.parent.mkdir(parents=True, exist_ok=True)
     failed = False
     for name in given.only:
         finished = read_results(kept)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexros.robot import Robot, load_robot
-from flexros.robot.exchange.urdf_import import robot_from_urdf
+from flexros.robot.exchange.urdf.robot_import import robot_from_urdf
 from flexros.view.link_meshes import arm_drawing
 
 trimesh = pytest.importorskip("trimesh", reason="the viewer is not installed: pip install 'flexros[view]'")

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from flexros.robot import load_robot
-from flexros.robot.exchange.urdf_import import robot_from_urdf
+from flexros.robot.exchange.urdf.robot_import import robot_from_urdf
 from tests.browser import Browser, opened_browser, wait
 
 if TYPE_CHECKING:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from flexros.analysis.frequency_responses import relative_deviation
+from flexros.identify.frf.response_picture import position_name, response_picture
 from flexros.identify.report.distortion_levels import distortion_blocks
-from flexros.identify.report.response_picture import position_name, response_picture
 from flexros.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
 from flexros.report.number_text import number, percent
 

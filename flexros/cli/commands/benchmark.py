@@ -14,7 +14,7 @@ from flexros.cli.progress import progress_bar
 from flexros.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from flexros.benchmark.controllers import BenchmarkController
     from flexros.benchmark.evaluate import BenchmarkResult, FeedbackBenchmark
@@ -65,23 +65,32 @@ def benchmark(
         from flexros.benchmark.report.write import write_report
 
         write_report([benches[one.sensors] for one in loaded], loaded, results, report)
-    content = _content(results, out)
-    if as_json:
-        print_json(content)
-        return
-    _print_results(results)
-    for file, what in ((report, "report"), (out, "results")):
-        if file:
-            say(f"{what}: {file}")
+    _show(_print_results, results, report, out, as_json)
 
 
-def _content(results: Sequence[BenchmarkResult | MotionResult], out: Path | None) -> Any:
-    """Return results as JSON has them, one alone without a list; write them to a file where one is given."""
+def _show(
+    print_results: Callable[[Sequence[Any]], None],
+    results: Sequence[BenchmarkResult | MotionResult],
+    report: Path | None,
+    out: Path | None,
+    as_json: bool,
+) -> None:
+    """Print results, one alone without a list in JSON; write them to a file where one is given."""
     every = [result.as_dict() for result in results]
     content = every[0] if len(every) == 1 else every
     if out:
         _write_results(out, content)
-    return content
+    if as_json:
+        print_json(content)
+        return
+    print_results(results)
+    _name_files(report, out)
+
+
+def _name_files(report: Path | None, out: Path | None) -> None:
+    for file, what in ((report, "report"), (out, "results")):
+        if file:
+            say(f"{what}: {file}")
 
 
 def _write_results(out: Path, content: Any) -> None:
@@ -146,14 +155,7 @@ def _on_robot(
         from flexros.benchmark.report.motion import write_motion_report
 
         write_motion_report(bench, loaded, results, report)
-    content = _content(results, out)
-    if as_json:
-        print_json(content)
-        return
-    _print_motion(results)
-    for file, what in ((report, "report"), (out, "results")):
-        if file:
-            say(f"{what}: {file}")
+    _show(_print_motion, results, report, out, as_json)
 
 
 def _print_motion(results: Sequence[MotionResult]) -> None:
@@ -190,9 +192,7 @@ def _show_log(path: Path, report: Path | None, out: Path | None, as_json: bool) 
         table.add_row(name, unit, f"{value:.4g}")
     table.add_row("V", "1", f"{measures.cost:.5g}")
     console.print(table)
-    for file, what in ((report, "report"), (out, "results")):
-        if file:
-            say(f"{what}: {file}")
+    _name_files(report, out)
 
 
 def _list(loaded: Sequence[BenchmarkController], as_json: bool) -> None:

@@ -15,7 +15,7 @@ def compare(
     report: Path = typer.Option(None, "--report", help="Write an HTML page that opens offline."),
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
-    """Compare diagnoses: verdicts, effects, numbers of the model, and which differ beyond their deviations."""
+    """Compare diagnoses: verdicts, effects, parameters of the model, and which differ beyond their deviations."""
     from flexros.gap.report.compared import sentence, terminal_tables, write_compared
     from flexros.gap.report.comparison import read_comparison
 

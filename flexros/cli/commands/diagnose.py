@@ -103,7 +103,7 @@ def _next(result: DiagnosisResult, bag: Path, model: str, out: Path) -> str:
         return f"flexros gap ANOTHER_LOG --model {shlex.quote(model)} --patch {shlex.quote(str(out / 'patch.yaml'))}"
     if result.diagnosis.verdict == "no_gap":
         return f"flexros monitor {shlex.quote(str(bag))} --model {shlex.quote(model)} --calibrate thresholds.yaml"
-    return f"open {out / 'report.html'}: where the gap shows, and what could not be told"
+    return f"open {out / 'report.html'}: where the gap shows, and what the log does not determine"
 
 
 def _settings(joints: tuple[str, ...], effects: tuple[str, ...], time_limit: float | None) -> DiagnosisSettings:

@@ -32,7 +32,7 @@ def import_urdf(
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
     """Convert a URDF to a robot YAML, springs to be filled in, and its dry friction to a patch of it."""
-    from flexros.robot.exchange.urdf_import import robot_from_urdf
+    from flexros.robot.exchange.urdf.robot_import import robot_from_urdf
 
     with working("reading the URDF"):
         imported = robot_from_urdf(file, tip, out.parent)
@@ -55,7 +55,7 @@ def import_mjcf(
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
     """Convert an MJCF to a robot YAML, and its dry friction, lags and delays to a patch of it."""
-    from flexros.robot.exchange.mjcf_import import robot_from_mjcf
+    from flexros.robot.exchange.mjcf.robot_import import robot_from_mjcf
 
     with working("reading the MJCF"):
         imported = robot_from_mjcf(file, end)

@@ -147,7 +147,7 @@ def _robot(model: str) -> Robot:
     from flexros.config.yaml_file import parse_yaml
     from flexros.effects.patching.patched_robot import load_model
     from flexros.robot import robot_from_data
-    from flexros.robot.exchange.urdf_import import skeleton_from_urdf
+    from flexros.robot.exchange.urdf.robot_import import skeleton_from_urdf
 
     if model.endswith(_DESCRIPTIONS):
         return robot_from_data(parse_yaml(skeleton_from_urdf(Path(model)), model), model)

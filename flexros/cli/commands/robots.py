@@ -93,7 +93,7 @@ def robot(
 
 
 def _write_urdf(robot: Robot, file: Path, flexible: str) -> None:
-    from flexros.robot.exchange.urdf_export import FLEXIBLE, urdf_text
+    from flexros.robot.exchange.urdf.export import FLEXIBLE, urdf_text
 
     kinds = {kind: kind for kind in FLEXIBLE}
     if flexible not in kinds:

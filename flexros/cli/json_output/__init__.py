@@ -9,7 +9,6 @@ from typing import Any
 
 from flexros.cli.json_output.analysis import AnalysisOfRun, ImportedLog
 from flexros.cli.json_output.claims import BenchmarkedSpeed, BlindScore, CampaignFigures, Demonstrated
-from flexros.cli.json_output.comparison import ComparedDiagnoses
 from flexros.cli.json_output.control import (
     Benchmarked,
     BenchmarkedOnRobot,
@@ -18,6 +17,7 @@ from flexros.cli.json_output.control import (
     Designed,
     MethodEntry,
 )
+from flexros.cli.json_output.diagnosis import ComparedDiagnoses, Monitored
 from flexros.cli.json_output.identification import DesignedExperiment, FrictionMeasured, Identified, ResponseFigures
 from flexros.cli.json_output.identified_models import (
     AxisIdentified,
@@ -26,7 +26,6 @@ from flexros.cli.json_output.identified_models import (
     RigidIdentified,
 )
 from flexros.cli.json_output.installation import Cleaned, Examined
-from flexros.cli.json_output.monitoring import Monitored
 from flexros.cli.json_output.robots import ExportedModel, ImportedModel, RobotAtPose, RobotEntry
 from flexros.cli.json_output.runs import FastestMove, Learned, Replayed, RunOutcome, ScenarioEntry
 from flexros.gap.schema import Diagnosis, GapNumbers

@@ -22,7 +22,7 @@ class PathErrorCompared(Output):
 
 
 class DemonstratedRun(RunOutcome):
-    """One run of the demonstration; keys beside these are figures of the transport, with the unit in the name."""
+    """One run of the demonstration; further keys are figures of the transport, with the unit in the name."""
 
     label: str = Field(description="name of the run")
     equal_to_direct: bool | None = Field(description="whether its log is that of an in-process run in every bit")
@@ -49,13 +49,13 @@ class MeasuredMachine(Output):
     budget: list[BudgetShare] = Field(description="the gap divided among effects, the largest first")
     waterfall: list[Waterfall] = Field(description="the gap at each joint, an effect at a time")
     unexplained: list[Unexplained] = Field(description="what is left, by joint")
-    model_numbers: list[ModelNumber] = Field(description="numbers of the model that are off")
+    model_numbers: list[ModelNumber] = Field(description="parameters of the model that are off")
 
 
 class Demonstrated(Output):
     """The demonstration."""
 
-    path_error_max_m: list[PathErrorCompared] = Field(description="path errors beside those of the thesis")
+    path_error_max_m: list[PathErrorCompared] = Field(description="path errors, with those of the thesis")
     caveats: list[str] = Field(description="what to know when comparing")
     runs: list[DemonstratedRun] = Field(description="in their order")
     folder: str = Field(description="folder of logs and reports")
@@ -71,7 +71,7 @@ class BenchmarkedSpeed(Output):
 
 
 class CampaignFigures(OpenOutput):
-    """Figures of one campaign; the keys are its own, as in the JSON file beside its page of results."""
+    """Figures of one campaign; the keys are its own, as in its JSON file in the folder `data`."""
 
 
 class BlindScore(Output):

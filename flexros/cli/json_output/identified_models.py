@@ -190,7 +190,7 @@ class KinematicIdentified(Output):
 
 
 class PosesPlanned(Output):
-    """Poses that tell most, chosen instead of a fit."""
+    """The most informative poses, chosen instead of a fit."""
 
     poses: int = Field(description="poses [1]")
     file: str = Field(description="CSV file of the poses")

@@ -16,7 +16,7 @@ class ScenarioEntry(Output):
 
 
 class RunOutcome(OpenOutput):
-    """The outcome of a run; keys beside these are figures of the transport, with the unit in the name."""
+    """The outcome of a run; further keys are figures of the transport, with the unit in the name."""
 
     exit_code: int = Field(description="0 done, 3 aborted, 130 interrupted")
     message: str = Field(description="what happened; empty when done")
@@ -49,7 +49,7 @@ class FastestMove(Output):
 
 
 class Replayed(OpenOutput):
-    """A replay; keys beside these are figures, messages by topic among them."""
+    """A replay; further keys are figures, messages by topic among them."""
 
     exit_code: int = Field(description="0 done, 3 aborted, 130 interrupted")
     message: str = Field(description="what happened; empty when done")

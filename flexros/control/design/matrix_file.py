@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexros.atomic_file import write_result
 from flexros.config.yaml_file import read_yaml
 from flexros.errors import InputError
 
@@ -53,19 +52,6 @@ def read_matrices(file: str | Path) -> dict[str, Any]:
     if "inputs" in content:
         settings["inputs"] = [str(name).strip() for name in np.ravel(content["inputs"])]
     return settings
-
-
-def write_matrices(file: Path, matrices: Mapping[str, Any]) -> None:
-    """Write matrices as YAML, every number with all its digits.
-
-    Args:
-        file: The YAML file; an existing one is replaced.
-        matrices: Name -> matrix, number or names.
-
-    Raises:
-        InputError: It cannot be written.
-    """
-    write_result(file, matrices_text(matrices), "controller file")
 
 
 def matrices_text(matrices: Mapping[str, Any], indent: str = "") -> str:

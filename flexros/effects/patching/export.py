@@ -9,12 +9,12 @@ from flexros.effects.patching.patch import Patch, PatchedEffect, PatchedValue
 from flexros.effects.patching.repaired_numbers import joint_side, repaired_numbers
 from flexros.errors import InputError
 from flexros.input_limits import LARGEST_URDF
-from flexros.robot.exchange.description_repair import repair_description
 from flexros.robot.exchange.json_export import json_export
-from flexros.robot.exchange.mjcf_export import mjcf_export
-from flexros.robot.exchange.mjcf_repair import repair_mjcf
-from flexros.robot.exchange.sdf_export import sdf_text
-from flexros.robot.exchange.urdf_export import urdf_text
+from flexros.robot.exchange.mjcf.export import mjcf_export
+from flexros.robot.exchange.mjcf.repair import repair_mjcf
+from flexros.robot.exchange.urdf.description_repair import repair_description
+from flexros.robot.exchange.urdf.export import urdf_text
+from flexros.robot.exchange.urdf.sdf_export import sdf_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

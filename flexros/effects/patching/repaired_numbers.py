@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from flexros.robot.specification import Body
 
 ASYMMETRIC = "the two directions have one level; the mean is written"
-NO_LAW = "no joint number stands for it: add it as a force, or keep it in FlexROS"
+NO_LAW = "no joint parameter represents it: add it as a force, or keep it in FlexROS"
 
 
 def repaired_numbers(patched: PatchedRobot) -> RepairedNumbers:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 class ServoStiffnessError(AbstractRelativeError):
     """The proportional gain of a position loop scaled, torque constant included.
 
-    It is sought in logs with position commands only. There it also stands for an error of the torque constant, which
+    It is sought in logs with position commands only. There it also represents an error of the torque constant, which
     scales all torques of the servo alike.
     """
 

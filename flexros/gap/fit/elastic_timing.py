@@ -25,13 +25,17 @@ DELAYED = CLEAR / 2
 """Further gain by a whole sample from which it is rather a delay [1] (chosen): springs that are far off leave much."""
 
 
-def with_torque_in_time_behind_springs(record: Record, robot: Robot) -> Record:
+def with_torque_in_time_behind_springs(
+    record: Record, robot: Robot, settings: DiagnosisSettings | None = None
+) -> Record:
     """Return a record whose measured torques are taken when they acted, as far as the robot with its springs shows it.
 
     Args:
         record: The log.
         robot: The nominal robot.
+        settings: Settings of the diagnosis.
     """
+    settings = settings or DiagnosisSettings()
     effort, seen = record.effort, bool(record.torque_shift)
     if seen or len(robot.flexible_motors) < robot.n_motors or not (record.measured_torque and record.imported):
         return record
@@ -39,7 +43,7 @@ def with_torque_in_time_behind_springs(record: Record, robot: Robot) -> Record:
         return record
     model, tolerance = RobotWithEffects(robot, ()), tolerance_of(robot, {})
     try:
-        data = fit_data(record, model, DiagnosisSettings())
+        data = fit_data(record, model, settings)
     except InputError:
         return record
 
@@ -47,7 +51,7 @@ def with_torque_in_time_behind_springs(record: Record, robot: Robot) -> Record:
         """Sum the logarithms of what the model leaves of the torques."""
         part = shifted(data.record, shift)
         arm = arm_torque(replace(data, record=part), model, tolerance)
-        found = regress_torque(part, model, tolerance, arm)
+        found = regress_torque(part, model, tolerance, arm, settings=settings.torque_start)
         return np.inf if found is None else float(np.log(np.maximum(found.rest, 1e-300)).sum())
 
     usual, half = left(0.0), {shift: left(shift) for shift in (-0.5, 0.5)}

@@ -22,6 +22,7 @@ from flexros.errors import InputError
 from flexros.gap.candidates.candidate import coulomb_levels
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.prediction.predictor import FARTHEST
+from flexros.gap.settings import TorqueStartSettings
 from flexros.identify.rigid.motion_estimate import decimate
 from flexros.identify.rigid.record import torque_as_it_acts
 from flexros.identify.rigid.regression_rows import RegressionRows
@@ -45,14 +46,8 @@ ROUNDS = 8
 """Rounds in which each motor is weighted by what is left of its torque (chosen; few are needed)."""
 STEP = 1e-6
 """Relative step of the derivatives of the regression parameters to those of the robot [1]."""
-LEAST_SHARE = 0.1
-"""Contribution to the torque, over the rest at that motor, from which it is kept, rms [1] (chosen)."""
 KINDS = ("inertia", "viscous_friction", "coulomb_friction", "torque_offset")
 """Columns of every motor."""
-MOST_REDUCED = 0.9
-"""Largest share of a nominal rotor inertia or servo stiffness that is taken away [1] (chosen)."""
-FARTHEST_LOAD = 1.0
-"""Farthest place of a load from the last joint [m] (chosen)."""
 UNSEEN = 1e-9
 """Norm of a column, over the largest one, below which rounding alone is left of it [1]."""
 FEWEST = 2
@@ -101,6 +96,7 @@ def regress_torque(
     load: Load = "none",
     delay: float = 0.0,
     balanced: int | None = None,
+    settings: TorqueStartSettings | None = None,
 ) -> TorqueRegression | None:
     """Regress the torques of a log on friction, motor inertias and tolerated parameters of the bodies.
 
@@ -115,10 +111,12 @@ def regress_torque(
             of the servos, whose stiffness may be wrong too.
         balanced: Index of a motor with a further torque over its own position, such as that of a spring or a gas
             cylinder that carries the weight of the arm; its first harmonic is free. None for none.
+        settings: Settings of the regression.
 
     Returns:
         The regression; None for a log in which no motor moves, or that is too short, and for links that bend.
     """
+    settings = settings or TorqueStartSettings()
     robot, levels = model.robot, coulomb_levels(model.laws)
     known = np.array([levels.get(name, 0.0) for name in robot.joint_names])
     try:
@@ -157,15 +155,25 @@ def regress_torque(
     if record.command is not None:
         springs = decimate(acting.springs[acting.begin :], rows.factor)[rows.counts]
         A = np.insert(A, [len(KINDS) * M] * M, -springs[:, :, None] * np.eye(M), axis=-1)
-        lightest = np.full(M, -MOST_REDUCED)
+        lightest = np.full(M, -settings.most_reduced)
     column = KINDS.index("coulomb_friction") * M
     b = b - A[:, :, column : column + M] @ known
     if balanced is not None:
         position = decimate(bridged_motion(rows.record.position, rows.record.valid), rows.factor)[rows.counts]
         A = np.insert(A, [len(KINDS) * M] * len(BALANCE), _of_balance(position, balanced), axis=-1)
         lightest = np.concatenate([np.full(len(BALANCE), -np.inf), lightest])
-    solved = partial(_solved, robot=robot, known=known, moving=rows.motion.moving, lightest=lightest, balanced=balanced)
-    return _with_point(A, b, solved) if load == "point" else solved(A, b, tolerated=len(tolerance.names))
+    solved = partial(
+        _solved,
+        robot=robot,
+        known=known,
+        moving=rows.motion.moving,
+        lightest=lightest,
+        balanced=balanced,
+        settings=settings,
+    )
+    if load == "point":
+        return _with_point(A, b, solved, settings.farthest_load)
+    return solved(A, b, tolerated=len(tolerance.names))
 
 
 def _of_balance(position: FloatArray, motor: int) -> FloatArray:
@@ -175,7 +183,9 @@ def _of_balance(position: FloatArray, motor: int) -> FloatArray:
     return columns
 
 
-def _with_point(A: FloatArray, b: FloatArray, solved: Callable[..., TorqueRegression]) -> TorqueRegression:
+def _with_point(
+    A: FloatArray, b: FloatArray, solved: Callable[..., TorqueRegression], farthest: float
+) -> TorqueRegression:
     """Solve the regression with a load at a point, whose inertia follows from its mass and first moment.
 
     With mass m and first moment s its inertia at the joint is (s's E - s s') / m. That is linear where the load is
@@ -186,7 +196,7 @@ def _with_point(A: FloatArray, b: FloatArray, solved: Callable[..., TorqueRegres
     found = solved(A, b, tolerated=0)
     for _ in range(ROUNDS):
         before, turned = found.load.copy(), A.copy()
-        before[0] = max(before[0], np.linalg.norm(before[1:]) / FARTHEST_LOAD)
+        before[0] = max(before[0], np.linalg.norm(before[1:]) / farthest)
         if before[0] <= 0:
             break
         turned[..., -len(LOAD) :] += inertias @ _inertia_slopes(before)
@@ -279,6 +289,7 @@ def _solved(
     moving: BoolArray,
     lightest: FloatArray,
     balanced: int | None,
+    settings: TorqueStartSettings,
 ) -> TorqueRegression:
     """Solve the regression within physical bounds, each motor weighted by what is left of its torque.
 
@@ -290,7 +301,8 @@ def _solved(
     viscous = np.array([robot.parameters[f"{name}.viscous_friction"].value for name in robot.joint_names])
     endless = np.full(M, np.inf)
     carried = np.full(len(lightest), np.inf)
-    low = np.concatenate([-MOST_REDUCED * inertia, -viscous, -known, -endless, lightest, np.full(tolerated, -FARTHEST)])
+    lost = settings.most_reduced
+    low = np.concatenate([-lost * inertia, -viscous, -known, -endless, lightest, np.full(tolerated, -FARTHEST)])
     high = np.concatenate([endless, endless, endless, endless, carried, np.full(tolerated, FARTHEST)])
     prior = np.hstack([np.zeros((tolerated, k - tolerated)), np.eye(tolerated)])
     before = np.sqrt(np.mean(b**2, axis=0))
@@ -313,16 +325,16 @@ def _solved(
     # a column acts on its own motor alone, so that the diagonal of each kind is all of it
     size: FloatArray = np.sqrt(np.mean(A**2, axis=0)) * np.abs(solution)
     own = np.stack([np.diag(size[:, kind * M : (kind + 1) * M]) for kind in range(3)])
-    values = np.where((own > LEAST_SHARE * left) & moving, solution[: 3 * M].reshape(3, M), 0.0)
+    values = np.where((own > settings.least_share * left) & moving, solution[: 3 * M].reshape(3, M), 0.0)
     inertias, viscous_friction, coulomb_friction = values
     shares = left / np.maximum(before, 1e-300)
     between, end = len(KINDS) * M, len(KINDS) * M + len(lightest)
     begin = between + (0 if balanced is None else len(BALANCE))
     balance = {} if balanced is None else {balanced: solution[between:begin]}
-    found, servos = solution[begin:end], end - begin == M and bool(np.all(lightest == -MOST_REDUCED))
+    found, servos = solution[begin:end], end - begin == M and bool(np.all(lightest == -lost))
     load, stiffness = (np.zeros(len(LOAD)), found) if servos else (found, np.zeros(M))
     if servos:
-        stiffness = np.where((np.diag(size[:, begin:end]) > LEAST_SHARE * left) & moving, stiffness, 0.0)
+        stiffness = np.where((np.diag(size[:, begin:end]) > settings.least_share * left) & moving, stiffness, 0.0)
     deviations = solution[end:]
     return TorqueRegression(
         inertias, viscous_friction, coulomb_friction, deviations, shares, left, load, stiffness, balance

@@ -12,7 +12,8 @@ from flexros.effects.left_out.rotor_inertia import RotorInertia
 from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_moved
 from flexros.effects.viscous_friction import ViscousFriction
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.fit.torque_regression import FARTHEST_LOAD, Load, only_coulomb, regress_torque
+from flexros.gap.fit.torque_regression import Load, only_coulomb, regress_torque
+from flexros.gap.settings import TorqueStartSettings
 from flexros.prediction.integration_step import least_inertia, stops_too_fast
 
 if TYPE_CHECKING:
@@ -24,31 +25,15 @@ if TYPE_CHECKING:
     from flexros.record.record import Record
     from flexros.robot import Robot
 
-LEAST = 0.2
-"""Inertia of a rotor, over that of the bodies it moves, from which the file lacks it [1] (chosen); less may be in that
-of the bodies, as for a drive whose one mass is that of all its parts."""
 STEPS = 16
 """Steps per sample that the friction of motors without rotors may need [1] (chosen). Some URDFs have the same large
 damping at every joint, which only keeps a simulator calm; a light wrist without rotor would stop within 0.1 ms."""
 PLACEHOLDER = 0.5
 """Share of such a friction that the torques of the log have at most, if it stands for none [1] (chosen)."""
-SHOWS = 0.1
-"""Inertia that such a motor is given, over that of its bodies, from which it is [1] (chosen)."""
 UNCERTAIN = 0.5
 """Standard deviation of the logarithm of an estimated inertia: the prediction errors decide (chosen)."""
 UNCERTAIN_LOAD = 0.1
 """The same for mass and centre of the body with an estimated load (chosen): the weight shows them well."""
-LIGHTEST = 0.05
-"""Mass of a load over that of all bodies that move, from which the file lacks it [1] (chosen)."""
-EXPLAINED = 10.0
-"""Product over the motors of the factors by which a load lowers what is left of their torques, from which the file
-lacks it [1] (chosen): 1.6 on a UR10e that carries nothing, above 1000 on an arm whose tool is 7 % of its mass."""
-RELIEVED = 1.5
-"""Factor by which a counterbalance alone lowers what is left at its motor, from which a load is sought beside it [1]
-(chosen)."""
-MOST_BY_ONE = EXPLAINED
-"""Largest factor of one motor in that product [1] (chosen), so that the others must not be left with more: that one
-motor has no torque, as where it is not driven, is explained by a load that takes the weight of its body away."""
 _CENTER = ("x", "y", "z")
 
 
@@ -152,14 +137,18 @@ class UnknownNumbers:
         return ToolLoad(mass=float(carried), x=x, y=y, z=z)
 
 
-def unknown_numbers(record: Record, model: RobotWithEffects, tolerance: Tolerance) -> UnknownNumbers:
+def unknown_numbers(
+    record: Record, model: RobotWithEffects, tolerance: Tolerance, settings: TorqueStartSettings | None = None
+) -> UnknownNumbers:
     """Estimate the rotor inertias that a model lacks and a load, from a log that this program has not simulated.
 
     Args:
         record: The log.
         model: The nominal model.
         tolerance: Parameters of the robot that may deviate.
+        settings: Settings of the regressions.
     """
+    settings = settings or TorqueStartSettings()
     robot = model.robot
     lacking = [name for name in robot.joint_names if robot.parameters[f"{name}.inertia"].value == 0]
     if record.simulated or record.command is not None or not only_coulomb(model) or not (lacking or _may_carry(robot)):
@@ -167,15 +156,16 @@ def unknown_numbers(record: Record, model: RobotWithEffects, tolerance: Toleranc
     state = robot.equilibrium(motor_position=np.median(record.position, axis=0))
     masses = robot.model.mass_matrix(state[: robot.n_coordinates], robot.model.parameter_values)
     of_bodies = dict(zip(robot.joint_names, np.diag(np.asarray(masses, dtype=float))[list(robot.motor_rows)]))
-    needed = _inertias_to_step(robot, record.sample_time, {name: of_bodies[name] for name in lacking})
+    bodies = {name: of_bodies[name] for name in lacking}
+    needed = _inertias_to_step(robot, record.sample_time, bodies, settings.least_stepped_rotor)
     viscous = {name: robot.parameters[f"{name}.viscous_friction"].value for name in robot.joint_names}
-    regression = regress_torque(record, model, tolerance)
+    regression = regress_torque(record, model, tolerance, settings=settings)
     if regression is None:
         return UnknownNumbers(needed)
-    loaded, load = _load(record, model, tolerance, len(lacking))
+    loaded, load = _load(record, model, tolerance, len(lacking), settings)
     regression = loaded or regression
     found = dict(zip(robot.joint_names, regression.inertia.tolist(), strict=True))
-    rotors = {name: found[name] for name in lacking if found[name] > LEAST * of_bodies[name]}
+    rotors = {name: found[name] for name in lacking if found[name] > settings.least_rotor * of_bodies[name]}
     changes = dict(zip(robot.joint_names, regression.viscous_friction.tolist(), strict=True))
     left = {name: viscous[name] + changes[name] for name in lacking} if needed else {}
     placeholders = {name: viscous[name] for name, value in left.items() if value < PLACEHOLDER * viscous[name]}
@@ -185,19 +175,22 @@ def unknown_numbers(record: Record, model: RobotWithEffects, tolerance: Toleranc
     return UnknownNumbers(inertias, load, bare, placeholders)
 
 
-def _inertias_to_step(robot: Robot, sample_time: float, of_bodies: Mapping[str, float]) -> dict[str, float]:
+def _inertias_to_step(
+    robot: Robot, sample_time: float, of_bodies: Mapping[str, float], shows: float
+) -> dict[str, float]:
     """Return the least inertias of motors without rotor with which their friction can be stepped.
 
     Args:
         robot: The robot.
         sample_time: Time between two samples [s].
         of_bodies: Inertia of the bodies that each of these motors moves, by name [kg m2 or kg].
+        shows: Inertia over that of the bodies from which it is given [1].
     """
     if not stops_too_fast(robot, sample_time, STEPS):
         return {}
     friction = {name: robot.parameters[f"{name}.viscous_friction"].value for name in of_bodies}
     least = {name: least_inertia(value, sample_time, STEPS) for name, value in friction.items()}
-    return {name: value for name, value in least.items() if value > SHOWS * of_bodies[name]}
+    return {name: value for name, value in least.items() if value > shows * of_bodies[name]}
 
 
 def _may_carry(robot: Robot) -> bool:
@@ -206,7 +199,7 @@ def _may_carry(robot: Robot) -> bool:
 
 
 def _load(
-    record: Record, model: RobotWithEffects, tolerance: Tolerance, lacking: int
+    record: Record, model: RobotWithEffects, tolerance: Tolerance, lacking: int, settings: TorqueStartSettings
 ) -> tuple[TorqueRegression | None, ToolLoad | None]:
     """Estimate the load that an arm lacks, and its regression; None for none.
 
@@ -218,16 +211,16 @@ def _load(
     if not _may_carry(robot):
         return None, None
     kind: Load = "none" if lacking == robot.n_motors else "body"
-    without = regress_torque(record, model, Tolerance(), load=kind)
+    without = regress_torque(record, model, Tolerance(), load=kind, settings=settings)
     if without is None:
         return None, None
-    found = [_load_beside(record, model, tolerance, without)]
+    found = [_load_beside(record, model, tolerance, without, None, settings)]
     for motor, one in enumerate(robot.motors):
         if found[0] is not None or not one.rotary:
             continue
-        relieved = regress_torque(record, model, Tolerance(), load=kind, balanced=motor)
-        if relieved is not None and without.rest[motor] > RELIEVED * relieved.rest[motor]:
-            found.append(_load_beside(record, model, tolerance, relieved, motor))
+        relieved = regress_torque(record, model, Tolerance(), load=kind, balanced=motor, settings=settings)
+        if relieved is not None and without.rest[motor] > settings.relieved * relieved.rest[motor]:
+            found.append(_load_beside(record, model, tolerance, relieved, motor, settings))
     best = min((one for one in found if one is not None), key=lambda one: _rest(one[0]), default=None)
     return (None, None) if best is None else best
 
@@ -237,7 +230,8 @@ def _load_beside(
     model: RobotWithEffects,
     tolerance: Tolerance,
     without: TorqueRegression,
-    balanced: int | None = None,
+    balanced: int | None,
+    settings: TorqueStartSettings,
 ) -> tuple[TorqueRegression, ToolLoad] | None:
     """Estimate the load beside a counterbalance of one motor; None for no load.
 
@@ -250,15 +244,18 @@ def _load_beside(
         tolerance: Parameters of the robot that may deviate.
         without: The regression without a load.
         balanced: Index of the motor with the counterbalance; None for none.
+        settings: Settings of the regressions.
     """
     robot = model.robot
-    loaded = regress_torque(record, model, tolerance, load="point", balanced=balanced)
+    loaded = regress_torque(record, model, tolerance, load="point", balanced=balanced, settings=settings)
     if loaded is None:
         return None
     mass, moment = float(loaded.load[0]), loaded.load[1:]
     moved = sum(robot.parameters[f"body_{k}.mass"].value for k, b in enumerate(robot.spec.bodies, 1) if b.directions)
-    gain = float(np.prod(np.minimum(without.left / np.maximum(loaded.left, 1e-300), MOST_BY_ONE)))
-    if mass < LIGHTEST * moved or gain < EXPLAINED or np.linalg.norm(moment) > FARTHEST_LOAD * mass:
+    enough = settings.explained_by_load
+    gain = float(np.prod(np.minimum(without.left / np.maximum(loaded.left, 1e-300), enough)))
+    far = np.linalg.norm(moment) > settings.farthest_load * mass
+    if mass < settings.lightest_load * moved or gain < enough or far:
         return None
     x, y, z = (moment / mass).tolist()
     return loaded, ToolLoad(mass=mass, x=x, y=y, z=z)

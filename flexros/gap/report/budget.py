@@ -118,5 +118,5 @@ def _numbers(numbers: tuple[ModelNumber, ...]) -> TextTable:
         (one.name, number(one.nominal, 4), f"{number(one.value, 4)} ± {number(one.std, 2)}", one.unit)
         for one in numbers
     )
-    caption = "Numbers of the nominal model that are wrong beyond their tolerance."
+    caption = "Parameters of the nominal model that are wrong beyond their tolerance."
     return TextTable(("Parameter", "nominal", "fitted", "unit"), rows, caption)

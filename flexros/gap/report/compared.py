@@ -136,7 +136,7 @@ def compared_page(comparison: DiagnosisComparison) -> str:
         found.append(values_table(comparison, effects, caption))
     wrong: tuple[Block, ...] = ()
     if numbers:
-        wrong = (values_table(comparison, numbers, "Numbers that the diagnoses put in place of those of the model."),)
+        wrong = (values_table(comparison, numbers, "Parameters that the diagnoses replace in the model."),)
     made = folded_origin(
         {name: one.provenance for name, one in zip(comparison.names, comparison.diagnoses, strict=True)},
         "diagnosis",
@@ -145,7 +145,7 @@ def compared_page(comparison: DiagnosisComparison) -> str:
     chapters = (
         Chapter("", (Paragraph(sentence(comparison), "lead"), overview(comparison))),
         Chapter("Effects", tuple(found)),
-        Chapter("Numbers of the model", wrong),
+        Chapter("Parameters of the model", wrong),
         Chapter("What each diagnosis says", said),
         Chapter("Provenance", (made,) if made else ()),
     )

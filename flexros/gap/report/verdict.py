@@ -51,7 +51,7 @@ def partial_sentence(diagnosis: Diagnosis) -> str:
     text = f"Partial result: {what} after {number(partial.after, 3)} s, in step '{partial.step}'"
     if partial.step == NEXT_EXPERIMENT:
         return f"{text}; the search for causes was complete."
-    return f"{text}. Effects may be missing or stand for others, and the probabilities compare only what was tried."
+    return f"{text}. Effects may be missing or replace others, and the probabilities compare only what was tried."
 
 
 def reported_causes(diagnosis: Diagnosis) -> tuple[Cause, ...]:

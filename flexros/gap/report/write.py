@@ -1,19 +1,20 @@
-"""Write the report of a diagnosis: one HTML file that opens offline."""
+"""The report of a diagnosis: one HTML file that opens offline, and its short form for a notebook."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from flexros.atomic_file import write_result
 from flexros.gap.report.budget import BudgetSection
 from flexros.gap.report.evidence import EvidenceSection
 from flexros.gap.report.how_far import HowFarSection
 from flexros.gap.report.open_questions import OpenQuestionsSection
-from flexros.gap.report.patch import PatchSection
 from flexros.gap.report.provenance import ProvenanceSection
-from flexros.gap.report.ranking import RankingSection
+from flexros.gap.report.ranking import RankingSection, table_of_ranking
 from flexros.gap.report.summary import SummarySection
 from flexros.gap.report.where import WhereSection
+from flexros.report.base import AbstractSection, Block, Listing, Paragraph
+from flexros.report.notebook import notebook_html
 from flexros.report.number_text import number
 from flexros.report.page import Chapter, page_html
 
@@ -21,7 +22,47 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from flexros.gap.result import DiagnosisResult
-    from flexros.report.base import AbstractSection
+
+_USELESS = 0.1
+"""A patch that closes less of the gap than this share is not recommended (chosen)."""
+
+
+class PatchSection(AbstractSection["DiagnosisResult"]):
+    """The text of patch.yaml and the commands that use it."""
+
+    title: ClassVar[str] = "The patch"
+
+    def __init__(self, text: str) -> None:
+        """Take the patch as YAML, empty where no effect was found."""
+        self._text = text
+
+    def blocks(self, result: DiagnosisResult) -> tuple[Block, ...]:
+        """Return the patch with its commands."""
+        if not self._text:
+            return ()
+        text = (
+            "The effects with their fitted parameters on top of the nominal robot. The file patch.yaml is accepted "
+            "wherever a robot is: for simulation, feedforward or another diagnosis."
+        )
+        if result.diagnosis.verdict == "unknown_effect":
+            text += " It repairs only a part of the gap, whose cause is not among the known effects."
+        if result.diagnosis.verdict == "partly_explained":
+            text += " It repairs a part of the gap; the budget says how much is left, and where."
+        if result.diagnosis.verdict == "ambiguous":
+            text += (
+                " It holds the most probable explanation, which predicts motions like those of this log as well as its "
+            )
+            text += "rivals."
+        closed = result.diagnosis.gap.closed_fraction
+        if closed is not None and closed < _USELESS:
+            text = "The effects with their fitted parameters. Do not use them: they do not reduce the held-out gap."
+        commands = "flexros gap BAG --model patch.yaml      # a new log against the repaired model\n"
+        commands += "flexros run SCENARIO --model patch.yaml  # simulate, with a feedforward that knows the effects\n"
+        return (
+            Paragraph(text),
+            Listing(self._text, "patch.yaml, in the folder of this report."),
+            Listing(commands, "Commands that use it."),
+        )
 
 
 def sections(patch: str = "") -> tuple[AbstractSection[DiagnosisResult], ...]:
@@ -69,6 +110,15 @@ def write_diagnosis_report(result: DiagnosisResult, file: Path, *, patch: str = 
         InputError: The file cannot be written.
     """
     write_result(file, diagnosis_report(result, patch=patch, title=title), "report")
+
+
+def diagnosis_html(result: DiagnosisResult) -> str:
+    """Show the answer of a diagnosis; `plot` draws its pictures, and the report has the evidence."""
+    blocks: list[Block] = [*SummarySection().blocks(result)]
+    if result.ranking and result.diagnosis.verdict != "no_gap":
+        blocks.append(table_of_ranking(result.ranking))
+    blocks += BudgetSection().blocks(result)
+    return notebook_html(f"Diagnosis of {result.robot.name}", blocks)
 
 
 def _subtitle(result: DiagnosisResult) -> str:

@@ -18,16 +18,8 @@ if TYPE_CHECKING:
     from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.search.candidate_fits import Search
 
-LEAST = 1e-3
-"""Smallest deflection of the bristles over the noise of the encoder [1] (chosen): less acts as rigid contacts."""
-BEGIN = 0.3
-"""Deflection at which a fit begins, over the noise of the encoder [1] (chosen)."""
-RELAXATION = 1e-3
-"""Damping over stiffness at which a fit begins [s] (chosen)."""
 BRISTLES = ("stiffness", "damping")
 """Parameters of bristles."""
-RELAXATIONS = (1e-7, 1.0)
-"""Bounds of that ratio [s] (chosen)."""
 
 
 def with_bristles(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
@@ -101,11 +93,12 @@ def _at_limits(fit: CandidateFit, names: Collection[str]) -> set[str]:
 
 def _held(search: Search, candidate: Candidate, level: float) -> Candidate:
     """Free the bristles of a friction whose level is roughly known."""
-    soft, stiff, usual = (level / (share * _noise(search, candidate)) for share in (SEEN, LEAST, BEGIN))
-    low, high = (bound * ratio for bound, ratio in zip((soft, stiff), RELAXATIONS, strict=True))
+    own = search.settings.bristles
+    soft, stiff, usual = (level / (share * _noise(search, candidate)) for share in (SEEN, own.smallest, own.initial))
+    low, high = (bound * ratio for bound, ratio in zip((soft, stiff), own.relaxations, strict=True))
     bristles = (
         FreeParameter("stiffness", soft, stiff, signed=False, starts=(usual,)),
-        FreeParameter("damping", low, high, signed=False, starts=(RELAXATION * usual,)),
+        FreeParameter("damping", low, high, signed=False, starts=(own.relaxation * usual,)),
     )
     return replace(candidate, free=(*candidate.free, *bristles))
 

@@ -29,39 +29,27 @@ if TYPE_CHECKING:
     from flexros.effects import AbstractEffect
     from flexros.gap.candidates.scales import Scales
     from flexros.gap.fit.null_fit import NullFit
-    from flexros.gap.settings import DiagnosisSettings
+    from flexros.gap.settings import DiagnosisSettings, ServoStartSettings
     from flexros.record.record import Record
     from flexros.robot import Robot
 
-OFTEN_LIMITED = 0.01
-"""Share of the samples at its torque limit from which a servo counts as one that reaches it [1] (chosen)."""
-FRICTION = 0.1
-"""Coulomb friction that the fits begin with, over the torque limit [1] (chosen)."""
-BRAKE = 0.5
-"""Viscous friction that the fits begin with at the largest speed, over the torque limit [1] (chosen): a voltage that is
-limited ends the acceleration where the back-EMF reaches it."""
-LITTLE = 0.01
-"""Coulomb friction that the fits of other servos begin with, over its largest one [1] (chosen)."""
 OF_SERVO = (CoulombFriction, ViscousFriction, ServoStiffnessError, MotorInertiaError)
 """Effects of a servo that stays within its limit. Its damping acts on its speed as viscous friction does."""
-UNDAMPED = -0.85
-"""Relative error of the damping of a loop that hardly brakes, with which one of the fits begins [1] (chosen)."""
-WIDER = 10.0
-"""Factor by which friction may exceed what the largest nominal torque overcomes [1], as the gains of a servo may be
-wrong by it (chosen)."""
-DELAYS = (0.25, 1.25, 2.25, 3.25)
-"""Delays that the fits begin with [samples] (chosen): between whole ones, at which the prediction has a corner."""
-SCREENED = 8
-"""Iterations after which the best one of the fits goes on alone (chosen)."""
 
 
-def limited_servos(robot: Robot, record: Record) -> BoolArray:
-    """Return which servos reach their torque limits in a log, by their nominal gains, shape (M,)."""
+def limited_servos(robot: Robot, record: Record, often: float) -> BoolArray:
+    """Return which servos reach their torque limits in a log, by their nominal gains, shape (M,).
+
+    Args:
+        robot: The nominal robot.
+        record: The log.
+        often: Share of the samples at its limit from which a servo counts [1].
+    """
     if record.command is None:
         return np.zeros(robot.n_motors, dtype=bool)
     position = bridged_motion(record.position, record.valid)
     torque = servo_torque(robot, record.command, position, record.sample_time)
-    return np.asarray(np.mean(np.abs(torque[record.valid]) >= robot.torque_limits, axis=0) > OFTEN_LIMITED)
+    return np.asarray(np.mean(np.abs(torque[record.valid]) >= robot.torque_limits, axis=0) > often)
 
 
 def fit_of_servos(
@@ -94,9 +82,10 @@ def fit_of_servos(
     far_off = null.data.nominal_level > settings.residuals.far_off
     if record.command is None or robot.flexible_motors or not (record.imported or far_off):
         return None
-    limited = limited_servos(robot, record)
+    begin = settings.servo_start
+    limited = limited_servos(robot, record, begin.often_limited)
     competing = competitors(robot, settings.search)
-    begun = [pair for pair in _begun(null, limited) if competing.contain(pair[0])]
+    begun = [pair for pair in _begun(null, limited, begin) if competing.contain(pair[0])]
     if not begun:
         return None
     predictor = null.predictor(tuple(one for one, _ in begun))
@@ -104,10 +93,10 @@ def fit_of_servos(
     def screened(own: Mapping[str, float]) -> CandidateFit:
         sizes = [one.free[0].encode(own.get(one.name, value)) for one, value in begun]
         theta = np.clip(np.concatenate([sizes, np.zeros(predictor.tolerance.n_free)]), *predictor.bounds)
-        return fit(predictor, null.data, theta, SCREENED, settings=settings.fit, stop=stop)
+        return fit(predictor, null.data, theta, begin.iterations, settings=settings.fit, stop=stop)
 
     tried = []
-    for error, delay in product((0.0, UNDAMPED) if limited.any() else (0.0,), DELAYS):
+    for error, delay in product((0.0, begin.undamped) if limited.any() else (0.0,), begin.delays):
         undamped = {f"{ServoDampingError.name}@{name}": error for name in robot.joint_names}
         tried.append(screened({**undamped, f"{Delay.name}@all": delay * record.sample_time}))
     if regressed is not None:
@@ -124,31 +113,34 @@ def _first_values(fit: CandidateFit) -> dict[str, float]:
     return {one.name: next(iter(found.values())) for one, found in zip(fit.hypothesis, values, strict=True)}
 
 
-def _begun(null: NullFit, limited: BoolArray) -> list[tuple[Candidate, float]]:
+def _begun(null: NullFit, limited: BoolArray, settings: ServoStartSettings) -> list[tuple[Candidate, float]]:
     """List the effects of all servos, each with its first parameter, and the values that the fits begin with."""
     robot, record = null.model.robot, null.data.record
     scales = scales_of_motors(robot, record)
     begun = [
-        (_wide(effect, location, scales), value)
+        (_wide(effect, location, scales, settings.wider), value)
         for motor in np.flatnonzero(limited).tolist()
-        for effect, location, value in _at_limit(robot, record, motor)
+        for effect, location, value in _at_limit(robot, record, motor, settings)
     ]
     others = [name for name, one in zip(robot.joint_names, limited, strict=True) if not one]
     for candidate in list_candidates(robot, scales, measured=True, known=null.model.laws):
         first = replace(candidate, free=candidate.free[:1])
         if (candidate.effect in OF_SERVO and candidate.location in others) or candidate.name == f"{Delay.name}@all":
-            begun.append((first, LITTLE * first.free[0].high if candidate.effect is CoulombFriction else 0.0))
+            little = settings.little_friction * first.free[0].high
+            begun.append((first, little if candidate.effect is CoulombFriction else 0.0))
     return begun
 
 
-def _at_limit(robot: Robot, record: Record, motor: int) -> list[tuple[type[AbstractEffect], str, float]]:
+def _at_limit(
+    robot: Robot, record: Record, motor: int, settings: ServoStartSettings
+) -> list[tuple[type[AbstractEffect], str, float]]:
     """List the effects of a servo at its limit, where they are, and the values that the fits begin with."""
     name, limit = robot.joint_names[motor], robot.torque_limits[motor]
     speed = np.gradient(bridged_motion(record.position, record.valid)[:, motor], record.sample_time)[record.valid]
     fastest = float(np.quantile(np.abs(speed), 0.95))
     values: list[tuple[type[AbstractEffect], float]] = [
-        (CoulombFriction, FRICTION * limit),
-        (ViscousFriction, BRAKE * limit / max(fastest, 1e-9)),
+        (CoulombFriction, settings.friction * limit),
+        (ViscousFriction, settings.braking * limit / max(fastest, 1e-9)),
         (ServoStiffnessError, 0.0),
         (TorqueGainError, 0.0),
     ]
@@ -159,11 +151,11 @@ def _at_limit(robot: Robot, record: Record, motor: int) -> list[tuple[type[Abstr
     return [(effect, name, value) for effect, value in values]
 
 
-def _wide(effect: type[AbstractEffect], location: str, scales: Scales) -> Candidate:
+def _wide(effect: type[AbstractEffect], location: str, scales: Scales, wider: float) -> Candidate:
     """Return an effect of a servo at its limit with its first parameter free, in a wide range."""
     # nobody knows the limit of a servo better than its gains, and friction is measured by its torque
     ranges = ServoStiffnessError.ranges if effect is TorqueGainError else effect.ranges
     name, allowed = next(iter(ranges.items()))
     if allowed.scale.startswith("torque"):
-        allowed = replace(allowed, high=WIDER * allowed.high)
+        allowed = replace(allowed, high=wider * allowed.high)
     return Candidate(effect, location, (free_parameter(name, allowed, scales.of(allowed.scale, location)),))

@@ -28,18 +28,9 @@ if TYPE_CHECKING:
     from flexros.gap.fit.null_fit import NullFit
     from flexros.gap.fit.torque_regression import TorqueRegression
     from flexros.gap.residuals.fit_data import FitData
-    from flexros.gap.settings import DiagnosisSettings
+    from flexros.gap.settings import DiagnosisSettings, TorqueStartSettings
     from flexros.record.record import Record
     from flexros.robot import Robot
-
-
-MOST_DELAYED = 10
-"""Longest delay of commanded positions that is tried [samples] (chosen)."""
-BALANCED = 2.5
-"""Factor by which a counterbalance lowers what is left at its motor, from which there is one [1] (chosen)."""
-CARRIES = 0.5
-"""Torque of a counterbalance over the largest of its motor, from which there is one [1] (chosen): it is built to carry
-weight. Less is an error of the weight of the arm, as on a robot whose URDF is a third too light."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,39 +105,47 @@ def torque_start(
     if not only_coulomb(model) or not (record.imported or far_off):
         return None
     if record.command is not None:
-        start = _servo_start(record, model, tolerance)
+        start = _servo_start(record, model, tolerance, settings.torque_start)
     else:
-        regression = _balanced(record, model, tolerance, arm_torque(data, model, tolerance))
+        arm = arm_torque(data, model, tolerance)
+        regression = _balanced(record, model, tolerance, arm, settings.torque_start)
         start = None if regression is None else TorqueStart(regression, model, record)
     return start if start is not None and start.hypothesis() else None
 
 
 def _balanced(
-    record: Record, model: RobotWithEffects, tolerance: Tolerance, arm: ArmTorque | None
+    record: Record,
+    model: RobotWithEffects,
+    tolerance: Tolerance,
+    arm: ArmTorque | None,
+    settings: TorqueStartSettings,
 ) -> TorqueRegression | None:
     """Regress the torques, with a counterbalance at the motor at which it explains most, if that is much."""
-    best = plain = regress_torque(record, model, tolerance, arm)
+    best = plain = regress_torque(record, model, tolerance, arm, settings=settings)
     if plain is None:
         return None
-    factor = BALANCED
+    factor = settings.balanced
     for location in Counterbalance().locations(model.robot):
         motor = model.robot.joint_names.index(location)
-        found = regress_torque(record, model, tolerance, arm, balanced=motor)
-        if found is None or np.linalg.norm(found.balance[motor]) < CARRIES * np.nanmax(np.abs(record.torque[:, motor])):
+        found = regress_torque(record, model, tolerance, arm, balanced=motor, settings=settings)
+        least = settings.carried * np.nanmax(np.abs(record.torque[:, motor]))
+        if found is None or np.linalg.norm(found.balance[motor]) < least:
             continue
         if plain.rest[motor] > factor * found.rest[motor]:
             best, factor = found, plain.rest[motor] / found.rest[motor]
     return best
 
 
-def _servo_start(record: Record, model: RobotWithEffects, tolerance: Tolerance) -> TorqueStart | None:
+def _servo_start(
+    record: Record, model: RobotWithEffects, tolerance: Tolerance, settings: TorqueStartSettings
+) -> TorqueStart | None:
     """Regress the torques of servos with the delay of the commands that leaves least of them."""
     if model.robot.flexible_motors:
         return None
     best: tuple[float, TorqueStart] | None = None
-    for samples in range(MOST_DELAYED + 1):
+    for samples in range(settings.longest_delay + 1):
         delay = samples * record.sample_time
-        found = regress_torque(record, model, tolerance, delay=delay)
+        found = regress_torque(record, model, tolerance, delay=delay, settings=settings)
         if found is None:
             return None
         left = float(np.log(np.maximum(found.rest, 1e-300)).sum())

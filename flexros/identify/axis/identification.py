@@ -9,7 +9,6 @@ import numpy as np
 
 from flexros.errors import unknown_name
 from flexros.identify.axis.gear_law import PARAMETERS
-from flexros.identify.axis.neglected_influences import unmodelled
 from flexros.identify.axis.prediction_fit import AxisFit, Quality, fit_axis
 from flexros.identify.axis.predictor import Predictor
 from flexros.identify.axis.record import AxisRecord, axis_record
@@ -24,6 +23,7 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.logs.time_series import Log
     from flexros.record.read import TorqueSource
+    from flexros.record.record import Record
     from flexros.robot import Robot
 
 SMOOTHING = 0.01
@@ -34,6 +34,13 @@ STIFFENINGS = (1.5, 0.7)
 
 KNEES = (0.6, 0.3, 0.85)
 """Shares of the samples whose deflection is below the knee, for initial knees (chosen)."""
+
+
+MOVES = 0.1
+"""Speed of another motor, relative to that of the axis (rms), above which it is reported (chosen)."""
+
+LOADS = 0.01
+"""Holding torque at home, relative to the torque of the axis (rms), above which gravity is reported (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,3 +172,39 @@ def _gear_starts(structure: AxisStructure, deflection: FloatArray) -> list[dict[
         return [{"gear_doubling": factor * typical} for factor in (4.0, 1.5, 12.0)]
     knees = np.quantile(deflection, KNEES).tolist()
     return [{"gear_stiffening": factor, "gear_knee": knee} for knee in knees for factor in STIFFENINGS]
+
+
+def unmodelled(record: Record, robot: Robot, motor: int) -> tuple[str, ...]:
+    """Find gravity on the axis, and motion of other motors.
+
+    Args:
+        record: Record of the log.
+        robot: The nominal robot.
+        motor: Number of the motor (0-based).
+
+    Returns:
+        One sentence for each; empty where neither is significant.
+    """
+    return (*_gravity(record, robot, motor), *_other_motion(record, robot, motor))
+
+
+def _gravity(record: Record, robot: Robot, motor: int) -> tuple[str, ...]:
+    holding = robot.holding_torque(robot.equilibrium(robot.home))[motor]
+    rms = np.sqrt(np.mean(record.torque[:, motor] ** 2))
+    if abs(holding) <= LOADS * rms:
+        return ()
+    return (
+        f"gravity loads {robot.joint_names[motor]} by {abs(holding):.3g} at home, but the model of the axis has no "
+        "gravity; take an axis that gravity does not load, or a constant torque (offset) where it moves little",
+    )
+
+
+def _other_motion(record: Record, robot: Robot, motor: int) -> tuple[str, ...]:
+    speed = np.sqrt(np.mean(np.diff(record.position, axis=0) ** 2, axis=0))
+    moving = [
+        name for other, name in enumerate(robot.joint_names) if other != motor and speed[other] > MOVES * speed[motor]
+    ]
+    if not moving:
+        return ()
+    joint = robot.joint_names[motor]
+    return (f"the model of the axis has no other motion, but {', '.join(moving)} moves too; move {joint} alone",)

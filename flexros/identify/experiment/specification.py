@@ -10,12 +10,16 @@ from pydantic import Field, model_validator
 from flexros.config.per_motor import PositivePerMotor, per_motor
 from flexros.config.settings import Settings
 from flexros.errors import InputError
+from flexros.identify.excitation.burst import Burst
+from flexros.identify.excitation.chirp import Chirp
 from flexros.identify.excitation.multisine import Multisine
-from flexros.identify.excitation.specification import Excitation
 from flexros.identify.experiment.slow_motion import NoSlowMotion, SlowMotion
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
+
+Excitation: TypeAlias = Annotated[Multisine | Chirp | Burst, Field(discriminator="kind")]
+"""Any excitation, distinguished by its key `kind`."""
 
 Blocks: TypeAlias = Annotated[int, Field(ge=0, le=1000)]
 """Number of blocks in a position; 0 leaves the position out."""

@@ -200,7 +200,7 @@ class FrequencyResponse:
 
     def plot(self) -> go.Figure:
         """Draw magnitude or phase of each pair of input and output, with its standard deviation."""
-        from flexros.identify.report.response_picture import response_picture
+        from flexros.identify.frf.response_picture import response_picture
 
         return response_picture((self,))
 

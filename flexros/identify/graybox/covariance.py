@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from flexros.identify.graybox.response_noise import response_noise
+from flexros.identify.frf.response_noise import response_noise
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flexros.arrays import ComplexArray, FloatArray
+    from flexros.identify.frf.response_noise import ResponseNoise
     from flexros.identify.graybox.fit import GrayBoxFit
     from flexros.identify.graybox.parameter_scale import ParameterScale
     from flexros.identify.graybox.problem import GrayBoxProblem
-    from flexros.identify.graybox.response_noise import ResponseNoise
 
 Number = TypeVar("Number", np.float64, np.complex128)
 

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import InputError
-from flexros.identify.graybox.sampled import SampledHold, expansion, sampled_hold
+from flexros.identify.frf.sampled import SampledHold, expansion, sampled_hold
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.identify.graybox.response_noise import response_noise
+from flexros.identify.frf.response_noise import response_noise
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

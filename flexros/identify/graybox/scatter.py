@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.identify.frf.response_noise import response_noise
 from flexros.identify.graybox.covariance import MISSES
-from flexros.identify.graybox.response_noise import response_noise
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
+    from flexros.identify.frf.response_noise import ResponseNoise
     from flexros.identify.graybox.covariance import ParameterCovariance
     from flexros.identify.graybox.fit import GrayBoxFit
     from flexros.identify.graybox.problem import GrayBoxProblem
-    from flexros.identify.graybox.response_noise import ResponseNoise
 
 UNEXPLAINED = 2.0
 """Mean squared residual over variance, all lines weighted equally, above which part is unexplained (chosen)."""

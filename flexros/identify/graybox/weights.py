@@ -10,7 +10,7 @@ from pydantic import Field
 
 from flexros.config.settings import Settings
 from flexros.errors import InputError, unknown_name
-from flexros.identify.graybox.response_noise import response_noise
+from flexros.identify.frf.response_noise import response_noise
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Poses and loads that tell most about the unknowns."""
+"""The most informative poses and loads for the unknowns."""
 
 from __future__ import annotations
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 import plotly.graph_objects as go
 
-from flexros.identify.report.response_picture import position_name
-from flexros.report.base import Block, Paragraph, Picture, TextTable
+from flexros.identify.frf.response_picture import position_name
+from flexros.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
 from flexros.report.grid import digits, menu, panels
 from flexros.report.number_text import percent
 
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.identify.frf.distortion import Distortion
     from flexros.identify.frf.frequency_response import FrequencyResponse
+    from flexros.identify.result import IdentificationResult
 
 _LEVELS: tuple[tuple[str, str, str, str, str], ...] = (
     ("output", "frequency", "output", "#1b1f24", "lines"),
@@ -31,6 +32,16 @@ _LEVELS: tuple[tuple[str, str, str, str, str], ...] = (
 
 _CLEAR = 2.0
 """Distortions above this many times the noise are significant (chosen)."""
+
+
+class DistortionSection(AbstractSection["IdentificationResult"]):
+    """One panel per motor, a menu of positions, and a table of medians."""
+
+    title: ClassVar[str] = "Noise and nonlinear distortions"
+
+    def blocks(self, result: IdentificationResult) -> tuple[Block, ...]:
+        """Return sentence, picture and table; nothing where the responses have no levels."""
+        return distortion_blocks(result.problem.responses)
 
 
 def distortion_blocks(responses: Sequence[FrequencyResponse]) -> tuple[Block, ...]:

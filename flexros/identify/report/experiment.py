@@ -15,7 +15,7 @@ from flexros.report.theme import INK, run_colour, stacked
 
 if TYPE_CHECKING:
     from flexros.identify.design.experiment_design import ExperimentDesign
-    from flexros.identify.graybox.result import ExperimentFacts, IdentificationResult
+    from flexros.identify.result import ExperimentFacts, IdentificationResult
 
 
 class ExperimentSection(AbstractSection["IdentificationResult"]):

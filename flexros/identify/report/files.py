@@ -14,7 +14,7 @@ from flexros.json_text import json_text
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from flexros.identify.graybox.result import IdentificationResult
+    from flexros.identify.result import IdentificationResult
 
 ROBOT, FIGURES, REPORT = "identified.yaml", "identification.json", "report.html"
 """Names of the files in the folder of an identification."""

@@ -13,7 +13,7 @@ from flexros.report.theme import run_colour, stacked
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
-    from flexros.identify.graybox.result import IdentificationResult
+    from flexros.identify.result import IdentificationResult
 
 
 class StartSection(AbstractSection["IdentificationResult"]):

@@ -22,7 +22,7 @@ from flexros.report.theme import INK, MUTED, stacked
 
 if TYPE_CHECKING:
     from flexros.identify.graybox.identifiability import ParameterVerdict
-    from flexros.identify.graybox.result import IdentificationResult
+    from flexros.identify.result import IdentificationResult
 
 _FAR = 100.0
 """Intervals are drawn up to this factor from the nominal value (chosen)."""

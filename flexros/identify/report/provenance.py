@@ -8,7 +8,7 @@ from flexros.report.base import AbstractSection, Block, Folded, Paragraph, TextT
 from flexros.report.entries import flat_entries, grouped_rows
 
 if TYPE_CHECKING:
-    from flexros.identify.graybox.result import IdentificationResult
+    from flexros.identify.result import IdentificationResult
 
 
 class ProvenanceSection(AbstractSection["IdentificationResult"]):

@@ -8,7 +8,7 @@ from flexros.identify.report.verdict import advice, covariance_text, verdict
 from flexros.identify.report.words import known_ends
 
 if TYPE_CHECKING:
-    from flexros.identify.graybox.result import IdentificationResult
+    from flexros.identify.result import IdentificationResult
 
 
 def identification_record(result: IdentificationResult) -> dict[str, Any]:

@@ -11,12 +11,12 @@ from flexros.identify.design.experiment_design import PRIOR_DEVIATION
 from flexros.identify.design.information import frf_information
 from flexros.identify.design.next_experiment import most_telling_frequency, next_experiment
 from flexros.identify.design.position_information import frequency_information
+from flexros.identify.frf.response_noise import response_noise
 from flexros.identify.graybox.covariance import parameter_covariance
-from flexros.identify.graybox.response_noise import response_noise
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
-    from flexros.identify.graybox.result import IdentificationResult
+    from flexros.identify.result import IdentificationResult
 
 MOST = 8
 """Combinations for which an experiment is looked for (chosen)."""

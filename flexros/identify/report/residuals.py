@@ -13,7 +13,7 @@ from flexros.report.number_text import number, percent
 from flexros.report.theme import stacked
 
 if TYPE_CHECKING:
-    from flexros.identify.graybox.result import IdentificationResult
+    from flexros.identify.result import IdentificationResult
 
 _WORST = 8
 """Rows of the table (chosen)."""

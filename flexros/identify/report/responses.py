@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from flexros.identify.graybox.response_noise import response_noise
-from flexros.identify.report.response_picture import ModelCurve, response_picture
+from flexros.identify.frf.response_noise import response_noise
+from flexros.identify.frf.response_picture import ModelCurve, response_picture
 from flexros.report.base import AbstractSection, Block, Picture
 from flexros.report.colours import NOMINAL, REPAIRED
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import plotly.graph_objects as go
 
     from flexros.arrays import ComplexArray, FloatArray
-    from flexros.identify.graybox.result import IdentificationResult
+    from flexros.identify.result import IdentificationResult
 
 
 POINTS = 300

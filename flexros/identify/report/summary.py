@@ -12,7 +12,7 @@ from flexros.report.base import AbstractSection, Block, Paragraph, Tiles
 from flexros.report.number_text import number, percent
 
 if TYPE_CHECKING:
-    from flexros.identify.graybox.result import IdentificationResult
+    from flexros.identify.result import IdentificationResult
 
 _MANY_WARNINGS = 4
 """More warnings than this are listed in the section on provenance only (chosen)."""

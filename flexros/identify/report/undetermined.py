@@ -12,7 +12,7 @@ from flexros.report.number_text import number, percent
 
 if TYPE_CHECKING:
     from flexros.identify.graybox.identifiability import Direction
-    from flexros.identify.graybox.result import IdentificationResult
+    from flexros.identify.result import IdentificationResult
 
 _HELPS = 0.7
 """An experiment that leaves more of the standard deviation than this share is reported to help little (chosen)."""

@@ -11,7 +11,7 @@ from flexros.identify.report.words import counted
 from flexros.report.number_text import number
 
 if TYPE_CHECKING:
-    from flexros.identify.graybox.result import IdentificationResult
+    from flexros.identify.result import IdentificationResult
 
 _AS_GOOD = 0.9
 _PART_OF_ALL, _MOST_OF_IT, _ITS_PART = 0.1, 0.8, 0.2

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flexros.atomic_file import write_result
-from flexros.identify.report.distortion import DistortionSection
+from flexros.identify.report.distortion_levels import DistortionSection
 from flexros.identify.report.experiment import ExperimentSection
 from flexros.identify.report.multistart import StartSection
 from flexros.identify.report.parameters import ParameterSection
@@ -19,7 +19,7 @@ from flexros.report.page import Chapter, page_html
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from flexros.identify.graybox.result import IdentificationResult
+    from flexros.identify.result import IdentificationResult
     from flexros.report.base import AbstractSection
 
 SECTIONS: tuple[AbstractSection[IdentificationResult], ...] = (

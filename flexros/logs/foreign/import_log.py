@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexros.errors import InputError, unknown_name
+from flexros.logs.bag.files import find_bag_files
 from flexros.logs.foreign.mapping import clock_of
 from flexros.logs.foreign.plausibility import doubts
 from flexros.logs.foreign.quantities import QUANTITIES, TIME_UNITS
 from flexros.logs.foreign.signal_source import AbstractSignalSource, open_source, safe_name
 from flexros.logs.foreign.usable_rows import FEWEST, LostValues, check_size, usable_times
-from flexros.logs.mcap.bag_files import find_bag_files
 from flexros.logs.stamps import START_NS
 from flexros.logs.time_series import OWN_SERIES, ImuSeries, JointSeries, Log
 from flexros.one_line import one_line

@@ -7,28 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.logs.message_block import LENGTH_FIELD_END, MESSAGE_HEADER, MESSAGE_OPCODE
+
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
 
     from flexros.arrays import IntArray
-
-MESSAGE_OPCODE = 0x05
-MESSAGE_HEADER = np.dtype(
-    [
-        ("opcode", "u1"),
-        ("length", "<u8"),
-        ("channel", "<u2"),
-        ("sequence", "<u4"),
-        ("log_time", "<u8"),
-        ("publish_time", "<u8"),
-    ]
-)
-"""A Message record up to its payload, 31 bytes; `length` counts from its own end."""
-
-LENGTH_FIELD_END = 9
-"""Offset of the end of opcode and length [byte]; the length of a record counts from there."""
 
 INDEX_ENTRY = np.dtype([("log_time", "<u8"), ("offset", "<u8")])
 

@@ -19,9 +19,9 @@ from mcap.records import Channel, Schema
 
 from flexros.errors import InputError
 from flexros.input_limits import EXPANSION, LARGEST_DEFINITIONS, MOST_DEFINITIONS, MOST_WARNINGS, room_of
-from flexros.logs.mcap.chunk import LENGTH_FIELD_END, MESSAGE_HEADER, MESSAGE_OPCODE
 from flexros.logs.mcap.chunk_expansion import DamagedChunkError, ExpansionLimitError, expand_chunk
 from flexros.logs.mcap.file_writer import MAGIC
+from flexros.logs.message_block import LENGTH_FIELD_END, MESSAGE_HEADER, MESSAGE_OPCODE, MessageBlock, slices
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from flexros.arrays import IntArray
 
 _RECORD_HEAD = struct.Struct("<BQ")
 _SHORTEST_MESSAGE = MESSAGE_HEADER.itemsize - LENGTH_FIELD_END
@@ -39,21 +38,6 @@ _RELEASED = 1 << 24
 
 _MOST_LOOSE = 100_000
 """Largest number of messages outside of chunks in one block [1], chosen."""
-
-
-@dataclass(frozen=True, eq=False)
-class MessageBlock:
-    """Messages in the order of the file.
-
-    Attributes:
-        data: Bytes that contain the messages.
-        headers: Their Message records without payload, type MESSAGE_HEADER, shape (n,).
-        offsets: Offset of each payload in `data`, shape (n,).
-    """
-
-    data: bytes | memoryview
-    headers: NDArray[np.void]
-    offsets: NDArray[np.int64]
 
 
 @dataclass
@@ -223,20 +207,3 @@ class McapFileReader:
         if (n_short := len(positions) - np.count_nonzero(whole)) > 0:
             self._warn(f"{self.path}: {n_short} message records are too short and were left out")
         return MessageBlock(data, headers[whole], fitting[whole] + size)
-
-
-def slices(data: bytes | memoryview, begins: IntArray, length: int) -> NDArray[np.uint8]:
-    """Copy slices of equal length out of bytes.
-
-    Args:
-        data: The bytes.
-        begins: First byte of each slice; all slices lie within `data`, shape (n,).
-        length: Bytes of a slice, at least one.
-
-    Returns:
-        Shape (n, length).
-    """
-    if not len(begins):
-        return np.zeros((0, length), np.uint8)
-    every: NDArray[np.void] = np.ndarray(len(data) - length + 1, dtype=f"V{length}", buffer=data, strides=1)
-    return every[begins].view(np.uint8).reshape(len(begins), length)

@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 import numpy as np
 
 from flexros.input_limits import MOST_LAYOUTS
-from flexros.logs.mcap.chunk import LENGTH_FIELD_END, MESSAGE_HEADER
-from flexros.logs.mcap.file_reader import slices
-from flexros.logs.messages.cdr_cursor import MessageError
+from flexros.logs.cdr_cursor import MessageError
+from flexros.logs.message_block import LENGTH_FIELD_END, MESSAGE_HEADER, slices
 from flexros.logs.skipped_messages import SkippedMessages
 
 if TYPE_CHECKING:
@@ -23,7 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flexros.arrays import FloatArray, IntArray
-    from flexros.logs.mcap.file_reader import MessageBlock
+    from flexros.logs.message_block import MessageBlock
     from flexros.logs.messages.layout import MessageLayout
 
 _HEADER_SIZE = MESSAGE_HEADER.itemsize - LENGTH_FIELD_END

@@ -6,7 +6,7 @@ from typing import ClassVar, NamedTuple, final
 
 import numpy as np
 
-from flexros.logs.messages.cdr_cursor import CdrCursor, MessageError
+from flexros.logs.cdr_cursor import CdrCursor, MessageError
 from flexros.logs.messages.codec import AbstractCodec
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from flexros.errors import InputError
 from flexros.input_limits import LARGEST_DEFINITION, LARGEST_MESSAGE
-from flexros.logs.messages.cdr_cursor import MessageError
+from flexros.logs.cdr_cursor import MessageError
 from flexros.logs.messages.definition_parts import PARSERS, parse_definition
 from flexros.logs.messages.schemas import message_schema, signature
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, final
 
 import numpy as np
 
-from flexros.logs.messages.cdr_cursor import CdrBuilder, CdrCursor, MessageError
+from flexros.logs.cdr_cursor import CdrBuilder, CdrCursor, MessageError
 from flexros.logs.messages.codec import AbstractSeriesCodec
 from flexros.logs.messages.layout import MessageLayout, Span
 from flexros.logs.messages.series_assembly import majority, sorted_rows, warn_of_not_finite

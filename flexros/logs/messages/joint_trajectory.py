@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple, final
 import numpy as np
 
 from flexros.errors import InputError
-from flexros.logs.messages.cdr_cursor import CdrBuilder, CdrCursor, MessageError
+from flexros.logs.cdr_cursor import CdrBuilder, CdrCursor, MessageError
 from flexros.logs.messages.codec import AbstractCodec
 from flexros.logs.messages.layout import STAMP_OFFSET
 from flexros.logs.stamps import NANOSECONDS

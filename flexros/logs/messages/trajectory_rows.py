@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from flexros.logs.messages.cdr_cursor import CdrCursor, MessageError
+from flexros.logs.cdr_cursor import CdrCursor, MessageError
 from flexros.logs.messages.joint_trajectory import FIELDS
 from flexros.logs.stamps import NANOSECONDS, stamp_of
 

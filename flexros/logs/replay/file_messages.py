@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from flexros.logs.mcap.bag_reader import bag_file_reader
-from flexros.logs.mcap.chunk import LENGTH_FIELD_END, MESSAGE_HEADER
+from flexros.logs.bag.reader import bag_file_reader
+from flexros.logs.message_block import LENGTH_FIELD_END, MESSAGE_HEADER
 from flexros.logs.replay.recorded_topic import RecordedTopic, recorded_topic
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
     from pathlib import Path
 
-    from flexros.logs.mcap.file_reader import MessageBlock
+    from flexros.logs.message_block import MessageBlock
 
 _HEADER_SIZE = MESSAGE_HEADER.itemsize - LENGTH_FIELD_END
 _NEVER = 2**64 - 1

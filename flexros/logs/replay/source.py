@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flexros.errors import InputError, unknown_name
-from flexros.logs.mcap.bag_files import find_bag_files
+from flexros.logs.bag.files import find_bag_files
 from flexros.logs.replay.file_messages import ReplayMessage, TimeWindow, file_messages, survey_file
 from flexros.logs.replay.recorded_topic import absolute_name, name_problem
 from flexros.logs.stamps import NANOSECONDS

@@ -13,8 +13,7 @@ from mcap.records import Channel, Schema
 
 from flexros.errors import InputError
 from flexros.input_limits import LARGEST_DEFINITION, MOST_DEFINITIONS
-from flexros.logs.mcap.chunk import LENGTH_FIELD_END, MESSAGE_HEADER, MESSAGE_OPCODE
-from flexros.logs.mcap.file_reader import MessageBlock
+from flexros.logs.message_block import LENGTH_FIELD_END, MESSAGE_HEADER, MESSAGE_OPCODE, MessageBlock
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -20,7 +20,7 @@ from flexros.record.proposal.topics import bag_topics
 from flexros.record.proposal.words import about_effort, about_joints, about_rate, about_topics
 from flexros.record.read import read_record
 from flexros.robot import robot_from_data
-from flexros.robot.exchange.urdf_import import skeleton_from_text
+from flexros.robot.exchange.urdf.robot_import import skeleton_from_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence

@@ -44,7 +44,7 @@ class CampaignResult:
     """Result of a campaign.
 
     Attributes:
-        files: Text by file name: the page of results and its attachments.
+        files: Text by path: the page of results, its pictures in `figures` and its numbers in `data`.
         record: The figures as nested dicts, lists and numbers for JSON.
         summary: The result in sentences, one per line of the terminal.
     """

@@ -50,6 +50,7 @@ def campaign(
                 say(f"{each.name}: {each.question}")
             result = _run(each.run, folder, client, repetitions)
             for file, text in result.files.items():
+                _make((out / file).parent)
                 write_result(out / file, text, f"result of campaign {each.name}")
             records[each.name] = dict(result.record)
             if not as_json:

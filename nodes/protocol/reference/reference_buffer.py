@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import RunError
-from flexros.logs.messages.cdr_cursor import MessageError
+from flexros.logs.cdr_cursor import MessageError
 from flexros.logs.messages.joint_trajectory import JointTrajectoryChunk, read_joint_trajectory
 from flexros.logs.messages.trajectory_rows import TrajectoryRows
 from flexros.logs.stamps import START_NS, stamp_of

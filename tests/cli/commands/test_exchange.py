@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from flexros.effects.patching.patched_robot import load_patched
-from tests.robot.exchange.arm_mjcf import ARM
+from tests.robot.exchange.mjcf.arm_mjcf import ARM
 
 pytest.importorskip("mujoco", reason="MuJoCo is not installed")
 pytestmark = pytest.mark.slow

@@ -9,9 +9,10 @@ from flexros.control.context import LoopContext
 from flexros.control.design.margins import loop_margins
 from flexros.control.design.methods.base import DesignProblem
 from flexros.control.design.methods.qft import Qft
-from flexros.control.design.qft_bounds import Specifications, excess, forbidden_gains
+from flexros.control.design.qft_bounds import Specifications, excess
 from flexros.control.linear_controller import linear_controller
 from flexros.robot import load_robot
+from tests.oracles.qft_bounds import forbidden_gains
 
 
 def test_forbidden_gains_are_those_that_exceed_a_specification() -> None:

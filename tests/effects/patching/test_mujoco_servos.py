@@ -10,7 +10,7 @@ import pytest
 from flexros.effects.patching.patched_robot import load_model
 from flexros.gap.checked_log import checked_log
 from flexros.gap.measure_gap import MeasuredGap, measure_gap
-from flexros.robot.exchange.mjcf_import import robot_from_mjcf
+from flexros.robot.exchange.mjcf.robot_import import robot_from_mjcf
 from tests.program import program
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
@@ -19,7 +19,7 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def script() -> ModuleType:
-    return program("docs/results/mujoco_servos.py")
+    return program("docs/results/programs/mujoco_servos.py")
 
 
 def gap(script: ModuleType, folder: Path, **changed: tuple[float, ...]) -> MeasuredGap:

@@ -10,7 +10,8 @@ import pytest
 from flexros.effects import RobotWithEffects
 from flexros.gap.candidates.tolerance import Tolerance, tolerance_of
 from flexros.gap.fit.torque_regression import regress_torque
-from flexros.gap.fit.unknown_numbers import LEAST, UNCERTAIN, UNCERTAIN_LOAD, unknown_numbers
+from flexros.gap.fit.unknown_numbers import UNCERTAIN, UNCERTAIN_LOAD, unknown_numbers
+from flexros.gap.settings import TorqueStartSettings
 from flexros.record.record import Record
 from tests.gap.rigid_arm import COULOMB, INERTIA, VISCOUS, T, arm, record_of_arm
 from tests.ur5e import ur5e, ur5e_record
@@ -85,7 +86,7 @@ def test_inertias_that_are_given_stay() -> None:
 
 
 def test_a_small_rotor_may_be_in_the_inertia_of_the_bodies() -> None:
-    heavy = arm().with_values({"body_1.inertia.yy": INERTIA[0] / LEAST})
+    heavy = arm().with_values({"body_1.inertia.yy": INERTIA[0] / TorqueStartSettings().least_rotor})
     assert "motor_1" not in unknown_numbers(record_of_arm(), RobotWithEffects(heavy, ()), Tolerance()).inertias
 
 
@@ -145,9 +146,7 @@ def test_load_behind_a_counterbalance_is_estimated() -> None:
     assert unknown.inertias["motor_2"] == pytest.approx(0.3, rel=0.03)
 
 
-def test_load_is_sought_beside_a_counterbalance_that_relieves_its_motor_by_itself(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_load_is_sought_beside_a_counterbalance_that_relieves_its_motor_by_itself() -> None:
     """Else a motor that is not driven is explained by a load, and by a counterbalance of what that load weighs."""
     model, record = RobotWithEffects(arm(), ()), record_of_arm(load=1.0, balance=(-90.0, 15.0))
     plain, relieved = (regress_torque(record, model, Tolerance(), balanced=motor) for motor in (None, 0))
@@ -155,5 +154,5 @@ def test_load_is_sought_beside_a_counterbalance_that_relieves_its_motor_by_itsel
     assert relieved is not None
     factor = plain.rest[0] / relieved.rest[0]
     for needed, found in ((0.9 * factor, True), (1.1 * factor, False)):
-        monkeypatch.setattr("flexros.gap.fit.unknown_numbers.RELIEVED", needed)
-        assert (unknown_numbers(record, model, tolerance_of(arm(), {})).load is not None) is found
+        settings = TorqueStartSettings(relieved=needed)
+        assert (unknown_numbers(record, model, tolerance_of(arm(), {}), settings).load is not None) is found

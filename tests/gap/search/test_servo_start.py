@@ -70,9 +70,9 @@ def sizes_of(found: CandidateFit) -> dict[str, float]:
 
 
 def test_steps_reach_the_limit_and_slow_motion_does_not() -> None:
-    assert limited_servos(MODEL.robot, steps(*HOBBY)).tolist() == [True]
+    assert limited_servos(MODEL.robot, steps(*HOBBY), 0.01).tolist() == [True]
     slow = checked_log(servo_log(), servo_robot(), name="log")
-    assert limited_servos(servo_robot(), slow).tolist() == [False]
+    assert limited_servos(servo_robot(), slow, 0.01).tolist() == [False]
 
 
 def test_all_numbers_of_a_hobby_servo_are_found() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexros.identify.axis.neglected_influences import unmodelled
+from flexros.identify.axis.identification import unmodelled
 from flexros.logs.time_series import JointSeries, Log
 from flexros.record.read import read_record
 from flexros.robot import load_robot

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from flexros.identify.graybox.bias import bias_signs
-from flexros.identify.graybox.result import IdentificationResult
 from flexros.identify.graybox.scatter import ScatterLimits
 from flexros.identify.report.record import identification_record
 from flexros.identify.report.verdict import covariance_text, verdict
+from flexros.identify.result import IdentificationResult
 
 
 def with_levels(result: IdentificationResult, **changed: np.ndarray) -> IdentificationResult:

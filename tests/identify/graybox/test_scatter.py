@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from flexros.identify.graybox.covariance import MISSES
-from flexros.identify.graybox.result import IdentificationResult
 from flexros.identify.graybox.scatter import UNEXPLAINED, ScatterLimits, by_chance, power_ratio, scatter_limits
+from flexros.identify.result import IdentificationResult
 
 
 def with_degrees(result: IdentificationResult, degrees: float) -> ScatterLimits:

@@ -11,8 +11,8 @@ import pytest
 from flexros.errors import InputError
 from flexros.identify.graybox.fit import GrayBoxFit
 from flexros.identify.graybox.multistart import multistart
-from flexros.identify.graybox.result import IdentificationResult
 from flexros.identify.graybox.search import SearchSettings, search
+from flexros.identify.result import IdentificationResult
 from tests.identify.conftest import NAMES, ROBOT, TRUTH, make_result
 
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from flexros.errors import InputError
-from flexros.identify.graybox.result import IdentificationResult
 from flexros.identify.report.files import FIGURES, REPORT, ROBOT, make_folder, write_identification
+from flexros.identify.result import IdentificationResult
 from flexros.robot import load_robot
 
 

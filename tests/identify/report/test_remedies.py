@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from flexros.identify.graybox.covariance import parameter_covariance
-from flexros.identify.graybox.result import IdentificationResult
 from flexros.identify.report.remedies import measured_information, remedies
+from flexros.identify.result import IdentificationResult
 
 
 def test_nothing_is_proposed_where_all_is_determined(clear: IdentificationResult) -> None:

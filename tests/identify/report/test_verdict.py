@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import pytest
 
-from flexros.identify.graybox.result import IdentificationResult
 from flexros.identify.report.undetermined import UndeterminedSection
 from flexros.identify.report.verdict import advice, verdict
+from flexros.identify.result import IdentificationResult
 
 
 def missed(result: IdentificationResult, reduced: float) -> IdentificationResult:

@@ -15,10 +15,10 @@ import pytest
 from plotly.offline import get_plotlyjs
 
 from flexros.errors import InputError
-from flexros.identify.graybox.result import IdentificationResult
 from flexros.identify.report.multistart import StartSection
 from flexros.identify.report.responses import POINTS
 from flexros.identify.report.write import SECTIONS, write_identification_report
+from flexros.identify.result import IdentificationResult
 
 pytestmark = pytest.mark.slow
 

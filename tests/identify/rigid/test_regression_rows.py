@@ -9,8 +9,7 @@ import pytest
 
 from flexros.identify.rigid import regression_rows
 from flexros.identify.rigid.base_parameters import base_parameters
-from flexros.identify.rigid.fit import fit_rigid
-from flexros.identify.rigid.log_rows import rows_of_log
+from flexros.identify.rigid.fit import fit_rigid, rows_of_log
 from flexros.identify.rigid.regression_rows import RegressionRows
 from flexros.identify.rigid.regressor import RigidRegressor
 from flexros.identify.rigid.settings import RigidSettings

@@ -2,11 +2,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexros.logs.mcap.chunk import MESSAGE_HEADER
-from flexros.logs.mcap.file_reader import MessageBlock
+from flexros.logs.cdr_cursor import MessageError
+from flexros.logs.message_block import MESSAGE_HEADER, MessageBlock
 from flexros.logs.messages import bulk_decode
 from flexros.logs.messages.bulk_decode import TopicDecoder
-from flexros.logs.messages.cdr_cursor import MessageError
 from flexros.logs.messages.joint_state import JointStateTemplate, read_joint_state_layout
 
 

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from flexros.logs.messages.cdr_cursor import MessageError
+from flexros.logs.cdr_cursor import MessageError
 from flexros.logs.messages.diagnostic_array import DiagnosticArrayCodec
 
 CODEC = DiagnosticArrayCodec()

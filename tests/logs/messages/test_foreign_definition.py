@@ -6,7 +6,7 @@ from mcap.records import Schema
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from flexros.errors import InputError
-from flexros.logs.messages.cdr_cursor import MessageError
+from flexros.logs.cdr_cursor import MessageError
 from flexros.logs.messages.foreign_definition import is_common, translator
 from flexros.logs.messages.joint_state import JointStateCodec, JointStateView
 from flexros.logs.messages.pose_stamped import PoseStampedCodec, PoseStampedTemplate

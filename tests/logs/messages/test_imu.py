@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexros.logs.messages.cdr_cursor import MessageError
+from flexros.logs.cdr_cursor import MessageError
 from flexros.logs.messages.imu import ImuCodec, ImuTemplate, ImuView, read_imu_layout
 from flexros.logs.reader import read_log
 from flexros.logs.time_series import ImuSeries, JointSeries

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexros.errors import InputError
-from flexros.logs.messages.cdr_cursor import MessageError
+from flexros.logs.cdr_cursor import MessageError
 from flexros.logs.messages.joint_trajectory import (
     FIELDS,
     JointTrajectoryChunk,

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.logs.messages.cdr_cursor import MessageError
+from flexros.logs.cdr_cursor import MessageError
 from flexros.logs.messages.pose_stamped import PoseStampedTemplate, read_pose_stamped_layout
 
 TYPE = "geometry_msgs/msg/PoseStamped"

@@ -3,8 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.logs.mcap.chunk import MESSAGE_HEADER
-from flexros.logs.mcap.file_reader import MessageBlock
+from flexros.logs.message_block import MESSAGE_HEADER, MessageBlock
 from flexros.logs.messages.bulk_decode import TopicDecoder
 from flexros.logs.messages.joint_state import JointStateCodec, JointStateTemplate
 from flexros.logs.messages.pose_stamped import PoseStampedCodec, PoseStampedTemplate

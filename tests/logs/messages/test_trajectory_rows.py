@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexros.logs.messages.cdr_cursor import MessageError
+from flexros.logs.cdr_cursor import MessageError
 from flexros.logs.messages.joint_trajectory import (
     JointTrajectoryChunk,
     read_joint_trajectory,

@@ -11,8 +11,8 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from flexros.errors import InputError
+from flexros.logs.bag.reader import bag_file_reader
 from flexros.logs.foreign.signal_source import open_source
-from flexros.logs.mcap.bag_reader import bag_file_reader
 from flexros.logs.messages.bulk_decode import payloads_of
 from flexros.logs.reader import read_log
 from flexros.logs.sqlite.file_reader import SqliteFileReader

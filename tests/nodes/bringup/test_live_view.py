@@ -15,7 +15,7 @@ import pytest
 from flexros.robot import load_robot
 from flexros.robot.arm_view import ArmView
 from flexros.robot.body_placement import BodyPlacements
-from flexros.robot.exchange.urdf_import import robot_from_urdf
+from flexros.robot.exchange.urdf.robot_import import robot_from_urdf
 from tests.browser import opened_browser, wait
 from tests.program import CHECKOUT
 

@@ -9,7 +9,7 @@ import pytest
 
 from flexros.robot import load_robot
 from flexros.robot.arm_view import ArmView
-from flexros.robot.exchange.urdf_export import urdf_text
+from flexros.robot.exchange.urdf.export import urdf_text
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from flexros.logs.messages.cdr_cursor import MessageError
+from flexros.logs.cdr_cursor import MessageError
 from flexros.logs.messages.joint_state import JointStateTemplate
 from flexros_nodes.protocol.own_joints import OwnJoints
 

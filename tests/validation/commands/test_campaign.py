@@ -23,7 +23,11 @@ class Short:
         request.progress("repetitions", 1, 1)
         number = request.client.submit(abs, -(request.repetitions or 7)).result()
         (request.work / "part.json").write_text("{}")
-        return CampaignResult({"short.md": f"# {number}\n"}, {"number": number}, (f"There were {number}.",))
+        return CampaignResult(
+            {"short.md": f"# {number}\n", "data/short.json": f"{number}\n"},
+            {"number": number},
+            (f"There were {number}.",),
+        )
 
 
 AbstractCampaign.register(Short)
@@ -39,6 +43,7 @@ def test_all_campaigns_run_unless_named(flexros: Run, tmp_path: Path) -> None:
     assert ended.code == 0, ended.err
     assert "short: How many repetitions?\nThere were 7.\n" in ended.out
     assert (tmp_path / "results" / "short.md").read_text() == "# 7\n"
+    assert (tmp_path / "results" / "data" / "short.json").read_text() == "7\n"
     assert (tmp_path / "results" / "campaign_work" / "short" / "part.json").exists()
 
 

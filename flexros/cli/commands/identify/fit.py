@@ -16,7 +16,7 @@ from flexros.cli.progress import progress_bar
 from flexros.errors import InputError
 
 if TYPE_CHECKING:
-    from flexros.identify.graybox.result import IdentificationResult
+    from flexros.identify.result import IdentificationResult
 
 BOUND = "Of a value [SI], NAME=LOW:HIGH (may be repeated); default: a factor of 10 either way."
 """Help of the option that bounds values."""
@@ -41,10 +41,10 @@ def fit(
 ) -> None:
     """Fit unknown parameters to measured frequency responses, from several initial values."""
     from flexros.identify.frf.files.netcdf import load_responses
-    from flexros.identify.graybox.result import fit_responses
     from flexros.identify.graybox.search import SearchSettings
     from flexros.identify.report.files import write_identification
     from flexros.identify.report.record import identification_record
+    from flexros.identify.result import fit_responses
     from flexros.provenance import versions
     from flexros.scenario.identification import unknown_names
     from flexros.scheduler import connected

@@ -24,7 +24,7 @@ def friction(
         help="Logs of moves with phases of constant speed: folders, .mcap or .db3 files."
     ),
     joint: str = typer.Option("motor_1", "--joint", help="Motor."),
-    model: str = typer.Option("", "--model", help=f"{ROBOT} Tells units; default: from the provenance."),
+    model: str = typer.Option("", "--model", help=f"{ROBOT} Gives the units; default: from the provenance."),
     namespace: NamespaceOption = "",
     report: Path = typer.Option(None, "--report", help="Write an HTML report that opens offline."),
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),

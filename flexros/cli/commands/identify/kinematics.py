@@ -29,7 +29,7 @@ def kinematics(
     model: str = typer.Option(..., "--model", help="Nominal robot: built-in name or YAML."),
     out: Path = typer.Option(..., "--out", help="Folder for kinematics.json and robot.yaml, or for poses.csv."),
     validation: Path = typer.Option(None, "--validation", help="CSV of poses that are not fitted."),
-    plan: int = typer.Option(0, "--plan", help="Choose this many poses that tell most, instead of a fit."),
+    plan: int = typer.Option(0, "--plan", help="Choose this many poses, the most informative ones, instead of a fit."),
     load: list[float] = typer.Option([], "--load", help="With --plan: loads at the tool [kg]; default: 0."),
     noise: float = typer.Option(None, "--noise", help="Tracker noise, rms [m]; default: estimated."),
     length: float = typer.Option(2e-3, "--length", help="Deviation of lengths before the measurement [m]."),

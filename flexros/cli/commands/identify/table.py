@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from rich.table import Table
 
 if TYPE_CHECKING:
-    from flexros.identify.graybox.result import IdentificationResult
+    from flexros.identify.result import IdentificationResult
 
 _FRAME, _PADDED = 1, 3
 """Characters of the frame of a table, and of the frame and the padding of each column."""

@@ -42,7 +42,7 @@ class Qft(AbstractDesignMethod):
     complementary: float = Field(default=2.2, gt=1.0, description="largest complementary sensitivity [1]")
     stiffness: float = Field(default=15.0, gt=0.0, description="least dynamic stiffness [Nm/rad or N/m]")
     integral: float = Field(default=6.0, gt=0.0, description="frequency below which the stiffness rises [rad/s]")
-    sections: int = Field(default=1, ge=0, le=6, description="second-order sections beside the PID [1]")
+    sections: int = Field(default=1, ge=0, le=6, description="second-order sections in addition to the PID [1]")
     trials: int = Field(default=1500, ge=1, description="loops tried [1]")
     seed: int = Field(default=1, ge=0, description="seed of the search [1]")
 

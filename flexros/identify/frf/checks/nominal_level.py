@@ -53,7 +53,7 @@ def nominal_diagonal(response: FrequencyResponse, robot: Robot) -> NominalDiagon
         response: Measured response with frequencies, sample time and motor position.
         robot: The nominal robot.
     """
-    from flexros.identify.graybox.sampled import expansion, sampled_hold
+    from flexros.identify.frf.sampled import expansion, sampled_hold
     from flexros.robot.linear.positions import linearise_positions  # here, because it loads slowly
 
     linear = linearise_positions(robot, (), response.motor_position[None])

@@ -13,10 +13,10 @@ import numpy as np
 from flexros.compile.ir_text import IrBlock
 from flexros.compile.machine_code import can_compile
 from flexros.compile.module_builder import ModuleBuilder
+from flexros.identify.frf.sampled import ORDERS
 from flexros.identify.graybox.kernel.normal_equations_text import TARGET_NUMBERS, equations_text, product_pairs
 from flexros.identify.graybox.kernel.solution_text import solution_text
 from flexros.identify.graybox.kernel.structure import LANES, KernelStructure
-from flexros.identify.graybox.sampled import ORDERS
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray

@@ -12,10 +12,10 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
 from flexros.compile.ir_text import IrBlock
+from flexros.identify.frf.sampled import ORDERS
 from flexros.identify.graybox.kernel.complex_block import ComplexBlock, ComplexValue
 from flexros.identify.graybox.kernel.slope_text import SlopeWriter
 from flexros.identify.graybox.kernel.structure import LANES
-from flexros.identify.graybox.sampled import ORDERS
 
 if TYPE_CHECKING:
     from flexros.identify.graybox.kernel.structure import KernelStructure

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from flexros.identify.frf.sampled import ORDERS
 from flexros.identify.graybox.kernel.elimination import Elimination, eliminate
-from flexros.identify.graybox.sampled import ORDERS
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, ComplexArray, FloatArray

@@ -10,12 +10,12 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.input_limits import MOST_SIGNALS
+from flexros.logs.bag.files import find_bag_files
+from flexros.logs.bag.reader import BagFileReader, bag_file_reader
+from flexros.logs.cdr_cursor import MessageError
 from flexros.logs.foreign.message_numbers import message_numbers
 from flexros.logs.foreign.signal_source import BAG_SUFFIXES, AbstractSignalSource, Signal
-from flexros.logs.mcap.bag_files import find_bag_files
-from flexros.logs.mcap.bag_reader import BagFileReader, bag_file_reader
 from flexros.logs.messages.bulk_decode import payloads_of
-from flexros.logs.messages.cdr_cursor import MessageError
 from flexros.logs.messages.foreign_definition import decoder
 from flexros.logs.skipped_messages import SkippedMessages
 from flexros.logs.stamps import NANOSECONDS

@@ -17,13 +17,13 @@ if TYPE_CHECKING:
     from flexros.validation.blind.score.statistics import Share
 
 ROWS = (
-    ("effects named at their place (recall)", "recall"),
+    ("effects named at their location (recall)", "recall"),
     ("the same, nested effects counted", "recall_nested"),
     ("named causes that are hidden there (precision)", "precision"),
     ("the same, nested effects counted", "precision_nested"),
     ("whole crowd named and nothing else", "whole"),
     ("the same, nested effects counted", "whole_nested"),
-    ("named at the right place, of those with a right name", "location"),
+    ("named at the right location, of those with a right name", "location"),
     ("sizes in their 95 % intervals", "covered"),
     ("`explained` although more than the floor is left", "over_claims"),
     ("the same, and more than twice what the true effects leave", "over_truth"),

@@ -61,7 +61,7 @@ def blind_page(
     lines += _table({"all": score(answers)})
     for name, text in PICTURES.items():
         if name in drawn:
-            lines += ["", f"![{name}](blind_{name}.svg)", "", text]
+            lines += ["", f"![{name}](figures/blind_{name}.svg)", "", text]
     for heading, key in GROUPS.items():
         lines += ["", f"## {heading}", "", *_table(scores_by(answers, key))]
     lines += ["", "## By effect", "", *_effects(answers)]

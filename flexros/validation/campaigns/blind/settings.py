@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from flexros.random_streams import Stream
 from flexros.validation.blind.plan import PlanSettings
 
 SEED = 141_650_939
@@ -23,3 +24,8 @@ class BlindSettings:
     seed: int = SEED
     plan: PlanSettings = field(default_factory=PlanSettings)
     durations: tuple[float, float, float] = (20.0, 10.0, 8.0)
+
+    @property
+    def stream(self) -> Stream:
+        """Stream of random numbers."""
+        return Stream.BLIND_EVALUATION

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from flexros.scenario.scenario import Scenario
     from flexros.validation.campaigns.base import CampaignRequest
 
-PAGE, FIGURES = "identification_coverage.md", "identification_coverage.json"
+PAGE, FIGURES = "identification_coverage.md", "data/identification_coverage.json"
 
 
 class Coverage(AbstractCampaign):

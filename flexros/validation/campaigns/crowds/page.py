@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from flexros.validation.campaigns.crowds.settings import CrowdSettings
 
 GOALS: Mapping[str, tuple[str, str, str]] = {
-    "effects named at their place (recall)": ("95 %", "88 %", ""),
+    "effects named at their location (recall)": ("95 %", "88 %", ""),
     "named causes that are hidden there (precision)": ("97 %", "95 %", ""),
     "sizes in their 95 % intervals": ("90 %", "", ""),
     "`explained` although more than the floor is left": ("at most 1 %", "at most 1 %", "at most 1 %"),
@@ -46,7 +46,7 @@ def crowds_page(
     lines = ["# Blind crowds", "", *_introduction(answers, planned, settings), ""]
     lines += _scores(crowd_groups(answers))
     lines += ["", "## By robot", "", *_scores(_by_robot(answers), goals=False)]
-    lines += ["", "## Case by case", "", "Behind each hidden effect stands its gain when it is added last [nats].", ""]
+    lines += ["", "## Case by case", "", "Behind each hidden effect is its gain when it is added last [nats].", ""]
     headings = ("case", "robot", "nominal model", "verdict", "named", "missing", "named wrongly")
     lines += _table([headings, ["---"] * len(headings), *case_lines(answers)])
     lines += ["", "## Sizes outside their 95 % intervals", "", *_sizes(answers)]

@@ -12,7 +12,7 @@ from flexros.validation.campaigns.parts import claim_folder, finished_parts, ver
 if TYPE_CHECKING:
     from flexros.validation.campaigns.base import CampaignRequest
 
-PAGE, FIGURES = "hard_pairs.md", "hard_pairs.json"
+PAGE, FIGURES = "hard_pairs.md", "data/hard_pairs.json"
 
 
 class HardPairs(AbstractCampaign):

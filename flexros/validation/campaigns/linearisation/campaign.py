@@ -12,7 +12,7 @@ from flexros.validation.campaigns.parts import claim_folder, finished_parts, ver
 if TYPE_CHECKING:
     from flexros.validation.campaigns.base import CampaignRequest
 
-PAGE, FIGURES = "linearisation_study.md", "linearisation_study.json"
+PAGE, FIGURES = "linearisation_study.md", "data/linearisation_study.json"
 
 
 class Linearisation(AbstractCampaign):
@@ -79,5 +79,5 @@ class Linearisation(AbstractCampaign):
             "versions": used,
         }
         files = {PAGE: page(results, used), FIGURES: record_text(record)}
-        files |= {f"linearisation_{name}.svg": drawing.svg() for name, drawing in pictures(results).items()}
+        files |= {f"figures/linearisation_{name}.svg": drawing.svg() for name, drawing in pictures(results).items()}
         return CampaignResult(files=files, record=record, summary=answer(results))

@@ -94,7 +94,7 @@ def _pictures(results: Results) -> list[str]:
         robot = name.partition("_")[2]
         text = f"{what} [mm], {robot}, equal robustness, over the size of one deviation at a time"
         lines += [
-            f"![{text}](linearisation_{name}.svg)",
+            f"![{text}](figures/linearisation_{name}.svg)",
             "",
             f"*{text}. A line that leaves the panel: runs are lost.*",
             "",

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from flexros.validation.campaigns.base import CampaignRequest
     from flexros.validation.campaigns.path_improvement.comparison import Improvement
 
-PAGE, FIGURES = "identification_path.md", "identification_path.json"
+PAGE, FIGURES = "identification_path.md", "data/identification_path.json"
 
 EXPERIMENT = "identify_e12"
 REAL = {"body_1.ry.stiffness": 0.8, "body_2.ry.stiffness": 1.2, "body_3.ry.stiffness": 0.8}

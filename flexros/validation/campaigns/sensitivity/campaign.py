@@ -13,7 +13,7 @@ from flexros.validation.campaigns.sensitivity.settings import NOT_VARIED, Sensit
 if TYPE_CHECKING:
     from flexros.validation.campaigns.base import CampaignRequest
 
-PAGE, FIGURES = "sensitivity.md", "sensitivity.json"
+PAGE, FIGURES = "sensitivity.md", "data/sensitivity.json"
 
 
 class Sensitivity(AbstractCampaign):

@@ -29,7 +29,7 @@ CAPTIONS = {
 
 
 def study_files(study: Study, scenario: Scenario) -> dict[str, str]:
-    """Return page, pictures and numbers by file name; the page is study.md, the numbers are study.json.
+    """Return page, pictures and numbers by file name; the page is study.md, the numbers are data/study.json.
 
     Args:
         study: The study.
@@ -37,8 +37,8 @@ def study_files(study: Study, scenario: Scenario) -> dict[str, str]:
     """
     return {
         "study.md": page(study, scenario),
-        "study.json": json.dumps(numbers(study, scenario)) + "\n",
-        **{f"study_{name}.svg": drawing.svg() for name, drawing in pictures(study).items()},
+        "data/study.json": json.dumps(numbers(study, scenario)) + "\n",
+        **{f"figures/study_{name}.svg": drawing.svg() for name, drawing in pictures(study).items()},
     }
 
 
@@ -115,7 +115,7 @@ def page(study: Study, scenario: Scenario) -> str:
         "",
     ]
     for name, caption in CAPTIONS.items():
-        lines += [f"![{caption}](study_{name}.svg)", "", caption, ""]
+        lines += [f"![{caption}](figures/study_{name}.svg)", "", caption, ""]
     return "\n".join(lines).rstrip() + "\n"
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.identify.graybox.response_noise import response_noise
+from flexros.identify.frf.response_noise import response_noise
 from flexros.report.drawing import Band, Drawing, Line, Panel
 from flexros.report.theme import run_colour
 from flexros.validation.campaigns.study.choices import REASONABLE, SIX

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import InputError
+from flexros.identify.frf.response_noise import response_noise
 from flexros.identify.graybox.fit import GrayBoxFit, fit
-from flexros.identify.graybox.response_noise import response_noise
 
 if TYPE_CHECKING:
     from flexros.arrays import ComplexArray, FloatArray

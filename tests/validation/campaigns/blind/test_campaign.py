@@ -18,9 +18,10 @@ from flexros.validation.blind.plan import Case, PlanSettings
 from flexros.validation.blind.score.answer import Answer
 from flexros.validation.blind.seal import sha256
 from flexros.validation.campaigns.base import CampaignRequest
-from flexros.validation.campaigns.blind.campaign import PAGE, BlindCheck, blind_result
+from flexros.validation.campaigns.blind.campaign import BlindCheck
 from flexros.validation.campaigns.blind.case_part import answer_of, case_part
 from flexros.validation.campaigns.blind.settings import BlindSettings
+from flexros.validation.campaigns.blind_campaign import ScoredCases
 from tests.validation.blind.cases import answer, diagnosis, truth
 
 pytestmark = pytest.mark.slow
@@ -47,9 +48,8 @@ def answers() -> list[Answer]:
 
 
 def test_page_holds_figures_pictures_and_what_is_left() -> None:
-    result = blind_result(
-        answers(), {"case_0009": "Traceback\nValueError: no"}, 100, BlindSettings(), {"commit": "abc"}
-    )
+    failures = {"case_0009": "Traceback\nValueError: no"}
+    result = BlindCheck().result(ScoredCases(answers(), failures, 100, {"commit": "abc"}))
     page = result.files["blind.md"]
     assert "4 of 100 planned cases" in page
     assert "| right effect first (top-1) | 50.0 % (9.5 to 90.5), 1 of 2 |" in page
@@ -57,13 +57,13 @@ def test_page_holds_figures_pictures_and_what_is_left() -> None:
     assert "The other 96 cases take about 0.3 h" in result.summary[-1]
     for name in ("confusion", "detection", "calibration"):
         assert f"blind_{name}.svg" in page
-        Xml.fromstring(result.files[f"blind_{name}.svg"])
+        Xml.fromstring(result.files[f"figures/blind_{name}.svg"])
     assert len(result.record["cases"]) == 4
     assert "salt" not in result.record["cases"][0]
 
 
 def test_confusion_matrix_has_a_cell_for_every_truth_and_answer() -> None:
-    picture = blind_result(answers(), {}, 4, BlindSettings(), {}).files["blind_confusion.svg"]
+    picture = BlindCheck().result(ScoredCases(answers(), {}, 4, {})).files["figures/blind_confusion.svg"]
     assert picture.count("<rect") == 1 + 3 * 4  # background; three truths, one effect that was said and three others
 
 
@@ -114,4 +114,4 @@ def test_larger_number_of_cases_goes_on(tmp_path: Path, monkeypatch: pytest.Monk
     assert (tmp_path / "case_0000.json").stat().st_mtime_ns == first
     assert result.record["planned"] == 3
     assert len(result.record["cases"]) == 2
-    assert "2 of 3 planned cases" in result.files[PAGE]
+    assert "2 of 3 planned cases" in result.files["blind.md"]

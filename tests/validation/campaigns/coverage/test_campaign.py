@@ -37,5 +37,5 @@ def test_campaign_goes_on_from_its_folder(tmp_path: Path) -> None:
         (0, 1), (1, 1), (1, 2), (2, 2)
     ]  # fmt: skip
     assert first.record["ways"]["LLS combined"]["repetitions"] == 2
-    assert json.loads(more.files["identification_coverage.json"])["ways"]["LLS combined"]["repetitions"] == 3
+    assert json.loads(more.files["data/identification_coverage.json"])["ways"]["LLS combined"]["repetitions"] == 3
     assert "repeated 3 times" in more.files["identification_coverage.md"]

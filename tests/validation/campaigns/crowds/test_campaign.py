@@ -13,7 +13,8 @@ from flexros.validation.blind.plan import Case, PlanSettings
 from flexros.validation.blind.score.answer import Answer
 from flexros.validation.blind.seal import sha256
 from flexros.validation.campaigns.base import CampaignRequest
-from flexros.validation.campaigns.crowds.campaign import FIGURES, PAGE, BlindCrowds, crowds_result
+from flexros.validation.campaigns.blind_campaign import ScoredCases
+from flexros.validation.campaigns.crowds.campaign import BlindCrowds
 from flexros.validation.campaigns.crowds.settings import CrowdSettings
 from tests.validation.blind.cases import diagnosis, truth
 
@@ -23,8 +24,9 @@ FRICTION, BIAS, DELAY = "coulomb_friction@motor_1", "torque_bias@motor_1", "dela
 def test_page_and_figures_hold_shares_goals_and_every_case() -> None:
     crowd = truth("crowd", FRICTION, BIAS, DELAY, name="case_0007")
     answers = [Answer(crowd, diagnosis("explained", FRICTION, "torque_ripple@motor_1", probability=0.5), 12.0)]
-    result = crowds_result(answers, {"case_0009": "Traceback\nValueError: no"}, 60, CrowdSettings(), {"commit": "abc"})
-    page = result.files[PAGE]
+    failures = {"case_0009": "Traceback\nValueError: no"}
+    result = BlindCrowds().result(ScoredCases(answers, failures, 60, {"commit": "abc"}))
+    page = result.files["crowds.md"]
     assert "the first 1 of 60 planned cases" in page
     assert "33.3 % (6.1 to 79.2), 1 of 3 (goal 95 %)" in page
     assert "| case_0007 | e12 | exact | explained | coulomb_friction@motor_1 1e+03 |" in page
@@ -32,7 +34,7 @@ def test_page_and_figures_hold_shares_goals_and_every_case() -> None:
     assert result.record["scores"]["nominal exact"]["recall"]["hits"] == 1
     assert result.record["cases"][0]["causes"][0]["effect"] == "coulomb_friction"
     assert "salt" not in result.record["cases"][0]
-    assert FIGURES in result.files
+    assert "data/crowds.json" in result.files
 
 
 def sealed_crowd(settings: MakeSettings, case: Case) -> dict[str, Any]:

@@ -27,5 +27,5 @@ def test_page_shows_path_errors_and_values(monkeypatch: pytest.MonkeyPatch, tmp_
     page = result.files["identification_path.md"]
     assert "| circle_dae | dae | 5 | 0.25 | 0.2 | 20 |" in page
     assert "| body_1.ry.stiffness | 100000 | 80000 | 80400 | 0.4 | 0.5 |" in page
-    assert json.loads(result.files["identification_path.json"])["paths"][0]["identified"] == 2.5e-4
+    assert json.loads(result.files["data/identification_path.json"])["paths"][0]["identified"] == 2.5e-4
     assert result.summary[0].startswith("circle_dae: largest path error 5 mm with the nominal model, 0.25 mm")

@@ -14,13 +14,13 @@ if TYPE_CHECKING:
 
 def test_page_pictures_and_numbers_are_made(small_study: Study, small_scenario: Scenario) -> None:
     files = study_files(small_study, small_scenario)
-    assert set(files) == {"study.md", "study.json", *(f"study_{name}.svg" for name in CAPTIONS)}
+    assert set(files) == {"study.md", "data/study.json", *(f"figures/study_{name}.svg" for name in CAPTIONS)}
     assert "| LLS15U | " in files["study.md"]
     assert " | 80% | " in files["study.md"]
     assert "| body_3.ry.stiffness | " in files["study.md"]
     for name in files:
         assert not name.endswith(".svg") or f"({name})" in files["study.md"]
-    content = json.loads(files["study.json"])
+    content = json.loads(files["data/study.json"])
     np.testing.assert_allclose(content["best"], small_study.best.values)
     assert len(content["runs"]["NLS15O"]["values_over_nominal"]) == 6
 

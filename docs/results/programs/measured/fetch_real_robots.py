@@ -1,0 +1,336 @@
+"""Fetch public logs of robots: python docs/results/programs/measured/fetch_real_robots.py FOLDER [--from PATH]...
+
+The logs of seven public repositories, most of them without a licence for copies, are brought into FOLDER, at the
+commits below and with their checksums; they are not part of this repository. `--from` names a clone, a bare clone or a
+plain folder of one of them that is there already. What cannot be reached is skipped with its reason, and the exit code
+is then 1.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import math
+import subprocess
+import sys
+import urllib.error
+import urllib.parse
+import urllib.request
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+TIMEOUT = 30.0
+"""Longest wait for an answer of the server [s]."""
+
+
+PANDA_LOG = "matlab/data/Exciting_Traj/Trajectory_1/rbt_log/exciting_traj"
+"""Begin of the names of the files of the Panda: one value per line, seven of each sample."""
+
+
+TX40 = "examples/staubli_TX40"
+"""Folder of the files of the TX40: positions and torques of the motors, in a table each."""
+
+
+KR300_LOG = "data/recorded_trajectories/2020-10-21 10s FF {} 08ms/data.mat"
+"""Files of the KR 300: three motions."""
+
+
+SERVO = "src/sysid/dataset"
+"""Folder of the files of the hobby servo: experiments with commanded and measured positions, each from rest."""
+
+
+SERVO_PAUSE = 2.0
+"""Time between two of its experiments in the assembled logs [s]: the servo returns to its middle, unrecorded."""
+
+
+@dataclass(frozen=True)
+class Repository:
+    """A public repository at a commit.
+
+    Attributes:
+        owner: Its owner.
+        name: Its name, which is also that of the folder of its files.
+        commit: The commit.
+        files: SHA-256 of each file by its path.
+    """
+
+    owner: str
+    name: str
+    commit: str
+    files: Mapping[str, str]
+
+    def url(self, path: str) -> str:
+        """Return the address of a file."""
+        return f"https://raw.githubusercontent.com/{self.owner}/{self.name}/{self.commit}/{path}"
+
+
+REPOSITORIES = (
+    Repository(
+        "shamilmamedov",
+        "dynamic_calibration",
+        "11af40e7deb758ec080a175fed8fcdd6c99aca29",
+        {
+            "UR10E_parameters.txt": ("2c6be2d67d9b0512bd96936673caaedfba3fbc279fd7edde0b111df4b37bd677"),
+            "URe/urdf/ur10e.urdf": ("0d2abc6ebc70725c691a35aa6c2d03fd6e8158017a1b7da7a10a3ef52de7b821"),
+            "dataset_ur10e/identification_data/ur-20_02_12-40sec_12harm.csv": (
+                "1355f739afecc5a9330f906e0c403be0080407f5ce2c26652556fac5748c6236"
+            ),
+            "dataset_ur10e/identification_data/ur-20_02_10-30sec_12harm.csv": (
+                "341fff80f177be564c8720ea898165addfd46d7cbe6f3ffd8923eeaae0eef000"
+            ),
+            "dataset_ur10e/identification_data/ur-20_02_12-50sec_12harm.csv": (
+                "bb48cca42716a88f8b255d2d1b3eb3fa4a6eac4a9a52b694d4c1066ce8b4ca51"
+            ),
+            "dataset_ur10e/identification_data/ur-20_02_06-20sec_10harm.csv": (
+                "8959c47c991221e88a467a584c756a2f0f17c8268a291437709513cc112739c8"
+            ),
+            "dataset_ur10e/jointwise_motion/ur-20_01_22-joint_1.csv": (
+                "29cbb22afa01aae4a7e2fedaf63d6df90ef98decb1ec74a9b4863d2bc4d5eda0"
+            ),
+        },
+    ),
+    Repository(
+        "gleylaz",
+        "Optimal_SysID",
+        "6eacf84a3d639e0f976bd1451b0ef6771ab7a46d",
+        {
+            "RotaryFlexibleLinkIdentification.m": ("ffbffc7d06ee3d1151a33afdf97d2189c75416d258eb9096c93ae1ce59b96914"),
+            "Data/data_alpha.mat": ("43c1d7d835cdb09df640d0d8645628e64093ada71bf65fda897aa2eb47e3b347"),
+            "Data/data_theta.mat": ("e45d369d68dbd1271ff44adb39a31f78757829c65dc0a03401deaa8e897c986a"),
+            "Data/data_vm.mat": ("b0657ef64eefa83955009884994049786cc8294b6b5fb6b3628d45928ecd21b9"),
+        },
+    ),
+    Repository(
+        "marcocognetti",
+        "FrankaEmikaPandaDynModel",
+        "24d85ce4e648e2e894c832bfeee9b16711eb1a1a",
+        {
+            f"{PANDA_LOG}_positions.txt": ("50bf82a082c439aff8220e8142985c8dd783f7ddc1415987cd75c9efb88bcf69"),
+            f"{PANDA_LOG}_torques.txt": ("11fda32785bb29ce444e14e0f45f4893aab7142dc6ee29576d828ab154852f9c"),
+            f"{PANDA_LOG}_time.txt": ("031063612f297011dc005ab29830903e36f4bfeba77bce59c0fbde13620fb20d"),
+        },
+    ),
+    Repository(
+        "thanhndv212",
+        "figaroh-examples",
+        "c0b5c7f0fda10078be55104f9ee76ac106b7a5ee",
+        {
+            f"{TX40}/data/curr_data.csv": ("f4592f4ba4db42f5d7625688986be25b575ca34d0504b27979ca6b0276bd3af9"),
+            f"{TX40}/data/pos_read_data.csv": ("5cc1cecc1024ef0e331d0caba06f689456ab789ec3f1e904599c0a8be5c27bc8"),
+            f"{TX40}/urdf/tx40_mdh_modified.urdf": ("3d00cbd46279c915d594b1bb4610dbac78d1e99ed27f95de70984bde13486074"),
+        },
+    ),
+    Repository(
+        "NKU-ZiXuan",
+        "xMate7p_dyn_ident",
+        "7d8c9246adfc2a14d161df41a21a70671471ac1c",
+        {
+            "data/robotparams/XM7p/urdf/XM7p.urdf": (
+                "525104b34c64a42504ebca5741ad0d0b0963ae8d62de17b6159b2bf56194dfe4"
+            ),
+            "data/recdata/xMate7p_traj1_results.csv": (
+                "84bcef00b1410b98f962d6edf354e3aa5f11c43c9645b8b7bdfb8b4dad87d67f"
+            ),
+            "data/recdata/xMate7p_traj2_results.csv": (
+                "9fe697240cc64a06306c12aaa36c21f51619facccc92d0b0de51d07519806dfc"
+            ),
+            "data/recdata/xMate7p_traj3_results.csv": (
+                "b8cf0a91bf58d4afafa7a65c9e69c7916ad63759248ef60e477c59db1d0af5e6"
+            ),
+        },
+    ),
+    Repository(
+        "JonasWeigand",
+        "Robot_Identification",
+        "9e403c07d9dadbb391a9f3921e8d219f714636a8",
+        {
+            KR300_LOG.format("A"): ("4c152c5b7f2c899731fdeebcf0d011cc103df72be19fac160caf47aa9b73ab75"),
+            KR300_LOG.format("B"): ("edeb35f65c4ec4bb697e757fc1e4e9668551b6fe7b2c3dbbb526d040dd8d5ce7"),
+            KR300_LOG.format("C"): ("c5d5688521ece941e6c4afd39643a01cd36ae8c7790342640277f8b15b5515b4"),
+        },
+    ),
+    Repository(
+        "mauicv",
+        "servo-sysid",
+        "e4a48407899108cae084ff25e8b5d12e3da070cc",
+        {
+            f"{SERVO}/dataset.json": "4561efd1d0f416e81c25ed5a6a085c81d05ac20378945177d398270f54c60511",
+            f"{SERVO}/real-action-state-dataset.json": (
+                "f676b2acc8672603161031aeca2bc16e847970cd59ac19c20bf7f558191a9d8d"
+            ),
+        },
+    ),
+)
+"""The files that docs/results/programs/real_robots.py reads."""
+
+
+def fetch(
+    folder: Path, sources: Sequence[Path] = (), repositories: Sequence[Repository] = REPOSITORIES
+) -> tuple[str, ...]:
+    """Bring the files into a folder, whole or not at all; those that are there already are kept.
+
+    Args:
+        folder: The folder; the files of a repository are in a subfolder of its name.
+        sources: Clones, bare clones or plain folders to take files from; default: they are downloaded.
+        repositories: What is fetched.
+
+    Returns:
+        Why a file or the rest of a repository was skipped, a sentence each.
+    """
+    skipped = []
+    for repository in repositories:
+        for path, checksum in repository.files.items():
+            target = folder / repository.name / path
+            if target.is_file() and _checksum(target.read_bytes()) == checksum:
+                continue
+            try:
+                content = _content(repository, path, sources)
+            except OSError as error:
+                reason = getattr(error, "reason", None) or error
+                skipped.append(f"github.com/{repository.owner}/{repository.name}: {path}: {reason}")
+                if isinstance(error, urllib.error.URLError) and not isinstance(error, urllib.error.HTTPError):
+                    break  # the server cannot be reached: the other files could not be had either
+                continue
+            if _checksum(content) != checksum:
+                skipped.append(f"{repository.name}: {path}: has another checksum than at {repository.commit[:7]}")
+                continue
+            target.parent.mkdir(parents=True, exist_ok=True)
+            part = target.with_name(f".{target.name}.part")
+            part.write_bytes(content)
+            part.replace(target)
+    return tuple(skipped)
+
+
+def assemble_panda(folder: Path) -> None:
+    """Put positions and torques of the Panda into a CSV file with a row per sample, where they are there.
+
+    Args:
+        folder: The folder of the files of all repositories.
+    """
+    here = folder / "FrankaEmikaPandaDynModel"
+    files = [here / f"{PANDA_LOG}_{name}.txt" for name in ("time", "positions", "torques")]
+    if not all(file.is_file() for file in files):
+        return
+    time, position, torque = (file.read_text().split() for file in files)
+    names = [f"{quantity}_{joint}" for quantity in ("position", "torque") for joint in range(1, 8)]
+    rows = [
+        ",".join((instant, *position[7 * row : 7 * row + 7], *torque[7 * row : 7 * row + 7]))
+        for row, instant in enumerate(time)
+    ]
+    part = here / ".panda.csv.part"
+    part.write_text("\n".join((",".join(("time", *names)), *rows)) + "\n")
+    part.replace(part.with_name("panda.csv"))
+
+
+def assemble_tx40(folder: Path) -> None:
+    """Put positions and torques of the motors of the TX40 into a CSV file, where they are there.
+
+    Args:
+        folder: The folder of the files of all repositories.
+    """
+    here = folder / "figaroh-examples"
+    files = [here / TX40 / "data" / f"{name}.csv" for name in ("pos_read_data", "curr_data")]
+    if not all(file.is_file() for file in files):
+        return
+    names = ",".join(f"{quantity}_{joint}" for quantity in ("position", "torque") for joint in range(1, 7))
+    tables = [file.read_text().splitlines()[1:] for file in files]
+    part = here / ".tx40.csv.part"
+    part.write_text("\n".join((names, *(",".join(rows) for rows in zip(*tables)))) + "\n")
+    part.replace(part.with_name("tx40.csv"))
+
+
+def assemble_servo(folder: Path) -> None:
+    """Put the experiments of the hobby servo into CSV files, every other one into each, where they are there.
+
+    The first recordings, with other experiments, go into a file of their own. Of the others, single steps of 0.24 and
+    1 s and falls without a command are left out.
+
+    Args:
+        folder: The folder of the files of all repositories.
+    """
+    here = folder / "servo-sysid"
+    files = [here / SERVO / f"{name}.json" for name in ("dataset", "real-action-state-dataset")]
+    if not all(file.is_file() for file in files):
+        return
+    experiments, first = (json.loads(file.read_text())["data"] for file in files)
+    kinds = ("chirp", "prbs", "triangle", "ramp", "square")
+    numbered = [(number, one) for number, one in enumerate(experiments) if one["type"] in kinds]
+    logs = {f"log_{part + 1}": [one for number, one in numbered if number % 2 == part] for part in range(2)}
+    for name, parts in (*logs.items(), ("first_recordings", first)):
+        rows, begin = ["time,command,position"], 0.0
+        for one in parts:  # both in half turns, 50 a second
+            pairs = list(zip(one["actions"], one["sensor_data"], strict=True))
+            rows += [
+                f"{begin + k / 50:.2f},{math.pi * command:.8f},{math.pi * position:.8f}"
+                for k, (command, position) in enumerate(pairs)
+            ]
+            begin += len(pairs) / 50 + SERVO_PAUSE
+        part = here / f".{name}.csv.part"
+        part.write_text("\n".join(rows) + "\n")
+        part.replace(part.with_name(f"{name}.csv"))
+
+
+def _checksum(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
+
+
+def _content(repository: Repository, path: str, sources: Sequence[Path]) -> bytes:
+    """Read a file from the first source that has it, or download it where no source was given."""
+    ways: tuple[Callable[[], bytes | None], ...] = tuple(
+        way for source in sources for way in (_from_folder(source, path), _from_git(source, repository, path))
+    )
+    for way in ways:
+        content = way()
+        if content is not None:
+            return content
+    if sources:
+        raise FileNotFoundError(f"is in none of {', '.join(map(str, sources))}")
+    with urllib.request.urlopen(repository.url(path), timeout=TIMEOUT) as answer:  # noqa: S310 - https, written above
+        content = answer.read()
+    return bytes(content)
+
+
+def _from_folder(source: Path, path: str) -> Callable[[], bytes | None]:
+    return lambda: (source / path).read_bytes() if (source / path).is_file() else None
+
+
+def _from_git(source: Path, repository: Repository, path: str) -> Callable[[], bytes | None]:
+    def read() -> bytes | None:
+        if not source.is_dir():
+            return None
+        command = ["git", "-C", str(source), "cat-file", "blob", f"{repository.commit}:{path}"]
+        done = subprocess.run(command, capture_output=True, check=False)  # noqa: S603 - the commit and path above
+        return done.stdout if done.returncode == 0 else None
+
+    return read
+
+
+def main() -> int:
+    """Fetch the files, and report what was skipped."""
+    assert __doc__ is not None
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("folder", type=Path, help="folder for the files")
+    parser.add_argument(
+        "--from", dest="sources", action="append", type=Path, default=[], help="clone, bare clone or folder"
+    )
+    given = parser.parse_args()
+    skipped = fetch(given.folder, given.sources)
+    assemble_panda(given.folder)
+    assemble_tx40(given.folder)
+    assemble_servo(given.folder)
+    for reason in skipped:
+        print(f"skipped: {reason}", file=sys.stderr)
+    here = sum(
+        (given.folder / repository.name / path).is_file() for repository in REPOSITORIES for path in repository.files
+    )
+    print(f"{here} of {sum(len(repository.files) for repository in REPOSITORIES)} files are in {given.folder}")
+    return 1 if skipped else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,113 @@
+"""The page mujoco_robots.md, from the results of its cases."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+NEAR = 0.25
+"""Relative error of a size up to which it counts as right [1]."""
+HEAD = """# Arms of MuJoCo
+
+Written by `python docs/results/programs/mujoco_robots.py`.
+Arms of two to four joints, drawn with a seed, one in three without
+gravity, and a UR5e from its URDF with six joints are simulated by MuJoCo and hide several effects each. The nominal
+model is imported from MJCF or URDF; the logs, {duration:g} s at 250 Hz, are CSV files with a mapping. A first log is
+fitted, a second one held out, and the gaps below are those of a third one, which is not used. Torques are commands or,
+in half of the cases, measured ones, noted at the begin or the end of the sample in which they act.
+
+- **torque**: friction, inertia of motors, gain of a motor, and a load at the end of the arm that no robot file states.
+- **delay**: friction, inertia, and commands or positions that are one to five samples late.
+- **elastic**: gears with springs, motor encoders alone, and one spring whose stiffness is wrong by 25 to 60 %.
+- **backlash**: the same gears, one of them with a gap of 3 to 20 mrad.
+- **servo**: position actuators, and a log without torques: gains, friction, inertia, delay.
+
+Below, an effect is *shown* by the log if a model with all other true effects leaves more than noise and the tolerances
+of a measured log (5 % of the torques, 3 % of the nominal numbers). Others cannot be found without claims that the log
+does not support. *False* are named effects that are not hidden. A size is right within 25 %. The arms, effects and
+motions of these cases were drawn once and not used before. One of them (torque:1004) led to a change since, which is
+not in these figures: the load was estimated right there, but a threshold left it out.
+
+"""
+MISSED = """
+## What is missed, and why
+
+- A load that is left out makes friction and inertia wrong (torque:1004, torque:1005). In the second case it is lighter
+  than the 5 % of all bodies from which one is estimated.
+- Without gravity, an error of the gain at one motor looks like more inertia and friction there (torque:1003).
+- The joints of the UR5e, whose URDF has no rotors, were taken for swapped, so that one log is refused (torque:1051);
+  this is mended, but not in these figures either.
+- `explained` is said of the held-out log; a third one may leave more (torque:1005, delay:1013, backlash:1031).
+"""
+
+
+def page(found: Mapping[str, Mapping[str, Any]], duration: float) -> str:
+    """Write the page.
+
+    Args:
+        found: Result by case.
+        duration: Duration of a log [s].
+    """
+    text = HEAD.format(duration=duration)
+    text += "| mode | cases | effects shown | named | sizes right | false | explained, partly, ambiguous, other | "
+    text += "`explained` above the floor | closed, median | time, median |\n|" + "---|" * 10 + "\n"
+    for mode in dict.fromkeys(name.partition(":")[0] for name in found):
+        text += _summary(mode, [one for name, one in found.items() if name.partition(":")[0] == mode])
+    text += _summary("all", list(found.values()))
+    text += "\n| case | robot | shown: hidden size, named size | not shown | false | verdict | gap before | after | "
+    text += "time |\n|" + "---|" * 9 + "\n"
+    return text + "".join(_row(name, one) for name, one in found.items()) + MISSED
+
+
+def _shown(one: Mapping[str, Any]) -> list[str]:
+    return [name for name, shown in one["visible"].items() if shown]
+
+
+def _false(one: Mapping[str, Any]) -> list[str]:
+    return [name for name in one["named"] if name not in one["hidden"]]
+
+
+def _right(one: Mapping[str, Any], name: str) -> bool:
+    size = one["hidden"][name]
+    return name in one["named"] and abs(one["named"][name] - size) <= NEAR * abs(size)
+
+
+def _summary(mode: str, cases: Sequence[Mapping[str, Any]]) -> str:
+    done = [one for one in cases if "refused" not in one]
+    shown = [(one, name) for one in done for name in _shown(one)]
+    named = sum(name in one["named"] for one, name in shown)
+    right = sum(_right(one, name) for one, name in shown)
+    false = sum(len(_false(one)) for one in done)
+    verdicts = [one["verdict"] for one in done]
+    counts = [verdicts.count(kind) for kind in ("explained", "partly_explained", "ambiguous")]
+    explained = [one["gap"] for one in done if one["verdict"] == "explained"]
+    above = sum((gap["after"] or 0.0) > gap["noise_floor"] for gap in explained)
+    closed = [one["gap"]["closed_fraction"] or 0.0 for one in done if one["gap"]["before"] > one["gap"]["noise_floor"]]
+    median = 100 * float(np.median(closed)) if closed else 0.0
+    return (
+        f"| {mode} | {len(cases)} | {len(shown)} | {named} | {right} | {false} | "
+        f"{', '.join(map(str, counts))}, {len(cases) - sum(counts)} | {above} | "
+        f"{median:.1f} % | {np.median([one['seconds'] for one in done]):.0f} s |\n"
+    )
+
+
+def _row(name: str, one: Mapping[str, Any]) -> str:
+    if "refused" in one:
+        return f"| {name} | {one['robot']} | refused: {one['refused']} | | | | | | |\n"
+    shown = [f"{each} {one['hidden'][each]:.3g}, {_size(one, each)}" for each in _shown(one)]
+    hidden = [f"{each} {size:.3g}" for each, size in one["hidden"].items() if not one["visible"][each]]
+    false = [f"{each} {one['named'][each]:.3g}" for each in _false(one)]
+    after = "-" if one["gap"]["after"] is None else f"{one['gap']['after']:.3g}"
+    return (
+        f"| {name} | {one['robot']}, {one['motors']} motors | {'; '.join(shown) or '-'} | {'; '.join(hidden) or '-'} | "
+        f"{'; '.join(false) or '-'} | {one['verdict']}{', partial' if one['partial'] else ''} | "
+        f"{one['gap']['before']:.3g} | {after} | {one['seconds']:.0f} s |\n"
+    )
+
+
+def _size(one: Mapping[str, Any], name: str) -> str:
+    return f"{one['named'][name]:.3g}" if name in one["named"] else "**missed**"

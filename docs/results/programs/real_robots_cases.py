@@ -1,0 +1,396 @@
+"""The measured robots of real_robots.md: data, nominal model, mapping, what is known of their gap."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+OWN = Path(__file__).parent / "measured"
+"""Mappings and robot files of data sets that have none."""
+KINDS = {
+    "Coulomb friction": (("coulomb_friction", "level"), ("presliding_friction", "level")),
+    "viscous friction": (("viscous_friction", "coefficient"),),
+    "asymmetric viscous friction": (("viscous_friction", "asymmetry"),),
+    "inertia": (("rotor_inertia", "inertia"),),
+}
+"""Effects and parameters that state a known deviation."""
+NUMBERS = {"viscous friction": "viscous_friction", "inertia": "inertia"}
+"""Last part of the name of a number of the robot that states it, where it is counted from zero."""
+
+
+@dataclass(frozen=True)
+class Known:
+    """A deviation that is published or follows from least squares.
+
+    Attributes:
+        kind: One of `KINDS`.
+        joint: Its motor.
+        low: Smallest value stated, in `unit`.
+        high: Largest value stated.
+        unit: Its unit.
+        nominal: The value in the robot file, from which an effect counts.
+    """
+
+    kind: str
+    joint: str
+    low: float
+    high: float
+    unit: str
+    nominal: float = 0.0
+
+
+@dataclass(frozen=True)
+class Case:
+    """A measured robot.
+
+    Attributes:
+        name: Name of the case and of its JSON file.
+        title: Heading of its section.
+        about: What it is, where it comes from, where its nominal model comes from.
+        folder: Folder of its files in the folder of measured data, or in that of fetched data.
+        robot: Built-in robot, robot file of the folder, or robot or URDF file among ours or in the folder.
+        mapping: Built-in mapping or mapping file, as above.
+        fitted: Files of the log that is fitted.
+        further: Files of logs that are not fitted, by name.
+        known: What is published of the gap.
+        source: Where that comes from.
+        by_hand: Effects of a hand-made patch; without, there is none.
+        numbers_by_hand: Numbers of the robot file that it changes, by name [SI].
+        cutoff: Low-pass of least squares [Hz], where that of the command does not do; zero: as the command chooses.
+        by_mujoco: Why the toolbox of MuJoCo does not apply; empty where it does.
+        fetched: Whether `fetch_real_robots.py` brings the files.
+    """
+
+    name: str
+    title: str
+    about: str
+    folder: str
+    robot: str
+    mapping: str
+    fitted: tuple[str, ...]
+    known: tuple[Known, ...]
+    source: str
+    further: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    by_hand: tuple[str, ...] = ()
+    numbers_by_hand: Mapping[str, float] = field(default_factory=dict)
+    cutoff: float = 0.0
+    by_mujoco: str = ""
+    fetched: bool = False
+
+    def path(self, name: str, data: Path) -> str:
+        """Return the path of a robot or mapping, of ours or in the folder of the data; a built-in name as it is."""
+        if not Path(name).suffix:
+            return name
+        return str(OWN / name if (OWN / name).is_file() else data / name)
+
+
+def _csv(*names: str) -> dict[str, tuple[str, ...]]:
+    return {name: (f"{name}.csv",) for name in names}
+
+
+def _coulomb(joint: int, low: float, high: float | None = None) -> Known:
+    return Known("Coulomb friction", f"motor_{joint}", low, low if high is None else high, "Nm")
+
+
+def _viscous(joint: int, value: float) -> Known:
+    return Known("viscous friction", f"motor_{joint}", value, value, "Nm s/rad")
+
+
+_SECOND_STATE = (
+    "it simulates windows of the log from their full state, and that of the link behind the spring was not measured"
+)
+_NO_TORQUE = "our wrapper of it needs torques, and the log has positions alone"
+_UR = (
+    "Innopolis University, [github.com/shamilmamedov/dynamic_calibration](https://github.com/shamilmamedov/"
+    "dynamic_calibration), no licence stated: fetched by `fetch_real_robots.py`."
+)
+_TX40_COULOMB = ((7.14,), (8.26,), (6.34,), (2.48,), (3.03, 4.98), (2.232,))
+_TX40_VISCOUS = ((8.05, 8.05), (5.53, 5.53), (1.97, 1.97), (1.11, 1.11), (1.86, 2.476), (1.266, 1.266))
+_UR_FRICTION = ((21.256, 12.548), (20.221, 13.266), (10.378, 4.994), (3.575, 1.998), (2.491, 2.690), (3.026, 2.298))
+"""Published viscous and Coulomb friction of the six joints [Nm s/rad, Nm]."""
+_PANDA_FRICTION = (
+    (0.244, 0.273),
+    (0.181, 0.436),
+    (0.222, 0.320),
+    (0.442, 0.640),
+    (0.286, 0.420),
+    (0.135, 0.152),
+    (0.240, 0.282),
+)
+"""Coulomb friction of the seven joints: by least squares of the log, and published (Gaz 2019, supplement) [Nm]."""
+_XMATE_COULOMB = (
+    (0.872, 1.094),
+    (0.248, 1.454),
+    (0.592, 0.659),
+    (0.735, 1.052),
+    (0.513, 0.561),
+    (0.247, 0.456),
+    (0.330, 0.417),
+)
+"""Coulomb friction of the seven joints by least squares of each of the three logs, smallest and largest [Nm]."""
+_KR300_COULOMB = ((333, 355), (242, 472), (294, 406), (50, 111), (47, 134), (76, 91))
+_KR300_VISCOUS = ((1978, 2088), (1992, 2307), (1584, 2024), (238, 454), (534, 1000), (391, 459))
+"""Friction of the six joints, smallest and largest of four numbers: published, and by least squares of each log."""
+_KR300_LOG = "data/recorded_trajectories/2020-10-21 10s FF {} 08ms/data.mat"
+_UR_LOGS = "dataset_ur10e/identification_data"
+
+CASES = (
+    Case(
+        name="dfki_double_pendulum",
+        title="Double pendulum with two quasi-direct drives",
+        about="DFKI, design C.1, 500 Hz, 10 s per log, BSD-3-Clause. The nominal model is the published rigid one "
+        "without its friction; its stated tolerance is 5 %. The two logs of design A.0 are of another robot. In "
+        "C_143906 joint 1 alone is driven; C_143704 lacks one command.",
+        folder="dfki_double_pendulum",
+        robot="robot_without_friction.yaml",
+        mapping="mapping.yaml",
+        fitted=("C_143601.csv",),
+        further=_csv("C_143339", "C_143524", "C_143906", "C_144115", "C_143704"),
+        known=(_coulomb(1, 0.16, 0.313), _coulomb(2, 0.11, 0.185)),
+        source="published 0.16 to 0.175 and 0.11 to 0.12 Nm; least squares of the fitted log 0.196 and 0.185 Nm; the "
+        "hand-made patch, which closes more than the published one, 0.313 and 0.12 Nm. The range below holds all three",
+        by_hand=("coulomb_friction@motor_1:level=0.313", "coulomb_friction@motor_2:level=0.12"),
+        cutoff=10.0,
+    ),
+    Case(
+        name="quanser_stage_1",
+        title="Harmonic drive with a flexible link, stage 1",
+        about="Quanser 2DSFL, [github.com/basta/quanser-2-dof-serial-flexible-link]"
+        "(https://github.com/basta/quanser-2-dof-serial-flexible-link), 500 Hz, 20 s, MIT; two logs with two "
+        "controllers. Nominal: numbers of the maker, tolerance 10 %. The two stages are coupled, their models are not.",
+        folder="quanser_2dsfl",
+        robot="robot_stage1.yaml",
+        mapping="mapping_stage1.yaml",
+        fitted=("lqr.csv",),
+        further=_csv("fsf"),
+        known=(
+            _coulomb(1, 1.1, 1.87),
+            Known("inertia", "motor_1", 0.17, 0.54, "kg m2", 0.06353616),
+        ),
+        source="least squares of the torque of lqr with the strain gauge, positions low-passed at 10 Hz: 0.54 kg"
+        " m2 and 1.2 Nm, where the stiffness comes out as -52 instead of 40 Nm/rad; with the stiffness of"
+        " the maker 0.17 kg m2 and 1.87 Nm. As patches the two close the same share of the gap (95.8 and "
+        "97.0 % of lqr, 90.3 and 90.4 % of fsf), so these logs hardly separate the inertia from the "
+        "spring",
+        by_hand=("coulomb_friction@motor_1:level=1.2",),
+        numbers_by_hand={"motor_1.inertia": 0.54, "motor_1.viscous_friction": 3.3},
+        by_mujoco=_SECOND_STATE,
+    ),
+    Case(
+        name="quanser_stage_2",
+        title="Harmonic drive with a flexible link, stage 2",
+        about="As stage 1, which carries it: the base of stage 2 moves, and the torque of that is in neither model.",
+        folder="quanser_2dsfl",
+        robot="robot_stage2.yaml",
+        mapping="mapping_stage2.yaml",
+        fitted=("lqr.csv",),
+        further=_csv("fsf"),
+        known=(
+            _coulomb(1, 0.042),
+            Known("viscous friction", "motor_1", 0.164, 0.164, "Nm s/rad", 1.5),
+            Known("inertia", "motor_1", 0.0128, 0.0128, "kg m2", 0.00301955),
+        ),
+        source="least squares as for stage 1, which leaves 48 % of the torque of lqr; in fsf it finds 0.14 Nm, 0.42 "
+        "Nm s/rad and 0.0086 kg m2 and leaves 57 %, so these numbers are no more than orders of magnitude",
+        by_mujoco=_SECOND_STATE,
+    ),
+    Case(
+        name="emps",
+        title="Linear drive EMPS",
+        about="Janot, Gautier and Brunot (2019), 1 kHz, 25 s; in the second log pulses of force are added to the "
+        "command. Nominal: mass and viscous friction as published, no tolerance. [More on it](emps.md).",
+        folder="emps",
+        robot="emps",
+        mapping="emps",
+        fitted=("DATA_EMPS.mat",),
+        further={"DATA_EMPS_PULSES": ("DATA_EMPS_PULSES.mat",)},
+        known=(
+            Known("Coulomb friction", "motor_1", 20.14, 20.63, "N"),
+            Known("asymmetric viscous friction", "motor_1", -0.362, -0.362, "1"),
+        ),
+        source="published by the authors: forward 166.7 N s/m and 20.14 N, backward 240.4 N s/m and 20.63 N",
+        by_hand=(
+            "coulomb_friction@motor_1:level=20.386,asymmetry=-0.0237",
+            "viscous_friction@motor_1:asymmetry=-0.362",
+        ),
+    ),
+    Case(
+        name="ur10e_base_joint",
+        title="Base joint of a UR10e",
+        about=f"{_UR} 100 Hz nearly, 63 s; the other joints stand still, the arm is upright. Nominal: published "
+        "inertia, tolerance 5 %, no friction. A single log: its last third is not fitted.",
+        folder="dynamic_calibration",
+        robot="ur10e_base_joint_robot.yaml",
+        mapping="ur10e_base_joint.yaml",
+        fitted=("dataset_ur10e/jointwise_motion/ur-20_01_22-joint_1.csv",),
+        known=(_viscous(1, _UR_FRICTION[0][0]), _coulomb(1, _UR_FRICTION[0][1])),
+        source="published in UR10E_parameters.txt",
+        by_hand=("viscous_friction@motor_1:coefficient=23.1", "coulomb_friction@motor_1:level=12.8"),
+        fetched=True,
+    ),
+    Case(
+        name="ur10e",
+        title="Six axes of a UR10e",
+        about=f"{_UR} 100 Hz nearly, 49 s. Nominal: its URDF by `flexros import-urdf`, tolerance 3 %, without "
+        "rotor inertia and friction. That import turns the axis of wrist 2 round, so joint 5 has the "
+        "opposite sign in the mapping: with it the torques of the robot file are those of the URDF, and "
+        "after friction 0.43 instead of 0.55 Nm rms of the torque of joint 5 are left. The published "
+        "model has more inertia than the URDF, by 4.4, 6.8, 1.3, 0.21, 0.36 and 0.47 kg m2 on average "
+        "over postures, and another gravity, by 9 Nm rms at joint 2.",
+        folder="dynamic_calibration",
+        robot="URe/urdf/ur10e.urdf",
+        mapping="ur10e.yaml",
+        fitted=(f"{_UR_LOGS}/ur-20_02_12-40sec_12harm.csv",),
+        further={
+            name: (f"{_UR_LOGS}/ur-20_02_{name}.csv",)
+            for name in ("10-30sec_12harm", "12-50sec_12harm", "06-20sec_10harm")
+        },
+        known=tuple(
+            one
+            for joint, (viscous, level) in enumerate(_UR_FRICTION, start=1)
+            for one in (_viscous(joint, viscous), _coulomb(joint, level))
+        ),
+        source="published in UR10E_parameters.txt; by hand also the missing inertia",
+        by_hand=tuple(
+            text
+            for joint, (viscous, level) in enumerate(_UR_FRICTION, start=1)
+            for text in (
+                f"viscous_friction@motor_{joint}:coefficient={viscous}",
+                f"coulomb_friction@motor_{joint}:level={level}",
+            )
+        ),
+        numbers_by_hand={
+            f"motor_{joint}.inertia": value
+            for joint, value in enumerate((4.36, 6.79, 1.28, 0.206, 0.356, 0.472), start=1)
+        },
+        fetched=True,
+    ),
+    Case(
+        name="panda",
+        title="Seven axes of a Franka Emika Panda",
+        about="Gaz, Cognetti, Oliva, Robuffo Giordano and De Luca (2019), [github.com/marcocognetti/"
+        "FrankaEmikaPandaDynModel](https://github.com/marcocognetti/FrankaEmikaPandaDynModel), GPL-3: fetched by "
+        "`fetch_real_robots.py`. 1 kHz, 21 s, torques by the joint sensors; the recorder polled the controller. "
+        "Nominal: the published rigid model without its friction, tolerance 3 %. A single log: its last third is not "
+        "fitted.",
+        folder="FrankaEmikaPandaDynModel",
+        robot="panda_robot.yaml",
+        mapping="panda.yaml",
+        fitted=("panda.csv",),
+        known=tuple(_coulomb(joint, low, high) for joint, (low, high) in enumerate(_PANDA_FRICTION, start=1)),
+        source="least squares of the torque of this log, with viscous friction beside it, and half of the step of the "
+        "published sigmoids, which have none",
+        by_hand=tuple(
+            f"coulomb_friction@motor_{joint}:level={high}" for joint, (_, high) in enumerate(_PANDA_FRICTION, start=1)
+        ),
+        fetched=True,
+    ),
+    Case(
+        name="tx40",
+        title="Six axes of a Staubli TX40",
+        about="The example of FIGAROH, [github.com/thanhndv212/figaroh-examples](https://github.com/thanhndv212/"
+        "figaroh-examples), no licence stated: fetched by `fetch_real_robots.py`. 5 kHz, 9 s, torques by currents; "
+        "the wrist is coupled: motor 6 turns by the sum of joints 5 and 6, as does its friction. Nominal: its URDF, "
+        "without friction and rotors, tolerance 3 %. A single log: its last third is not fitted.",
+        folder="figaroh-examples",
+        robot="examples/staubli_TX40/urdf/tx40_mdh_modified.urdf",
+        mapping="tx40.yaml",
+        fitted=("tx40.csv",),
+        known=(
+            *(_coulomb(joint, *sizes) for joint, sizes in enumerate(_TX40_COULOMB, start=1)),
+            *(Known("viscous friction", f"motor_{k}", *sizes, "Nm s/rad") for k, sizes in enumerate(_TX40_VISCOUS, 1)),
+        ),
+        source="the configuration of the example; at joint 5 without to with the friction of motor 6, at joint 6 that "
+        "of the joint and of the motor",
+        fetched=True,
+    ),
+    Case(
+        name="xmate7p",
+        title="Seven axes of a Rokae xMate 7 Pro",
+        about="[github.com/NKU-ZiXuan/xMate7p_dyn_ident](https://github.com/NKU-ZiXuan/xMate7p_dyn_ident), CC BY-NC-SA "
+        "4.0: fetched by `fetch_real_robots.py`. 50 Hz, three logs of 20 s. Nominal: its URDF, without friction and "
+        "rotors, tolerance 3 %; by least squares the real arm has first moments about 1.3 times as large. With all "
+        "tolerances free, predictions 0.1 s ahead determine the Coulomb friction of joints 1, 2, 3 and 5 to 0.3, 2.3, "
+        "1 and 0.4 Nm only (standard deviations), so it is not named; the torques determine it better.",
+        folder="xMate7p_dyn_ident",
+        robot="data/robotparams/XM7p/urdf/XM7p.urdf",
+        mapping="xmate7p.yaml",
+        fitted=("data/recdata/xMate7p_traj1_results.csv",),
+        further={f"traj{log}": (f"data/recdata/xMate7p_traj{log}_results.csv",) for log in (2, 3)},
+        known=tuple(_coulomb(joint, low, high) for joint, (low, high) in enumerate(_XMATE_COULOMB, start=1)),
+        source="least squares of the torque of each of the three logs, with viscous friction beside it, which is zero "
+        "within its deviation at most joints",
+        fetched=True,
+    ),
+    Case(
+        name="kr300",
+        title="Six axes of a KUKA KR 300 R2500",
+        about="Weigand, Ulmen, Janot and Ruskowski (2021), [github.com/JonasWeigand/Robot_Identification]"
+        "(https://github.com/JonasWeigand/Robot_Identification), MIT: fetched by `fetch_real_robots.py`. 250 Hz, three "
+        "logs of 10 s; a hydraulic cylinder at joint 2 carries weight, and the arm of 0.9 t carries up to 200 kg. "
+        "Nominal: the masses and inertias of its CAD model, tolerance 3 %, without friction, rotors, cylinder and "
+        "load. The first log is fitted; with one of the other two fitted instead the load is not found, and the "
+        "verdict is `unknown_effect`. The counterbalance of the library was written with this robot in view.",
+        folder="Robot_Identification",
+        robot="kr300_robot.yaml",
+        mapping="kr300.yaml",
+        fitted=(_KR300_LOG.format("A"),),
+        further={name: (_KR300_LOG.format(name),) for name in "BC"},
+        known=tuple(
+            one
+            for joint, (coulomb, viscous) in enumerate(zip(_KR300_COULOMB, _KR300_VISCOUS, strict=True), start=1)
+            for one in (
+                _coulomb(joint, *coulomb),
+                Known("viscous friction", f"motor_{joint}", *viscous, "Nm s/rad"),
+            )
+        ),
+        source="published with the data (Coulomb friction by the sum of its two steps), and least squares of the "
+        "torque of each of the three logs above 1 deg/s, with a load of 180 kg, rotors, and a torque over sine and "
+        "cosine of the position of each joint",
+        fetched=True,
+    ),
+    Case(
+        name="hobby_servo",
+        title="Hobby servo under position commands",
+        about="A servo of 25 kg cm with an arm of 0.35 kg, [github.com/mauicv/servo-sysid]"
+        "(https://github.com/mauicv/servo-sysid), no licence stated: fetched by `fetch_real_robots.py`. Position "
+        "commands alone, at 50 Hz: pseudo-random steps, squares, triangles, ramps and a chirp of 2 to 3 s each, with "
+        "pauses between them. Nominal: the MJCF of its authors, whose filter of the command (0.1 s) has no place in a "
+        "robot file, tolerance 3 %. Every other experiment is fitted; not fitted are the others, and their first "
+        "recordings. The fit of servos at their torque limits was written with this log in view.",
+        folder="servo-sysid",
+        robot="hobby_servo_robot.yaml",
+        mapping="hobby_servo.yaml",
+        fitted=("log_1.csv",),
+        further={name: (f"{name}.csv",) for name in ("log_2", "first_recordings")},
+        known=(Known("viscous friction", "motor_1", 0.60, 0.74, "Nm s/rad"), _coulomb(1, 0.63, 1.03)),
+        source="least squares of free runs from rest in all experiments by `python "
+        "docs/results/programs/measured/servo_free_runs.py fetched`, with the damping of the loop within or "
+        "beyond the torque limit (then it counts as viscous friction) and the weight of the arm free or not, "
+        "beside torque limits of 3.7 to 4.6 Nm (2.7 in the MJCF) and delays of 18 to 44 ms; these models leave "
+        "0.09 to 0.12 rad rms",
+        by_mujoco=_NO_TORQUE,
+        fetched=True,
+    ),
+    Case(
+        name="flexible_link",
+        title="Rotary flexible link",
+        about="Leylaz, Ma and Sun, [github.com/gleylaz/Optimal_SysID](https://github.com/gleylaz/Optimal_SysID), no "
+        "licence stated: fetched by `fetch_real_robots.py`. 500 Hz, 5 s. Nominal: numbers of the maker, tolerance "
+        "10 %. A single log: its last third is not fitted.",
+        folder="Optimal_SysID",
+        robot="flexible_link_robot.yaml",
+        mapping="flexible_link.yaml",
+        fitted=("Data/data_theta.mat", "Data/data_alpha.mat", "Data/data_vm.mat"),
+        known=(_coulomb(1, 0.013, 0.052),),
+        source="least squares of the torque with the strain gauge 13 mNm; with this model 26 mNm alone, 52 mNm with "
+        "its other numbers fitted too",
+        by_mujoco=_SECOND_STATE,
+        fetched=True,
+    ),
+)
+"""All cases, in the order of the page."""

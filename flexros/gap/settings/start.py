@@ -1,0 +1,123 @@
+"""Where the search begins on a real machine."""
+
+from __future__ import annotations
+
+from pydantic import Field
+
+from flexros.config.settings import Settings
+
+
+class TorqueStartSettings(Settings):
+    """What the torques of a real machine show before any prediction: the regression that the search begins with."""
+
+    least_share: float = Field(
+        default=0.1,
+        ge=0,
+        description="contribution of friction, motor inertia or servo stiffness to a torque, over the rest at that "
+        "motor, from which it is kept, rms [1] (chosen)",
+    )
+    most_reduced: float = Field(
+        default=0.9,
+        gt=0,
+        lt=1,
+        description="largest share of a nominal rotor inertia or servo stiffness that is taken away [1] (chosen)",
+    )
+    longest_delay: int = Field(
+        default=10, ge=0, description="longest delay of commanded positions that is tried [samples] (chosen)"
+    )
+    balanced: float = Field(
+        default=2.5,
+        ge=1,
+        description="factor by which a counterbalance lowers what is left at its motor, from which there is one [1] "
+        "(chosen)",
+    )
+    carried: float = Field(
+        default=0.5,
+        ge=0,
+        description="torque of a counterbalance over the largest of its motor, from which there is one [1] (chosen): "
+        "it is built to carry weight. Less is an error of the weight of the arm, as on a robot whose URDF is a third "
+        "too light",
+    )
+    least_rotor: float = Field(
+        default=0.2,
+        ge=0,
+        description="inertia of a rotor, over that of the bodies it moves, from which the robot file lacks it [1] "
+        "(chosen); less may be in that of the bodies, as for a drive whose one mass is that of all its parts",
+    )
+    least_stepped_rotor: float = Field(
+        default=0.1,
+        ge=0,
+        description="inertia that a motor without rotor is given so that its friction can be stepped, over that of its "
+        "bodies, from which it is [1] (chosen)",
+    )
+    lightest_load: float = Field(
+        default=0.05,
+        ge=0,
+        description="mass of a load over that of all bodies that move, from which the robot file lacks it [1] (chosen)",
+    )
+    farthest_load: float = Field(
+        default=1.0, gt=0, description="largest distance of a load from the last joint [m] (chosen)"
+    )
+    explained_by_load: float = Field(
+        default=10.0,
+        ge=1,
+        description="product over the motors of the factors by which a load lowers what is left of their torques, each "
+        "no larger than this, from which the robot file lacks it [1] (chosen): 1.6 on a UR10e that carries nothing, "
+        "above 1000 on an arm whose tool is 7 % of its mass. So the others are not left with more where one motor has "
+        "no torque, as where it is not driven: a load that takes the weight of its body away explains that",
+    )
+    relieved: float = Field(
+        default=1.5,
+        ge=1,
+        description="factor by which a counterbalance alone lowers what is left at its motor, from which a load is "
+        "sought together with it [1] (chosen)",
+    )
+
+
+class ServoStartSettings(Settings):
+    """Fits of servos under position commands, from several initial values: the best one begins the search."""
+
+    often_limited: float = Field(
+        default=0.01,
+        gt=0,
+        lt=1,
+        description="share of the samples at its torque limit from which a servo counts as one that reaches it [1] "
+        "(chosen)",
+    )
+    friction: float = Field(
+        default=0.1,
+        gt=0,
+        description="initial Coulomb friction of a servo at its limit, over the torque limit [1] (chosen)",
+    )
+    braking: float = Field(
+        default=0.5,
+        gt=0,
+        description="initial viscous friction of a servo at its limit, at the largest speed, over the torque limit [1] "
+        "(chosen): a limited voltage ends the acceleration where the back-EMF reaches it",
+    )
+    little_friction: float = Field(
+        default=0.01,
+        gt=0,
+        description="initial Coulomb friction of other servos, over the largest one of its range [1] (chosen)",
+    )
+    undamped: float = Field(
+        default=-0.85,
+        gt=-1,
+        lt=0,
+        description="relative error of the damping of a loop that hardly brakes, a further initial value for servos at "
+        "their limits [1] (chosen)",
+    )
+    wider: float = Field(
+        default=10.0,
+        ge=1,
+        description="factor by which friction may exceed what the largest nominal torque overcomes, as the gains of a "
+        "servo may be wrong by it [1] (chosen)",
+    )
+    delays: tuple[float, ...] = Field(
+        default=(0.25, 1.25, 2.25, 3.25),
+        min_length=1,
+        description="initial delays [samples] (chosen): between whole ones, at which the prediction has a corner",
+    )
+    iterations: int = Field(
+        default=8, ge=1, description="iterations after which the best one of the fits goes on alone (chosen)"
+    )

@@ -1,0 +1,309 @@
+"""Numbers of a robot written into a user's own MJCF, which otherwise stays as it was."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexros.config.text_file import read_text
+from flexros.errors import InputError
+from flexros.input_limits import LARGEST_URDF
+from flexros.robot.exchange.joint_names import motor_joints, tagged
+from flexros.robot.exchange.mjcf.actuators import actuators_of, added, joint_actuator
+from flexros.robot.exchange.mjcf.arm import MjcfArm, find_arm
+from flexros.robot.exchange.mjcf.export import delay_attributes
+from flexros.robot.exchange.mjcf.mujoco_model import compile_file, compile_text
+from flexros.robot.exchange.number_text import number, numbers_text
+from flexros.robot.exchange.numbers import Export, NotHeld, Written, same
+from flexros.robot.exchange.xml_text import XmlElement, XmlText
+from flexros.robot.quantity import unit_of
+from flexros.robot.spring import Spring
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from flexros.robot import Robot
+    from flexros.robot.exchange.mjcf.actuators import JointActuator
+    from flexros.robot.exchange.numbers import BodyNumbers, JointNumbers, RepairedNumbers
+
+
+def repair_mjcf(base: Path, robot: Robot, numbers: RepairedNumbers, joints: Mapping[str, str], end: str = "") -> Export:
+    """Return a user's MJCF with the numbers of a robot: only attributes that differ are changed.
+
+    Joints get damping, frictionloss and armature, actuators gain, limit and delay, as absolute values; bodies are
+    scaled by the factor by which effects change mass and inertia.
+
+    Args:
+        base: The MJCF.
+        robot: The robot with the changes of its effects.
+        numbers: Its numbers on the joint side.
+        joints: Joint of the file by motor; default: as in `motor_joints`.
+        end: Body at the end of the arm; default: the only possible one.
+
+    Raises:
+        InputError: MuJoCo is missing or refuses the file, or it is not clear which joint is meant.
+    """
+    model = compile_file(base)
+    text = XmlText(read_text(base, "MJCF", LARGEST_URDF), str(base))
+    repair = _Repair(model, text, str(base), robot, numbers)
+    arm = find_arm(model, str(base), end)
+    names = motor_joints(robot, [joint.name for joint in arm.joints], joints, str(base))
+    for joint in numbers.joints:
+        repair.joint(joint, names[joint.motor])
+        repair.actuator(joint, names[joint.motor])
+    repair.springs()
+    for body in numbers.bodies:
+        repair.body(body, arm, names)
+    changed = text.text()
+    repair.check(compile_text(changed, base.resolve().parent, str(base)))
+    return Export(changed, tuple(repair.written), tuple(repair.not_held))
+
+
+class _Repair:
+    """The changes of one file."""
+
+    def __init__(self, model: Any, text: XmlText, source: str, robot: Robot, numbers: RepairedNumbers) -> None:
+        self.model, self.root, self.source, self.robot = model, text.root, source, robot
+        self.written: list[Written] = []
+        self.not_held = list(numbers.not_held)
+        self.expected: list[tuple[str, int, float]] = []
+
+    def joint(self, joint: JointNumbers, name: str) -> None:
+        """Write viscous friction, dry friction and rotor inertia of a motor."""
+        element = self._element("joint", name)
+        if "springdamper" in element.attributes:
+            raise InputError(
+                f"{self.source}: joint {name} has the attribute springdamper, which overrides its damping; replace it "
+                "by stiffness and damping"
+            )
+        index = int(self.model.joint(name).id)
+        dof, actuators = int(self.model.jnt_dofadr[index]), actuators_of(self.model, index)
+        rows = (
+            ("viscous friction", "damping", joint.damping, self.model.dof_damping[dof], "damping"),
+            ("dry friction", "frictionloss", joint.friction, self.model.dof_frictionloss[dof], "torque"),
+            ("rotor inertia", "armature", joint.armature, self.model.dof_armature[dof], "inertia"),
+        )
+        for quantity, attribute, wanted, own, kind in rows:
+            of_actuators = 0.0 if attribute == "frictionloss" else added(self.model, actuators, f"actuator_{attribute}")
+            before = float(own) + of_actuators
+            if same(wanted, before):
+                continue
+            unit = unit_of(kind, joint.rotary)
+            if wanted < of_actuators:
+                reason = f"the actuators of {name} alone add {of_actuators:.6g} {unit}; lower their {attribute}"
+                self.not_held.append(NotHeld(joint.motor, quantity, f"{wanted:.6g} {unit}", reason))
+                continue
+            further = getattr(self.model, f"dof_{attribute}poly", np.zeros((self.model.nv, 0)))[dof]
+            values = [wanted - of_actuators, *(further if np.any(further) else ())]
+            element.set(attribute, numbers_text(values))
+            self.expected.append((f"dof_{attribute}", dof, values[0]))
+            self._note(joint.motor, quantity, f"joint {name} {attribute}", before, wanted, unit)
+
+    def actuator(self, joint: JointNumbers, name: str) -> None:
+        """Write torque gain, torque limit and delay of a motor."""
+        index = int(self.model.joint(name).id)
+        found, torque = actuators_of(self.model, index), unit_of("torque", joint.rotary)
+        before = joint_actuator(self.model, index)
+        limit = None if before is None else before.torque_limit
+        limited = joint.torque_limit is not None and (limit is None or not same(joint.torque_limit, limit))
+        if before is None or not found:
+            lost = {"torque gain": joint.torque_gain != 1, "torque limit": limited, "delay": joint.delay > 0}
+            reason = f"no actuator drives the joint {name}"
+            self.not_held += [NotHeld(joint.motor, key, "", reason) for key, value in lost.items() if value]
+            return
+        element = self._actuator_element(found[0], name)
+        if joint.servo_stiffness is not None:
+            self._servo(element, found[0], joint, before)
+        elif joint.torque_gain != 1:
+            self._gain(element, found[0], joint)
+        if limited and joint.torque_limit is not None:
+            force = joint.torque_limit / abs(before.gear)
+            element.set("forcerange", numbers_text((-force, force)))
+            element.set("forcelimited", "true")
+            self._note(joint.motor, "torque limit", f"{element.tag} forcerange", limit, joint.torque_limit, torque)
+        if not same(joint.delay, before.delay):
+            if not hasattr(self.model, "actuator_delay"):
+                reason = "actuators have a delay from MuJoCo 3.5 on"
+                self.not_held.append(NotHeld(joint.motor, "delay", f"{joint.delay:.6g} s", reason))
+                return
+            attributes = delay_attributes(joint.delay, float(self.model.opt.timestep)) or {"delay": "0"}
+            for key, value in attributes.items():
+                element.set(key, value)
+            self._note(joint.motor, "delay", f"{element.tag} delay", before.delay, joint.delay, "s")
+
+    def springs(self) -> None:
+        """Write stiffness and damper of elastic directions and gears where the file has joints for them."""
+        squared = self.robot.motors[0].gear_ratio ** 2 if self.robot.spec.coordinates == "motor" else 1.0
+        known = {str(self.model.joint(j).name) for j in range(self.model.njnt)}
+        for joint in self.robot.joints:
+            spring = joint.direction.spring
+            if not isinstance(spring, Spring):
+                continue
+            units = unit_of("stiffness", joint.rotary), unit_of("damping", joint.rotary)
+            wanted = squared * spring.at_zero, squared * joint.direction.damper.value
+            name = tagged(self.robot, joint.name) or joint.name
+            if name not in known:
+                size = f"{wanted[0]:.6g} {units[0]}, damper {wanted[1]:.6g} {units[1]}"
+                reason = "the file has no joint for this deflection; an export without a base file has one"
+                self.not_held.append(NotHeld(joint.name, "stiffness", size, reason))
+                continue
+            element, index = self._element("joint", name), int(self.model.joint(name).id)
+            own = float(self.model.jnt_stiffness[index]), float(self.model.dof_damping[self.model.jnt_dofadr[index]])
+            for key, value, before, unit in zip(("stiffness", "damping"), wanted, own, units):
+                if not same(value, before):
+                    element.set(key, number(value))
+                    self._note(joint.name, key, f"joint {name} {key}", before, value, unit)
+
+    def body(self, body: BodyNumbers, arm: MjcfArm, names: Mapping[str, str]) -> None:
+        """Scale mass and inertia, and the weight, of the bodies that a joint carries."""
+        if body.load is not None:
+            reason = "add a body with this mass there; an export without a base file has it"
+            self.not_held.append(NotHeld(body.body, "load", body.load.words, reason))
+        if same(body.mass_factor, 1.0) and body.weight_error == 0:
+            return
+        joint = next((each for each in self.robot.joints[::-1] if f"body_{each.body + 1}" == body.body), None)
+        bodies = {each.name: each.bodies for each in arm.joints}
+        carried: tuple[int, ...] = ()
+        if joint is not None:  # of an elastic gear the joint of the deflection carries the bodies
+            own = tagged(self.robot, joint.name) or joint.name
+            motor = "" if joint.motor is None else names[f"motor_{joint.motor + 1}"]
+            carried = bodies.get(own, ()) or bodies.get(motor, ())
+        if not carried:
+            size = f"mass x {body.mass_factor:.6g}, weight {body.weight_error:+.6g}"
+            reason = "it is not clear which bodies of the file are meant"
+            self.not_held.append(NotHeld(body.body, "payload", size, reason))
+        for index in carried:
+            label, mass = str(self.model.body(index).name), float(self.model.body_mass[index])
+            if mass == 0:
+                continue
+            element = self._element("body", label)
+            if not same(body.mass_factor, 1.0):
+                self._scale(element, index, body.mass_factor)
+                self.expected.append(("body_mass", index, mass * body.mass_factor))
+                self._note(body.body, "mass", f"body {label} inertial", mass, mass * body.mass_factor, "kg")
+            if body.weight_error:
+                before = float(self.model.body_gravcomp[index])
+                element.set("gravcomp", number(before - body.weight_error))
+                self._note(body.body, "weight", f"body {label} gravcomp", before, before - body.weight_error, "1")
+
+    def check(self, model: Any) -> None:
+        """Refuse a result in which something else of the file overrides the numbers that were written."""
+        for array, index, wanted in self.expected:
+            found = float(getattr(model, array)[index])
+            if abs(found - wanted) > 1e-6 * abs(wanted):
+                owner = model.body(index) if array == "body_mass" else model.joint(int(model.dof_jntid[index]))
+                raise InputError(
+                    f"{self.source}: {array.split('_')[1]} of {owner.name} was set to {wanted:.6g}, but MuJoCo makes "
+                    f"it {found:.6g}: another setting overrides it, such as inertiafromgeom or settotalmass of "
+                    "<compiler>; remove that setting"
+                )
+
+    def _scale(self, element: XmlElement, index: int, factor: float) -> None:
+        mass = number(factor * float(self.model.body_mass[index]))
+        inertial = element.find("inertial")
+        if inertial is None:
+            attributes = {
+                "pos": numbers_text(self.model.body_ipos[index]),
+                "quat": numbers_text(self.model.body_iquat[index]),
+                "mass": mass,
+                "diaginertia": numbers_text(factor * self.model.body_inertia[index]),
+            }
+            element.add("inertial", attributes)
+            return
+        inertial.set("mass", mass)
+        for key in ("diaginertia", "fullinertia"):
+            if key in inertial.attributes:
+                values = np.array(inertial.attributes[key].split(), dtype=float)
+                inertial.set(key, numbers_text(factor * values))
+
+    def _servo(self, element: XmlElement, index: int, joint: JointNumbers, before: JointActuator) -> None:
+        """Write the gains of a position servo."""
+        assert joint.servo_stiffness is not None
+        assert joint.servo_damping is not None
+        wanted = {"stiffness": joint.servo_stiffness, "damping": joint.servo_damping}
+        own = {"stiffness": before.kp, "damping": before.kv}
+        units = {kind: unit_of(kind, joint.rotary) for kind in wanted}
+        keys = {"stiffness": "kp", "damping": "kv"}
+        squared = before.gear**2
+        if not before.follows or element.tag not in ("position", "general"):
+            reason = f"the actuator <{element.tag}> of the file does not follow positions"
+            self.not_held += [
+                NotHeld(joint.motor, f"servo {kind}", f"{value:.6g} {units[kind]}", reason)
+                for kind, value in wanted.items()
+            ]
+            return
+        changed = [kind for kind in wanted if not same(wanted[kind], own[kind])]
+        if "dampratio" in element.attributes and changed:
+            reason = "the attribute dampratio makes it from kp; replace it by kv"
+            text = f"{wanted['damping']:.6g} {units['damping']}"
+            self.not_held.append(NotHeld(joint.motor, "servo damping", text, reason))
+            changed = [kind for kind in changed if kind == "stiffness"]
+        if element.tag == "general" and changed:
+            stiff, damped = wanted["stiffness"] / squared, wanted["damping"] / squared
+            element.set("gainprm", numbers_text([stiff, *self.model.actuator_gainprm[index, 1:3]]))
+            element.set("biasprm", numbers_text([0.0, -stiff, -damped]))
+        for kind in changed:
+            if element.tag == "position":
+                element.set(keys[kind], number(wanted[kind] / squared))
+            place = f"{element.tag} {keys[kind] if element.tag == 'position' else 'biasprm'}"
+            self._note(joint.motor, f"servo {kind}", place, own[kind], wanted[kind], units[kind])
+        if before.time_constant > 0 and (changed or not same(joint.delay, before.delay)):
+            # a robot file has no lag of the control, so what was found of the servo holds without one
+            key, value = ("timeconst", "0") if element.tag == "position" else ("dyntype", "none")
+            element.set(key, value)
+            self._note(joint.motor, "lag of the control", f"{element.tag} {key}", before.time_constant, 0.0, "s")
+
+    def _gain(self, element: XmlElement, index: int, joint: JointNumbers) -> None:
+        """Scale the torque of an actuator; that of a servo by its gains, because its gear also scales the position."""
+        gain, model = joint.torque_gain, self.model
+        stiff, bias = float(model.actuator_gainprm[index, 0]), model.actuator_biasprm[index]
+        if element.tag == "motor":
+            gear = model.actuator_gear[index].copy()
+            before, place = float(gear[0]), "gear"
+            gear[0] *= gain
+            element.set("gear", numbers_text(gear if np.any(gear[1:]) else gear[:1]))
+        elif element.tag in ("position", "velocity"):
+            before, place = stiff, "kp" if element.tag == "position" else "kv"
+            element.set(place, number(gain * stiff))
+            if element.tag == "position" and bias[2] and "dampratio" not in element.attributes:
+                element.set("kv", number(-gain * float(bias[2])))
+        elif element.tag == "general":
+            before, place = stiff, "gainprm"
+            element.set("gainprm", numbers_text([gain * stiff, *model.actuator_gainprm[index, 1:3]]))
+            if np.any(bias):
+                element.set("biasprm", numbers_text(gain * bias[:3]))
+        else:
+            reason = f"the gain of an actuator <{element.tag}> has several numbers; correct it there"
+            self.not_held.append(NotHeld(joint.motor, "torque gain", f"x {gain:.6g}", reason))
+            return
+        self._note(joint.motor, "torque gain", f"{element.tag} {place}", before, before * gain, "1")
+
+    def _note(self, location: str, quantity: str, place: str, before: float | None, value: float, unit: str) -> None:
+        self.written.append(Written(location, quantity, place, before, value, unit))
+
+    def _element(self, tag: str, name: str) -> XmlElement:
+        """Return a named element of the world's bodies."""
+        worlds = [child for child in self.root.children if child.tag == "worldbody"]
+        for element in (each for world in worlds for each in world.iter(tag)):
+            if element.attributes.get("name") == name:
+                return element
+        raise InputError(
+            f"{self.source}: the {tag} '{name}' is not in the file itself (it is included, replicated or has "
+            "no name); give a file that holds it, with a name"
+        )
+
+    def _actuator_element(self, index: int, joint: str) -> XmlElement:
+        name = str(self.model.actuator(index).name)
+        parts = [child for child in self.root.children if child.tag == "actuator"]
+        for element in (each for part in parts for each in part.children):
+            own = element.attributes
+            if (name and own.get("name") == name) or (
+                not name and joint in (own.get("joint"), own.get("jointinparent"))
+            ):
+                return element
+        raise InputError(
+            f"{self.source}: the actuator '{name}' of joint {joint} is not in the file itself; give a file "
+            "that holds it"
+        )

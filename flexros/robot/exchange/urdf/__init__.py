@@ -1,0 +1,1 @@
+"""URDF, and SDF, which is made from it: read, written, and repaired in place."""

@@ -1,0 +1,210 @@
+"""Numbers of a robot written into a URDF or SDF, which otherwise stays as it was."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from flexros.errors import InputError
+from flexros.robot.exchange.joint_names import motor_joints
+from flexros.robot.exchange.number_text import number
+from flexros.robot.exchange.numbers import Export, NotHeld, Written, same
+from flexros.robot.exchange.urdf.link_load import add_load
+from flexros.robot.exchange.xml_text import XmlElement, XmlText
+from flexros.robot.quantity import unit_of
+from flexros.robot.spring import Spring
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flexros.robot import Robot
+    from flexros.robot.exchange.numbers import BodyNumbers, JointNumbers, LoadNumbers, RepairedNumbers
+
+Description = Literal["urdf", "sdf"]
+
+MOVABLE = ("revolute", "continuous", "prismatic")
+
+NO_ARMATURE = "joints of {kind} have no rotor inertia; set it in the simulator, e.g. as armature"
+NO_SPRING = "the deflection of a gear or link is no joint in {kind}"
+NO_SERVO = "{kind} has no position loop: set its gains in the controller, e.g. of ros2_control"
+NO_COMMAND = "{kind} says nothing of commands: set it in the controller"
+
+
+def repair_description(
+    text: str,
+    source: str,
+    kind: Description,
+    robot: Robot,
+    numbers: RepairedNumbers,
+    joints: Mapping[str, str],
+    *,
+    new: bool = False,
+) -> Export:
+    """Return a URDF or SDF with the numbers of a robot: only attributes or texts that differ are changed.
+
+    Joints get damping, friction and effort, as absolute values; links are scaled by the factor by which effects change
+    mass and inertia.
+
+    Args:
+        text: The document.
+        source: Its file, for error messages.
+        kind: Its format.
+        robot: The robot with the changes of its effects.
+        numbers: Its numbers on the joint side.
+        joints: Joint of the file by motor; default: as in `motor_joints`.
+        new: Whether the text was made from the same robot: masses are right, and all numbers are listed.
+
+    Raises:
+        InputError: It is not of this format, or it is not clear which joint is meant.
+    """
+    document = XmlText(text, source)
+    expected = {"urdf": "robot", "sdf": "sdf"}[kind]
+    if document.root.tag != expected:
+        raise InputError(
+            f"{source} starts with <{document.root.tag}>, but a {kind.upper()} starts with <{expected}>", "base"
+        )
+    repair = _Repair(document, kind, numbers, new)
+    names = motor_joints(robot, list(repair.joints), joints, source)
+    for joint in numbers.joints:
+        repair.joint(joint, names[joint.motor])
+    for body in numbers.bodies:
+        repair.body(body)
+    repair.springs(robot)
+    return Export(document.text(), tuple(repair.written), tuple(repair.not_held))
+
+
+class _Repair:
+    """The changes of one file."""
+
+    def __init__(self, document: XmlText, kind: Description, numbers: RepairedNumbers, new: bool) -> None:
+        self.root, self.kind, self.new, self.source = document.root, kind, new, document.source
+        self.written: list[Written] = []
+        self.not_held = list(numbers.not_held)
+        self.joints = {
+            joint.attributes.get("name", ""): joint
+            for joint in self.root.iter("joint")
+            if joint.attributes.get("type") in MOVABLE
+        }
+
+    def joint(self, joint: JointNumbers, name: str) -> None:
+        """Write friction and torque limit of a motor, and list the rest."""
+        element = self.joints[name]
+        home: XmlElement | None = element
+        if self.kind == "sdf":
+            home = element.find("axis")
+            if home is None:
+                raise InputError(f"the joint {name} has no <axis>; correct the SDF")
+        assert home is not None
+        damping, torque = unit_of("damping", joint.rotary), unit_of("torque", joint.rotary)
+        self._set(
+            home,
+            "dynamics",
+            (
+                Written(
+                    joint.motor, "viscous friction", f"joint {name} dynamics damping", None, joint.damping, damping
+                ),
+                Written(joint.motor, "dry friction", f"joint {name} dynamics friction", None, joint.friction, torque),
+            ),
+        )
+        if joint.torque_limit is not None:
+            place = f"joint {name} limit effort"
+            self._set(home, "limit", (Written(joint.motor, "torque limit", place, None, joint.torque_limit, torque),))
+        inertia, stiffness = unit_of("inertia", joint.rotary), unit_of("stiffness", joint.rotary)
+        self._lost(joint.motor, "rotor inertia", joint.armature, inertia, NO_ARMATURE)
+        self._lost(joint.motor, "stiffness of the gear", joint.stiffness or 0.0, stiffness, NO_SPRING)
+        self._lost(joint.motor, "delay", joint.delay, "s", NO_COMMAND)
+        self._lost(joint.motor, "servo stiffness", joint.servo_stiffness or 0.0, stiffness, NO_SERVO)
+        self._lost(joint.motor, "servo damping", joint.servo_damping or 0.0, damping, NO_SERVO)
+        self._lost(joint.motor, "torque gain", joint.torque_gain - 1, "relative", NO_COMMAND)
+
+    def body(self, body: BodyNumbers) -> None:
+        """Scale mass and inertia of a link."""
+        self._lost(body.body, "weight", body.weight_error, "relative", "{kind} has one mass for weight and inertia")
+        if self.new or (same(body.mass_factor, 1.0) and body.load is None):
+            return
+        wanted = (body.label, body.body)
+        link = next((each for each in self.root.iter("link") if each.attributes.get("name") in wanted), None)
+        inertial = None if link is None else link.find("inertial")
+        mass = None if inertial is None else inertial.find("mass")
+        if link is None or inertial is None or mass is None:
+            reason = f"no link '{body.label or body.body}' with a mass was found"
+            size = f"mass x {body.mass_factor:.6g}" if body.load is None else body.load.words
+            self.not_held.append(NotHeld(body.body, "payload", size, reason))
+            return
+        if body.load is not None:
+            self._load(link, body.body, body.load)
+            return
+        place = f"link {link.attributes['name']} inertial"
+        before = self._float(mass.attributes.get("value") or mass.content, f"{place} mass")
+        self._write(mass, "value", body.mass_factor * before)
+        inertia = inertial.find("inertia")
+        for entry in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz") if inertia else ():
+            assert inertia is not None
+            own = inertia if self.kind == "urdf" else inertia.find(entry)
+            if own is not None and (value := own.attributes.get(entry) or own.content):
+                self._write(own, entry, body.mass_factor * self._float(value, f"{place} {entry}"))
+        self.written.append(Written(body.body, "mass", place, before, body.mass_factor * before, "kg"))
+
+    def _load(self, link: XmlElement, body: str, load: LoadNumbers) -> None:
+        """Add a point mass to a link of a URDF."""
+        if self.kind == "sdf":
+            reason = "the links of an SDF have frames of their own: add it there"
+            self.not_held.append(NotHeld(body, "load", load.words, reason))
+            return
+        before, after = add_load(self.root, link, load, self.source)
+        place = f"link {link.attributes['name']} inertial"
+        self.written.append(Written(body, f"load of {load.words}: mass", place, before, after, "kg"))
+
+    def springs(self, robot: Robot) -> None:
+        """List the elastic directions."""
+        squared = robot.motors[0].gear_ratio ** 2 if robot.spec.coordinates == "motor" else 1.0
+        for joint in robot.joints:
+            spring = joint.direction.spring
+            if joint.motor is None and joint.mode is None and isinstance(spring, Spring):
+                unit = unit_of("stiffness", joint.rotary)
+                self._lost(joint.name, "stiffness", squared * spring.at_zero, unit, NO_SPRING)
+
+    def _set(self, home: XmlElement, tag: str, wanted: tuple[Written, ...]) -> None:
+        """Set values of an element `tag` inside another one; the key is the last word of the place."""
+        element = home.find(tag)
+        missing: dict[str, str] = {}
+        for each in wanted:
+            key = each.place.split()[-1]
+            own = None if element is None else (element if self.kind == "urdf" else element.find(key))
+            text = "" if own is None else (own.attributes.get(key, "") if self.kind == "urdf" else own.content)
+            before = self._float(text, each.place) if text.strip() else None
+            if same(each.value, before or 0.0):
+                self.written += [each] if self.new else []
+                continue
+            if own is not None:
+                self._write(own, key, each.value)
+            elif element is not None:
+                element.add_text(key, number(each.value))
+            else:
+                missing[key] = number(each.value)
+            self.written.append(each if self.new else replace(each, before=before))
+        if missing and self.kind == "urdf":
+            home.add(tag, missing)
+        elif missing:
+            home.add(tag, {}, missing)
+
+    def _float(self, text: str, place: str) -> float:
+        try:
+            return float(text)
+        except ValueError:
+            raise InputError(
+                f"{self.source}: {place} is '{text.strip()}', but must be a number; correct the file", "base"
+            ) from None
+
+    def _write(self, element: XmlElement, key: str, value: float) -> None:
+        if self.kind == "urdf":
+            element.set(key, number(value))
+        else:
+            element.set_text(number(value))
+
+    def _lost(self, location: str, name: str, value: float, unit: str, reason: str) -> None:
+        if np.abs(value) > 0:
+            size = f"{value:.6g} {unit}"
+            self.not_held.append(NotHeld(location, name, size, reason.format(kind=self.kind.upper())))

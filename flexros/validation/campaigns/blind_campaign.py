@@ -1,0 +1,120 @@
+"""Campaigns over the cases of a blind check: what the check of single effects and that of crowds share."""
+
+from __future__ import annotations
+
+import json
+from abc import abstractmethod
+from dataclasses import asdict, dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
+
+from flexros.validation.campaigns.base import AbstractCampaign, CampaignResult
+from flexros.validation.campaigns.parts import claim_folder, finished_parts, versions_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from flexros.validation.blind.score.answer import Answer
+    from flexros.validation.campaigns.base import CampaignRequest
+    from flexros.validation.campaigns.blind.settings import BlindSettings
+    from flexros.validation.campaigns.crowds.settings import CrowdSettings
+
+S = TypeVar("S", "BlindSettings", "CrowdSettings")
+
+
+@dataclass(frozen=True, eq=False)
+class ScoredCases:
+    """Cases of a blind check, diagnosed and scored.
+
+    Attributes:
+        answers: The cases as scored.
+        failures: What stopped a diagnosis, by name of the case.
+        planned: Number of cases of the whole plan.
+        used: Versions of packages and code.
+    """
+
+    answers: Sequence[Answer]
+    failures: Mapping[str, str]
+    planned: int
+    used: Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Written:
+    """What a campaign says of its cases.
+
+    Attributes:
+        page: The page of results.
+        summary: The result in sentences, one per line of the terminal.
+        pictures: Pictures of the page, SVG by name.
+    """
+
+    page: str
+    summary: tuple[str, ...]
+    pictures: Mapping[str, str] = field(default_factory=dict)
+
+
+class AbstractBlindCampaign(AbstractCampaign, Generic[S]):
+    """The cases of a plan, or the first part of them, each made, diagnosed without its truth, and scored.
+
+    `--repetitions N` works on the first N cases of the plan, which are a fair sample of it; a larger N goes on.
+
+    Args:
+        settings: Seed, plan and lengths.
+    """
+
+    cases: ClassVar[str]
+    """What the cases are called while they are worked on."""
+
+    def __init__(self, settings: S) -> None:
+        self.settings: S = settings
+
+    def run(self, request: CampaignRequest) -> CampaignResult:
+        """Run the campaign, or what is left of it; see `AbstractCampaign.run`."""
+        from flexros.validation.blind.make_case import MakeSettings
+        from flexros.validation.blind.plan import plan_cases
+        from flexros.validation.campaigns.blind.case_part import answer_of, case_part
+
+        settings = self.settings
+        claim_folder(request.work, asdict(settings))
+        plan = plan_cases(settings.plan, settings.seed, settings.stream)
+        chosen = plan[: request.repetitions or len(plan)]
+        made = MakeSettings(settings.seed, settings.stream, settings.durations)
+        parts = finished_parts(
+            request.work,
+            request.client,
+            {case.name: (made, case) for case in chosen},
+            case_part,
+            lambda done: request.progress(self.cases, done, len(chosen)),
+        )
+        answers = [answer_of(name, part) for name, part in parts.items()]
+        failures = {name: part["failure"] for name, part in parts.items() if part["failure"]}
+        return self.result(ScoredCases(answers, failures, len(plan), versions_of(parts.values())))
+
+    def result(self, found: ScoredCases) -> CampaignResult:
+        """Return page, pictures, figures and summary of the cases."""
+        from flexros.json_text import json_text
+
+        figures: dict[str, Any] = {
+            "settings": json.loads(json.dumps(asdict(self.settings))),
+            "planned": found.planned,
+            "scores": self.scores(found.answers),
+            "cases": [self.row(one) for one in found.answers],
+            "failures": found.failures,
+            "versions": found.used,
+        }
+        written = self.written(found)
+        files = {f"{self.name}.md": written.page, f"data/{self.name}.json": json_text(figures)}
+        files |= {f"figures/{self.name}_{name}.svg": text for name, text in written.pictures.items()}
+        return CampaignResult(files, figures, written.summary)
+
+    @abstractmethod
+    def scores(self, answers: Sequence[Answer]) -> dict[str, Any]:
+        """Count hits and misses, for JSON."""
+
+    @abstractmethod
+    def row(self, one: Answer) -> dict[str, Any]:
+        """Put truth and answer of a case into a row for JSON."""
+
+    @abstractmethod
+    def written(self, found: ScoredCases) -> Written:
+        """Write page, summary and pictures."""

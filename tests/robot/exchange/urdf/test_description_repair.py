@@ -1,0 +1,119 @@
+"""URDF and SDF with the numbers of a robot."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from flexros.effects.patching.export import Format, export_model
+from flexros.effects.patching.patched_robot import PatchedRobot, load_patched
+from flexros.errors import InputError
+from flexros.robot.exchange.numbers import Export
+from flexros.robot.exchange.urdf.robot_import import skeleton_from_urdf
+
+PATCH = """robot: elbow
+effects:
+  - {effect: coulomb_friction, location: motor_1, parameters: {level: 12}}
+  - {effect: viscous_friction, location: motor_2, parameters: {coefficient: 5}}
+  - {effect: payload_error, location: tool, parameters: {relative: 0.1}}
+  - {effect: delay, location: all, parameters: {time: 0.003}}
+  - {effect: backlash, location: motor_1, parameters: {gap: 0.001}}
+"""
+
+
+@pytest.fixture
+def patched(tmp_path: Path) -> PatchedRobot:
+    file = tmp_path / "patch.yaml"
+    file.write_text(PATCH)
+    return load_patched(file)
+
+
+def base_file(tmp_path: Path, to: Format, text: str = "") -> Path:
+    base = tmp_path / f"base.{to}"
+    base.write_text(text or export_model(load_patched("elbow"), to).text)
+    return base
+
+
+def value(exported: Export, to: Format, joint: str, key: str) -> float:
+    root = ElementTree.fromstring(exported.text)
+    element = next(each for each in root.iter("joint") if each.get("name") == joint)
+    if to == "urdf":
+        return float(element.find("dynamics").get(key))  # type: ignore[union-attr,arg-type]
+    return float(element.findtext(f"axis/dynamics/{key}"))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("to", ["urdf", "sdf"])
+@pytest.mark.parametrize("with_base", [True, False])
+def test_friction_and_payload(to: Format, with_base: bool, patched: PatchedRobot, tmp_path: Path) -> None:
+    exported = export_model(patched, to, base_file(tmp_path, to) if with_base else None)
+    assert value(exported, to, "motor_1", "friction") == 12
+    assert value(exported, to, "motor_2", "damping") == 35
+    text = exported.text.replace("49.50000000000001", "49.5")
+    assert ('<mass value="49.5"' if to == "urdf" else "<mass>49.5</mass>") in text
+
+
+@pytest.mark.parametrize("to", ["urdf", "sdf"])
+def test_rest_of_the_base_stays_and_the_difference_is_listed(to: Format, patched: PatchedRobot, tmp_path: Path) -> None:
+    base = base_file(tmp_path, to)
+    base.write_text(base.read_text().replace("?>\n", "?>\n<!-- mine -->\n"))
+    exported = export_model(patched, to, base)
+    before, after = base.read_text().splitlines(), exported.text.splitlines()
+    assert len(before) == len(after)
+    assert sum(a != b for a, b in zip(before, after)) <= 6
+    rows = {(row.location, row.quantity): (row.before, row.value) for row in exported.written}
+    assert rows["motor_2", "viscous friction"] == (30, 35)
+    assert rows["motor_1", "dry friction"][1] == 12
+    assert rows["body_2", "mass"] == (45, pytest.approx(49.5))
+
+
+@pytest.mark.parametrize("to", ["urdf", "sdf"])
+def test_what_has_no_place_is_listed(to: Format, patched: PatchedRobot) -> None:
+    rows = {(row.location, row.name): row.size for row in export_model(patched, to).not_held}
+    assert rows["motor_1", "rotor inertia"] == "60 kg m2"
+    assert rows["motor_1", "stiffness of the gear"] == "200000 Nm/rad"
+    assert rows["motor_2", "delay"] == "0.003 s"
+    assert rows["motor_1", "backlash"] == "gap 0.001 rad"
+
+
+def test_missing_dynamics_are_added(patched: PatchedRobot, tmp_path: Path) -> None:
+    for to in ("urdf", "sdf"):
+        text = export_model(load_patched("elbow"), to).text
+        lines = [line for line in text.splitlines() if "dynamics" not in line and "damping" not in line]
+        exported = export_model(patched, to, base_file(tmp_path, to, "\n".join(lines)))
+        assert value(exported, to, "motor_1", "damping") == 60
+
+
+def test_wrong_format_is_refused(patched: PatchedRobot, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="<robot>"):
+        export_model(patched, "sdf", base_file(tmp_path, "urdf"))
+
+
+def test_motor_side_values_need_a_format_with_a_gear() -> None:
+    with pytest.raises(InputError, match="motor side") as caught:
+        export_model(load_patched("four_mass"), "urdf")
+    assert caught.value.argument == "to"
+
+
+def test_an_imported_urdf_finds_its_joints_again(tmp_path: Path) -> None:
+    base, robot = tmp_path / "base.urdf", tmp_path / "robot.yaml"
+    text = (
+        export_model(load_patched("elbow"), "urdf")
+        .text.replace('"motor_1"', '"shoulder"')
+        .replace('"motor_2"', '"fore"')
+    )
+    base.write_text(text)
+    robot.write_text(skeleton_from_urdf(base))
+    patch = tmp_path / "patch.yaml"
+    patch.write_text(
+        "robot: robot.yaml\neffects:\n  - {effect: coulomb_friction, location: motor_2, parameters: {level: 7}}\n"
+    )
+    exported = export_model(load_patched(patch), "urdf", base)
+    assert [(row.place, row.value) for row in exported.written] == [("joint fore dynamics friction", 7)]
+
+
+def test_a_number_that_is_none_is_named(patched: PatchedRobot, tmp_path: Path) -> None:
+    text = export_model(load_patched("elbow"), "urdf").text.replace('damping="60"', 'damping="much"')
+    with pytest.raises(InputError, match="joint motor_1 dynamics damping is 'much'"):
+        export_model(patched, "urdf", base_file(tmp_path, "urdf", text))

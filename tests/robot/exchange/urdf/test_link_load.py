@@ -1,0 +1,52 @@
+"""A load written into a link of a URDF, against MuJoCo's model of both."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flexros.effects.patching.export import export_model
+from flexros.effects.patching.patched_robot import load_patched
+from flexros.record.balance.inverse_dynamics import rigid_arm
+from flexros.robot.exchange.urdf.robot_import import skeleton_from_urdf
+
+URDF = Path(__file__).parents[4] / "docs" / "examples" / "ur5e.urdf"
+PATCH = """
+robot: ur5e.yaml
+effects:
+  - effect: tool_load
+    location: tool
+    parameters: {mass: {value: 1.5}, x: {value: 0.01}, y: {value: 0.07}, z: {value: 0.02}}
+"""
+
+
+def test_weight_and_inertia_are_those_of_the_patch(tmp_path: Path) -> None:
+    mujoco = pytest.importorskip("mujoco")
+    (tmp_path / "ur5e.yaml").write_text(skeleton_from_urdf(URDF))
+    (tmp_path / "patch.yaml").write_text(PATCH)
+    patched = load_patched(str(tmp_path / "patch.yaml"))
+    exported = export_model(patched, "urdf", URDF)
+    assert [each.quantity for each in exported.written] == ["load of 1.5 kg at 0.01, 0.07, 0.02 m: mass"]
+    (tmp_path / "loaded.urdf").write_text(exported.text)
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "loaded.urdf"))
+    data = mujoco.MjData(model)
+    sign = np.array([1, 1, 1, 1, -1, 1])  # wrist_2 counts the other way
+    data.qpos[:] = [0.3, -1.4, 1.5, -0.9, 1.2, 0.4]
+    data.qvel[:] = [0.2, -0.3, 0.5, 0.7, -0.4, 0.6]
+    data.qacc[:] = [1.0, -2.0, 0.5, 3.0, 2.0, -4.0]
+    motion = sign * np.array([data.qpos, data.qvel, data.qacc])
+    mujoco.mj_inverse(model, data)
+    torque = rigid_arm(patched.model.robot).inverse_dynamics(motion[:, None]).torque[0]
+    np.testing.assert_allclose(sign * torque, data.qfrc_inverse, rtol=1e-5, atol=1e-5)
+
+
+def test_mjcf_of_the_user_says_what_it_lacks(tmp_path: Path) -> None:
+    pytest.importorskip("mujoco")
+    (tmp_path / "ur5e.yaml").write_text(skeleton_from_urdf(URDF))
+    (tmp_path / "patch.yaml").write_text(PATCH)
+    base = tmp_path / "base.xml"
+    base.write_text(export_model(load_patched(str(tmp_path / "ur5e.yaml")), "mjcf").text)
+    exported = export_model(load_patched(str(tmp_path / "patch.yaml")), "mjcf", base)
+    assert [each.name for each in exported.not_held] == ["load"]
