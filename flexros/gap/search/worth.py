@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.candidates.candidate import simpler
+from flexros.gap.fit.constancy import constancies
 from flexros.gap.search.model_probability import ModelComparison, compare
 
 if TYPE_CHECKING:
@@ -74,7 +75,26 @@ def worth(
     relieved = after.prior_penalty < (1 - removed) * before.prior_penalty
     if comparison.beyond_tolerance(before) and relieved and not search.data.record.imported:
         return True
-    return comparison.removed(before, after) >= removed or _at_one_motor(search, comparison, before, after)
+    return (
+        comparison.removed(before, after) >= removed
+        or _at_one_motor(search, comparison, before, after)
+        or _constant(search, comparison, before, after)
+    )
+
+
+def _constant(search: Search, comparison: ModelComparison, before: CandidateFit, after: CandidateFit) -> bool:
+    """Return whether further effects of constant size remove a part of what a cause outside the library may leave.
+
+    Where an explanation suffices, what its effects leave is an error of form, which candidates imitate constantly too.
+    Both must be fits: an estimate by linear theory has no sizes.
+    """
+    further = after.names - before.names
+    if search.data.record.imported or not further or comparison.adequate(after):
+        return False
+    if comparison.removed(before, after) < search.settings.search.removed_if_constant:
+        return False
+    found = constancies(after, search.data)
+    return all(found[name] >= search.settings.ranking.constant for name in further)
 
 
 def _at_one_motor(search: Search, comparison: ModelComparison, before: CandidateFit, after: CandidateFit) -> bool:

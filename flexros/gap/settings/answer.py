@@ -95,6 +95,12 @@ class RankingSettings(Settings):
         description="share of the gap in the held-out log from which effects that leave a rest are a part of the truth "
         "[1]",
     )
+    constant: float = Field(
+        default=10.0,
+        gt=0,
+        description="size of an effect over its deviation between the parts of a log, from which it is constant [1]: "
+        "imitations of causes outside the library reached 9 (14 development cases)",
+    )
     inadequate: float = Field(
         default=7.0,
         ge=0,

@@ -184,6 +184,13 @@ class SearchSettings(Settings):
         description="share of the remaining gap at one of several motors that is enough where that is little of the "
         "whole [1] (chosen)",
     )
+    removed_if_constant: float = Field(
+        default=0.1,
+        gt=0,
+        lt=1,
+        description="the same for an effect whose size is constant over a simulated log, where no explanation "
+        "suffices: beside something that no effect explains, a known one removes little of the whole [1] (chosen)",
+    )
     little: float = Field(
         default=0.2, ge=0, description="excess of the level of the prediction errors over the floor that is little [1]"
     )

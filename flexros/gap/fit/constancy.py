@@ -1,0 +1,115 @@
+"""Whether the size of an effect is the same throughout a log: an imitation of something else has another one each time.
+
+Each part of the log has its own best sizes of all effects, by linear theory. A true effect beside something that no
+effect explains has about the same size in every part; an effect that only imitates what is missing follows it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from flexros.gap.fit.least_squares import linearise
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray, IntArray
+    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.residuals.fit_data import FitData
+
+PARTS = 8
+"""Parts of equal length into which a log is divided (chosen)."""
+INFORMED = 0.1
+"""Information of a part on a size, over the mean of all parts, from which its estimate counts [1] (chosen)."""
+FEWEST = 4
+"""Fewest parts with information from which anything can be said (chosen)."""
+DEVIATION = 1.4826
+"""Standard deviation of a normal distribution over its median absolute deviation [1]."""
+RIDGE = 1e-6
+"""Share of its information that is added to every parameter, for those that a part does not determine [1]."""
+
+_KNOWN: WeakKeyDictionary[FitData, WeakKeyDictionary[CandidateFit, dict[str, float]]] = WeakKeyDictionary()
+
+
+def constancies(fit: CandidateFit, data: FitData) -> dict[str, float]:
+    """Compute how constant the size of each effect of a fit is over its log; computed once for a fit and a log.
+
+    Args:
+        fit: The fit, near its minimum.
+        data: The log.
+
+    Returns:
+        As `constancy` has it, by effect@location; zero where too few parts of the log inform on a size.
+    """
+    of_data = _KNOWN.setdefault(data, WeakKeyDictionary())
+    if fit not in of_data:
+        of_data[fit] = _constancies(fit, data)
+    return of_data[fit]
+
+
+def _constancies(fit: CandidateFit, data: FitData) -> dict[str, float]:
+    line = linearise(fit.predictor, data, fit.theta)
+    n, M = data.spread.shape
+    rows = slice(0, M * n)  # those of the motors: other sensors have instants of their own
+    part = np.tile(np.arange(n) * PARTS // n, M)
+    prior = np.diag(line.information - line.slopes.T @ line.slopes)
+    estimates, informations = estimates_of_parts(line.slopes[rows], line.residual[rows], part, prior, prior * fit.theta)
+    found, column = {}, 0
+    for candidate in fit.hypothesis:
+        names = [free.name for free in candidate.free]
+        size = names.index(candidate.effect.size) if candidate.effect.size in names else 0
+        free = candidate.free[size]
+        # positive sizes are fitted by their logarithm, whose change is the relative change of the size
+        whole = float(fit.theta[column + size]) if free.signed else 1.0
+        found[candidate.name] = constancy(whole + estimates[:, column + size], informations[:, column + size])
+        column += len(names)
+    return found
+
+
+def estimates_of_parts(
+    slopes: FloatArray, residual: FloatArray, part: IntArray, prior: FloatArray, pulled: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Estimate the parameters of a linearised fit from each part of its residuals.
+
+    With the part k of residuals r and slopes J, and a K-th of the prior P around zero,
+
+        d_k = -(J_k'J_k + P/K)^-1 (J_k'r_k + P theta/K)
+
+    Args:
+        slopes: Derivatives J of the residuals to the parameters, shape (n, p).
+        residual: The residuals r, shape (n,).
+        part: Part of each residual, 0 to K - 1, shape (n,).
+        prior: Information P of the prior on each parameter, shape (p,).
+        pulled: P theta, shape (p,).
+
+    Returns:
+        Differences from the parameters of the whole, and the information of each part on every parameter with the
+        others free, each of shape (K, p).
+    """
+    K = int(part.max()) + 1
+    free = prior + RIDGE * np.einsum("ij,ij->j", slopes, slopes) + 1e-300
+    estimates, informations = np.empty((2, K, slopes.shape[1]))
+    for k in range(K):
+        J = slopes[part == k]
+        covariance = np.linalg.pinv(J.T @ J + np.diag(free) / K, hermitian=True)
+        estimates[k] = -covariance @ (J.T @ residual[part == k] + pulled / K)
+        informations[k] = 1.0 / np.maximum(np.diag(covariance), 1e-300)
+    return estimates, informations
+
+
+def constancy(sizes: FloatArray, informations: FloatArray) -> float:
+    """Return the median of some estimates over its standard deviation, both robust [1]; zero for too few estimates.
+
+    A single part in which something else happens, such as an impact, moves neither.
+
+    Args:
+        sizes: Estimates of a size, shape (K,).
+        informations: How much each part informs on it, shape (K,).
+    """
+    counted = sizes[informations > INFORMED * informations.mean()]
+    if len(counted) < FEWEST or not np.all(np.isfinite(counted)):
+        return 0.0
+    middle = float(np.median(counted))
+    deviation = DEVIATION * float(np.median(np.abs(counted - middle)))
+    return float(np.sqrt(len(counted)) * abs(middle) / max(deviation, 1e-9 * abs(middle) + 1e-300))
