@@ -22,13 +22,14 @@ from flexros.gap.answer.decision import (
 from flexros.gap.answer.drifts import drift_warnings
 from flexros.gap.answer.limits import identifiability_limits
 from flexros.gap.candidates.candidate import name_of
-from flexros.gap.fit.estimates import covariance_of, parameters_of, placed_effects
+from flexros.gap.fit.estimates import covariance_of, determined, parameters_of, placed_effects
 from flexros.gap.held_out.prediction_gap import (
     closed_fraction,
     errors_ahead,
     gap_numbers,
     over_expected_floor,
     signal_gaps,
+    tolerance_floor,
 )
 from flexros.gap.held_out.predictions import prediction_of, signature_evidence
 from flexros.gap.next_experiment.choose import next_experiment
@@ -66,6 +67,7 @@ class HeldOutErrors:
         rival: Of the best other explanation; None where there is none.
         alone: Of single candidates, by effect@location.
         null: Of the nominal model, over the floor of the log.
+        with_tolerance: The gap of torques that are off by their tolerance [1]; None where they are exact.
     """
 
     before: AheadErrors
@@ -73,6 +75,7 @@ class HeldOutErrors:
     rival: AheadErrors | None
     alone: Mapping[str, AheadErrors]
     null: AheadErrors
+    with_tolerance: float | None = None
 
 
 def result_of(
@@ -95,12 +98,12 @@ def result_of(
     """
     explanations, model = findings.explanations, findings.model
     chosen, rival, errors = explanations.chosen, best_rival(explanations), _held_out_errors(findings)
-    verdict = verdict_of(findings, (errors.after or errors.before).mean)
+    verdict = verdict_of(findings, (errors.after or errors.before).mean, errors.with_tolerance)
     patch = () if _worse(errors) else repair_of(findings)
     names, covariance = covariance_of(chosen, findings.data, findings.settings)
     tolerated = chosen.predictor.tolerance
     before = _explanation(explanations.null, findings, null_prediction)
-    after = _explanation(chosen, findings) if patch else None
+    after = _explanation(findings.repaired, findings) if patch else None
     probabilities = dict(zip(explanations.rivals, explanations.probabilities))
     return DiagnosisResult(
         diagnosis=_diagnosis(findings, verdict, errors, excess, settings, stages, deadline),
@@ -147,14 +150,15 @@ def _held_out_errors(findings: Findings) -> HeldOutErrors:
     )
     singles = {next(iter(fit.names)): fit for fit in reversed(explanations.rivals) if len(fit.hypothesis) == 1}
     alone = {name: singles[name] for fit in compared for name in fit.names if name in singles}
-    fits = [null, *([explanations.chosen] if repaired else []), *([] if rival is None else [rival]), *alone.values()]
+    fits = [null, *([findings.repaired] if repaired else []), *([] if rival is None else [rival]), *alone.values()]
     errors = {fit: errors_ahead(fit, held) for fit in dict.fromkeys(fits)}
     return HeldOutErrors(
         before=over_expected_floor(errors[null], findings.model, held),
-        after=errors[explanations.chosen] if repaired else None,
+        after=errors[findings.repaired] if repaired else None,
         rival=None if rival is None else errors[rival],
         alone={name: errors[fit] for name, fit in alone.items()},
         null=errors[null],
+        with_tolerance=tolerance_floor(findings.repaired, held),
     )
 
 
@@ -174,7 +178,7 @@ def _diagnosis(
 ) -> Diagnosis:
     """Put together what is written into diagnosis.json."""
     sample_time = findings.held.record.sample_time
-    gap = gap_numbers(errors.before, errors.after, sample_time, errors.rival)
+    gap = gap_numbers(errors.before, errors.after, sample_time, errors.rival, errors.with_tolerance)
     whole = verdict != "no_gap"
     budget = budget_of(findings, errors.before, errors.after or errors.before) if whole else without_gap(findings)
     warnings = (*_record_warnings(findings), *_sensor_warnings(findings), *_answer_warnings(findings, gap))
@@ -231,6 +235,7 @@ def _causes(findings: Findings, verdict: Verdict, errors: HeldOutErrors, budget:
                     location=candidate.location,
                     probability=probability_of(name, findings, verdict),
                     parameters=parameters,
+                    determined=determined(candidate, parameters),
                     closed_fraction=_closed(errors.alone[name], findings, errors)
                     if name in errors.alone
                     else added_first.get(name),
@@ -354,4 +359,8 @@ def _answer_warnings(findings: Findings, gap: GapNumbers) -> list[str]:
             f"on held-out data the explanation closes only {100 * gap.closed_fraction:.0f} % of the gap: it may not "
             "hold beyond the fitted log"
         )
+    warnings += [
+        f"the size of {name} ended at the limit of its search, which is no finding: it is not in the patch"
+        for name in sorted(findings.beyond_search)
+    ]
     return [*warnings, *drift_warnings(findings)]

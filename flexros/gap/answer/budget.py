@@ -18,7 +18,7 @@ from flexros.gap.answer.unexplained import unexplained
 from flexros.gap.answer.waterfall import waterfalls
 from flexros.gap.candidates.candidate import names_of
 from flexros.gap.fit.estimates import fit_covariance, parameters_of
-from flexros.gap.held_out.prediction_gap import closed_fraction
+from flexros.gap.held_out.prediction_gap import closed_fraction, share_between
 from flexros.gap.schema import BudgetShare, ModelNumber
 
 if TYPE_CHECKING:
@@ -84,9 +84,11 @@ def budget_of(findings: Findings, before: AheadErrors, after: AheadErrors) -> Bu
     rest = unexplained(findings, before, after)
     if gap <= 0 or not chosen.hypothesis:
         return Budget(unexplained=rest, model_numbers=tuple(_estimated(findings)))
-    repairs, rows = PartialRepairs(findings, before, after), _members(chosen.hypothesis, findings.model.robot)
+    repairs = PartialRepairs(findings, before, after)
+    found = tuple(one for one in chosen.hypothesis if one.name in repairs.names)
+    rows = _members(found, findings.model.robot)
     own = [names_of(members) for _, members in rows]
-    repairs.prepare([*own, *(chosen.names - names for names in own)])
+    repairs.prepare([*own, *(repairs.names - names for names in own)])
     shares = [_share(repairs, *row) for row in rows]
     shares.sort(key=lambda share: -(share.share_last or 0.0))
     return Budget(tuple(shares), waterfalls(repairs), rest, _model_numbers(findings))
@@ -95,9 +97,11 @@ def budget_of(findings: Findings, before: AheadErrors, after: AheadErrors) -> Bu
 def _share(repairs: PartialRepairs, name: tuple[str, str, str | None], members: tuple[Candidate, ...]) -> BudgetShare:
     """Compute the share of an effect, or of the effects of a class at a joint."""
     joint, cause_class, effect = name
-    own, every = names_of(members), repairs.findings.explanations.chosen.names
+    own, every = names_of(members), repairs.names
+    sample_time = repairs.findings.held.record.sample_time
     last = repairs.closed_by(every) - repairs.closed_by(every - own)
-    closed = closed_fraction(repairs.before, repairs.errors(own), repairs.findings.held.record.sample_time)
+    closed = closed_fraction(repairs.before, repairs.errors(own), sample_time)
+    opened = share_between(repairs.before, repairs.errors(every - own), repairs.errors(every), sample_time)
     return BudgetShare.model_validate(
         {
             "joint": joint,
@@ -107,6 +111,7 @@ def _share(repairs: PartialRepairs, name: tuple[str, str, str | None], members: 
             "share_first": None if closed is None else closed.value,
             "share_last": last,
             "interval": None if closed is None else closed.interval,
+            "interval_last": None if opened is None else opened.interval,
         }
     )
 
@@ -141,9 +146,9 @@ def _model_numbers(findings: Findings) -> tuple[ModelNumber, ...]:
     chosen, robot = findings.explanations.chosen, findings.model.robot
     numbers = []
     for candidate, parameters in zip(chosen.hypothesis, parameters_of(chosen, findings.data, findings.settings)):
-        placed = candidate.placed({name: parameter.value for name, parameter in parameters.items()})
-        if class_of(candidate.effect) != MODEL_NUMBERS:
+        if class_of(candidate.effect) != MODEL_NUMBERS or candidate.name in findings.beyond_search:
             continue
+        placed = candidate.placed({name: parameter.value for name, parameter in parameters.items()})
         assert isinstance(placed.effect, AbstractChangedValues)
         (parameter,) = parameters.values()  # the values are linear in it
         for name, value in placed.effect.values(robot, candidate.location).items():
@@ -157,6 +162,7 @@ def _model_numbers(findings: Findings) -> tuple[ModelNumber, ...]:
                         value=value,
                         std=abs(value - nominal) / abs(parameter.value) * parameter.std,
                         unit=robot.parameters[name].unit,
+                        determined=parameter.determined,
                     )
                 )
     return (*_estimated(findings), *numbers)
@@ -188,6 +194,7 @@ def _estimated(findings: Findings) -> list[ModelNumber]:
                 value=effect.added,
                 std=float(relative[name]) * effect.added,
                 unit=robot.parameters[name].unit,
+                determined=bool(relative[name] <= 1.0),
             )
         )
     return numbers
@@ -202,6 +209,14 @@ def _of_load(load: ToolLoad, robot: Robot, relative: Mapping[str, float]) -> lis
     farther = float(np.max(np.abs(center) * of_center)) * mass / max(load.mass, 1e-300)
     values = ("mass", load.mass, deviation, "kg"), *((axis, getattr(load, axis), farther, "m") for axis in "xyz")
     return [
-        ModelNumber(location="tool", name=f"tool_load.{name}", nominal=0.0, value=value, std=std, unit=unit)
+        ModelNumber(
+            location="tool",
+            name=f"tool_load.{name}",
+            nominal=0.0,
+            value=value,
+            std=std,
+            unit=unit,
+            determined=deviation <= load.mass,  # a place is known as well at zero, where there is a load
+        )
         for name, value, std, unit in values
     ]

@@ -40,6 +40,11 @@ class PartialRepairs:
     after: AheadErrors
     known: dict[frozenset[str], AheadErrors] = field(default_factory=dict)
 
+    @property
+    def names(self) -> frozenset[str]:
+        """The effects that the gap is divided among, effect@location."""
+        return self.findings.explanations.chosen.names - self.findings.beyond_search
+
     def prepare(self, parts: Iterable[Collection[str]]) -> None:
         """Compute the errors with several parts of the effects, names effect@location, at the same time."""
         new = [part for part in dict.fromkeys(map(frozenset, parts)) if part not in self.known]

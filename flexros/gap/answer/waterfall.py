@@ -43,7 +43,7 @@ def waterfalls(repairs: PartialRepairs) -> tuple[Waterfall, ...]:
 
 def _steps(repairs: PartialRepairs) -> dict[str, FloatArray]:
     """Return what each effect closes at each joint [1], by effect@location, in their order."""
-    names = repairs.findings.explanations.chosen.names
+    names = repairs.names
     repairs.prepare([*({name} for name in names), *(names - {name} for name in names)])
     both = {name: repairs.closed_by({name}) - repairs.closed_by(names - {name}) for name in sorted(names)}
     order = sorted(both, key=lambda name: -both[name])

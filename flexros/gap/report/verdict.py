@@ -58,12 +58,14 @@ def reported_causes(diagnosis: Diagnosis) -> tuple[Cause, ...]:
     """List the causes that a verdict names, what closes most first.
 
     They are the effects that the budget is divided among, of which the closed share is; without a budget all that are
-    more probable than not, otherwise the most probable one.
+    more probable than not, otherwise the most probable one. Those of which the log determines no size are left out
+    where there are others.
     """
     divided = {(share.effect, share.location) for share in diagnosis.budget}
     divided |= {(step.effect, step.location) for waterfall in diagnosis.waterfall for step in waterfall.steps}
     repaired = tuple(cause for cause in diagnosis.causes if (cause.effect, cause.location) in divided)
     likely = repaired or tuple(cause for cause in diagnosis.causes if cause.probability >= _PART)
+    likely = tuple(cause for cause in likely if cause.determined) or likely
     return tuple(sorted(likely, key=lambda cause: -closed_by(diagnosis, cause))) or diagnosis.causes[:1]
 
 
@@ -144,12 +146,11 @@ def _unknown(diagnosis: Diagnosis) -> str:
     text = f"There is a gap that {tried} explains"
     if diagnosis.causes and diagnosis.gap.closed_fraction is not None:
         left = max(1 - diagnosis.gap.closed_fraction, 0.0)
+        first = next((cause for cause in diagnosis.causes if cause.determined), diagnosis.causes[0])
         others = len({(one.effect, one.location) for one in diagnosis.budget if one.effect is not None}) - 1
         beside = f" and {others} other effect{'s' if others > 1 else ''}" if others > 0 else ""
         best = "the best one" if others <= 0 else "the best explanation"
-        text += (
-            f": {best}, {cause_words(diagnosis.causes[0])}{beside}, leaves {share_words(left)} of it on held-out data"
-        )
+        text += f": {best}, {cause_words(first)}{beside}, leaves {share_words(left)} of it on held-out data"
     return f"{text}. {_where(diagnosis)}".strip()
 
 
@@ -168,6 +169,8 @@ def _closed(gap: GapNumbers) -> str:
     sizes = (
         f"{_size(gap, gap.before)} before, {number(gap.after, 3)} after, {number(gap.noise_floor, 3)} without any gap"
     )
+    if gap.tolerance_floor is not None:
+        sizes += f", {number(gap.tolerance_floor, 3)} with torques off by their tolerance"
     if gap.closed_fraction is None or not shows(gap):
         return f"It is too small to show in predictions of held-out data: {sizes}."
     if gap.closed_fraction <= 0:

@@ -195,6 +195,8 @@ def test_an_explanation_that_leaves_more_than_two_floors_is_one_in_part() -> Non
 def test_on_a_real_machine_the_floor_contains_the_tolerance() -> None:
     found = findings(fitted(1.0, COULOMB), [], [1.0], TRUTH)
     real = replace(found, data=replace(found.data, record=replace(found.data.record, imported=True)))
-    assert verdict_of(real, left=50.0) == "explained"
+    assert verdict_of(real, left=50.0) == "partly_explained"
+    assert verdict_of(real, left=50.0, with_tolerance=26.0) == "explained"
+    assert verdict_of(real, left=50.0, with_tolerance=24.0) == "partly_explained"
     far = replace(real, held_chosen=replace(real.held_chosen, chi2=2.1 * found.held.n_values))
     assert verdict_of(far, left=1.0) == "partly_explained"
