@@ -163,6 +163,7 @@ def _section(case: Case, content: Found) -> Iterator[str]:
         yield f"| {known.kind} | {known.joint} | {stated} {known.unit} | {found} | {'yes' if near else 'no'} |\n"
     yield from _causes(diagnosis)
     yield from _numbers(diagnosis)
+    yield from _tolerances(diagnosis)
     yield from _logs(case, content)
     yield from _others(case, content)
     yield from _rest(diagnosis)
@@ -229,9 +230,26 @@ def _numbers(diagnosis: Found) -> Iterator[str]:
     rows = diagnosis.get("model_numbers", ())
     if rows:
         listed = (
-            f"{row['name']} {row['nominal']:.4g} -> {_with_std(row['value'], row['std'], row['unit'])}" for row in rows
+            f"{row['name']} {row['nominal']:.4g} -> "
+            + (_with_std(row["value"], row["std"], row["unit"]) if row.get("determined", True) else "not determined")
+            for row in rows
         )
         yield f"\nNumbers of the model that are wrong: {'; '.join(listed)}.\n"
+
+
+def _tolerances(diagnosis: Found) -> Iterator[str]:
+    """Say which names hang on the stated tolerances; nothing where that was not kept, or nothing was guessed."""
+    rows = diagnosis.get("tolerance_sensitivity", ())
+    changing = [
+        f"`{row['effect']}@{row['location']}` "
+        f"({', '.join(f'{name} {100 * row[name]:.0f} %' for name in ('halved', 'stated', 'doubled'))})"
+        for row in rows
+        if row["changes"]
+    ]
+    if changing:
+        yield f"\nHang on the tolerances of the model, with their probabilities: {'; '.join(changing)}.\n"
+    elif rows:
+        yield "\nNo name changes with halved or doubled tolerances of the model.\n"
 
 
 def _logs(case: Case, content: Found) -> Iterator[str]:

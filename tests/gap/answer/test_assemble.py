@@ -131,6 +131,32 @@ def test_of_equally_sure_causes_the_one_that_is_missed_most_is_first() -> None:
     assert [one.effect for one in causes] == ["coulomb_friction", "stiffness_error"]
 
 
+def test_an_effect_at_the_limit_of_its_search_is_flagged_and_otherwise_left_out() -> None:
+    pair = fitted(1.0, COULOMB, STIFFNESS)
+    limited = replace(pair, theta=np.array([pair.theta[0], 1.0]))
+    result = answered(limited, fitted(1.5, COULOMB), probabilities=(1.0, 0.0))
+    diagnosis = result.diagnosis
+    flags = {one.effect: [size.at_limit for size in one.parameters.values()] for one in diagnosis.causes}
+    assert flags == {"coulomb_friction": [False], "stiffness_error": [True]}
+    assert [one.effect for one in diagnosis.budget] == ["coulomb_friction"]
+    assert {step.effect for one in diagnosis.waterfall for step in one.steps} == {"coulomb_friction"}
+    assert diagnosis.model_numbers == ()
+    assert [placed.effect.name for placed in result.patch] == ["coulomb_friction"]
+    assert diagnosis.gap.after == pytest.approx(1.0, abs=0.4)  # without the effect, as the patch is
+    assert any(STIFFNESS in text for text in diagnosis.warnings)
+
+
+def test_a_size_that_the_log_does_not_determine_is_flagged() -> None:
+    pair = fitted(1.0, COULOMB, STIFFNESS)
+    data = data_of(TRUTH)
+    small = replace(pair, theta=np.array([pair.theta[0], encoded(candidates_of()[STIFFNESS], relative=1e-7)[0]]))
+    diagnosis = answered(small, fitted(1.5, COULOMB), probabilities=(1.0, 0.0), data=data).diagnosis
+    assert {one.effect: one.determined for one in diagnosis.causes} == {
+        "coulomb_friction": True, "stiffness_error": False,
+    }  # fmt: skip
+    assert [one.determined for one in diagnosis.model_numbers] == [False]
+
+
 def test_rounding_is_a_certain_cause_in_addition_to_others() -> None:
     found = answered(fitted(1.0, COULOMB), probabilities=(0.9,), rounded=True).diagnosis
     assert [one.effect for one in found.causes] == ["encoder_quantization", "coulomb_friction"]
