@@ -100,7 +100,7 @@ def agreement(case: Case, diagnosis: Found) -> list[tuple[Known, float | None, f
 def _value(known: Known, diagnosis: Found) -> tuple[float | None, float | None]:
     """Find the value of a known deviation, first among the numbers of the model, then among the causes."""
     for row in diagnosis.get("model_numbers", ()):
-        if row["name"] == f"{known.joint}.{NUMBERS.get(known.kind, '-')}":
+        if row["name"] == f"{known.joint}.{NUMBERS.get(known.kind, '-')}" and row.get("determined", True):
             return row["value"], row["std"]
     for cause in diagnosis.get("causes", ()):
         if cause["probability"] < NAMED:
@@ -108,7 +108,8 @@ def _value(known: Known, diagnosis: Found) -> tuple[float | None, float | None]:
         for effect, parameter in KINDS[known.kind]:
             if (cause["effect"], cause["location"]) == (effect, known.joint) and parameter in cause["parameters"]:
                 entry = cause["parameters"][parameter]
-                if not entry["at_limit"] and (parameter != "asymmetry" or entry["value"]):
+                finding = not entry["at_limit"] and entry.get("determined", True)
+                if finding and (parameter != "asymmetry" or entry["value"]):
                     return known.nominal + entry["value"], entry["std"]
     return None, None
 

@@ -62,15 +62,18 @@ class HeldOutErrors:
     """Prediction errors in the held-out log, 0.1 s ahead.
 
     Attributes:
-        before: Of the nominal model, over the floor that it expects.
+        before: Of the model as it was given, over the floor that it expects; with the numbers that it lacks where it
+            predicts nothing without, or where no effect was found.
+        nominal: Of the model with these numbers, over the same floor.
         after: Of the chosen explanation; None where nothing repairs the model.
         rival: Of the best other explanation; None where there is none.
         alone: Of single candidates, by effect@location.
-        null: Of the nominal model, over the floor of the log.
+        null: Of the model before, over the floor of the log.
         with_tolerance: The gap of torques that are off by their tolerance [1]; None where they are exact.
     """
 
     before: AheadErrors
+    nominal: AheadErrors
     after: AheadErrors | None
     rival: AheadErrors | None
     alone: Mapping[str, AheadErrors]
@@ -149,22 +152,24 @@ def _held_out_errors(findings: Findings) -> HeldOutErrors:
         else ()
     )
     singles = {next(iter(fit.names)): fit for fit in reversed(explanations.rivals) if len(fit.hypothesis) == 1}
-    alone = {name: singles[name] for fit in compared for name in fit.names if name in singles}
+    given = findings.as_given.begin.errors if explanations.detected else None
+    alone = {name: singles[name] for fit in compared for name in fit.names if name in singles and given is None}
     fits = [null, *([findings.repaired] if repaired else []), *([] if rival is None else [rival]), *alone.values()]
     errors = {fit: errors_ahead(fit, held) for fit in dict.fromkeys(fits)}
     return HeldOutErrors(
-        before=over_expected_floor(errors[null], findings.model, held),
+        before=over_expected_floor(given or errors[null], findings.model, held),
+        nominal=over_expected_floor(errors[null], findings.model, held),
         after=errors[findings.repaired] if repaired else None,
         rival=None if rival is None else errors[rival],
         alone={name: errors[fit] for name, fit in alone.items()},
-        null=errors[null],
+        null=given or errors[null],
         with_tolerance=tolerance_floor(findings.repaired, held),
     )
 
 
 def _worse(errors: HeldOutErrors) -> bool:
     """Return whether an explanation predicts the held-out log worse than the nominal model: it repairs nothing."""
-    return errors.after is not None and errors.after.mean > errors.before.mean
+    return errors.after is not None and errors.after.mean > errors.nominal.mean
 
 
 def _diagnosis(
@@ -181,7 +186,11 @@ def _diagnosis(
     gap = gap_numbers(errors.before, errors.after, sample_time, errors.rival, errors.with_tolerance)
     whole = verdict != "no_gap"
     budget = budget_of(findings, errors.before, errors.after or errors.before) if whole else without_gap(findings)
-    warnings = (*_record_warnings(findings), *_sensor_warnings(findings), *_answer_warnings(findings, gap))
+    warnings = (
+        *_record_warnings(findings),
+        *_sensor_warnings(findings),
+        *_answer_warnings(findings, gap, worse=_worse(errors)),
+    )
     following = _next(findings, verdict, stages, deadline) if settings.next_experiment else None
     return Diagnosis(
         schema=2,
@@ -342,14 +351,14 @@ def _sensor_warnings(findings: Findings) -> tuple[str, ...]:
     return (*data.measurement.warnings, *(() if data.tool is None else data.tool.warnings))
 
 
-def _answer_warnings(findings: Findings, gap: GapNumbers) -> list[str]:
+def _answer_warnings(findings: Findings, gap: GapNumbers, *, worse: bool) -> list[str]:
     """Return what limits the answer."""
     explanations, remainder, warnings = findings.explanations, findings.explanations.remainder, []
     if explanations.detected and remainder > 0 and explanations.comparison.adequate(explanations.chosen):
         warnings.append(
             f"the explanation leaves {100 * remainder:.2g} % of the gap in the fitted log, more than noise does"
         )
-    if gap.after is not None and gap.after > gap.before:
+    if worse:
         warnings.append(
             "the explanation predicts the held-out log worse than the nominal model, so there is no patch: that log "
             "may be of other conditions, or what acts is not among the effects"
@@ -358,6 +367,12 @@ def _answer_warnings(findings: Findings, gap: GapNumbers) -> list[str]:
         warnings.append(
             f"on held-out data the explanation closes only {100 * gap.closed_fraction:.0f} % of the gap: it may not "
             "hold beyond the fitted log"
+        )
+    given = findings.as_given
+    if explanations.detected and given.lacking > given.begin.numbers:
+        warnings.append(
+            f"without {', '.join(sorted(given.lacking - given.begin.numbers))}, which the model lacks, motors "
+            "are predicted worse 0.1 s ahead than by their last position: the gap before the repair is that with them"
         )
     warnings += [
         f"the size of {name} ended at the limit of its search, which is no finding: it is not in the patch"

@@ -11,6 +11,7 @@ import numpy as np
 from flexros.effects.encoder_quantization import EncoderQuantization
 from flexros.effects.kinds.base import PlacedEffect
 from flexros.effects.viscous_friction import ViscousFriction
+from flexros.gap.answer.given_model import GivenModel
 from flexros.gap.fit.estimates import beyond_search, placed_effects
 from flexros.gap.fit.unknown_numbers import UnknownNumbers
 from flexros.gap.held_out.prediction_gap import unknown_rounding
@@ -65,6 +66,11 @@ class Findings:
     complete: bool = True
     names_by_tolerance: tuple[ToleranceSensitivity, ...] = ()
     elsewhere: tuple[CandidateFit, ...] = ()
+
+    @cached_property
+    def as_given(self) -> GivenModel:
+        """The nominal model without the numbers that it lacks."""
+        return GivenModel(self)
 
     @cached_property
     def beyond_search(self) -> frozenset[str]:

@@ -19,14 +19,16 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.gap.answer.decision import Findings
     from flexros.gap.held_out.prediction_gap import AheadErrors
+    from flexros.gap.prediction.predictor import Predictor
 
 
 @dataclass(frozen=True, eq=False)
 class PartialRepairs:
     """Prediction errors in the held-out log with some effects of the chosen explanation, and the others switched off.
 
-    Effects keep the sizes at which they explain the fitted log together. Parameters of the robot that are known with a
-    tolerance only are fitted again to that log: in the nominal model they imitate the effects as far as they may.
+    Numbers that the model lacks, such as rotor inertias, count as effects on the model as it was given. Effects keep
+    the sizes at which they explain the fitted log together. Parameters of the robot that are known with a tolerance
+    only are fitted again to that log: in the nominal model they imitate the effects as far as they may.
 
     Attributes:
         findings: The fits of one log, checked on another.
@@ -42,8 +44,13 @@ class PartialRepairs:
 
     @property
     def names(self) -> frozenset[str]:
-        """The effects that the gap is divided among, effect@location."""
-        return self.findings.explanations.chosen.names - self.findings.beyond_search
+        """What the gap is divided among: effects and numbers that the model lacks, effect@location."""
+        return self.findings.explanations.chosen.names - self.findings.beyond_search | self.numbers
+
+    @property
+    def numbers(self) -> frozenset[str]:
+        """Those of them that are numbers which the model lacks."""
+        return self.findings.as_given.begin.numbers
 
     def prepare(self, parts: Iterable[Collection[str]]) -> None:
         """Compute the errors with several parts of the effects, names effect@location, at the same time."""
@@ -53,14 +60,17 @@ class PartialRepairs:
             return
         if len(chosen.deviations):
             assert self._changes.size  # computed before the threads ask for it
-        groups = [new[begin : begin + LANES] for begin in range(0, len(new), LANES)]
+        groups = []
+        for numbers in dict.fromkeys(part & self.numbers for part in new):
+            alike, predictor = [part for part in new if part & self.numbers == numbers], self._predictor(numbers)
+            groups += [(predictor, alike[begin : begin + LANES]) for begin in range(0, len(alike), LANES)]
 
-        def predicted(group: Sequence[frozenset[str]]) -> list[AheadErrors]:
-            return errors_ahead_of(chosen.predictor, self._fitted(group), findings.held)
+        def predicted(group: tuple[Predictor, Sequence[frozenset[str]]]) -> list[AheadErrors]:
+            return errors_ahead_of(group[0], self._fitted(*group), findings.held)
 
         with ThreadPoolExecutor(findings.data.settings.cores) as pool:
-            for group, every in zip(groups, pool.map(predicted, groups), strict=True):
-                for part, errors in zip(group, every, strict=True):
+            for (_, parts_of_group), every in zip(groups, pool.map(predicted, groups), strict=True):
+                for part, errors in zip(parts_of_group, every, strict=True):
                     self.known[part] = over_expected_floor(errors, findings.model, findings.held)
 
     def errors(self, part: Collection[str]) -> AheadErrors:
@@ -78,7 +88,15 @@ class PartialRepairs:
         n = self.findings.model.robot.n_motors
         return np.array([shares[errors.of_joint(motor, n)].sum() for motor in range(n)])
 
-    def _fitted(self, parts: Sequence[frozenset[str]]) -> FloatArray:
+    def _predictor(self, numbers: frozenset[str]) -> Predictor:
+        """Return the predictor of all effects on the given model with some of the numbers that it lacks."""
+        chosen = self.findings.explanations.chosen
+        if numbers == self.numbers:
+            return chosen.predictor
+        given = self.findings.as_given
+        return given.predictor(chosen.hypothesis, given.lacking - self.numbers | numbers)
+
+    def _fitted(self, predictor: Predictor, parts: Sequence[frozenset[str]]) -> FloatArray:
         """Return the parameters with some parts of the effects, tolerated deviations fitted, shape (n_fitted, sets).
 
         Each effect adds its change to the deviations of the nominal model, all together those of the explanation; then
@@ -90,14 +108,14 @@ class PartialRepairs:
         sets = np.stack([chosen.switched_off(chosen.names - part) for part in parts], axis=-1)
         if n == len(sets):
             return sets
-        low, high = (bound[n:, None] for bound in chosen.predictor.bounds)
+        low, high = (bound[n:, None] for bound in predictor.bounds)
         names = sorted(chosen.names)
         within = np.array([[name in part for part in parts] for name in names], dtype=float)
         sets[n:] = np.clip(null.deviations[:, None] + self._changes @ within, low, high)
-        residuals = data.residuals(chosen.predictor, sets)[:, : len(parts)]
+        residuals = data.residuals(predictor, sets)[:, : len(parts)]
         improved = sets.copy()
         improved[n:] = np.clip(sets[n:] - self._step(residuals, sets[n:]), low, high)
-        better = chi2_of(chosen.predictor, data, improved) < np.sum(residuals**2, axis=0) + self._prior(sets[n:])
+        better = chi2_of(predictor, data, improved) < np.sum(residuals**2, axis=0) + self._prior(sets[n:])
         return np.where(better, improved, sets)
 
     def _step(self, residuals: FloatArray, deviations: FloatArray) -> FloatArray:

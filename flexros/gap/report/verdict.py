@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from flexros.effects.left_out import RotorInertia, ToolLoad
 from flexros.gap.report.words import (
+    budget_words,
     cause_words,
     closed_words,
     first_few,
@@ -24,6 +26,8 @@ if TYPE_CHECKING:
 
     from flexros.gap.schema import Cause, Diagnosis, EffectLocation, GapNumbers
 
+_LACKED = (RotorInertia.name, ToolLoad.name)
+"""Numbers that a robot file may leave out."""
 _PART = 0.5
 """Probability from which a cause is reported as part of the truth (chosen)."""
 _SURE = 0.995
@@ -112,16 +116,22 @@ def _explained(diagnosis: Diagnosis) -> str:
     each, more = ("", "") if len(causes) == 1 else ("each ", " or more")
     how = "" if sure >= _SURE else f", {each}with a probability of {share_words(sure)}{more}"
     names = listed([cause_words(cause) for cause in causes])
-    return f"The gap comes from {names}{how}. {_closed(diagnosis.gap)}".strip()
+    return " ".join(f"The gap comes from {names}{how}. {_lacking(diagnosis)} {_closed(diagnosis.gap)}".split())
 
 
 def _partly(diagnosis: Diagnosis) -> str:
     names = first_few([cause_words(cause) for cause in reported_causes(diagnosis)], most=6)
-    text = f"A part of the gap comes from {names}. {_closed(diagnosis.gap)}"
+    text = " ".join(f"A part of the gap comes from {names}. {_lacking(diagnosis)} {_closed(diagnosis.gap)}".split())
     rest = next((one for one in diagnosis.unexplained if one.regime == "all"), None)
     if rest is not None:
         text += f" Most of what is left is in {rest.joint} ({share_words(rest.share)} of the gap)."
     return f"{text} {tolerance_sentence(diagnosis)}".strip()
+
+
+def _lacking(diagnosis: Diagnosis) -> str:
+    """Say which numbers the model lacks that the repair has; empty where it has no share of the gap for that."""
+    rows = [one for one in diagnosis.budget if one.effect in _LACKED]
+    return f"The model lacked {first_few([budget_words(one) for one in rows])}." if rows else ""
 
 
 def _ambiguous(diagnosis: Diagnosis) -> str:
@@ -147,7 +157,8 @@ def _unknown(diagnosis: Diagnosis) -> str:
     if diagnosis.causes and diagnosis.gap.closed_fraction is not None:
         left = max(1 - diagnosis.gap.closed_fraction, 0.0)
         first = next((cause for cause in diagnosis.causes if cause.determined), diagnosis.causes[0])
-        others = len({(one.effect, one.location) for one in diagnosis.budget if one.effect is not None}) - 1
+        effects = {(one.effect, one.location) for one in diagnosis.budget if one.effect not in (None, *_LACKED)}
+        others = len(effects) - 1
         beside = f" and {others} other effect{'s' if others > 1 else ''}" if others > 0 else ""
         best = "the best one" if others <= 0 else "the best explanation"
         text += f": {best}, {cause_words(first)}{beside}, leaves {share_words(left)} of it on held-out data"
