@@ -152,17 +152,18 @@ def _held_out_errors(findings: Findings) -> HeldOutErrors:
         else ()
     )
     singles = {next(iter(fit.names)): fit for fit in reversed(explanations.rivals) if len(fit.hypothesis) == 1}
-    given = findings.as_given.begin.errors if explanations.detected else None
-    alone = {name: singles[name] for fit in compared for name in fit.names if name in singles and given is None}
-    fits = [null, *([findings.repaired] if repaired else []), *([] if rival is None else [rival]), *alone.values()]
-    errors = {fit: errors_ahead(fit, held) for fit in dict.fromkeys(fits)}
+    given = findings.as_given
+    before = given.fitted(given.kept) if explanations.detected else null
+    alone = {name: singles[name] for fit in compared for name in fit.names if name in singles and before is null}
+    fits = dict.fromkeys([null, before, findings.repaired, *([] if rival is None else [rival]), *alone.values()])
+    errors = {fit: errors_ahead(fit, held) for fit in fits}
     return HeldOutErrors(
-        before=over_expected_floor(given or errors[null], findings.model, held),
+        before=over_expected_floor(errors[before], findings.model, held),
         nominal=over_expected_floor(errors[null], findings.model, held),
         after=errors[findings.repaired] if repaired else None,
         rival=None if rival is None else errors[rival],
         alone={name: errors[fit] for name, fit in alone.items()},
-        null=given or errors[null],
+        null=errors[before],
         with_tolerance=tolerance_floor(findings.repaired, held),
     )
 
@@ -369,10 +370,10 @@ def _answer_warnings(findings: Findings, gap: GapNumbers, *, worse: bool) -> lis
             "hold beyond the fitted log"
         )
     given = findings.as_given
-    if explanations.detected and given.lacking > given.begin.numbers:
+    if explanations.detected and given.kept:
         warnings.append(
-            f"without {', '.join(sorted(given.lacking - given.begin.numbers))}, which the model lacks, motors "
-            "are predicted worse 0.1 s ahead than by their last position: the gap before the repair is that with them"
+            f"without {', '.join(sorted(given.kept))}, which the model lacks, motors are predicted hardly better 0.1 s "
+            "ahead than by their last position: the gap before the repair is that of the model with them"
         )
     warnings += [
         f"the size of {name} ended at the limit of its search, which is no finding: it is not in the patch"

@@ -89,7 +89,7 @@ def budget_of(findings: Findings, before: AheadErrors, after: AheadErrors) -> Bu
     repairs = PartialRepairs(findings, before, after)
     rows = _members([effect_location(name) for name in _in_order(repairs)], findings.model.robot)
     own = [_names(members) for _, members in rows]
-    repairs.prepare([*own, *(repairs.names - names for names in own)])
+    repairs.prepare([*(repairs.kept | names for names in own), *(repairs.names - names for names in own)])
     shares = [_share(repairs, *row) for row in rows]
     shares.sort(key=lambda share: -(share.share_last or 0.0))
     return Budget(tuple(shares), waterfalls(repairs), rest, _model_numbers(findings))
@@ -98,7 +98,7 @@ def budget_of(findings: Findings, before: AheadErrors, after: AheadErrors) -> Bu
 def _in_order(repairs: PartialRepairs) -> list[str]:
     """List what the gap is divided among: numbers that the model lacks, then the effects as they were found."""
     effects = (candidate.name for candidate in repairs.findings.explanations.chosen.hypothesis)
-    return [*sorted(repairs.numbers), *(name for name in effects if name in repairs.names)]
+    return [*sorted(repairs.findings.as_given.lacking), *(name for name in effects if name in repairs.names)]
 
 
 def _names(members: Sequence[EffectLocation]) -> frozenset[str]:
@@ -108,10 +108,10 @@ def _names(members: Sequence[EffectLocation]) -> frozenset[str]:
 def _share(repairs: PartialRepairs, name: _Row, members: tuple[EffectLocation, ...]) -> BudgetShare:
     """Compute the share of an effect, or of the effects of a class at a joint."""
     joint, cause_class, effect = name
-    own, every = _names(members), repairs.names
+    own, every, kept = _names(members), repairs.names, repairs.kept
     sample_time = repairs.findings.held.record.sample_time
     last = repairs.closed_by(every) - repairs.closed_by(every - own)
-    closed = closed_fraction(repairs.before, repairs.errors(own), sample_time)
+    closed = None if own <= kept else closed_fraction(repairs.before, repairs.errors(kept | own), sample_time)
     opened = share_between(repairs.before, repairs.errors(every - own), repairs.errors(every), sample_time)
     return BudgetShare.model_validate(
         {

@@ -21,22 +21,15 @@ if TYPE_CHECKING:
     from flexros.effects import RobotWithEffects
     from flexros.gap.answer.decision import Findings
     from flexros.gap.candidates.candidate import Hypothesis
+    from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.held_out.prediction_gap import AheadErrors
     from flexros.gap.prediction.compiled_plant import CompiledPlant
     from flexros.gap.residuals.fit_data import FitData
 
 
-@dataclass(frozen=True, eq=False)
-class Begin:
-    """Where a budget begins.
-
-    Attributes:
-        numbers: Numbers that the model lacks and that have rows of their own, as effects at their locations.
-        errors: Prediction errors of the model without these in the held-out log; None where there are none.
-    """
-
-    numbers: frozenset[str] = frozenset()
-    errors: AheadErrors | None = None
+SKILL = 0.5
+"""Errors of a motor 0.1 s ahead, over those of a prediction that it stays where it is, from which on a model predicts
+nothing there [1] (chosen): it leaves more than a quarter of the variance of the motion."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +44,7 @@ class GivenModel:
 
     findings: Findings
     _plants: dict[tuple[Hypothesis, bool], CompiledPlant] = field(default_factory=dict)
+    _fits: dict[frozenset[str], CandidateFit] = field(default_factory=dict)
 
     @cached_property
     def lacking(self) -> frozenset[str]:
@@ -91,32 +85,32 @@ class GivenModel:
         return of(self.model(numbers))
 
     @cached_property
-    def begin(self) -> Begin:
-        """The numbers that the gap is divided among as well, and the errors of the model without these.
+    def kept(self) -> frozenset[str]:
+        """The numbers without which it predicts nothing, so that the gap begins with them.
 
-        A joint that lacks its rotor may fly off within 0.1 s. Where a motor is predicted worse than by its last
-        position, the model predicts nothing, and all else would be a negligible share of the gap. Such motors are given
-        their rotors, the worst one first.
+        A joint that lacks its rotor may fly off within 0.1 s, and all else would be a negligible share of such a gap.
+        The motor that is predicted worst is given its rotor first; if that is not what it lacks, all numbers are kept.
         """
-        divided = self.lacking
-        while divided:
-            errors = self._errors(self.lacking - divided)
-            strays = errors_over_rest(errors, self.findings.held)
+        kept: frozenset[str] = frozenset()
+        while kept != self.lacking:
+            strays = errors_over_rest(errors_ahead(self.fitted(kept), self.findings.held), self.findings.held)
             worst = int(np.argmax(strays))
+            if strays[worst] <= SKILL:
+                break
             rotor = f"{RotorInertia.name}@{self.findings.model.robot.joint_names[worst]}"
-            if strays[worst] <= 1.0:
-                return Begin(divided, errors)
-            divided = divided - {rotor} if rotor in divided else frozenset()
-        return Begin()
+            kept = kept | {rotor} if rotor in self.lacking - kept else self.lacking
+        return kept
 
-    def _errors(self, numbers: Collection[str]) -> AheadErrors:
-        """Compute the prediction errors in the held-out log with some of the numbers, tolerated deviations fitted."""
-        findings, settings = self.findings, self.findings.data.settings.fit
-        start = np.zeros(findings.explanations.null.predictor.n_fitted)
-        model = self.predictor((), numbers)
-        return errors_ahead(
-            fit(model, findings.data, start, settings.null_iterations, settings=settings), findings.held
-        )
+    def fitted(self, numbers: Collection[str]) -> CandidateFit:
+        """Return it with some of these numbers and without any effect, its tolerated deviations fitted to the log."""
+        key, null, data = frozenset(numbers), self.findings.explanations.null, self.findings.data
+        if key == self.lacking:
+            return null
+        if key not in self._fits:
+            start, settings = np.zeros(null.predictor.n_fitted), data.settings.fit
+            predictor = self.predictor((), key)
+            self._fits[key] = fit(predictor, data, start, settings.null_iterations, settings=settings)
+        return self._fits[key]
 
 
 def errors_over_rest(errors: AheadErrors, held: FitData) -> FloatArray:

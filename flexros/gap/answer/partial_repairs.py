@@ -23,6 +23,19 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
+class _Base:
+    """A model without effects.
+
+    Attributes:
+        predictor: Predictor of it with all effects, which may be switched off.
+        deviations: Its tolerated deviations, fitted without them, shape (n_free,).
+    """
+
+    predictor: Predictor
+    deviations: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
 class PartialRepairs:
     """Prediction errors in the held-out log with some effects of the chosen explanation, and the others switched off.
 
@@ -44,13 +57,14 @@ class PartialRepairs:
 
     @property
     def names(self) -> frozenset[str]:
-        """What the gap is divided among: effects and numbers that the model lacks, effect@location."""
-        return self.findings.explanations.chosen.names - self.findings.beyond_search | self.numbers
+        """All that the repaired model has: effects, and numbers that the given one lacks, effect@location."""
+        findings = self.findings
+        return findings.explanations.chosen.names - findings.beyond_search | findings.as_given.lacking
 
     @property
-    def numbers(self) -> frozenset[str]:
-        """Those of them that are numbers which the model lacks."""
-        return self.findings.as_given.begin.numbers
+    def kept(self) -> frozenset[str]:
+        """Those of the numbers with which the gap begins."""
+        return self.findings.as_given.kept
 
     def prepare(self, parts: Iterable[Collection[str]]) -> None:
         """Compute the errors with several parts of the effects, names effect@location, at the same time."""
@@ -60,17 +74,17 @@ class PartialRepairs:
             return
         if len(chosen.deviations):
             assert self._changes.size  # computed before the threads ask for it
-        groups = []
-        for numbers in dict.fromkeys(part & self.numbers for part in new):
-            alike, predictor = [part for part in new if part & self.numbers == numbers], self._predictor(numbers)
-            groups += [(predictor, alike[begin : begin + LANES]) for begin in range(0, len(alike), LANES)]
+        lacking, groups = findings.as_given.lacking, []
+        for numbers in dict.fromkeys(part & lacking for part in new):
+            alike, base = [part for part in new if part & lacking == numbers], self._base(numbers)
+            groups += [(base, alike[begin : begin + LANES]) for begin in range(0, len(alike), LANES)]
 
-        def predicted(group: tuple[Predictor, Sequence[frozenset[str]]]) -> list[AheadErrors]:
-            return errors_ahead_of(group[0], self._fitted(*group), findings.held)
+        def predicted(group: tuple[_Base, Sequence[frozenset[str]]]) -> list[AheadErrors]:
+            return errors_ahead_of(group[0].predictor, self._fitted(*group), findings.held)
 
         with ThreadPoolExecutor(findings.data.settings.cores) as pool:
-            for (_, parts_of_group), every in zip(groups, pool.map(predicted, groups), strict=True):
-                for part, errors in zip(parts_of_group, every, strict=True):
+            for (_, alike), every in zip(groups, pool.map(predicted, groups), strict=True):
+                for part, errors in zip(alike, every, strict=True):
                     self.known[part] = over_expected_floor(errors, findings.model, findings.held)
 
     def errors(self, part: Collection[str]) -> AheadErrors:
@@ -88,22 +102,19 @@ class PartialRepairs:
         n = self.findings.model.robot.n_motors
         return np.array([shares[errors.of_joint(motor, n)].sum() for motor in range(n)])
 
-    def _predictor(self, numbers: frozenset[str]) -> Predictor:
-        """Return the predictor of all effects on the given model with some of the numbers that it lacks."""
-        chosen = self.findings.explanations.chosen
-        if numbers == self.numbers:
-            return chosen.predictor
-        given = self.findings.as_given
-        return given.predictor(chosen.hypothesis, given.lacking - self.numbers | numbers)
+    def _base(self, numbers: frozenset[str]) -> _Base:
+        """Prepare the given model with some of the numbers that it lacks."""
+        chosen, given = self.findings.explanations.chosen, self.findings.as_given
+        predictor = chosen.predictor if numbers == given.lacking else given.predictor(chosen.hypothesis, numbers)
+        return _Base(predictor, given.fitted(numbers).deviations)
 
-    def _fitted(self, predictor: Predictor, parts: Sequence[frozenset[str]]) -> FloatArray:
+    def _fitted(self, base: _Base, parts: Sequence[frozenset[str]]) -> FloatArray:
         """Return the parameters with some parts of the effects, tolerated deviations fitted, shape (n_fitted, sets).
 
         Each effect adds its change to the deviations of the nominal model, all together those of the explanation; then
         they are improved by a step with the slopes of the nominal model.
         """
-        explanations, data = self.findings.explanations, self.findings.data
-        chosen, null = explanations.chosen, explanations.null
+        chosen, data, predictor = self.findings.explanations.chosen, self.findings.data, base.predictor
         n = chosen.predictor.n_effect
         sets = np.stack([chosen.switched_off(chosen.names - part) for part in parts], axis=-1)
         if n == len(sets):
@@ -111,7 +122,7 @@ class PartialRepairs:
         low, high = (bound[n:, None] for bound in predictor.bounds)
         names = sorted(chosen.names)
         within = np.array([[name in part for part in parts] for name in names], dtype=float)
-        sets[n:] = np.clip(null.deviations[:, None] + self._changes @ within, low, high)
+        sets[n:] = np.clip(base.deviations[:, None] + self._changes @ within, low, high)
         residuals = data.residuals(predictor, sets)[:, : len(parts)]
         improved = sets.copy()
         improved[n:] = np.clip(sets[n:] - self._step(residuals, sets[n:]), low, high)
