@@ -16,14 +16,14 @@ from tests.gap.rigid_arm import arm, record_of_arm
 
 pytestmark = pytest.mark.slow
 
+SETTINGS = DiagnosisSettings(where=None, next_experiment=None)
+
 
 @pytest.fixture(scope="module")
 def result() -> DiagnosisResult:
     """An arm with friction whose file gives no rotors; without its own the second joint flies off within 0.1 s."""
-    settings = DiagnosisSettings(where=None, next_experiment=None)
-    return diagnose(
-        record_of_arm(imported=True), arm(), holdout=record_of_arm(imported=True, seed=6), settings=settings
-    )
+    fitted, held = (record_of_arm(imported=True, seed=seed) for seed in (5, 6))
+    return diagnose(fitted, arm(), holdout=held, settings=SETTINGS)
 
 
 def test_a_rotor_that_the_file_lacks_has_a_row_of_the_budget(result: DiagnosisResult) -> None:
@@ -61,6 +61,17 @@ def test_the_sentence_names_what_the_model_lacks(result: DiagnosisResult) -> Non
     sentence = verdict_sentence(result.diagnosis)
     assert "The model lacked" in sentence
     assert "rotor inertia at motor_1" in sentence
+
+
+def test_a_load_that_the_file_lacks_has_a_row_of_the_budget() -> None:
+    fitted, held = (record_of_arm(imported=True, seed=seed, load=11.0) for seed in (5, 6))
+    found = diagnose(fitted, arm(), holdout=held, settings=SETTINGS).diagnosis
+    (row,) = (one for one in found.budget if one.effect == "tool_load")
+    assert (row.joint, row.cause_class) == ("tool", "model numbers")
+    assert row.share_first is not None
+    assert row.share_first > 0.9
+    mass = next(one for one in found.model_numbers if one.name == "tool_load.mass")
+    assert mass.determined
 
 
 def test_errors_are_compared_with_those_of_a_motor_that_stays_where_it_is() -> None:
