@@ -69,7 +69,7 @@ class GapNumbers(Settings):
 
     metric: str = Field(description="quantity of these numbers")
     unit: str = Field(description="their unit")
-    before: float = Field(description="with the nominal model")
+    before: float = Field(description="with the nominal model as it was given")
     after: float | None = Field(default=None, description="with the repaired model")
     noise_floor: float = Field(description="without any gap")
     tolerance_floor: float | None = Field(
@@ -95,7 +95,8 @@ class BudgetShare(Settings):
     effect: str | None = Field(description="name of the effect; none for a whole class")
     location: str = Field(description="location of the effect, or the joint of the class")
     share_first: float | None = Field(
-        description="share of the gap that closes when it alone is added to the model [1]"
+        description="share of the gap that closes when it alone is added to the model [1]; none for a number that the "
+        "model lacks and without which it predicts nothing"
     )
     share_last: float | None = Field(
         description="share of the gap that opens when it alone is removed from the repaired model [1]"

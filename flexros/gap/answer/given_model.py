@@ -49,8 +49,8 @@ class GivenModel:
     @cached_property
     def lacking(self) -> frozenset[str]:
         """The numbers that it lacks, as effects at their locations, e.g. "rotor_inertia@motor_1"."""
-        unknown = self.findings.unknown
-        rotors = {f"{RotorInertia.name}@{motor}" for motor in unknown.inertias}
+        unknown, tolerated = self.findings.unknown, self.findings.explanations.null.predictor.tolerance.names
+        rotors = {f"{RotorInertia.name}@{motor}" for motor in unknown.inertias if f"{motor}.inertia" in tolerated}
         return frozenset(rotors if unknown.load is None else {*rotors, f"{ToolLoad.name}@tool"})
 
     def model(self, numbers: Collection[str]) -> RobotWithEffects:

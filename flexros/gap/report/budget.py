@@ -78,6 +78,8 @@ def _introduction(diagnosis: Diagnosis) -> str:
             " A share below zero: the prediction is worse with the effect than without, because it has the size at "
             "which it explains the log together with the others, or because this log moves in another way."
         )
+    if any(share.share_first is None for share in diagnosis.budget):
+        text += " No share added first: without this number the model predicts nothing, so the gap begins with it."
     return text
 
 
