@@ -86,7 +86,7 @@ def test_the_floor_with_tolerance_is_stated_for_logs_of_real_machines() -> None:
     assert measure_gap(record_of(), MODEL).numbers.tolerance_floor is None
     floor = measure_gap(record_of_arm(imported=True), RobotWithEffects(arm(), ())).numbers.tolerance_floor
     assert floor is not None
-    assert floor > 2.0
+    assert floor > 1.1
 
 
 def test_progress_tells_which_model_predicts() -> None:
