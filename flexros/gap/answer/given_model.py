@@ -107,9 +107,15 @@ class GivenModel:
         if key == self.lacking:
             return null
         if key not in self._fits:
-            start, settings = np.zeros(null.predictor.n_fitted), data.settings.fit
-            predictor = self.predictor((), key)
-            self._fits[key] = fit(predictor, data, start, settings.null_iterations, settings=settings)
+            settings = data.settings.fit
+            self._fits[key] = fit(
+                self.predictor((), key),
+                data,
+                null.theta,
+                settings.final_iterations,
+                enough=max(settings.enough, data.negligible),
+                settings=settings,
+            )
         return self._fits[key]
 
 
