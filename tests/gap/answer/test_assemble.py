@@ -29,7 +29,8 @@ TRUTH = "coulomb_friction@motor_1:level=0.05"
 COULOMB, STIFFNESS = "coulomb_friction@motor_1", "stiffness_error@body_2.rz"
 TOLERANCE = {"stiffness": 0.01}
 SETTINGS = DiagnosisSettings(level=1e-3, next_experiment=None)
-VALUES = {COULOMB: {"level": 0.05}, STIFFNESS: {"relative": 0.03}}
+SMALL = "motor_inertia_error@motor_1", "damping_error@body_2.rz"
+VALUES = {COULOMB: {"level": 0.05}, STIFFNESS: {"relative": 0.03}, **{name: {"relative": 1e-4} for name in SMALL}}
 
 
 def fitted(level: float, *names: str) -> CandidateFit:
@@ -46,6 +47,7 @@ def answered(
     data: FitData | None = None,
     settings: DiagnosisSettings = SETTINGS,
     detected: bool = True,
+    elsewhere: tuple[CandidateFit, ...] = (),
 ) -> DiagnosisResult:
     """The answer to a log with friction."""
     data, held = data or data_of(TRUTH), data_of(TRUTH, seed=2)
@@ -55,7 +57,9 @@ def answered(
     fits = (chosen, *rivals) if detected else ()
     comparison = ModelComparison(null, fits, data.n_values)
     explanations = Explanations(comparison, chosen, (*fits, null), np.array([*probabilities, 0.0]), detected)
-    found = findings_of(MODEL, data, held, explanations, tolerance=TOLERANCE, settings=settings.ranking)
+    found = findings_of(
+        MODEL, data, held, explanations, tolerance=TOLERANCE, settings=settings.ranking, elsewhere=elsewhere
+    )
     return result_of(found, prediction_of(null, data), None, settings, Stages(None), Deadline())
 
 
@@ -115,6 +119,14 @@ def test_rivals_of_an_ambiguous_answer_are_causes_too() -> None:
         ("coulomb_friction", 0.55), ("stiffness_error", 0.45),
     ]  # fmt: skip
     assert len(found.ambiguity_groups) == 1
+
+
+def test_names_that_hang_on_tolerances_are_groups_of_an_explanation_in_part_too() -> None:
+    chosen, other = (fitted(12.0, COULOMB, name) for name in SMALL)
+    found = answered(chosen, other, probabilities=(0.9, 0.1), elsewhere=(other,)).diagnosis
+    assert found.verdict == "partly_explained"
+    ((first, second),) = found.ambiguity_groups
+    assert (first.effect, second.effect) == ("motor_inertia_error", "damping_error")
 
 
 def test_next_experiment_is_chosen_with_the_tolerance_of_the_diagnosis(monkeypatch: pytest.MonkeyPatch) -> None:
