@@ -32,7 +32,18 @@ class TorqueGainError(AbstractCommandLaw):
         "a disturbance torque proportional to the command at all speeds, accelerations and positions"
     )
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
-        {"relative": Range("relative", 0.003, 0.9, starts=2, signed=True, source="torque constants drop by 10 % hot")}
+        {
+            "relative": Range(
+                "relative",
+                0.003,
+                0.9,
+                starts=2,
+                signed=True,
+                negative=0.9,
+                widest=9.0,
+                source="torque constants drop by 10 % hot; a wrong unit or gear ratio is far more",
+            )
+        }
     )
 
     relative: float = Field(0.0, gt=-1.0, lt=10.0, description="deviation of the torque from the commanded one [1]")

@@ -15,6 +15,7 @@ from flexros.gap.held_out.prediction_gap import (
     gap_numbers,
     over_expected_floor,
     settled,
+    tolerance_floor,
     unknown_rounding,
 )
 from flexros.gap.progress import Stages
@@ -108,12 +109,13 @@ def measure_gap(
     unknown = unknown_numbers(record, model, tolerance_of(model.robot, tolerance or {}), settings.torque_start)
     record = replace(record, warnings=(*record.warnings, *unknown.warnings))
     data = fit_data(record, unknown.given_to(model), settings)
-    before, significant = _errors(model, unknown, data, tolerance or {}, settings)
+    before, significant, floor = _errors(model, unknown, data, tolerance or {}, settings)
     after = None
     if repaired is not None:
         stages.begin("repaired model", 1.0)
-        after, significant = _errors(repaired.commanded_by(record.commands), unknown, data, tolerance or {}, settings)
-    numbers = gap_numbers(before, after, record.sample_time)
+        better = repaired.commanded_by(record.commands)
+        after, significant, floor = _errors(better, unknown, data, tolerance or {}, settings)
+    numbers = gap_numbers(before, after, record.sample_time, with_tolerance=floor)
     return MeasuredGap(numbers, significant, settled(data.record, numbers.closed_fraction).warnings)
 
 
@@ -123,11 +125,12 @@ def _errors(
     data: FitData,
     tolerance: Mapping[str, float],
     settings: DiagnosisSettings,
-) -> tuple[AheadErrors, bool]:
-    """Return the prediction errors of a model, and whether they show more than noise, tolerance and known rounding."""
+) -> tuple[AheadErrors, bool, float | None]:
+    """Return prediction errors, whether they show more than noise and tolerance, and the floor with tolerance."""
     lacked = unknown.lacked_by(given)
     model = lacked.given_to(given)
     null = fit_null(data, model, lacked.tolerated(tolerance_of(model.robot, tolerance), model.robot), settings.fit)
     errors = over_expected_floor(errors_ahead(null.fit, data), model, data)
     comparison = allowing_for_doubt(compare(data, null.fit, settings=settings.ranking), data)
-    return errors, comparison.significant(null.fit) or bool(unknown_rounding(model, data.measurement))
+    shows = comparison.significant(null.fit) or bool(unknown_rounding(model, data.measurement))
+    return errors, shows, tolerance_floor(null.fit, data)

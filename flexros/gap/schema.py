@@ -21,7 +21,11 @@ class CauseParameter(Settings):
     unit: str = Field(description="SI unit, 1 for none")
     at_limit: bool = Field(
         default=False,
-        description="whether the search ended at its limit: no finding, and its effect is not in the patch",
+        description="whether the search ended at its limit: no finding; an effect whose size is there is neither in "
+        "the patch nor in `budget` and `model_numbers`",
+    )
+    determined: bool = Field(
+        default=True, description="whether the log determines it: false where `std` is above the size of `value`"
     )
 
 
@@ -40,12 +44,19 @@ class Cause(EffectLocation):
     closed_fraction: float | None = Field(
         description="share of the gap that it alone closes on held-out data [1]: fitted alone, or else added first"
     )
+    determined: bool = Field(
+        default=True,
+        description="whether the log determines any of its sizes; else it is not named in the verdict sentence",
+    )
 
 
 class Excess(Settings):
     """A location where the gap shows, computed without any hypothesis."""
 
-    signal: str = Field(description="'position' of a motor or 'tool'")
+    signal: str = Field(
+        description="'position' or 'sudden position change' of a motor, 'tool', the quantity of a further sensor (e.g. "
+        "'link position', 'joint torque'), or the lines of a multisine (e.g. 'odd detection lines')"
+    )
     joint: str = Field(description="joint name, or 'tool'")
     band_hz: tuple[float, float] = Field(description="frequency band [Hz]")
     regime: str = Field(description="part of the motion, e.g. 'reversal', 'standstill', 'all'")
@@ -58,9 +69,14 @@ class GapNumbers(Settings):
 
     metric: str = Field(description="quantity of these numbers")
     unit: str = Field(description="their unit")
-    before: float = Field(description="with the nominal model")
+    before: float = Field(description="with the nominal model as it was given")
     after: float | None = Field(default=None, description="with the repaired model")
     noise_floor: float = Field(description="without any gap")
+    tolerance_floor: float | None = Field(
+        default=None,
+        description="with torques that are off by their stated tolerance, for logs of real machines: up to twice this "
+        "may be left by an explanation",
+    )
     best_rival: float | None = Field(default=None, description="with the best explanation that was not chosen")
     closed_fraction: float | None = Field(
         default=None, description="(before - after) / (before - floor) [1]; none where the gap does not show"
@@ -79,12 +95,14 @@ class BudgetShare(Settings):
     effect: str | None = Field(description="name of the effect; none for a whole class")
     location: str = Field(description="location of the effect, or the joint of the class")
     share_first: float | None = Field(
-        description="share of the gap that closes when it alone is added to the model [1]"
+        description="share of the gap that closes when it alone is added to the model [1]; none for a number that the "
+        "model lacks and without which it predicts nothing"
     )
     share_last: float | None = Field(
         description="share of the gap that opens when it alone is removed from the repaired model [1]"
     )
     interval: tuple[float, float] | None = Field(description="95 % interval of `share_first` [1]")
+    interval_last: tuple[float, float] | None = Field(default=None, description="95 % interval of `share_last` [1]")
 
 
 class Step(EffectLocation):
@@ -130,6 +148,10 @@ class ModelNumber(Settings):
     value: float = Field(description="fitted value, in `unit`")
     std: float = Field(description="its standard deviation, in `unit`")
     unit: str = Field(description="SI unit, 1 for none")
+    determined: bool = Field(
+        default=True,
+        description="whether the log determines it: false where `std` is above the difference of `value` and `nominal`",
+    )
 
 
 class ToleranceSensitivity(EffectLocation):

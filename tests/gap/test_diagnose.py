@@ -153,6 +153,8 @@ def test_the_budget_divides_the_gap_among_the_effects(pair: DiagnosisResult) -> 
         assert share.share_first is not None
         assert share.share_last is not None
         assert 0 < share.share_last < 1.5
+        assert share.interval_last is not None
+        assert share.interval_last[0] <= share.share_last <= share.interval_last[1]
     assert sum(one.share for one in diagnosis.unexplained if one.regime == "all") < 0.01
     (number,) = diagnosis.model_numbers
     assert number.name == "body_2.rz.stiffness"

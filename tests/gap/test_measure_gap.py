@@ -15,6 +15,7 @@ from flexros.gap.search.model_probability import compare
 from flexros.gap.settings import DiagnosisSettings
 from flexros.robot.robot import Robot
 from tests.gap.diagnosis_logs import MODEL, ROBOT, record_of
+from tests.gap.rigid_arm import arm, record_of_arm
 
 pytestmark = pytest.mark.slow
 
@@ -81,6 +82,13 @@ def test_what_the_tolerance_allows_is_no_gap() -> None:
     tolerated = measure_gap(record, MODEL, tolerance={"stiffness": 0.05})
     assert not tolerated.significant
     assert tolerated.numbers.before == pytest.approx(1.0, abs=0.3)
+
+
+def test_the_floor_with_tolerance_is_stated_for_logs_of_real_machines() -> None:
+    assert measure_gap(record_of(), MODEL).numbers.tolerance_floor is None
+    floor = measure_gap(record_of_arm(imported=True), RobotWithEffects(arm(), ())).numbers.tolerance_floor
+    assert floor is not None
+    assert floor > 1.1
 
 
 def test_progress_tells_which_model_predicts() -> None:

@@ -114,6 +114,21 @@ def test_value_at_its_limit_is_not_found(pendulum: dict[str, Any]) -> None:
     assert [found for _, found, _, _ in rows] == [None, None]
 
 
+def test_value_that_is_not_determined_is_not_found(pendulum: dict[str, Any]) -> None:
+    pendulum["diagnosis"]["causes"] = [coulomb(1, {**value(0.17, 0.2), "determined": False})]
+    rows = program("real_robots_page").agreement(case_of("dfki_double_pendulum"), pendulum["diagnosis"])
+    assert [found for _, found, _, _ in rows] == [None, None]
+
+
+def test_names_that_hang_on_tolerances_have_a_line(pendulum: dict[str, Any]) -> None:
+    row = {"effect": "torque_bias", "location": "motor_1", "halved": 1.0, "stated": 0.97, "doubled": 0.02}
+    pendulum["diagnosis"]["tolerance_sensitivity"] = [{**row, "changes": True}]
+    text = program("real_robots_page").page({"dfki_double_pendulum": pendulum})
+    assert "`torque_bias@motor_1` (halved 100 %, stated 97 %, doubled 2 %)" in text
+    pendulum["diagnosis"]["tolerance_sensitivity"] = [{**row, "changes": False}]
+    assert "No name changes" in program("real_robots_page").page({"dfki_double_pendulum": pendulum})
+
+
 def test_effect_counts_from_the_robot_file_and_a_number_of_the_model_from_zero() -> None:
     inertia = {"name": "motor_1.inertia", "nominal": 0.0635, "value": 0.5, "std": 0.02, "unit": "kg m2"}
     rows = program("real_robots_page").agreement(case_of("quanser_stage_1"), {"causes": [], "model_numbers": [inertia]})

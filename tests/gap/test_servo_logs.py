@@ -32,6 +32,12 @@ def test_exact_model_has_no_gap() -> None:
     assert not found.significant
 
 
+def test_the_floor_with_tolerance_is_that_of_positions_that_cause_such_torques() -> None:
+    floor = measure_gap(replace(record_of(), imported=True), MODEL).numbers.tolerance_floor
+    assert floor is not None
+    assert 1.5 < floor < 1000
+
+
 def test_a_repair_closes_the_gap_of_a_wrong_gain() -> None:
     repaired = place_effects(MODEL.robot, [parse_effect(STIFF, "test")])
     found = measure_gap(record_of(STIFF), MODEL, repaired=repaired)

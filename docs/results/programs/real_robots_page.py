@@ -101,7 +101,7 @@ def agreement(case: Case, diagnosis: Found) -> list[tuple[Known, float | None, f
 def _value(known: Known, diagnosis: Found) -> tuple[float | None, float | None]:
     """Find the value of a known deviation, first among the numbers of the model, then among the causes."""
     for row in diagnosis.get("model_numbers", ()):
-        if row["name"] == f"{known.joint}.{NUMBERS.get(known.kind, '-')}":
+        if row["name"] == f"{known.joint}.{NUMBERS.get(known.kind, '-')}" and row.get("determined", True):
             return row["value"], row["std"]
     for cause in diagnosis.get("causes", ()):
         if cause["probability"] < NAMED:
@@ -109,7 +109,8 @@ def _value(known: Known, diagnosis: Found) -> tuple[float | None, float | None]:
         for effect, parameter in KINDS[known.kind]:
             if (cause["effect"], cause["location"]) == (effect, known.joint) and parameter in cause["parameters"]:
                 entry = cause["parameters"][parameter]
-                if not entry["at_limit"] and (parameter != "asymmetry" or entry["value"]):
+                finding = not entry["at_limit"] and entry.get("determined", True)
+                if finding and (parameter != "asymmetry" or entry["value"]):
                     return known.nominal + entry["value"], entry["std"]
     return None, None
 
@@ -165,6 +166,7 @@ def _section(case: Case, content: Found) -> Iterator[str]:
         yield f"| {known.kind} | {known.joint} | {stated} {known.unit} | {found} | {'yes' if near else 'no'} |\n"
     yield from _causes(diagnosis)
     yield from _numbers(diagnosis)
+    yield from _tolerances(diagnosis)
     yield from _logs(case, content)
     yield from _others(case, content)
     yield from _rest(diagnosis)
@@ -231,9 +233,26 @@ def _numbers(diagnosis: Found) -> Iterator[str]:
     rows = diagnosis.get("model_numbers", ())
     if rows:
         listed = (
-            f"{row['name']} {row['nominal']:.4g} -> {_with_std(row['value'], row['std'], row['unit'])}" for row in rows
+            f"{row['name']} {row['nominal']:.4g} -> "
+            + (_with_std(row["value"], row["std"], row["unit"]) if row.get("determined", True) else "not determined")
+            for row in rows
         )
         yield f"\nNumbers of the model that are wrong: {'; '.join(listed)}.\n"
+
+
+def _tolerances(diagnosis: Found) -> Iterator[str]:
+    """Say which names hang on the stated tolerances; nothing where that was not kept, or nothing was guessed."""
+    rows = diagnosis.get("tolerance_sensitivity", ())
+    changing = [
+        f"`{row['effect']}@{row['location']}` "
+        f"({', '.join(f'{name} {100 * row[name]:.0f} %' for name in ('halved', 'stated', 'doubled'))})"
+        for row in rows
+        if row["changes"]
+    ]
+    if changing:
+        yield f"\nHang on the tolerances of the model, with their probabilities: {'; '.join(changing)}.\n"
+    elif rows:
+        yield "\nNo name changes with halved or doubled tolerances of the model.\n"
 
 
 def _logs(case: Case, content: Found) -> Iterator[str]:

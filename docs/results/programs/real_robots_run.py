@@ -176,7 +176,10 @@ class Run:
         if not used.ended:
             return {"verdict": UNFINISHED, "seconds": used.seconds}
         answer: dict[str, Any] = json.loads((folder / "diagnosis.json").read_text(encoding="utf-8"))
-        kept = ("verdict", "partial", "causes", "model_numbers", "gap", "budget", "unexplained", "warnings")
+        kept = (
+            *("verdict", "partial", "causes", "ambiguity_groups", "tolerance_sensitivity", "model_numbers"),
+            *("gap", "budget", "unexplained", "warnings"),
+        )
         return {
             **{key: answer[key] for key in kept if key in answer},
             "seconds": used.seconds,

@@ -22,7 +22,7 @@ from flexros.gap.answer.decision import (
 from flexros.gap.answer.drifts import drift_warnings
 from flexros.gap.answer.limits import identifiability_limits
 from flexros.gap.candidates.candidate import name_of
-from flexros.gap.fit.estimates import covariance_of, parameters_of, placed_effects
+from flexros.gap.fit.estimates import covariance_of, determined, parameters_of, placed_effects
 from flexros.gap.held_out.prediction_gap import (
     closed_fraction,
     errors_ahead,
@@ -30,6 +30,7 @@ from flexros.gap.held_out.prediction_gap import (
     over_expected_floor,
     settled,
     signal_gaps,
+    tolerance_floor,
 )
 from flexros.gap.held_out.predictions import prediction_of, signature_evidence
 from flexros.gap.next_experiment.choose import next_experiment
@@ -63,18 +64,23 @@ class HeldOutErrors:
     """Prediction errors in the held-out log, 0.1 s ahead.
 
     Attributes:
-        before: Of the nominal model, over the floor that it expects.
+        before: Of the model as it was given, over the floor that it expects; with the numbers that it lacks where it
+            predicts nothing without, or where no effect was found.
+        nominal: Of the model with these numbers, over the same floor.
         after: Of the chosen explanation; None where nothing repairs the model.
         rival: Of the best other explanation; None where there is none.
         alone: Of single candidates, by effect@location.
-        null: Of the nominal model, over the floor of the log.
+        null: Of the model before, over the floor of the log.
+        with_tolerance: The gap of torques that are off by their tolerance [1]; None where they are exact.
     """
 
     before: AheadErrors
+    nominal: AheadErrors
     after: AheadErrors | None
     rival: AheadErrors | None
     alone: Mapping[str, AheadErrors]
     null: AheadErrors
+    with_tolerance: float | None = None
 
 
 def result_of(
@@ -97,7 +103,7 @@ def result_of(
     """
     explanations, model = findings.explanations, findings.model
     chosen, rival, errors = explanations.chosen, best_rival(explanations), _held_out_errors(findings)
-    verdict = verdict_of(findings, (errors.after or errors.before).mean)
+    verdict = verdict_of(findings, (errors.after or errors.before).mean, errors.with_tolerance)
     patch = () if _worse(errors) else repair_of(findings)
     names, covariance = covariance_of(chosen, findings.data, findings.settings)
     tolerated = chosen.predictor.tolerance
@@ -105,7 +111,7 @@ def result_of(
     record, holdout = (settled(one.record, closed) for one in (findings.data, findings.held))
     told = _record_warnings(record, holdout)
     before = _explanation(explanations.null, findings, null_prediction)
-    after = _explanation(chosen, findings) if patch else None
+    after = _explanation(findings.repaired, findings) if patch else None
     probabilities = dict(zip(explanations.rivals, explanations.probabilities))
     return DiagnosisResult(
         diagnosis=_diagnosis(findings, verdict, errors, excess, settings, stages, deadline, told),
@@ -151,21 +157,25 @@ def _held_out_errors(findings: Findings) -> HeldOutErrors:
         else ()
     )
     singles = {next(iter(fit.names)): fit for fit in reversed(explanations.rivals) if len(fit.hypothesis) == 1}
-    alone = {name: singles[name] for fit in compared for name in fit.names if name in singles}
-    fits = [null, *([explanations.chosen] if repaired else []), *([] if rival is None else [rival]), *alone.values()]
-    errors = {fit: errors_ahead(fit, held) for fit in dict.fromkeys(fits)}
+    given = findings.as_given
+    before = given.fitted(given.kept) if explanations.detected else null
+    alone = {name: singles[name] for fit in compared for name in fit.names if name in singles and before is null}
+    fits = dict.fromkeys([null, before, findings.repaired, *([] if rival is None else [rival]), *alone.values()])
+    errors = {fit: errors_ahead(fit, held) for fit in fits}
     return HeldOutErrors(
-        before=over_expected_floor(errors[null], findings.model, held),
-        after=errors[explanations.chosen] if repaired else None,
+        before=over_expected_floor(errors[before], findings.model, held),
+        nominal=over_expected_floor(errors[null], findings.model, held),
+        after=errors[findings.repaired] if repaired else None,
         rival=None if rival is None else errors[rival],
         alone={name: errors[fit] for name, fit in alone.items()},
-        null=errors[null],
+        null=errors[before],
+        with_tolerance=tolerance_floor(findings.repaired, held),
     )
 
 
 def _worse(errors: HeldOutErrors) -> bool:
     """Return whether an explanation predicts the held-out log worse than the nominal model: it repairs nothing."""
-    return errors.after is not None and errors.after.mean > errors.before.mean
+    return errors.after is not None and errors.after.mean > errors.nominal.mean
 
 
 def _diagnosis(
@@ -180,10 +190,10 @@ def _diagnosis(
 ) -> Diagnosis:
     """Put together what is written into diagnosis.json."""
     sample_time = findings.held.record.sample_time
-    gap = gap_numbers(errors.before, errors.after, sample_time, errors.rival)
+    gap = gap_numbers(errors.before, errors.after, sample_time, errors.rival, errors.with_tolerance)
     whole = verdict != "no_gap"
     budget = budget_of(findings, errors.before, errors.after or errors.before) if whole else without_gap(findings)
-    warnings = (*told, *_sensor_warnings(findings), *_answer_warnings(findings, gap))
+    warnings = (*told, *_sensor_warnings(findings), *_answer_warnings(findings, gap, worse=_worse(errors)))
     following = _next(findings, verdict, stages, deadline) if settings.next_experiment else None
     return Diagnosis(
         schema=2,
@@ -237,6 +247,7 @@ def _causes(findings: Findings, verdict: Verdict, errors: HeldOutErrors, budget:
                     location=candidate.location,
                     probability=probability_of(name, findings, verdict),
                     parameters=parameters,
+                    determined=determined(candidate, parameters),
                     closed_fraction=_closed(errors.alone[name], findings, errors)
                     if name in errors.alone
                     else added_first.get(name),
@@ -342,14 +353,14 @@ def _sensor_warnings(findings: Findings) -> tuple[str, ...]:
     return (*data.measurement.warnings, *(() if data.tool is None else data.tool.warnings))
 
 
-def _answer_warnings(findings: Findings, gap: GapNumbers) -> list[str]:
+def _answer_warnings(findings: Findings, gap: GapNumbers, *, worse: bool) -> list[str]:
     """Return what limits the answer."""
     explanations, remainder, warnings = findings.explanations, findings.explanations.remainder, []
     if explanations.detected and remainder > 0 and explanations.comparison.adequate(explanations.chosen):
         warnings.append(
             f"the explanation leaves {100 * remainder:.2g} % of the gap in the fitted log, more than noise does"
         )
-    if gap.after is not None and gap.after > gap.before:
+    if worse:
         warnings.append(
             "the explanation predicts the held-out log worse than the nominal model, so there is no patch: that log "
             "may be of other conditions, or what acts is not among the effects"
@@ -359,4 +370,14 @@ def _answer_warnings(findings: Findings, gap: GapNumbers) -> list[str]:
             f"on held-out data the explanation closes only {100 * gap.closed_fraction:.0f} % of the gap: it may not "
             "hold beyond the fitted log"
         )
+    given = findings.as_given
+    if explanations.detected and given.kept:
+        warnings.append(
+            f"without {', '.join(sorted(given.kept))}, which the model lacks, motors are predicted hardly better 0.1 s "
+            "ahead than by their last position: the gap before the repair is that of the model with them"
+        )
+    warnings += [
+        f"the size of {name} ended at the limit of its search, which is no finding: it is not in the patch"
+        for name in sorted(findings.beyond_search)
+    ]
     return [*warnings, *drift_warnings(findings)]

@@ -8,28 +8,30 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.effects import effects
 from flexros.effects.kinds.law import AbstractLaw
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.effects.left_out.rotor_inertia import RotorInertia
 from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_moved
 from flexros.effects.viscous_friction import ViscousFriction
+from flexros.gap.answer.decision import effect_location
 from flexros.gap.answer.partial_repairs import PartialRepairs
 from flexros.gap.answer.unexplained import unexplained
 from flexros.gap.answer.waterfall import waterfalls
-from flexros.gap.candidates.candidate import names_of
 from flexros.gap.fit.estimates import fit_covariance, parameters_of
-from flexros.gap.held_out.prediction_gap import closed_fraction
+from flexros.gap.held_out.prediction_gap import closed_fraction, share_between
 from flexros.gap.schema import BudgetShare, ModelNumber
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from flexros.effects import AbstractEffect
     from flexros.gap.answer.decision import Findings
-    from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.held_out.prediction_gap import AheadErrors
-    from flexros.gap.schema import Unexplained, Waterfall
+    from flexros.gap.schema import EffectLocation, Unexplained, Waterfall
     from flexros.robot import Robot
+
+    _Row = tuple[str, str, str | None]
 
 MODEL_NUMBERS = "model numbers"
 _CLASSES: Mapping[str, str] = MappingProxyType({"motor friction": "friction"})
@@ -84,20 +86,33 @@ def budget_of(findings: Findings, before: AheadErrors, after: AheadErrors) -> Bu
     rest = unexplained(findings, before, after)
     if gap <= 0 or not chosen.hypothesis:
         return Budget(unexplained=rest, model_numbers=tuple(_estimated(findings)))
-    repairs, rows = PartialRepairs(findings, before, after), _members(chosen.hypothesis, findings.model.robot)
-    own = [names_of(members) for _, members in rows]
-    repairs.prepare([*own, *(chosen.names - names for names in own)])
+    repairs = PartialRepairs(findings, before, after)
+    rows = _members([effect_location(name) for name in _in_order(repairs)], findings.model.robot)
+    own = [_names(members) for _, members in rows]
+    repairs.prepare([*(repairs.kept | names for names in own), *(repairs.names - names for names in own)])
     shares = [_share(repairs, *row) for row in rows]
     shares.sort(key=lambda share: -(share.share_last or 0.0))
     return Budget(tuple(shares), waterfalls(repairs), rest, _model_numbers(findings))
 
 
-def _share(repairs: PartialRepairs, name: tuple[str, str, str | None], members: tuple[Candidate, ...]) -> BudgetShare:
+def _in_order(repairs: PartialRepairs) -> list[str]:
+    """List what the gap is divided among: numbers that the model lacks, then the effects as they were found."""
+    effects = (candidate.name for candidate in repairs.findings.explanations.chosen.hypothesis)
+    return [*sorted(repairs.findings.as_given.lacking), *(name for name in effects if name in repairs.names)]
+
+
+def _names(members: Sequence[EffectLocation]) -> frozenset[str]:
+    return frozenset(f"{one.effect}@{one.location}" for one in members)
+
+
+def _share(repairs: PartialRepairs, name: _Row, members: tuple[EffectLocation, ...]) -> BudgetShare:
     """Compute the share of an effect, or of the effects of a class at a joint."""
     joint, cause_class, effect = name
-    own, every = names_of(members), repairs.findings.explanations.chosen.names
+    own, every, kept = _names(members), repairs.names, repairs.kept
+    sample_time = repairs.findings.held.record.sample_time
     last = repairs.closed_by(every) - repairs.closed_by(every - own)
-    closed = closed_fraction(repairs.before, repairs.errors(own), repairs.findings.held.record.sample_time)
+    closed = None if own <= kept else closed_fraction(repairs.before, repairs.errors(kept | own), sample_time)
+    opened = share_between(repairs.before, repairs.errors(every - own), repairs.errors(every), sample_time)
     return BudgetShare.model_validate(
         {
             "joint": joint,
@@ -107,6 +122,7 @@ def _share(repairs: PartialRepairs, name: tuple[str, str, str | None], members: 
             "share_first": None if closed is None else closed.value,
             "share_last": last,
             "interval": None if closed is None else closed.interval,
+            "interval_last": None if opened is None else opened.interval,
         }
     )
 
@@ -120,17 +136,15 @@ def without_gap(findings: Findings) -> Budget:
     return Budget(model_numbers=tuple(_estimated(findings)))
 
 
-def _members(
-    hypothesis: tuple[Candidate, ...], robot: Robot
-) -> list[tuple[tuple[str, str, str | None], tuple[Candidate, ...]]]:
-    """List the effects, and the classes of which a joint has several: joint, class, effect and candidates."""
-    classes: dict[tuple[str, str], list[Candidate]] = {}
-    for candidate in hypothesis:
-        key = (joint_of(candidate.location, robot), class_of(candidate.effect))
-        classes.setdefault(key, []).append(candidate)
-    rows: list[tuple[tuple[str, str, str | None], tuple[Candidate, ...]]] = []
+def _members(divided: Sequence[EffectLocation], robot: Robot) -> list[tuple[_Row, tuple[EffectLocation, ...]]]:
+    """List the effects, and the classes of which a joint has several: joint, class, effect and members."""
+    classes: dict[tuple[str, str], list[EffectLocation]] = {}
+    for one in divided:
+        key = (joint_of(one.location, robot), class_of(effects()[one.effect]))
+        classes.setdefault(key, []).append(one)
+    rows: list[tuple[_Row, tuple[EffectLocation, ...]]] = []
     for (joint, cause_class), members in classes.items():
-        rows += [((joint, cause_class, one.effect.name), (one,)) for one in members]
+        rows += [((joint, cause_class, one.effect), (one,)) for one in members]
         if len(members) > 1:
             rows.append(((joint, cause_class, None), tuple(members)))
     return rows
@@ -141,9 +155,9 @@ def _model_numbers(findings: Findings) -> tuple[ModelNumber, ...]:
     chosen, robot = findings.explanations.chosen, findings.model.robot
     numbers = []
     for candidate, parameters in zip(chosen.hypothesis, parameters_of(chosen, findings.data, findings.settings)):
-        placed = candidate.placed({name: parameter.value for name, parameter in parameters.items()})
-        if class_of(candidate.effect) != MODEL_NUMBERS:
+        if class_of(candidate.effect) != MODEL_NUMBERS or candidate.name in findings.beyond_search:
             continue
+        placed = candidate.placed({name: parameter.value for name, parameter in parameters.items()})
         assert isinstance(placed.effect, AbstractChangedValues)
         (parameter,) = parameters.values()  # the values are linear in it
         for name, value in placed.effect.values(robot, candidate.location).items():
@@ -157,6 +171,7 @@ def _model_numbers(findings: Findings) -> tuple[ModelNumber, ...]:
                         value=value,
                         std=abs(value - nominal) / abs(parameter.value) * parameter.std,
                         unit=robot.parameters[name].unit,
+                        determined=parameter.determined,
                     )
                 )
     return (*_estimated(findings), *numbers)
@@ -188,6 +203,7 @@ def _estimated(findings: Findings) -> list[ModelNumber]:
                 value=effect.added,
                 std=float(relative[name]) * effect.added,
                 unit=robot.parameters[name].unit,
+                determined=bool(relative[name] <= 1.0),
             )
         )
     return numbers
@@ -202,6 +218,14 @@ def _of_load(load: ToolLoad, robot: Robot, relative: Mapping[str, float]) -> lis
     farther = float(np.max(np.abs(center) * of_center)) * mass / max(load.mass, 1e-300)
     values = ("mass", load.mass, deviation, "kg"), *((axis, getattr(load, axis), farther, "m") for axis in "xyz")
     return [
-        ModelNumber(location="tool", name=f"tool_load.{name}", nominal=0.0, value=value, std=std, unit=unit)
+        ModelNumber(
+            location="tool",
+            name=f"tool_load.{name}",
+            nominal=0.0,
+            value=value,
+            std=std,
+            unit=unit,
+            determined=deviation <= load.mass,  # a place is known as well at zero, where there is a load
+        )
         for name, value, std, unit in values
     ]

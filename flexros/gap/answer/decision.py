@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,7 +11,8 @@ import numpy as np
 from flexros.effects.encoder_quantization import EncoderQuantization
 from flexros.effects.kinds.base import PlacedEffect
 from flexros.effects.viscous_friction import ViscousFriction
-from flexros.gap.fit.estimates import placed_effects
+from flexros.gap.answer.given_model import GivenModel
+from flexros.gap.fit.estimates import beyond_search, placed_effects
 from flexros.gap.fit.unknown_numbers import UnknownNumbers
 from flexros.gap.held_out.prediction_gap import unknown_rounding
 from flexros.gap.schema import EffectLocation
@@ -64,6 +66,24 @@ class Findings:
     complete: bool = True
     names_by_tolerance: tuple[ToleranceSensitivity, ...] = ()
     elsewhere: tuple[CandidateFit, ...] = ()
+
+    @cached_property
+    def as_given(self) -> GivenModel:
+        """The nominal model without the numbers that it lacks."""
+        return GivenModel(self)
+
+    @cached_property
+    def beyond_search(self) -> frozenset[str]:
+        """Effects of the chosen explanation, effect@location, whose size ended at the limit of its search."""
+        return beyond_search(self.explanations.chosen)
+
+    @cached_property
+    def repaired(self) -> CandidateFit:
+        """The chosen explanation without these effects: what the patch holds of it."""
+        chosen = self.explanations.chosen
+        if not self.beyond_search:
+            return chosen
+        return replace(chosen, theta=chosen.switched_off(self.beyond_search))
 
     @property
     def quantized(self) -> dict[str, Quantization]:
@@ -123,7 +143,7 @@ def held_out_gain(fit: CandidateFit, findings: Findings) -> float:
     return findings.held_comparison.gain(held) if np.isfinite(held.chi2) else -np.inf
 
 
-def verdict_of(findings: Findings, left: float = 1.0) -> Verdict:
+def verdict_of(findings: Findings, left: float = 1.0, with_tolerance: float | None = None) -> Verdict:
     """Return the verdict.
 
     A curve names where something is, but no law: what it explains is explained in part at best. An explanation may be
@@ -133,6 +153,7 @@ def verdict_of(findings: Findings, left: float = 1.0) -> Verdict:
         findings: Fits of one log, and what the held-out log says of them.
         left: Mean squared prediction error 0.1 s ahead that the chosen explanation leaves in the held-out log, over its
             floor [1].
+        with_tolerance: What torques that are off by their tolerance leave there [1]; None where they are exact.
     """
     explanations, comparison = findings.explanations, findings.explanations.comparison
     if not explanations.detected:
@@ -145,16 +166,22 @@ def verdict_of(findings: Findings, left: float = 1.0) -> Verdict:
     if comparison.adequate(explanations.chosen) and confirmed and lawful:
         if rivals_of(explanations, findings.settings, findings.elsewhere):
             return "ambiguous"
-        return "explained" if _within_floor(findings, left) else "partly_explained"
+        return "explained" if _within_floor(findings, left, with_tolerance) else "partly_explained"
     return "partly_explained" if _partly(findings) else "unknown_effect"
 
 
-def _within_floor(findings: Findings, left: float) -> bool:
-    """Return whether the chosen explanation leaves about the floor: on a real machine, of noise and tolerance."""
+def _within_floor(findings: Findings, left: float, with_tolerance: float | None) -> bool:
+    """Return whether the chosen explanation leaves about the floor: on a real machine, of noise and tolerance.
+
+    There predictions of one sample, in both logs, must be within it as well as those 0.1 s ahead: the former show fast
+    errors, the latter slow ones.
+    """
+    floors = findings.settings.floors
     if findings.data.record.imported:
         fitted = findings.explanations.comparison.level(findings.explanations.chosen)
-        left = max(fitted, findings.held_comparison.level(findings.held_chosen))
-    return left <= findings.settings.floors
+        if max(fitted, findings.held_comparison.level(findings.held_chosen)) > floors:
+            return False
+    return left <= floors * (with_tolerance or 1.0)
 
 
 def _partly(findings: Findings) -> bool:
@@ -254,11 +281,17 @@ def rank_key(name: str, findings: Findings, verdict: Verdict) -> tuple[float, fl
 
 
 def repair_of(findings: Findings) -> tuple[PlacedEffect, ...]:
-    """Return the effects that repair the model: unknown numbers, the chosen explanation, and rounding of encoders."""
+    """Return the effects that repair the model: unknown numbers, the chosen explanation, and rounding of encoders.
+
+    An effect at the limit of its search is left out. One whose deviation is above its size stays: the search keeps an
+    effect only where more than chance is lost without it, and what it takes up would else spoil the others.
+    """
     names = findings.model.robot.joint_names
     rounding = (PlacedEffect(EncoderQuantization(step=one.step), names[one.motor]) for one in findings.quantizations)
     chosen = findings.explanations.chosen
-    numbers, placed = findings.unknown.fitted(chosen), list(placed_effects(chosen))
+    numbers = findings.unknown.fitted(chosen)
+    every = zip(chosen.hypothesis, placed_effects(chosen), strict=True)
+    placed = [one for candidate, one in every if candidate.name not in findings.beyond_search]
     for number in [one for one in numbers if isinstance(one.effect, ViscousFriction)]:
         beside = [one for one in placed if one.location == number.location and isinstance(one.effect, ViscousFriction)]
         if beside:  # found beside the friction that the model was given instead of that of its file

@@ -19,14 +19,29 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.gap.answer.decision import Findings
     from flexros.gap.held_out.prediction_gap import AheadErrors
+    from flexros.gap.prediction.predictor import Predictor
+
+
+@dataclass(frozen=True, eq=False)
+class _Base:
+    """A model without effects.
+
+    Attributes:
+        predictor: Predictor of it with all effects, which may be switched off.
+        deviations: Its tolerated deviations, fitted without them, shape (n_free,).
+    """
+
+    predictor: Predictor
+    deviations: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
 class PartialRepairs:
     """Prediction errors in the held-out log with some effects of the chosen explanation, and the others switched off.
 
-    Effects keep the sizes at which they explain the fitted log together. Parameters of the robot that are known with a
-    tolerance only are fitted again to that log: in the nominal model they imitate the effects as far as they may.
+    Numbers that the model lacks, such as rotor inertias, count as effects on the model as it was given. Effects keep
+    the sizes at which they explain the fitted log together. Parameters of the robot that are known with a tolerance
+    only are fitted again to that log: in the nominal model they imitate the effects as far as they may.
 
     Attributes:
         findings: The fits of one log, checked on another.
@@ -40,6 +55,17 @@ class PartialRepairs:
     after: AheadErrors
     known: dict[frozenset[str], AheadErrors] = field(default_factory=dict)
 
+    @property
+    def names(self) -> frozenset[str]:
+        """All that the repaired model has: effects, and numbers that the given one lacks, effect@location."""
+        findings = self.findings
+        return findings.explanations.chosen.names - findings.beyond_search | findings.as_given.lacking
+
+    @property
+    def kept(self) -> frozenset[str]:
+        """Those of the numbers with which the gap begins."""
+        return self.findings.as_given.kept
+
     def prepare(self, parts: Iterable[Collection[str]]) -> None:
         """Compute the errors with several parts of the effects, names effect@location, at the same time."""
         new = [part for part in dict.fromkeys(map(frozenset, parts)) if part not in self.known]
@@ -48,14 +74,17 @@ class PartialRepairs:
             return
         if len(chosen.deviations):
             assert self._changes.size  # computed before the threads ask for it
-        groups = [new[begin : begin + LANES] for begin in range(0, len(new), LANES)]
+        lacking, groups = findings.as_given.lacking, []
+        for numbers in dict.fromkeys(part & lacking for part in new):
+            alike, base = [part for part in new if part & lacking == numbers], self._base(numbers)
+            groups += [(base, alike[begin : begin + LANES]) for begin in range(0, len(alike), LANES)]
 
-        def predicted(group: Sequence[frozenset[str]]) -> list[AheadErrors]:
-            return errors_ahead_of(chosen.predictor, self._fitted(group), findings.held)
+        def predicted(group: tuple[_Base, Sequence[frozenset[str]]]) -> list[AheadErrors]:
+            return errors_ahead_of(group[0].predictor, self._fitted(*group), findings.held)
 
         with ThreadPoolExecutor(findings.data.settings.cores) as pool:
-            for group, every in zip(groups, pool.map(predicted, groups), strict=True):
-                for part, errors in zip(group, every, strict=True):
+            for (_, alike), every in zip(groups, pool.map(predicted, groups), strict=True):
+                for part, errors in zip(alike, every, strict=True):
                     self.known[part] = over_expected_floor(errors, findings.model, findings.held)
 
     def errors(self, part: Collection[str]) -> AheadErrors:
@@ -73,26 +102,31 @@ class PartialRepairs:
         n = self.findings.model.robot.n_motors
         return np.array([shares[errors.of_joint(motor, n)].sum() for motor in range(n)])
 
-    def _fitted(self, parts: Sequence[frozenset[str]]) -> FloatArray:
+    def _base(self, numbers: frozenset[str]) -> _Base:
+        """Prepare the given model with some of the numbers that it lacks."""
+        chosen, given = self.findings.explanations.chosen, self.findings.as_given
+        predictor = chosen.predictor if numbers == given.lacking else given.predictor(chosen.hypothesis, numbers)
+        return _Base(predictor, given.fitted(numbers).deviations)
+
+    def _fitted(self, base: _Base, parts: Sequence[frozenset[str]]) -> FloatArray:
         """Return the parameters with some parts of the effects, tolerated deviations fitted, shape (n_fitted, sets).
 
         Each effect adds its change to the deviations of the nominal model, all together those of the explanation; then
         they are improved by a step with the slopes of the nominal model.
         """
-        explanations, data = self.findings.explanations, self.findings.data
-        chosen, null = explanations.chosen, explanations.null
+        chosen, data, predictor = self.findings.explanations.chosen, self.findings.data, base.predictor
         n = chosen.predictor.n_effect
         sets = np.stack([chosen.switched_off(chosen.names - part) for part in parts], axis=-1)
         if n == len(sets):
             return sets
-        low, high = (bound[n:, None] for bound in chosen.predictor.bounds)
+        low, high = (bound[n:, None] for bound in predictor.bounds)
         names = sorted(chosen.names)
         within = np.array([[name in part for part in parts] for name in names], dtype=float)
-        sets[n:] = np.clip(null.deviations[:, None] + self._changes @ within, low, high)
-        residuals = data.residuals(chosen.predictor, sets)[:, : len(parts)]
+        sets[n:] = np.clip(base.deviations[:, None] + self._changes @ within, low, high)
+        residuals = data.residuals(predictor, sets)[:, : len(parts)]
         improved = sets.copy()
         improved[n:] = np.clip(sets[n:] - self._step(residuals, sets[n:]), low, high)
-        better = chi2_of(chosen.predictor, data, improved) < np.sum(residuals**2, axis=0) + self._prior(sets[n:])
+        better = chi2_of(predictor, data, improved) < np.sum(residuals**2, axis=0) + self._prior(sets[n:])
         return np.where(better, improved, sets)
 
     def _step(self, residuals: FloatArray, deviations: FloatArray) -> FloatArray:

@@ -64,7 +64,7 @@ def unexplained(findings: Findings, before: AheadErrors, after: AheadErrors) -> 
 
 
 class _Spectra:
-    """Prediction errors of the chosen explanation in the held-out log, by band and time.
+    """Prediction errors of the repaired model in the held-out log, by band and time.
 
     Args:
         findings: The fits of one log, checked on another.
@@ -74,8 +74,8 @@ class _Spectra:
         held = findings.held
         sample_time = held.record.sample_time
         step = max(1, round(SPACING / sample_time))
-        chosen = findings.explanations.chosen
-        (ahead,) = signed_errors_ahead(chosen.predictor, chosen.theta[:, None], held, step * sample_time)
+        repaired = findings.repaired
+        (ahead,) = signed_errors_ahead(repaired.predictor, repaired.theta[:, None], held, step * sample_time)
         rows = (ahead.starts - ahead.starts[0]) // step
         self._ends = ahead.starts[0] + np.arange(rows[-1] + 1) * step + max(1, round(HORIZON / sample_time))
         self._present = np.zeros(len(self._ends))

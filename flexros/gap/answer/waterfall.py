@@ -43,11 +43,12 @@ def waterfalls(repairs: PartialRepairs) -> tuple[Waterfall, ...]:
 
 def _steps(repairs: PartialRepairs) -> dict[str, FloatArray]:
     """Return what each effect closes at each joint [1], by effect@location, in their order."""
-    names = repairs.findings.explanations.chosen.names
-    repairs.prepare([*({name} for name in names), *(names - {name} for name in names)])
-    both = {name: repairs.closed_by({name}) - repairs.closed_by(names - {name}) for name in sorted(names)}
+    names, kept = repairs.names, repairs.kept
+    divided = sorted(names - kept)
+    repairs.prepare([*(kept | {name} for name in divided), *(names - {name} for name in divided)])
+    both = {name: repairs.closed_by(kept | {name}) - repairs.closed_by(names - {name}) for name in divided}
     order = sorted(both, key=lambda name: -both[name])
-    parts = list(accumulate(order, lambda part, name: part | {name}, initial=frozenset[str]()))
+    parts = list(accumulate(order, lambda part, name: part | {name}, initial=kept))
     repairs.prepare(parts[1:])
     levels = [repairs.by_joint(errors) for errors in (repairs.before, *(repairs.errors(part) for part in parts[1:]))]
     steps = {name: high - low for name, (high, low) in zip(order, pairwise(levels), strict=True)}

@@ -14,9 +14,11 @@ from flexros.gap.fit.screening import switched_off
 from flexros.gap.schema import CauseParameter
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from flexros.arrays import FloatArray
     from flexros.effects import PlacedEffect
-    from flexros.gap.candidates.candidate import Candidate
+    from flexros.gap.candidates.candidate import Candidate, FreeParameter
     from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.settings import RankingSettings
@@ -48,16 +50,49 @@ def parameters_of(
     values = fit.predictor.values(fit.theta)
     return [
         {
-            name: CauseParameter(
-                value=value,
-                std=float(next(deviations)),
-                unit=unit_of_parameter(candidate, name, fit.predictor.robot),
-                at_limit=name in candidate.at_limit(parameters),
-            )
-            for name, value in parameters.items()
+            free.name: _parameter(candidate, free, parameters, float(next(deviations)), fit.predictor.robot)
+            for free in candidate.free
         }
         for candidate, parameters in zip(fit.hypothesis, values)
     ]
+
+
+def _parameter(
+    candidate: Candidate, free: FreeParameter, values: Mapping[str, float], std: float, robot: Robot
+) -> CauseParameter:
+    value = values[free.name]
+    angle = free.signed and candidate.neutral(free) is None  # a phase is known as well at zero
+    return CauseParameter(
+        value=value,
+        std=std,
+        unit=unit_of_parameter(candidate, free.name, robot),
+        at_limit=free.name in candidate.at_limit(values),
+        determined=angle or std <= abs(value),
+    )
+
+
+def determined(candidate: Candidate, parameters: Mapping[str, CauseParameter]) -> bool:
+    """Return whether a log determines any of the sizes of an effect: its deviation is not above it.
+
+    Args:
+        candidate: The effect.
+        parameters: Its fitted parameters by name.
+    """
+    return any(parameters[free.name].determined for free in sizes_of(candidate))
+
+
+def sizes_of(candidate: Candidate) -> tuple[FreeParameter, ...]:
+    """Return the free parameters that make up the size of an effect, or all where none does."""
+    return tuple(free for free in candidate.free if candidate.neutral(free) is not None) or candidate.free
+
+
+def beyond_search(fit: CandidateFit) -> frozenset[str]:
+    """Return the effects of a fit, effect@location, of which a size ended at the limit of its search: no findings."""
+    return frozenset(
+        candidate.name
+        for candidate, values in zip(fit.hypothesis, fit.predictor.values(fit.theta), strict=True)
+        if candidate.at_limit(values) & {free.name for free in sizes_of(candidate)}
+    )
 
 
 def covariance_of(

@@ -196,7 +196,7 @@ class ClosedShare:
     """The share of a gap that a repair closes.
 
     Attributes:
-        value: (E_before - E_after) / (E_before - 1) [1].
+        value: (E_before - E_after) / (E_before - 1), or such a difference of two repairs [1].
         interval: Its 95 % interval [1].
     """
 
@@ -207,9 +207,6 @@ class ClosedShare:
 def closed_fraction(before: AheadErrors, after: AheadErrors, sample_time: float) -> ClosedShare | None:
     """Compute the share of the gap that is closed, with a 95 % interval by a bootstrap over blocks of the log.
 
-    (E_before - E_after) / (E_before - 1), both of the same log. A gap within the noise of the floor has no share, which
-    would be a quotient of noise.
-
     Args:
         before: Errors of the nominal model.
         after: Errors of the repaired model, at the same windows.
@@ -218,10 +215,29 @@ def closed_fraction(before: AheadErrors, after: AheadErrors, sample_time: float)
     Returns:
         The share and its interval; None where the gap does not show in these errors.
     """
+    return share_between(before, before, after, sample_time)
+
+
+def share_between(before: AheadErrors, more: AheadErrors, less: AheadErrors, sample_time: float) -> ClosedShare | None:
+    """Compute the share of a gap between two repairs, with a 95 % interval by a bootstrap over blocks of the log.
+
+    (E_more - E_less) / (E_before - 1), all of the same log. A gap within the noise of the floor has no share, which
+    would be a quotient of noise.
+
+    Args:
+        before: Errors of the nominal model.
+        more: Errors of the model that leaves more, at the same windows.
+        less: Errors of the one that leaves less.
+        sample_time: Time between two samples [s].
+
+    Returns:
+        The share and its interval; None where the gap does not show in these errors.
+    """
     settings = before.settings
     of_blocks = (before.starts * sample_time / settings.block).astype(int)
     blocks = np.unique(of_blocks)
-    sums = np.array([[errors.squares[of_blocks == block].mean() for block in blocks] for errors in (before, after)])
+    models = (before, more, less)
+    sums = np.array([[errors.squares[of_blocks == block].mean() for block in blocks] for errors in models])
     counts = np.array([np.sum(of_blocks == block) for block in blocks], dtype=float)
     draws = generator(0, BOOTSTRAP_STREAM).integers(0, len(blocks), size=(settings.draws, len(blocks)))
     means = (sums * counts)[:, draws].sum(axis=-1) / counts[draws].sum(axis=-1)
@@ -229,8 +245,47 @@ def closed_fraction(before: AheadErrors, after: AheadErrors, sample_time: float)
     if before.mean - 1.0 <= least:
         return None
     means = means[:, means[0] - 1.0 > least]
-    low, high = np.quantile((means[0] - means[1]) / (means[0] - 1.0), [0.025, 0.975])
-    return ClosedShare((before.mean - after.mean) / (before.mean - 1.0), (float(low), float(high)))
+    low, high = np.quantile((means[1] - means[2]) / (means[0] - 1.0), [0.025, 0.975])
+    return ClosedShare((more.mean - less.mean) / (before.mean - 1.0), (float(low), float(high)))
+
+
+def tolerance_floor(fit: CandidateFit, held: FitData) -> float | None:
+    """Return the gap E of a log whose torques are off by their tolerance; None where they are exact.
+
+    The floor holds the tolerance t as white torque. An error of a real torque, by a torque constant or friction of
+    slightly other form, lasts: then predictions stray farther. Here the torque of each motor deviates from its mean by
+    the factor 1 + t, one motor after the other, with the same rms t:
+
+        E = 1 + sum over motors of mean((prediction with its torque off - prediction)^2 / floor^2).
+
+    Numbers of the robot with a tolerance are fitted, so that they leave nothing.
+
+    Args:
+        fit: The model.
+        held: The log.
+    """
+    share, record = held.measurement.signal_tolerance, held.record
+    if not share:
+        return None
+    spacing, theta = held.settings.prediction_gap.spacing, fit.theta[:, None]
+    (as_recorded,) = signed_errors_ahead(fit.predictor, theta, held, spacing)
+    total = 1.0
+    for motor in range(record.torque.shape[1]):
+        change = np.zeros_like(record.torque)
+        change[:, motor] = share * (record.torque[:, motor] - record.torque[:, motor].mean())
+        off = replace(held, record=_with_torque(record, fit.predictor.robot, change))
+        (errors,) = signed_errors_ahead(fit.predictor, theta, off, spacing)
+        strayed = np.clip(errors.errors - as_recorded.errors, -RUN_AWAY, RUN_AWAY)
+        total += float(np.nanmean(strayed**2))
+    return total
+
+
+def _with_torque(record: Record, robot: Robot, change: FloatArray) -> Record:
+    """Add torques to those of a log [Nm or N], shape (n, M); to the positions of servos what causes such torques."""
+    if record.command is None:
+        return replace(record, torque=record.torque + change)
+    stiffness = [robot.parameters[f"{name}.servo_stiffness"].value for name in robot.joint_names]
+    return replace(record, command=record.command + change / np.array(stiffness))
 
 
 def settled(record: Record, closed: float | None) -> Record:
@@ -244,7 +299,11 @@ def settled(record: Record, closed: float | None) -> Record:
 
 
 def gap_numbers(
-    before: AheadErrors, after: AheadErrors | None, sample_time: float, rival: AheadErrors | None = None
+    before: AheadErrors,
+    after: AheadErrors | None,
+    sample_time: float,
+    rival: AheadErrors | None = None,
+    with_tolerance: float | None = None,
 ) -> GapNumbers:
     """State the gap before and after a repair.
 
@@ -253,6 +312,7 @@ def gap_numbers(
         after: Errors of the repaired model, at the same windows; None where nothing was repaired.
         sample_time: Time between two samples [s].
         rival: Errors of the best explanation that was not chosen, None for none.
+        with_tolerance: The gap of torques that are off by their tolerance [1]; None where they are exact.
     """
     share = None if after is None else closed_fraction(before, after, sample_time)
     return GapNumbers(
@@ -261,6 +321,7 @@ def gap_numbers(
         before=before.mean,
         after=None if after is None else after.mean,
         noise_floor=1.0,
+        tolerance_floor=with_tolerance,
         best_rival=None if rival is None else rival.mean,
         closed_fraction=None if share is None else share.value,
         interval=None if share is None else share.interval,

@@ -5,7 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from flexros.gap.report.waterfall import shown, waterfall_figure
-from flexros.gap.report.words import band_words, capital, interval_words, named_at, share_words, signed_share_words
+from flexros.gap.report.words import (
+    NOT_DETERMINED,
+    band_words,
+    capital,
+    interval_words,
+    named_at,
+    share_words,
+    signed_share_words,
+)
 from flexros.gap.where.regimes import REGIMES
 from flexros.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
 from flexros.report.number_text import number
@@ -70,6 +78,8 @@ def _introduction(diagnosis: Diagnosis) -> str:
             " A share below zero: the prediction is worse with the effect than without, because it has the size at "
             "which it explains the log together with the others, or because this log moves in another way."
         )
+    if any(share.share_first is None for share in diagnosis.budget):
+        text += " No share added first: without this number the model predicts nothing, so the gap begins with it."
     return text
 
 
@@ -80,7 +90,8 @@ def _shares(budget: tuple[BudgetShare, ...]) -> TextTable:
         for share in (share for share in budget if share.joint == joint):
             first = _share(share.share_first) + interval_words(share.interval)
             name = named_at(joint, share.effect, share.location) if share.effect else f"all {share.cause_class}"
-            rows.append((capital(name), share.cause_class, first, _share(share.share_last)))
+            last = _share(share.share_last) + interval_words(share.interval_last)
+            rows.append((capital(name), share.cause_class, first, last))
     return TextTable(("Effect", "class", "added first", "removed last"), tuple(rows), "Shares of the gap.", left=2)
 
 
@@ -113,10 +124,11 @@ def _part(share: float) -> str:
     return f"{100 * share:.1f} %" if share >= _VISIBLE else "-"
 
 
+def _fitted(one: ModelNumber) -> str:
+    return f"{number(one.value, 4)} ± {number(one.std, 2)}" if one.determined else NOT_DETERMINED
+
+
 def _numbers(numbers: tuple[ModelNumber, ...]) -> TextTable:
-    rows = tuple(
-        (one.name, number(one.nominal, 4), f"{number(one.value, 4)} ± {number(one.std, 2)}", one.unit)
-        for one in numbers
-    )
+    rows = tuple((one.name, number(one.nominal, 4), _fitted(one), one.unit) for one in numbers)
     caption = "Parameters of the nominal model that are wrong beyond their tolerance."
     return TextTable(("Parameter", "nominal", "fitted", "unit"), rows, caption)

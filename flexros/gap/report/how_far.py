@@ -34,6 +34,11 @@ class HowFarSection(AbstractSection["DiagnosisResult"]):
 
 def _sentence(gap: GapNumbers) -> str:
     text = f"The gap is the {gap.metric}; 'floor' is its value without any gap."
+    if gap.tolerance_floor is not None:
+        text += (
+            " 'Floor with tolerance' is its value where torques are off by their stated tolerance all the time, not "
+            "from sample to sample: an explanation may leave twice that."
+        )
     if gap.after is not None and (gap.closed_fraction is None or not shows(gap)):
         return f"{text} The gap before is within its sampling error of the floor, so no closed share is stated."
     if gap.closed_fraction is None:
@@ -57,6 +62,7 @@ def gap_figure(gap: GapNumbers) -> go.Figure:
         ("nominal model", gap.before, NOMINAL),
         ("best rival", gap.best_rival, RIVAL),
         ("repaired model", gap.after, REPAIRED),
+        ("floor with tolerance", gap.tolerance_floor, FLOOR),
         ("floor", gap.noise_floor, FLOOR),
     ]
     shown = [(name, value, colour) for name, value, colour in bars if value is not None]

@@ -5,7 +5,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from flexros.gap.report.verdict import closed_by, partial_sentence, reported_causes, verdict_sentence
-from flexros.gap.report.words import capital, closed_words, named, p_value_words, share_words, shows, where_words
+from flexros.gap.report.words import (
+    capital,
+    closed_words,
+    floors_words,
+    named,
+    p_value_words,
+    share_words,
+    shows,
+    where_words,
+)
 from flexros.report.base import AbstractSection, Block, Paragraph, Tiles
 from flexros.report.number_text import number
 
@@ -39,7 +48,7 @@ def _tiles(result: DiagnosisResult) -> list[tuple[str, str, str, str]]:
     diagnosis, gap = result.diagnosis, result.diagnosis.gap
     tiles = [_cause_tile(diagnosis)]
     unit = "" if gap.unit == "1" else gap.unit
-    floor = f"floor {number(gap.noise_floor, 3)}"
+    floor = floors_words(gap)
     if gap.closed_fraction is None or gap.after is None or not shows(gap):
         tiles.append(("Gap", number(gap.before, 3), unit, floor))
     else:

@@ -14,6 +14,7 @@ from flexros.gap.report.words import (
     clear_words,
     closed_words,
     first_few,
+    floors_words,
     interval_words,
     named,
     p_value_words,
@@ -103,7 +104,7 @@ def _share(share: float | None) -> str:
 def gap_line(gap: GapNumbers) -> str:
     """Return the gap in one line."""
     unit = "" if gap.unit in ("", "1") else f" {gap.unit}"
-    parts = [f"{number(gap.before, 4)}{unit} before", f"floor {number(gap.noise_floor, 4)}"]
+    parts = [f"{number(gap.before, 4)}{unit} before", floors_words(gap)]
     if gap.after is not None:
         parts.insert(1, f"{number(gap.after, 4)} after")
     if gap.best_rival is not None:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from flexros.effects.left_out import RotorInertia, ToolLoad
 from flexros.gap.report.words import (
+    budget_words,
     cause_words,
     closed_words,
     first_few,
@@ -24,6 +26,8 @@ if TYPE_CHECKING:
 
     from flexros.gap.schema import Cause, Diagnosis, EffectLocation, GapNumbers
 
+_LACKED = (RotorInertia.name, ToolLoad.name)
+"""Numbers that a robot file may leave out."""
 _PART = 0.5
 """Probability from which a cause is reported as part of the truth (chosen)."""
 _SURE = 0.995
@@ -58,12 +62,14 @@ def reported_causes(diagnosis: Diagnosis) -> tuple[Cause, ...]:
     """List the causes that a verdict names, what closes most first.
 
     They are the effects that the budget is divided among, of which the closed share is; without a budget all that are
-    more probable than not, otherwise the most probable one.
+    more probable than not, otherwise the most probable one. Those of which the log determines no size are left out
+    where there are others.
     """
     divided = {(share.effect, share.location) for share in diagnosis.budget}
     divided |= {(step.effect, step.location) for waterfall in diagnosis.waterfall for step in waterfall.steps}
     repaired = tuple(cause for cause in diagnosis.causes if (cause.effect, cause.location) in divided)
     likely = repaired or tuple(cause for cause in diagnosis.causes if cause.probability >= _PART)
+    likely = tuple(cause for cause in likely if cause.determined) or likely
     return tuple(sorted(likely, key=lambda cause: -closed_by(diagnosis, cause))) or diagnosis.causes[:1]
 
 
@@ -110,16 +116,22 @@ def _explained(diagnosis: Diagnosis) -> str:
     each, more = ("", "") if len(causes) == 1 else ("each ", " or more")
     how = "" if sure >= _SURE else f", {each}with a probability of {share_words(sure)}{more}"
     names = listed([cause_words(cause) for cause in causes])
-    return f"The gap comes from {names}{how}. {_closed(diagnosis.gap)}".strip()
+    return " ".join(f"The gap comes from {names}{how}. {_lacking(diagnosis)} {_closed(diagnosis.gap)}".split())
 
 
 def _partly(diagnosis: Diagnosis) -> str:
     names = first_few([cause_words(cause) for cause in reported_causes(diagnosis)], most=6)
-    text = f"A part of the gap comes from {names}. {_closed(diagnosis.gap)}"
+    text = " ".join(f"A part of the gap comes from {names}. {_lacking(diagnosis)} {_closed(diagnosis.gap)}".split())
     rest = next((one for one in diagnosis.unexplained if one.regime == "all"), None)
     if rest is not None:
         text += f" Most of what is left is in {rest.joint} ({share_words(rest.share)} of the gap)."
     return f"{text} {tolerance_sentence(diagnosis)}".strip()
+
+
+def _lacking(diagnosis: Diagnosis) -> str:
+    """Say which numbers the model lacks that the repair has; empty where it has no share of the gap for that."""
+    rows = [one for one in diagnosis.budget if one.effect in _LACKED]
+    return f"The model lacked {first_few([budget_words(one) for one in rows])}." if rows else ""
 
 
 def _ambiguous(diagnosis: Diagnosis) -> str:
@@ -144,12 +156,12 @@ def _unknown(diagnosis: Diagnosis) -> str:
     text = f"There is a gap that {tried} explains"
     if diagnosis.causes and diagnosis.gap.closed_fraction is not None:
         left = max(1 - diagnosis.gap.closed_fraction, 0.0)
-        others = len({(one.effect, one.location) for one in diagnosis.budget if one.effect is not None}) - 1
+        first = next((cause for cause in diagnosis.causes if cause.determined), diagnosis.causes[0])
+        effects = {(one.effect, one.location) for one in diagnosis.budget if one.effect not in (None, *_LACKED)}
+        others = len(effects) - 1
         beside = f" and {others} other effect{'s' if others > 1 else ''}" if others > 0 else ""
         best = "the best one" if others <= 0 else "the best explanation"
-        text += (
-            f": {best}, {cause_words(diagnosis.causes[0])}{beside}, leaves {share_words(left)} of it on held-out data"
-        )
+        text += f": {best}, {cause_words(first)}{beside}, leaves {share_words(left)} of it on held-out data"
     return f"{text}. {_where(diagnosis)}".strip()
 
 
@@ -168,6 +180,8 @@ def _closed(gap: GapNumbers) -> str:
     sizes = (
         f"{_size(gap, gap.before)} before, {number(gap.after, 3)} after, {number(gap.noise_floor, 3)} without any gap"
     )
+    if gap.tolerance_floor is not None:
+        sizes += f", {number(gap.tolerance_floor, 3)} with torques off by their tolerance"
     if gap.closed_fraction is None or not shows(gap):
         return f"It is too small to show in predictions of held-out data: {sizes}."
     if gap.closed_fraction <= 0:

@@ -28,6 +28,8 @@ _CLEAR = 2.0
 """Standard deviations from zero from which parameters other than the first are stated in a sentence (chosen)."""
 UNKNOWN_RATE = 1e-12
 """Sample time [s] that means not known: no band then reaches the Nyquist frequency."""
+NOT_DETERMINED = "not determined"
+"""A number whose standard deviation is above its size."""
 MOST_SHARE = 10.0
 """Share that is written as a number at most [1] (chosen)."""
 _NEARLY_ALL, _ALL = 0.95, 0.9995
@@ -114,10 +116,14 @@ def first_few(texts: Sequence[str], last: str = "and", most: int = 3) -> str:
 def parameter_words(name: str, parameter: CauseParameter) -> str:
     """Write the value of a parameter with its standard deviation, e.g. "0.21 Nm (±0.01)", "+5.2 % (±0.3)".
 
+    One whose deviation is above its size is "not determined".
+
     Args:
         name: Name of the parameter; one called "relative" is written in per cent.
         parameter: The fitted parameter.
     """
+    if not parameter.determined:
+        return NOT_DETERMINED
     value, std, unit = parameter.value, parameter.std, parameter.unit
     if unit == "1" and name == "relative":
         return f"{'+' if value > 0 else ''}{_with_std(100 * value, 100 * std, '%')}"
@@ -225,6 +231,12 @@ def closed_words(share: float) -> str:
     """
     share = min(share, 1.0)
     return f"{100 * share:.1f} %" if _NEARLY_ALL <= share < _ALL else f"{round(100 * share)} %"
+
+
+def floors_words(gap: GapNumbers) -> str:
+    """Write the floor of a gap, and with torques off by their tolerance, e.g. "floor 1, 24.9 with tolerance"."""
+    floor = f"floor {number(gap.noise_floor, 4)}"
+    return floor if gap.tolerance_floor is None else f"{floor}, {number(gap.tolerance_floor, 3)} with tolerance"
 
 
 def shows(gap: GapNumbers) -> bool:

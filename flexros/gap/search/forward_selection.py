@@ -164,6 +164,7 @@ def _pruned(search: Search, explanations: Explanations) -> Explanations:
     fits = [pruned.get(fit, fit) for fit in explanations.comparison.fits if fit is not explanations.chosen]
     if chosen.predictor.n_effect < explanations.chosen.predictor.n_effect:  # without a parameter one may be needless
         chosen = _best_within_limits(search, reduced(search, chosen, fits, search.settings.search.removed), fits)
+        chosen = search.within_limits(chosen)  # what was left out may have kept another one from its limit
     if not chosen.hypothesis:
         return _explanations(search, compared(search, fits), search.null.fit, detected=False)
     comparison = compared(search, [*(fit for fit in fits if fit.names != chosen.names), chosen])

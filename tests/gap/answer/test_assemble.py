@@ -29,7 +29,8 @@ TRUTH = "coulomb_friction@motor_1:level=0.05"
 COULOMB, STIFFNESS = "coulomb_friction@motor_1", "stiffness_error@body_2.rz"
 TOLERANCE = {"stiffness": 0.01}
 SETTINGS = DiagnosisSettings(level=1e-3, next_experiment=None)
-VALUES = {COULOMB: {"level": 0.05}, STIFFNESS: {"relative": 0.03}}
+SMALL = "motor_inertia_error@motor_1", "damping_error@body_2.rz"
+VALUES = {COULOMB: {"level": 0.05}, STIFFNESS: {"relative": 0.03}, **{name: {"relative": 1e-4} for name in SMALL}}
 
 
 def fitted(level: float, *names: str) -> CandidateFit:
@@ -46,6 +47,7 @@ def answered(
     data: FitData | None = None,
     settings: DiagnosisSettings = SETTINGS,
     detected: bool = True,
+    elsewhere: tuple[CandidateFit, ...] = (),
 ) -> DiagnosisResult:
     """The answer to a log with friction."""
     data, held = data or data_of(TRUTH), data_of(TRUTH, seed=2)
@@ -55,7 +57,9 @@ def answered(
     fits = (chosen, *rivals) if detected else ()
     comparison = ModelComparison(null, fits, data.n_values)
     explanations = Explanations(comparison, chosen, (*fits, null), np.array([*probabilities, 0.0]), detected)
-    found = findings_of(MODEL, data, held, explanations, tolerance=TOLERANCE, settings=settings.ranking)
+    found = findings_of(
+        MODEL, data, held, explanations, tolerance=TOLERANCE, settings=settings.ranking, elsewhere=elsewhere
+    )
     return result_of(found, prediction_of(null, data), None, settings, Stages(None), Deadline())
 
 
@@ -117,6 +121,14 @@ def test_rivals_of_an_ambiguous_answer_are_causes_too() -> None:
     assert len(found.ambiguity_groups) == 1
 
 
+def test_names_that_hang_on_tolerances_are_groups_of_an_explanation_in_part_too() -> None:
+    chosen, other = (fitted(12.0, COULOMB, name) for name in SMALL)
+    found = answered(chosen, other, probabilities=(0.9, 0.1), elsewhere=(other,)).diagnosis
+    assert found.verdict == "partly_explained"
+    ((first, second),) = found.ambiguity_groups
+    assert (first.effect, second.effect) == ("motor_inertia_error", "damping_error")
+
+
 def test_next_experiment_is_chosen_with_the_tolerance_of_the_diagnosis(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[object] = []
     monkeypatch.setattr(answer, "next_experiment", lambda *_, tolerance, **__: asked.append(tolerance))
@@ -129,6 +141,32 @@ def test_of_equally_sure_causes_the_one_that_is_missed_most_is_first() -> None:
     singles = fitted(40.0, STIFFNESS), fitted(1.0, COULOMB)
     causes = answered(both, *singles, probabilities=(1.0, 0.0, 0.0)).diagnosis.causes
     assert [one.effect for one in causes] == ["coulomb_friction", "stiffness_error"]
+
+
+def test_an_effect_at_the_limit_of_its_search_is_flagged_and_otherwise_left_out() -> None:
+    pair = fitted(1.0, COULOMB, STIFFNESS)
+    limited = replace(pair, theta=np.array([pair.theta[0], 1.0]))
+    result = answered(limited, fitted(1.5, COULOMB), probabilities=(1.0, 0.0))
+    diagnosis = result.diagnosis
+    flags = {one.effect: [size.at_limit for size in one.parameters.values()] for one in diagnosis.causes}
+    assert flags == {"coulomb_friction": [False], "stiffness_error": [True]}
+    assert [one.effect for one in diagnosis.budget] == ["coulomb_friction"]
+    assert {step.effect for one in diagnosis.waterfall for step in one.steps} == {"coulomb_friction"}
+    assert diagnosis.model_numbers == ()
+    assert [placed.effect.name for placed in result.patch] == ["coulomb_friction"]
+    assert diagnosis.gap.after == pytest.approx(1.0, abs=0.4)  # without the effect, as the patch is
+    assert any(STIFFNESS in text for text in diagnosis.warnings)
+
+
+def test_a_size_that_the_log_does_not_determine_is_flagged() -> None:
+    pair = fitted(1.0, COULOMB, STIFFNESS)
+    data = data_of(TRUTH)
+    small = replace(pair, theta=np.array([pair.theta[0], encoded(candidates_of()[STIFFNESS], relative=1e-7)[0]]))
+    diagnosis = answered(small, fitted(1.5, COULOMB), probabilities=(1.0, 0.0), data=data).diagnosis
+    assert {one.effect: one.determined for one in diagnosis.causes} == {
+        "coulomb_friction": True, "stiffness_error": False,
+    }  # fmt: skip
+    assert [one.determined for one in diagnosis.model_numbers] == [False]
 
 
 def test_rounding_is_a_certain_cause_in_addition_to_others() -> None:

@@ -165,6 +165,19 @@ def test_a_model_that_runs_away_in_the_held_out_log_gains_nothing(monkeypatch: p
     assert held_out_gain(chosen, found) == -np.inf
 
 
+def at_its_limit(name: str) -> CandidateFit:
+    """Coulomb friction, and an effect whose size is the largest of its search."""
+    pair = fitted(1.0, COULOMB, name)
+    return replace(pair, theta=np.array([pair.theta[0], 1.0]))
+
+
+def test_an_effect_at_the_limit_of_its_search_is_no_part_of_the_repair() -> None:
+    found = findings(at_its_limit(INERTIA), [], [1.0], TRUTH)
+    assert found.beyond_search == {INERTIA}
+    assert [placed.effect.name for placed in repair_of(found)] == ["coulomb_friction"]
+    assert found.repaired.theta[1] == 0.0
+
+
 def test_rounding_is_a_cause_though_no_other_effect_is_detected() -> None:
     found = findings(None, [], [], null=1.0, rounded=True)
     assert verdict_of(found) == "explained"
@@ -195,6 +208,8 @@ def test_an_explanation_that_leaves_more_than_two_floors_is_one_in_part() -> Non
 def test_on_a_real_machine_the_floor_contains_the_tolerance() -> None:
     found = findings(fitted(1.0, COULOMB), [], [1.0], TRUTH)
     real = replace(found, data=replace(found.data, record=replace(found.data.record, imported=True)))
-    assert verdict_of(real, left=50.0) == "explained"
+    assert verdict_of(real, left=50.0) == "partly_explained"
+    assert verdict_of(real, left=50.0, with_tolerance=26.0) == "explained"
+    assert verdict_of(real, left=50.0, with_tolerance=24.0) == "partly_explained"
     far = replace(real, held_chosen=replace(real.held_chosen, chi2=2.1 * found.held.n_values))
     assert verdict_of(far, left=1.0) == "partly_explained"

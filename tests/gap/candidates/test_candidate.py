@@ -179,5 +179,16 @@ def test_the_load_of_a_light_wrist_may_be_many_times_its_mass() -> None:
     wide = among["payload_error@tool"].widened("relative")
     assert wide is not None
     assert wide.free[0].high == pytest.approx(10 * among["payload_error@tool"].free[0].high)
-    assert among["motor_inertia_error@motor_1"].widened("relative") is None
+    assert among["viscous_friction@motor_1"].widened("coefficient") is None
     assert among["coulomb_friction@motor_1"].widened("level") is None
+
+
+def test_a_torque_constant_may_be_several_times_too_small_but_never_below_zero() -> None:
+    among = {one.name: one for one in list_candidates(load_robot("elbow"), Scales({}))}
+    usual = among["torque_gain_error@motor_1"]
+    wide = usual.widened("relative")
+    assert wide is not None
+    lowest, highest = (float(wide.free[0].decode(np.asarray(bound))) for bound in wide.free[0].bounds)
+    assert (lowest, highest) == pytest.approx((-0.9, 9.0))
+    assert usual.free[0].high == pytest.approx(0.9)
+    assert wide.widened("relative") is None

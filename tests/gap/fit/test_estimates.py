@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from flexros.effects import effects
-from flexros.gap.candidates.candidate import Candidate
+from flexros.gap.candidates.candidate import Candidate, free_parameter
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit import estimates
 from flexros.gap.fit.estimates import covariance_of, parameters_of, placed_effects, smoothed, unit_of_parameter
@@ -60,6 +60,23 @@ def test_deviations_are_in_the_units_of_the_numbers(fitted: CandidateFit) -> Non
     friction, soft = parameters_of(fitted)
     assert friction["level"].std == pytest.approx(0.1 * 0.05)
     assert soft["relative"].std == pytest.approx(0.02)
+
+
+def test_a_size_below_its_deviation_is_not_determined(fitted: CandidateFit) -> None:
+    scale = np.diag(1 / np.square([1.1, 1e-4, 1.0]))
+    friction, soft = parameters_of(replace(fitted, information=scale))
+    assert not friction["level"].determined
+    assert soft["relative"].determined
+
+
+def test_a_phase_is_known_as_well_at_zero() -> None:
+    ranges = effects()["torque_ripple"].ranges
+    free = tuple(free_parameter(name, ranges[name], 1.0) for name in ("amplitude", "phase"))
+    ripple = Candidate(effects()["torque_ripple"], "motor_1", free, (("order", 6.0),))
+    theta = np.array(encoded(ripple, amplitude=0.1, phase=0.0))
+    (found,) = parameters_of(CandidateFit(predictor_of(ripple), theta, 1.0, 1e4 * np.eye(len(theta))))
+    assert found["phase"].std > found["phase"].value == 0.0
+    assert found["phase"].determined
 
 
 def test_covariance_keeps_correlations_and_leaves_tolerated_numbers_out(fitted: CandidateFit) -> None:

@@ -14,13 +14,15 @@ from flexros.gap.held_out.prediction_gap import (
     closed_fraction,
     errors_ahead,
     over_expected_floor,
+    share_between,
     signal_gaps,
+    tolerance_floor,
     unknown_rounding,
 )
-from flexros.gap.residuals.fit_data import FitData
+from flexros.gap.residuals.fit_data import FitData, fit_data
 from flexros.record.quantization import Quantization
 from flexros.robot import load_robot
-from tests.gap.diagnosis_logs import MODEL, ROBOT, candidates_of, data_of, encoded, predictor_of
+from tests.gap.diagnosis_logs import MODEL, ROBOT, candidates_of, data_of, encoded, predictor_of, record_of
 
 FRICTION = "coulomb_friction@motor_1:level=0.05"
 SPACING = 50  # samples
@@ -57,6 +59,25 @@ def test_a_gap_shows_and_the_true_model_closes_it() -> None:
     assert share is not None
     assert share.value == pytest.approx(1.0, abs=0.02)
     assert share.interval[0] <= share.value <= share.interval[1]
+
+
+@pytest.mark.slow
+def test_the_floor_with_tolerance_is_the_gap_of_a_torque_that_is_off_by_it() -> None:
+    nominal, log = CandidateFit(predictor_of(), np.zeros(0), 0.0), data_of()
+    assert tolerance_floor(nominal, log) is None  # torques of a simulation are exact
+    tolerated = replace(log, measurement=replace(log.measurement, signal_tolerance=0.05))
+    record = record_of("torque_gain_error@motor_1:relative=0.05")
+    off = errors_ahead(nominal, fit_data(record, MODEL, log.settings, level=log.level)).mean
+    smaller = (record.torque.std() / log.record.torque.std()) ** 2  # for the same motion
+    assert tolerance_floor(nominal, tolerated) == pytest.approx(off / smaller, rel=0.03)
+
+
+def test_what_opens_between_two_repairs_is_a_share_of_the_whole_gap() -> None:
+    before, more, less = (synthetic(level, seed) for seed, level in enumerate((11.0, 6.0, 3.5)))
+    share = share_between(before, more, less, ROBOT.sample_time)
+    assert share is not None
+    assert share.value == pytest.approx(0.25, abs=0.06)
+    assert share.interval[0] < 0.25 < share.interval[1]
 
 
 def test_windows_lie_within_the_log_and_avoid_missing_samples() -> None:

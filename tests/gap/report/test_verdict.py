@@ -133,6 +133,25 @@ def test_names_that_hang_on_tolerances_are_in_the_verdict(guessed: Diagnosis) ->
     assert "hysteresis at motor_1 (with halved" in verdict_sentence(alone)
 
 
+def test_names_of_a_part_that_hang_on_tolerances_are_in_the_verdict(divided: Diagnosis, guessed: Diagnosis) -> None:
+    part = divided.model_copy(update={"tolerance_sensitivity": guessed.tolerance_sensitivity})
+    assert "hysteresis at motor_1 (with halved and stated ones)" in verdict_sentence(part)
+
+
+def test_a_cause_of_undetermined_size_is_not_named(divided: Diagnosis) -> None:
+    coulomb, hysteresis = divided.causes
+    unknown = hysteresis.model_copy(update={"determined": False})
+    part = divided.model_copy(update={"causes": (coulomb, unknown)})
+    assert [cause.effect for cause in reported_causes(part)] == ["coulomb_friction"]
+    assert "hysteresis" not in verdict_sentence(part)
+
+
+def test_the_floor_with_tolerance_stands_beside_the_floor(divided: Diagnosis) -> None:
+    gap = divided.gap.model_copy(update={"tolerance_floor": 24.9})
+    assert "floor 1, 24.9 with tolerance" in gap_line(gap)
+    assert "24.9 with torques off by their tolerance" in verdict_sentence(divided.model_copy(update={"gap": gap}))
+
+
 def test_a_rival_that_the_budget_lacks_is_not_named_as_a_cause(divided: Diagnosis) -> None:
     """The closed share that follows in the sentence is that of the repaired model."""
     coulomb, hysteresis = divided.causes

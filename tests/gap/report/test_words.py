@@ -58,6 +58,11 @@ def test_a_number_has_the_digits_that_its_deviation_leaves(name: str, value: Cau
     assert parameter_words(name, value) == text
 
 
+def test_a_number_below_its_deviation_is_not_determined() -> None:
+    level = CauseParameter(value=35.0, std=216.0, unit="Nm", determined=False)
+    assert parameter_words("level", level) == "not determined"
+
+
 def test_a_number_that_may_be_zero_is_left_out_of_the_cause() -> None:
     numbers = {"level": parameter(0.2134, 0.0113, "Nm"), "asymmetry": parameter(0.05, 0.12, "1")}
     cause = Cause(

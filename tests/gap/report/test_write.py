@@ -16,7 +16,7 @@ from plotly.offline import get_plotlyjs
 
 from flexros.gap.report import diagnosis_report, write_diagnosis_report
 from flexros.gap.result import DiagnosisResult
-from flexros.gap.schema import Diagnosis, Partial
+from flexros.gap.schema import Diagnosis, ModelNumber, Partial
 
 pytestmark = pytest.mark.slow
 
@@ -159,6 +159,17 @@ def test_the_budget_is_drawn_and_its_negative_shares_are_explained(diagnosed: Di
     assert "A share below zero" in html
     assert any(trace["type"] == "waterfall" for one in pictures(html) for trace in one["figure"]["data"])  # type: ignore[index]
     assert "Closed by the first cause" in html
+
+
+def test_numbers_of_the_model_that_are_not_determined_are_said_so(diagnosed: Diagnosed, divided: Diagnosis) -> None:
+    known = {"location": "motor_1", "nominal": 0.0, "value": 1.2, "std": 0.1, "unit": "kg m2"}
+    numbers = (
+        ModelNumber(name="motor_1.inertia", **known),
+        ModelNumber(name="motor_2.inertia", **{**known, "std": 2.0}, determined=False),
+    )
+    html = page(replace(diagnosed("explained"), diagnosis=divided.model_copy(update={"model_numbers": numbers})))
+    assert "motor_1.inertia</td><td>0</td><td>1.200 ± 0.10</td>" in html
+    assert "motor_2.inertia</td><td>0</td><td>not determined</td>" in html
 
 
 def test_probabilities_with_other_tolerances_are_a_table(diagnosed: Diagnosed, guessed: Diagnosis) -> None:

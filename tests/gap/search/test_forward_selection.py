@@ -9,18 +9,19 @@ import numpy as np
 import pytest
 
 from flexros.gap.deadline import Deadline
+from flexros.gap.fit.least_squares import CandidateFit
 from flexros.gap.search import forward_selection
 from flexros.gap.search.candidate_fits import Search
 from flexros.gap.search.elimination import reduced
 from flexros.gap.search.exchange import corrected, exchanged
 from flexros.gap.search.forward_selection import Explanations, explain
 from flexros.gap.search.model_probability import RANKING
+from flexros.gap.search.worth import compared
 from tests.gap.diagnosis_logs import search_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.search.candidate_fits import Addition
 
 pytestmark = pytest.mark.slow
@@ -102,6 +103,24 @@ def test_a_further_effect_that_removes_little_is_refused() -> None:
     found = explain(search_of(FRICTION, among=SOME[1:]))
     assert len(names(found)) <= 1
     assert found.remainder > RANKING.unexplained
+
+
+def test_what_ends_at_a_limit_when_another_effect_is_left_out_is_no_finding(monkeypatch: pytest.MonkeyPatch) -> None:
+    search = search_of(FRICTION, among=SOME)
+    among = {one.name: one for one in search.candidates()}
+
+    def at_limit(name: str) -> CandidateFit:
+        (free,) = among[name].free
+        narrow = replace(among[name], free=(replace(free, high=1.01 * free.low),))
+        predictor = search.null.predictor((narrow,))
+        return CandidateFit(predictor, np.array([narrow.free[0].bounds[1]]), 0.5 * search.null.fit.chi2)
+
+    first, second = at_limit("stiffness_error@body_2.rz"), at_limit("torque_bias@motor_1")
+    monkeypatch.setattr(forward_selection, "_best_within_limits", lambda *_: second)
+    explanations = Explanations(compared(search, [first]), first, (first,), np.ones(1), detected=True)
+    found = forward_selection._pruned(search, explanations)
+    assert not found.detected
+    assert found.chosen is search.null.fit
 
 
 def test_rivals_are_no_richer_than_what_was_chosen() -> None:

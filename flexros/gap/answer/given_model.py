@@ -1,0 +1,133 @@
+"""The nominal model as it was given: without the numbers that it lacks, or with some of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.effects.left_out.rotor_inertia import RotorInertia
+from flexros.effects.left_out.tool_load import ToolLoad
+from flexros.gap.fit.least_squares import fit
+from flexros.gap.held_out.prediction_gap import HORIZON, errors_ahead
+from flexros.gap.prediction.predictor import Predictor
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+    from flexros.arrays import FloatArray
+    from flexros.effects import RobotWithEffects
+    from flexros.gap.answer.decision import Findings
+    from flexros.gap.candidates.candidate import Hypothesis
+    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.held_out.prediction_gap import AheadErrors
+    from flexros.gap.prediction.compiled_plant import CompiledPlant
+    from flexros.gap.residuals.fit_data import FitData
+
+
+SKILL = 0.5
+"""Errors of a motor 0.1 s ahead, over those of a prediction that it stays where it is, from which on a model predicts
+nothing there [1] (chosen): it leaves more than a quarter of the variance of the motion."""
+
+
+@dataclass(frozen=True, eq=False)
+class GivenModel:
+    """The nominal model as it was given, with some of the rotors and the load that it lacks.
+
+    Viscous friction of its file that only calms a simulator is left out always, as it would stop joints without rotors.
+
+    Attributes:
+        findings: Fits of one log.
+    """
+
+    findings: Findings
+    _plants: dict[tuple[Hypothesis, bool], CompiledPlant] = field(default_factory=dict)
+    _fits: dict[frozenset[str], CandidateFit] = field(default_factory=dict)
+
+    @cached_property
+    def lacking(self) -> frozenset[str]:
+        """The numbers that it lacks, as effects at their locations, e.g. "rotor_inertia@motor_1"."""
+        unknown, tolerated = self.findings.unknown, self.findings.explanations.null.predictor.tolerance.names
+        rotors = {f"{RotorInertia.name}@{motor}" for motor in unknown.inertias if f"{motor}.inertia" in tolerated}
+        return frozenset(rotors if unknown.load is None else {*rotors, f"{ToolLoad.name}@tool"})
+
+    def model(self, numbers: Collection[str]) -> RobotWithEffects:
+        """Return it with some of these numbers."""
+        findings, unknown = self.findings, self.findings.unknown
+        inertias = {k: v for k, v in unknown.inertias.items() if f"{RotorInertia.name}@{k}" in numbers}
+        load = unknown.load if f"{ToolLoad.name}@tool" in numbers else None
+        some = replace(unknown, inertias=inertias, load=load)
+        return some.given_to(findings.given.commanded_by(findings.data.record.commands))
+
+    def predictor(self, hypothesis: Hypothesis, numbers: Collection[str]) -> Predictor:
+        """Return the predictor of effects on it with some of these numbers, in the parameters of all other fits.
+
+        Rotors are parameters of the compiled plant, whose steps are short enough for the joints without any.
+        """
+        record, tolerance = self.findings.data.record, self.findings.explanations.null.predictor.tolerance
+        key = hypothesis, f"{ToolLoad.name}@tool" in numbers
+
+        def of(model: RobotWithEffects) -> Predictor:
+            return Predictor(
+                model,
+                hypothesis,
+                tolerance,
+                record.sample_time,
+                measured_torque=record.measured_torque,
+                plant=self._plants.get(key),
+            )
+
+        if key not in self._plants:
+            bare = {name for name in numbers if not name.startswith(f"{RotorInertia.name}@")}
+            self._plants[key] = of(self.model(bare)).plant
+        return of(self.model(numbers))
+
+    @cached_property
+    def kept(self) -> frozenset[str]:
+        """The numbers without which it predicts nothing, so that the gap begins with them.
+
+        A joint that lacks its rotor may fly off within 0.1 s, and all else would be a negligible share of such a gap.
+        The motor that is predicted worst is given its rotor first; if that is not what it lacks, all numbers are kept.
+        """
+        kept: frozenset[str] = frozenset()
+        while kept != self.lacking:
+            strays = errors_over_rest(errors_ahead(self.fitted(kept), self.findings.held), self.findings.held)
+            worst = int(np.argmax(strays))
+            if strays[worst] <= SKILL:
+                break
+            rotor = f"{RotorInertia.name}@{self.findings.model.robot.joint_names[worst]}"
+            kept = kept | {rotor} if rotor in self.lacking - kept else self.lacking
+        return kept
+
+    def fitted(self, numbers: Collection[str]) -> CandidateFit:
+        """Return it with some of these numbers and without any effect, its tolerated deviations fitted to the log."""
+        key, null, data = frozenset(numbers), self.findings.explanations.null, self.findings.data
+        if key == self.lacking:
+            return null
+        if key not in self._fits:
+            settings = data.settings.fit
+            self._fits[key] = fit(
+                self.predictor((), key),
+                data,
+                null.theta,
+                settings.final_iterations,
+                enough=max(settings.enough, data.negligible),
+                settings=settings,
+            )
+        return self._fits[key]
+
+
+def errors_over_rest(errors: AheadErrors, held: FitData) -> FloatArray:
+    """Return the errors of the motors over those of a prediction that they stay where they are, rms, shape (M,) [1].
+
+    Args:
+        errors: Errors in a log.
+        held: The log.
+    """
+    position = held.record.position
+    moved = position[errors.starts + max(1, round(HORIZON / held.record.sample_time))] - position[errors.starts]
+    rms = np.array([errors.rms(motor) for motor in range(position.shape[1])])
+    ratio: FloatArray = rms / np.maximum(np.sqrt(np.mean(moved**2, axis=0)), errors.floor[: position.shape[1]])
+    return ratio
