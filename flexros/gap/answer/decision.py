@@ -12,6 +12,7 @@ from flexros.effects.encoder_quantization import EncoderQuantization
 from flexros.effects.kinds.base import PlacedEffect
 from flexros.effects.viscous_friction import ViscousFriction
 from flexros.gap.answer.given_model import GivenModel
+from flexros.gap.fit.constancy import constancies
 from flexros.gap.fit.estimates import beyond_search, placed_effects
 from flexros.gap.fit.unknown_numbers import UnknownNumbers
 from flexros.gap.held_out.prediction_gap import unknown_rounding
@@ -188,13 +189,16 @@ def _partly(findings: Findings) -> bool:
     """Return whether effects are certain and confirmed on held-out data although they leave more than the floor.
 
     On an exact model, a single effect that leaves more than its model-form error is the best imitation of an unknown
-    one. Several effects that are each indispensable with all others in place are part of the truth, and so is the best
-    one on a real machine, where never everything is modelled, or where further ones could not be tried.
+    one, unless its size is constant over the log. Several effects that are each indispensable with all others in place
+    are part of the truth, and so is the best one on a real machine, where never everything is modelled, or where
+    further ones could not be tried.
     """
-    explanations, settings = findings.explanations, findings.settings
-    several = len(explanations.chosen.hypothesis) > 1 or findings.data.record.imported or not findings.complete
-    left = findings.held_comparison.remainder(findings.held_chosen)
-    return several and left < 1 - settings.confirmed_share
+    chosen, settings = findings.explanations.chosen, findings.settings
+    if not findings.held_comparison.remainder(findings.held_chosen) < 1 - settings.confirmed_share:
+        return False
+    if len(chosen.hypothesis) > 1 or findings.data.record.imported or not findings.complete:
+        return True
+    return min(constancies(chosen, findings.data).values()) >= settings.constant
 
 
 def rivals_of(

@@ -11,6 +11,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from flexros.gap.fit.estimates import sizes_of
 from flexros.gap.fit.least_squares import linearise
 
 if TYPE_CHECKING:
@@ -57,13 +58,12 @@ def _constancies(fit: CandidateFit, data: FitData) -> dict[str, float]:
     estimates, informations = estimates_of_parts(line.slopes[rows], line.residual[rows], part, prior, prior * fit.theta)
     found, column = {}, 0
     for candidate in fit.hypothesis:
-        names = [free.name for free in candidate.free]
-        size = names.index(candidate.effect.size) if candidate.effect.size in names else 0
-        free = candidate.free[size]
+        free = sizes_of(candidate)[0]
+        index = column + candidate.free.index(free)
         # positive sizes are fitted by their logarithm, whose change is the relative change of the size
-        whole = float(fit.theta[column + size]) if free.signed else 1.0
-        found[candidate.name] = constancy(whole + estimates[:, column + size], informations[:, column + size])
-        column += len(names)
+        whole = float(fit.theta[index]) if free.signed else 1.0
+        found[candidate.name] = constancy(whole + estimates[:, index], informations[:, index])
+        column += len(candidate.free)
     return found
 
 
