@@ -167,6 +167,15 @@ class PlantSymbols:
                 gear = effect.onward(replace(gear, own=self.own(other)), self.values(other))
         return replace(gear, own=self.own(law))
 
+    def gear_torque(self, motor: int) -> ca.SX:
+        """Return the torque from a flexible gear to the arm, with all laws in it."""
+        row = self.robot.gear_rows[motor]
+        torque = self.nominal_gear(row).torque
+        for law, effect in self.laws.gears:
+            if self.joint(law)[0] == row:
+                torque += effect.added(self.gear(law), self.values(law)).arm
+        return torque
+
     def nominal_gear(self, index: int) -> GearState:
         """Return the state of the spring at an arm coordinate, without laws."""
         joint = self.robot.joints[index]
