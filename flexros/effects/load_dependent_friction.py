@@ -22,13 +22,13 @@ if TYPE_CHECKING:
 
 
 class LoadDependentFriction(AbstractDryFriction):
-    """Dry friction of the loaded teeth of a gear at its motor, with true sticking.
+    """Dry friction at a motor in proportion to the torque that its gear transmits, with true sticking.
 
     With share s and transmitted torque T the torque on a moving motor is s |T| against the motion; at standstill it
-    balances all other torques up to that level (Bittencourt and Gunnarsson 2012, Static Friction in a Robot Joint,
-    J. Dyn. Sys. Meas. Control 134(5), load term; Hamon, Gautier and Garrec 2010, Dynamic Identification of Robots with a
-    Dry Friction Model Depending on Load and Velocity). A gear that drives its load then has the efficiency 1 / (1 + s).
-    Friction without load is Coulomb friction, a separate effect; the levels add.
+    balances all other torques up to that level: the load term of Bittencourt and Gunnarsson 2012, Static Friction in a
+    Robot Joint, J. Dyn. Sys. Meas. Control 134(5), and of Hamon, Gautier and Garrec 2010, Dynamic Identification of
+    Robots with a Dry Friction Model Depending on Load and Velocity. A gear that drives its load then has the efficiency
+    1 / (1 + s). Friction without load is Coulomb friction, a separate effect; the levels add.
 
     T is the torque of spring and damper, with all effects in the gear; behind a rigid gear what is left of the motor
     torque after friction and the acceleration of the rotor, which is the torque that the arm needs. It is taken in the
@@ -48,7 +48,12 @@ class LoadDependentFriction(AbstractDryFriction):
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {
             "share": Range(
-                "relative", 1e-3, 0.5, starts=5, source="0.036 to 0.2 in servo gears (Duclusaud et al. 2024, BAM)"
+                "relative",
+                1e-5,
+                0.5,
+                starts=5,
+                widest=0.95,
+                source="0.036 to 0.2 in servo gears (Duclusaud et al. 2024, BAM)",
             )
         }
     )

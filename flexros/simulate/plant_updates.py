@@ -180,9 +180,7 @@ class _FreeMotion:
     torque: ca.SX
 
 
-def _accelerations(
-    plant: PlantSymbols, x: ca.SX, motors: list[int], step: ca.SX, stages: Stages
-) -> _FreeMotion:
+def _accelerations(plant: PlantSymbols, x: ca.SX, motors: list[int], step: ca.SX, stages: Stages) -> _FreeMotion:
     """Return the motion without friction."""
     rows = [plant.robot.motor_rows[motor] for motor in motors]
     passed, own = plant.torques(plant.u), plant.own_states

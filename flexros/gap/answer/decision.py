@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.effects.encoder_quantization import EncoderQuantization
+from flexros.effects.encoders.encoder_quantization import EncoderQuantization
 from flexros.effects.kinds.base import PlacedEffect
 from flexros.effects.viscous_friction import ViscousFriction
 from flexros.gap.fit.estimates import placed_effects
