@@ -59,19 +59,17 @@ def servo_log(
     robot = servo_robot(feedforward).commanded_by("position")
     placed = place_effects(robot, [parse_effect(text, "test") for text in effects])
     wanted = command(duration, seed)
-    # the rate of the command, of which a plant takes no input, is part of its position here
-    gains = {name: placed.robot.parameters[f"motor_1.servo_{name}"].value for name in ("stiffness", "damping")}
-    lead = feedforward * gains["damping"] / gains["stiffness"]
-    held = wanted + lead * np.gradient(wanted, T, axis=0)
+    rate = np.gradient(wanted, T, axis=0)
+    stiffness = placed.robot.parameters["motor_1.servo_stiffness"].value
     start = placed.robot.equilibrium(motor_position=wanted[0])
     for _ in range(3):  # the servo gives way to gravity
-        sag = placed.robot.holding_torque(start) / gains["stiffness"]
+        sag = placed.robot.holding_torque(start) / stiffness
         start = placed.robot.equilibrium(motor_position=wanted[0] - sag)
-    plant = Plant(placed.robot, T, start, laws=placed.laws, torque=held[0], substeps=8)
+    plant = Plant(placed.robot, T, start, laws=placed.laws, torque=wanted[0], substeps=8)
     positions = np.empty_like(wanted)
-    for k, row in enumerate(held):
+    for k, row in enumerate(wanted):
         positions[k] = plant.measure()
-        plant.advance(row)
+        plant.advance(row, rate[k])
     positions += noise * np.random.default_rng([seed, 1]).normal(size=positions.shape)
     stamp = stamps_ns(len(wanted), T)
     return Log(JointSeries(stamp, ONE, position=positions), JointSeries(stamp, ONE, position=wanted))
