@@ -305,6 +305,8 @@ DRAWINGS: dict[str, tuple[Callable[[str], Panels], str]] = {
         "presliding_friction@motor_1:level=20,extra=10,velocity=0.05,stiffness=1e6,damping=300",
     ),
     "servo_damping_error": (servo_step, "servo_damping_error@motor_1:relative=-0.4"),
+    "servo_feedforward_error": (servo_step, "servo_feedforward_error@motor_1:share=0.6"),
+    "servo_integral": (servo_step, "servo_integral@motor_1:gain=6e7"),
     "servo_stiffness_error": (servo_step, "servo_stiffness_error@motor_1:relative=-0.4"),
     "spring_curve": (
         lambda text: [gear_loop(text, (60.0, 25.0), "slow swing, two amplitudes")],

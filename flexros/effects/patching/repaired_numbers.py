@@ -18,6 +18,7 @@ from flexros.effects.torque_saturation import TorqueSaturation
 from flexros.effects.viscous_friction import ViscousFriction
 from flexros.errors import InputError
 from flexros.robot.exchange.numbers import SAME, BodyNumbers, JointNumbers, LoadNumbers, NotHeld, RepairedNumbers
+from flexros.robot.quantity import unit_of
 from flexros.robot.spring import Spring
 
 if TYPE_CHECKING:
@@ -211,6 +212,10 @@ def _of_robot(robot: Robot, scale: float) -> list[NotHeld]:
         if servo is not None and servo.feedforward.value:
             reason = "servos of other programs follow a speed of their own; command it there"
             found.append(NotHeld(motor.name, "servo feedforward", f"{servo.feedforward.value:.6g}", reason))
+        if servo is not None and servo.integral.value:
+            size = f"{servo.integral.value / scale**2:.6g} {unit_of('integral', motor.rotary)}"
+            reason = "servos of other programs have no integral part; add it in the controller"
+            found.append(NotHeld(motor.name, "servo integral", size, reason))
     for index, body in enumerate(robot.spec.bodies):
         for axis, bending in body.bending.items():
             size = f"{len(bending.listed())} modes, {bending.rigidity.value:.6g} N m2"

@@ -2,6 +2,7 @@
 
 from flexros.effects.servos.servo_damping_error import ServoDampingError
 from flexros.effects.servos.servo_feedforward_error import ServoFeedforwardError
+from flexros.effects.servos.servo_integral import ServoIntegral
 from flexros.effects.servos.servo_stiffness_error import ServoStiffnessError
 
-__all__ = ["ServoDampingError", "ServoFeedforwardError", "ServoStiffnessError"]
+__all__ = ["ServoDampingError", "ServoFeedforwardError", "ServoIntegral", "ServoStiffnessError"]

@@ -33,7 +33,7 @@ def test_log_with_the_effect_is_that_of_a_servo_with_both_shares() -> None:
 
 
 def test_more_than_the_nominal_share_is_not_taken_away() -> None:
-    with pytest.raises(InputError, match=r"-0.6.*feedforward of 0.5.*at least -0.5"):
+    with pytest.raises(InputError, match=r"-0.6.*feedforward of the servo is 0.5.*at least -0.5"):
         place_effects(servo_robot(0.5), [parse_effect(text(-0.6), "test")])
 
 
