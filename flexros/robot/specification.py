@@ -50,8 +50,8 @@ NotNegativeRatio = Annotated[Ratio, AfterValidator(at_least_zero)]
 class Servo(Settings):
     """Position loop of a drive: torque = stiffness e + damping (feedforward command' - q') + integral times that of e.
 
-    The error e is the command less the position q. The torque is limited at the `torque_limit` of the motor. Gains have the unit of the torque on the side of the gear
-    that the file uses, so a torque constant is part of them.
+    The error e is the command less the position q. The torque is limited at the `torque_limit` of the motor. Gains have
+    the unit of the torque on the side of the gear that the file uses, so a torque constant is part of them.
     """
 
     stiffness: Positive = Field(description="torque per position error [Nm/rad, or N/m]")
