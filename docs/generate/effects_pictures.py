@@ -304,6 +304,7 @@ DRAWINGS: dict[str, tuple[Callable[[str], Panels], str]] = {
         presliding,
         "presliding_friction@motor_1:level=20,extra=10,velocity=0.05,stiffness=1e6,damping=300",
     ),
+    "servo_command_lag": (servo_step, "servo_command_lag@motor_1:time_constant=0.01"),
     "servo_damping_error": (servo_step, "servo_damping_error@motor_1:relative=-0.4"),
     "servo_feedforward_error": (servo_step, "servo_feedforward_error@motor_1:share=0.6"),
     "servo_integral": (servo_step, "servo_integral@motor_1:gain=6e7"),

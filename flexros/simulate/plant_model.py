@@ -160,7 +160,8 @@ class PlantModel:
         values = self.nominal_values if parameters is None else np.asarray(parameters, dtype=float)
         if torque is None:
             torque = np.zeros(self.robot.n_motors)
-            if self._plant.laws.commands or holds_input or integrating:
+            filtered = self._plant.laws.position_filters
+            if self._plant.laws.commands or filtered or holds_input or integrating:
                 wanted = values if self.moves_rest else values[self.robot_columns]
                 held = self._equilibrium_search.holding_torque(np.asarray(state[: self.model.n_coordinates]), wanted)
                 torque = self.command_at_rest(state, held, values)
@@ -284,7 +285,7 @@ class PlantModel:
         robot = ca.vertcat(plant.v, stages.call(function, *inputs)[0])
         held = ca.SX.zeros(plant.input_rows.stop - plant.input_rows.start)
         still = ca.SX.zeros(len(plant.sticking_motors))
-        rates = ca.vertcat(robot, still, own_rates(plant, passed), plant.integral_rates(plant.u), held)
+        rates = ca.vertcat(robot, still, own_rates(plant, passed), plant.integral_rates(plant.followed(plant.u)), held)
         return stages.function("derivative", rates)
 
     def sensor_outputs(self, wanted: Sequence[tuple[str, int]]) -> ca.Function:

@@ -123,8 +123,16 @@ class PlantSymbols:
         value: Value = self._free[name] if name in self._free else self.robot.parameters[name].value
         return value
 
+    def followed(self, commands: ca.SX) -> ca.SX:
+        """Return the commands that servos follow, behind their filters; torques are not filtered."""
+        commands = ca.SX(commands)
+        if self.robot.commands == "position":
+            for law, effect in self.laws.position_filters:
+                commands[law.motor] = effect.passed(commands[law.motor], self.own(law), self.values(law))
+        return commands
+
     def driven(self, commands: ca.SX) -> ca.SX:
-        """Return the torques that commands ask for: they themselves, or those of servos within their limits."""
+        """Return the torques for followed commands: they themselves, or those of servos within their limits."""
         if self.robot.commands == "torque":
             return ca.SX(commands)
         torques = []
@@ -163,8 +171,8 @@ class PlantSymbols:
         return torque
 
     def torques(self, commands: ca.SX) -> ca.SX:
-        """Return the motor torques for commands, after saturation, gain and lag."""
-        torque = self.driven(commands)
+        """Return the motor torques for commands, after filters, saturation, gain and lag."""
+        torque = self.driven(self.followed(commands))
         for law, effect in self.laws.commands:
             motor = law.motor
             torque[motor] = effect.passed(torque[motor], self.own(law), self.values(law))

@@ -20,6 +20,9 @@ from flexros.effects.kinds.motor_law import AbstractMotorLaw
 from flexros.simulate.stages import Stages
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.effects.kinds.command_law import AbstractCommandLaw
     from flexros.effects.patching.placement import PlacedLaw
     from flexros.simulate.plant_symbols import PlantSymbols
 
@@ -89,13 +92,18 @@ def _stepwise(plant: PlantSymbols, law: PlacedLaw) -> slice:
 
 
 def _update_command_laws(plant: PlantSymbols, x: ca.SX, step: ca.SX) -> None:
-    """Write the own states of saturation, gain and lag under the commands into x."""
-    torque = plant.driven(plant.u)
-    for law, effect in plant.laws.commands:
-        motor, values = law.motor, plant.values(law)
-        own = effect.before_step(torque[motor], plant.own(law), values, step)
-        x[plant.rows(law)] = own
-        torque[motor] = effect.passed(torque[motor], own, values)
+    """Write the own states of filters, saturation, gain and lag under the commands into x."""
+
+    def updated(signal: ca.SX, laws: Sequence[tuple[PlacedLaw, AbstractCommandLaw]]) -> ca.SX:
+        for law, effect in laws:
+            motor, values = law.motor, plant.values(law)
+            own = effect.before_step(signal[motor], plant.own(law), values, step)
+            x[plant.rows(law)] = own
+            signal[motor] = effect.passed(signal[motor], own, values)
+        return signal
+
+    filters = plant.laws.position_filters if plant.robot.commands == "position" else []
+    updated(plant.driven(updated(ca.SX(plant.u), filters)), plant.laws.commands)
 
 
 def _update_friction(plant: PlantSymbols, x: ca.SX, step: ca.SX, stages: Stages) -> None:

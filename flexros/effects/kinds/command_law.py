@@ -28,7 +28,9 @@ class AbstractCommandLaw(AbstractMotorLaw):
     """
 
     rank: ClassVar[int]
-    """Order between command and motor: saturation 0, gain 1, lag 2."""
+    """Order between command and motor: filter of a commanded position -1, saturation 0, gain 1, lag 2."""
+    filters_positions: ClassVar[bool] = False
+    """Whether it acts on the commanded position of a servo [rad or m], before the torque that this makes."""
     plain: ClassVar[bool] = True
     cuts_off: ClassVar[bool] = False
     """Whether it limits the command, by `cut_off`. A predictor with a delay then limits the recorded samples first: the
