@@ -20,7 +20,7 @@ from flexros.effects.kinds.motor_law import AbstractMotorLaw
 from flexros.simulate.stages import Stages
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from flexros.effects.kinds.command_law import AbstractCommandLaw
     from flexros.effects.patching.placement import PlacedLaw
@@ -124,9 +124,15 @@ def _update_friction(plant: PlantSymbols, x: ca.SX, step: ca.SX, stages: Stages)
         _within_direction(plant.v[row], plant.v[row] + middle * (free[k] - mobility[k, :] @ friction))
         for k, row in enumerate(rows)
     ]
-    speeds_there = plant.v + middle * found.free
-    for row, speed in zip(rows, speeds, strict=True):
-        speeds_there[row] = speed
+
+    def load(k: int, motor: int) -> ca.SX:
+        """Return the torque that a gear transmits in the middle of the step, under the friction found so far."""
+        if motor in plant.robot.flexible_motors:
+            return _gear_load(plant, x, motor, found.free, dict(zip(rows, speeds, strict=True)), middle)
+        mean = free[k] + middle * slope[k] - mobility[k, :] @ friction
+        braked = found.torque[motor] - sum(friction[j] for j, other in enumerate(motors) if other == motor)
+        return braked - _own_torque(plant, motor, speeds[k], mean)
+
     coupled = not mobility.sparsity().is_diag() or bool(loaded & set(plant.robot.stiff_motors))
     for _ in range(SWEEPS if coupled else 1):
         for k, motor in enumerate(motors):
@@ -135,14 +141,8 @@ def _update_friction(plant: PlantSymbols, x: ca.SX, step: ca.SX, stages: Stages)
             speed = plant.v[rows[k]]
             if k < len(plant.sticking_motors):
                 acceleration = free[k] + AHEAD * step * slope[k] + others
-                load = ca.SX(0)
-                if motor in loaded and motor in plant.robot.stiff_motors:
-                    mean = free[k] + middle * slope[k] - mobility[k, :] @ friction
-                    braked = found.torque[motor] - sum(friction[j] for j, other in enumerate(motors) if other == motor)
-                    load = braked - _own_torque(plant, motor, speeds[k], mean)
-                elif motor in loaded:
-                    load = _gear_load(plant, x, motor, speeds_there, middle)
-                levels = _levels(plant, motor, speeds[k], middle, load)
+                carried = load(k, motor) if motor in loaded else ca.SX(0)
+                levels = _levels(plant, motor, speeds[k], middle, carried)
                 friction[k] = mean_friction(speed, acceleration, own, levels, step)
                 continue
             law, effect = bristles[k - len(plant.sticking_motors)]
@@ -165,9 +165,23 @@ def _own_torque(plant: PlantSymbols, motor: int, speed: ca.SX, acceleration: ca.
     return plant.robot_value(f"{name}.inertia") * acceleration + plant.robot_value(f"{name}.viscous_friction") * speed
 
 
-def _gear_load(plant: PlantSymbols, x: ca.SX, motor: int, speeds: ca.SX, middle: ca.SX) -> ca.SX:
-    """Return the torque of a flexible gear in the middle of a step, with the updated own states in x."""
-    there = ca.vertcat(plant.q + middle * plant.v, speeds, x[plant.own_rows])
+def _gear_load(
+    plant: PlantSymbols, x: ca.SX, motor: int, acceleration: ca.SX, speeds: Mapping[int, ca.SX], middle: ca.SX
+) -> ca.SX:
+    """Return the torque of a flexible gear in the middle of a step.
+
+    Args:
+        plant: Symbols of the plant.
+        x: State of the plant before the step, with its updated own states.
+        motor: Index of the motor.
+        acceleration: Accelerations of all coordinates without friction [rad/s2 or m/s2].
+        speeds: Speeds of motors with friction in the middle of the step, by row [rad/s or m/s].
+        middle: Half of the step [s].
+    """
+    speed = plant.v + middle * acceleration
+    for row, value in speeds.items():
+        speed[row] = value
+    there = ca.vertcat(plant.q + middle * plant.v, speed, x[plant.own_rows])
     return ca.substitute(plant.gear_torque(motor), ca.vertcat(plant.q, plant.v, plant.own_states), there)
 
 

@@ -1,6 +1,7 @@
 """Effects on the torque between command and motor: saturation, then gain, then lag.
 
-The delay of the command precedes them. Disturbance torques of a scenario are added to the command, also before them.
+Filters of commanded positions act before a servo makes the torque. The delay of the command precedes all of them.
+Disturbance torques of a scenario are added to the command, also before them.
 """
 
 from __future__ import annotations

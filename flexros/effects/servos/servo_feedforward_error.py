@@ -27,7 +27,7 @@ class ServoFeedforwardError(AbstractServoNumber):
 
     name: ClassVar[str] = "servo_feedforward_error"
     stage: ClassVar[Stage] = "actuator"
-    parameter: ClassVar[str] = "share"
+    size: ClassVar[str] = "share"
     number: ClassVar[str] = "feedforward"
     signatures: ClassVar[tuple[str, ...]] = ("effective_torque", "time_shift")
     fingerprint: ClassVar[str] = (

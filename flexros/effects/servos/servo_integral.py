@@ -26,7 +26,7 @@ class ServoIntegral(AbstractServoNumber):
 
     name: ClassVar[str] = "servo_integral"
     stage: ClassVar[Stage] = "actuator"
-    parameter: ClassVar[str] = "gain"
+    size: ClassVar[str] = "gain"
     number: ClassVar[str] = "integral"
     signatures: ClassVar[tuple[str, ...]] = ("effective_torque", "torque_over_position")
     fingerprint: ClassVar[str] = (

@@ -18,12 +18,12 @@ if TYPE_CHECKING:
 class AbstractServoNumber(AbstractChangedValues):
     """A number of a servo beyond that of the robot file, from which it takes away at most what is there.
 
-    A member provides `name`, `stage`, its parameter as `added`, and the names of parameter and number.
+    A member provides `name`, `stage`, `size`, `number`, and its parameter as `added`.
     """
 
     seeks_less: ClassVar[bool] = True
-    parameter: ClassVar[str]
-    """Its parameter."""
+    size: ClassVar[str]
+    """Its parameter, zero where it is switched off."""
     number: ClassVar[str]
     """The number of the servo, a key of `servo` in the robot file."""
 
@@ -43,14 +43,14 @@ class AbstractServoNumber(AbstractChangedValues):
 
     def reductions(self, robot: Robot, location: str) -> Mapping[str, float]:
         """Return the number in the robot file, which is all that can be taken away."""
-        return {self.parameter: self.nominal(robot, location)}
+        return {self.size: self.nominal(robot, location)}
 
     def check_on(self, robot: Robot, location: str) -> None:
         """Refuse a value that takes away more than the robot file has."""
         nominal = self.nominal(robot, location)
         if self.added < -nominal:
             raise InputError(
-                f"{self.name}@{location}: {self.parameter} is {self.added:g}, but the {self.number} of the servo is "
+                f"{self.name}@{location}: {self.size} is {self.added:g}, but the {self.number} of the servo is "
                 f"{nominal:g} in {robot.name}; give at least {-nominal:g}"
             )
 
