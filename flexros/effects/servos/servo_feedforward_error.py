@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 from pydantic import Field
 
 from flexros.effects.kinds.ranges import Range
-from flexros.effects.servos.servo_number import AbstractServoNumber
+from flexros.effects.kinds.servo_number import AbstractServoNumber
 from flexros.robot.parameters import SERVO
 
 if TYPE_CHECKING:
