@@ -75,6 +75,22 @@ def over_time(text: str, duration: float = 2.0) -> Panels:
     ]
 
 
+def over_load(text: str) -> Panels:
+    """Draw the disturbance torque at the motor of two masses over the torque of its gear."""
+    moved = run(TWO_MASS, [text], swing(40.0, 0.5), 4.0)
+    inner = slice(5, -5)
+    load, rotor = (6.0 * moved.acceleration(0))[inner], (4.0 * moved.acceleration(1))[inner]
+    torque = load + rotor - moved.command[inner, 0]
+    return [
+        panel(
+            "two masses",
+            "torque of the gear [Nm]",
+            "disturbance torque [Nm]",
+            [nominal(load, 0 * load), changed(load, torque)],
+        )
+    ]
+
+
 def over_command(text: str) -> Panels:
     """Draw the acting force over the commanded one."""
     moved = of_slide(text)
@@ -276,6 +292,7 @@ DRAWINGS: dict[str, tuple[Callable[[str], Panels], str]] = {
         "hysteresis@motor_1:level=8,angle=1e-4",
     ),
     "kinematic_error": (tool_error, "kinematic_error@body_2:length=1e-3"),
+    "load_dependent_friction": (over_load, "load_dependent_friction@motor_1:share=0.15"),
     "motor_inertia_error": (lambda text: [responses(text)], "motor_inertia_error@motor_1:relative=0.4"),
     "rotor_inertia": (lambda text: [responses(text)], "rotor_inertia@motor_1:added=1.6"),
     "nonlinear_stiffness": (
@@ -287,7 +304,10 @@ DRAWINGS: dict[str, tuple[Callable[[str], Panels], str]] = {
         presliding,
         "presliding_friction@motor_1:level=20,extra=10,velocity=0.05,stiffness=1e6,damping=300",
     ),
+    "servo_command_lag": (servo_step, "servo_command_lag@motor_1:time_constant=0.01"),
     "servo_damping_error": (servo_step, "servo_damping_error@motor_1:relative=-0.4"),
+    "servo_feedforward_error": (servo_step, "servo_feedforward_error@motor_1:share=0.6"),
+    "servo_integral": (servo_step, "servo_integral@motor_1:gain=6e7"),
     "servo_stiffness_error": (servo_step, "servo_stiffness_error@motor_1:relative=-0.4"),
     "spring_curve": (
         lambda text: [gear_loop(text, (60.0, 25.0), "slow swing, two amplitudes")],

@@ -25,10 +25,17 @@ class ServoParts:
     Attributes:
         spring: Stiffness times distance [Nm or N], shape (n, M).
         damper: Damping times speed and its feedforward [Nm or N], shape (n, M).
+        integral: Integral parts, from those of the robot at rest at the first position [Nm or N], shape (n, M).
     """
 
     spring: FloatArray
     damper: FloatArray
+    integral: FloatArray
+
+    @property
+    def torque(self) -> FloatArray:
+        """Sum of all parts [Nm or N], shape (n, M)."""
+        return self.spring + self.damper + self.integral
 
 
 def servo_torque(robot: Robot, command: FloatArray, position: FloatArray, sample_time: float) -> FloatArray:
@@ -46,7 +53,7 @@ def servo_torque(robot: Robot, command: FloatArray, position: FloatArray, sample
         Torques, each within the torque limit [Nm or N], shape (n, M).
     """
     parts = servo_parts(robot, command, position, sample_time)
-    return np.asarray(np.clip(parts.spring + parts.damper, -robot.torque_limits, robot.torque_limits))
+    return np.asarray(np.clip(parts.torque, -robot.torque_limits, robot.torque_limits))
 
 
 def servo_parts(robot: Robot, command: FloatArray, position: FloatArray, sample_time: float) -> ServoParts:
@@ -58,13 +65,19 @@ def servo_parts(robot: Robot, command: FloatArray, position: FloatArray, sample_
         position: Measured positions [rad or m], shape (n, M).
         sample_time: Time between two samples [s].
     """
-    stiffness, damping, feedforward = (
+    stiffness, damping, feedforward, integral = (
         np.array([robot.parameters[f"{motor}.{SERVO}{name}"].value for motor in robot.joint_names])
-        for name in ("stiffness", "damping", "feedforward")
+        for name in ("stiffness", "damping", "feedforward", "integral")
     )
     few = len(position) < 32  # too short for the low-pass
     motion = np.stack([position, np.gradient(position, sample_time, axis=0)]) if few else None
     if motion is None:
         motion = smooth_motion(position, sample_time, min(FASTEST, 0.1 / sample_time))
     rate = np.gradient(command, sample_time, axis=0)
-    return ServoParts(stiffness * (command - motion[0]), damping * (feedforward * rate - motion[1]))
+    spring, damper = stiffness * (command - motion[0]), damping * (feedforward * rate - motion[1])
+    summed = np.zeros_like(spring)
+    if integral.any():
+        summed[1:] = integral * sample_time * np.cumsum(command - motion[0], axis=0)[:-1]
+        held = robot.holding_torque(robot.equilibrium(motor_position=position[0]))
+        summed += np.where(integral > 0, held - spring[0] - damper[0], 0.0)
+    return ServoParts(spring, damper, summed)

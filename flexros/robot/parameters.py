@@ -128,7 +128,7 @@ def _of_motor(
     yield f"{name}.viscous_friction", (*place, "viscous_friction"), friction, 0
     if motor.servo is not None:
         here = (*place, "servo")
-        for key in ("stiffness", "damping"):
+        for key in ("stiffness", "damping", "integral"):
             gain = getattr(motor.servo, key).model_copy(update={"unit": unit_of(key, rotary)})
             yield f"{name}.{SERVO}{key}", (*here, key), gain, 0
         exact = motor.servo.feedforward.model_copy(update={"tolerance": motor.servo.feedforward.tolerance or 0.0})
@@ -175,7 +175,7 @@ def _set(data: dict[str, Any], parameter: Parameter, value: float) -> None:
         components[last] = value
         here["value"] = tuple(components)
         return
-    target = here[last]
+    target = here.setdefault(last, {})  # an integral of zero is left out
     if last == "spring" and target["stiffness"] is None:
         _scale_law(target, value)
     elif last == "spring":

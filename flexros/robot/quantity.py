@@ -60,6 +60,7 @@ UNITS = {
     "speed": ("rad/s", "m/s"),
     "stiffness": ("Nm/rad", "N/m"),
     "damping": ("Nm s/rad", "N s/m"),
+    "integral": ("Nm/(rad s)", "N/(m s)"),
 }
 """SI units of the quantities of one direction of motion: for a rotation, for a translation."""
 

@@ -48,10 +48,10 @@ NotNegativeRatio = Annotated[Ratio, AfterValidator(at_least_zero)]
 
 
 class Servo(Settings):
-    """Position loop in the drive of a motor: torque = stiffness (command - q) + damping (feedforward command' - q').
+    """Position loop of a drive: torque = stiffness e + damping (feedforward command' - q') + integral times that of e.
 
-    The torque is limited at the `torque_limit` of the motor. Gains have the unit of the torque on the side of the gear
-    that the file uses, so a torque constant is part of them.
+    The error e is the command less the position q. The torque is limited at the `torque_limit` of the motor. Gains have
+    the unit of the torque on the side of the gear that the file uses, so a torque constant is part of them.
     """
 
     stiffness: Positive = Field(description="torque per position error [Nm/rad, or N/m]")
@@ -60,10 +60,22 @@ class Servo(Settings):
         default_factory=lambda: Quantity(value=0.0, unit="1"),
         description="share of the rate of the command that the damping follows; 0: it brakes the motor alone",
     )
+    integral: NotNegative = Field(
+        default_factory=lambda: _zero(""),
+        description="torque per integral of the position error [Nm/(rad s), or N/(m s)]",
+    )
+
+    @model_serializer(mode="wrap")
+    def _without_absent_integral(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Leave out an integral of zero, so that fingerprints of robots without it remain."""
+        data: dict[str, Any] = handler(self)
+        if self.integral.value == 0:
+            data.pop("integral", None)
+        return data
 
     def check_units(self, rotary: bool, key: str) -> None:
         """Refuse units that do not fit a rotary or prismatic motor; see `check_unit`."""
-        for field in ("stiffness", "damping"):
+        for field in ("stiffness", "damping", "integral"):
             check_unit(getattr(self, field), unit_of(field, rotary), f"{key}.{field}")
 
 

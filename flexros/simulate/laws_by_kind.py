@@ -31,7 +31,16 @@ class LawsByKind:
 
     @cached_property
     def commands(self) -> list[tuple[PlacedLaw, AbstractCommandLaw]]:
-        """Laws between command and motor, in order of `rank`."""
+        """Laws between torque command and motor, in order of `rank`."""
+        return [(law, effect) for law, effect in self._commands if not effect.filters_positions]
+
+    @cached_property
+    def position_filters(self) -> list[tuple[PlacedLaw, AbstractCommandLaw]]:
+        """Laws between commanded position and servo."""
+        return [(law, effect) for law, effect in self._commands if effect.filters_positions]
+
+    @cached_property
+    def _commands(self) -> list[tuple[PlacedLaw, AbstractCommandLaw]]:
         laws = [(law, law.effect) for law in self.all if isinstance(law.effect, AbstractCommandLaw)]
         return sorted(laws, key=lambda pair: pair[1].rank)
 

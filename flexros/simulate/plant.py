@@ -14,6 +14,7 @@ from flexros.simulate.open_loop import feed_through
 from flexros.simulate.plant_model import PlantModel
 from flexros.simulate.sample_blocks import Zeros
 from flexros.simulate.sensor_timing import SensorMemory, SensorTiming
+from flexros.simulate.servo_lead import servo_leads
 from flexros.simulate.signals import plant_signals
 
 if TYPE_CHECKING:
@@ -29,7 +30,8 @@ class Plant:
     """Robot, sensors and disturbances in time; equal to the run of the whole loop to the last bit.
 
     At sample k, `measure` and `tool_pose` return the measurements at t_k = k T, and `advance` integrates to t_(k+1)
-    under the command of t_k, which acts from t_k + delay on. The arguments determine all results.
+    under the command of t_k, which acts from t_k + delay on. The arguments determine all results. The commands of a
+    robot that is commanded by positions are those of its servos [rad or m].
 
     Args:
         robot: The robot, with its delay and sensor noise.
@@ -79,6 +81,9 @@ class Plant:
         )
         self._step = kernel.stepper(start)
         self._measured = -1
+        leads = servo_leads(robot, {}) if robot.commands == "position" else np.zeros(robot.n_motors)
+        self._leads = leads if leads.any() else None
+        self._before: FloatArray | None = None
         self._memory = SensorMemory(self.sensor_timing)
         self._held = np.zeros(self.sensor_timing.size)
 
@@ -115,11 +120,13 @@ class Plant:
             pose[:3] += self._signals.tool_noise.row(self.sample)
         return pose
 
-    def advance(self, command: FloatArray | Sequence[float]) -> None:
+    def advance(self, command: FloatArray | Sequence[float], rate: FloatArray | None = None) -> None:
         """Integrate to the next sample.
 
         Args:
-            command: Torque command of the present sample [Nm or N], shape (M,).
+            command: Torque command of the present sample [Nm or N], or position of the servos [rad or m], shape (M,).
+            rate: Rate of commanded positions, which servos with feedforward follow [rad/s or m/s], shape (M,); default:
+                by the command before.
 
         Raises:
             RunError: The command has the wrong size or is not finite (the state is unchanged), or the new state is not
@@ -131,10 +138,16 @@ class Plant:
             )
         step = self._step
         step.command[:] = command
+        if self._leads is not None:
+            given = step.command.copy()
+            if rate is None and self._before is not None:
+                rate = (given - self._before) / self.sample_time
+            self._before = given
+            step.command[:] += self._leads * (0.0 if rate is None else rate)
         if not math.isfinite(sum(step.command.tolist())):
             motor = int(np.argmin(np.isfinite(step.command)))
-            given = f"the torque command of motor_{motor + 1} is {step.command[motor]}"
-            raise RunError(f"{self._source()}: {given}, needed is a finite number")
+            wrong = f"the torque command of motor_{motor + 1} is {step.command[motor]}"
+            raise RunError(f"{self._source()}: {wrong}, needed is a finite number")
         if not isinstance(self._signals.disturbance, Zeros):
             step.disturbance[:] = self._signals.disturbance.row(self.sample)
         step.advance()

@@ -11,6 +11,10 @@ from flexros.robot.equilibrium_search import EquilibriumSearch
 from flexros.simulate.plant_updates import smooth_torque
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.effects.kinds.command_law import AbstractCommandLaw
+    from flexros.effects.patching.placement import PlacedLaw
     from flexros.simulate.plant_symbols import PlantSymbols
 
 
@@ -63,12 +67,17 @@ def own_at_start(plant: PlantSymbols, command: ca.SX) -> ca.SX:
     Returns:
         Own states, SX, a function of q, v, p and the commands.
     """
-    x, torque = ca.SX.zeros(plant.x.numel()), plant.driven(command)
-    for law, effect in plant.laws.commands:
-        motor, values = law.motor, plant.values(law)
-        own = effect.rest(torque[motor], values)
-        x[plant.rows(law)] = own
-        torque[motor] = effect.passed(torque[motor], own, values)
+    x = ca.SX.zeros(plant.x.numel())
+
+    def settled(signal: ca.SX, laws: Sequence[tuple[PlacedLaw, AbstractCommandLaw]]) -> ca.SX:
+        for law, effect in laws:
+            motor, values = law.motor, plant.values(law)
+            own = effect.rest(signal[motor], values)
+            x[plant.rows(law)] = own
+            signal[motor] = effect.passed(signal[motor], own, values)
+        return signal
+
+    settled(plant.driven(settled(ca.SX(command), plant.laws.position_filters)), plant.laws.commands)
     for law, gear_effect in plant.laws.gears:
         own = gear_effect.rest(plant.gear(law), plant.values(law))
         x[plant.rows(law)] = ca.substitute(own, plant.own_states, x[plant.own_rows])

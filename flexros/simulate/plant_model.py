@@ -154,15 +154,21 @@ class PlantModel:
         """
         extended = np.concatenate([state, np.zeros(self.n_states - len(state))])
         holds_input = self._plant.input_rows.start < self.n_states
-        if not self._plant.own_states.numel() and not holds_input:
+        integrating = list(self._plant.integrating)
+        if not self._plant.own_states.numel() and not holds_input and not integrating:
             return extended
         values = self.nominal_values if parameters is None else np.asarray(parameters, dtype=float)
         if torque is None:
             torque = np.zeros(self.robot.n_motors)
-            if self._plant.laws.commands or holds_input:
+            filtered = self._plant.laws.position_filters
+            if self._plant.laws.commands or filtered or holds_input or integrating:
                 wanted = values if self.moves_rest else values[self.robot_columns]
                 held = self._equilibrium_search.holding_torque(np.asarray(state[: self.model.n_coordinates]), wanted)
                 torque = self.command_at_rest(state, held, values)
+        if integrating:
+            extended[self._plant.integral_rows] = self._integral_at_start(state, np.asarray(torque), values)[
+                integrating
+            ]
         if self._plant.own_states.numel():
             extended[self._plant.own_rows] = self._own_at_start(extended, torque, values).full().ravel()
         if holds_input:
@@ -205,16 +211,43 @@ class PlantModel:
         if not servos and not self._plant.laws.torques and not self._plant.laws.commands:
             return torque
         extended = np.concatenate([state, np.zeros(self.n_states - len(state))])
-        if servos:  # from commands at the motors, where no torque limit is reached
+        if servos:
             near = state[list(self.robot.motor_rows)]
-            beyond, slope = (value.full() for value in self._torque_beyond_command(extended, near, parameters))
-            lacking = beyond.ravel() + near - torque
-            return np.asarray(near - np.linalg.lstsq(np.eye(len(near)) + slope, lacking, rcond=None)[0])
+            return np.where(
+                self._servo_gains("integral", parameters) > 0, near, self._sagging(state, torque, parameters)
+            )
         beyond, slope = (value.full() for value in self._torque_beyond_command(extended, torque, parameters))
         # the laws are linear in the torque, so one Newton step is exact
         step = np.linalg.lstsq(np.eye(len(torque)) + slope, beyond.ravel(), rcond=None)[0]
         command: FloatArray = torque - step
         return command
+
+    def _sagging(self, state: FloatArray, torque: FloatArray, parameters: FloatArray) -> FloatArray:
+        """Compute the commands of servos without integral parts, as `command_at_rest`."""
+        extended = np.concatenate([state, np.zeros(self.n_states - len(state))])
+        near = state[list(self.robot.motor_rows)]  # where no torque limit is reached
+        beyond, slope = (value.full() for value in self._torque_beyond_command(extended, near, parameters))
+        lacking = beyond.ravel() + near - torque
+        return np.asarray(near - np.linalg.lstsq(np.eye(len(near)) + slope, lacking, rcond=None)[0])
+
+    def _integral_at_start(self, state: FloatArray, command: FloatArray, parameters: FloatArray) -> FloatArray:
+        """Compute the integral parts of servos that carry what their other parts do not, shape (M,)."""
+        stiffness, damping, integral = (
+            self._servo_gains(name, parameters) for name in ("stiffness", "damping", "integral")
+        )
+        n = self.model.n_coordinates
+        wanted = parameters if self.moves_rest else parameters[self.robot_columns]
+        held = self._equilibrium_search.holding_torque(np.asarray(state[:n]), wanted)
+        speed = np.asarray(state[n:])[list(self.robot.motor_rows)]
+        carried = stiffness * (self._sagging(state, held, parameters) - command) + damping * speed
+        limits = self.robot.torque_limits
+        return np.where(integral > 0, np.clip(carried, -limits, limits), 0.0)
+
+    def _servo_gains(self, kind: str, parameters: FloatArray) -> FloatArray:
+        """Return a number of all servos, shape (M,)."""
+        values = dict(zip(self.parameter_names, parameters, strict=True))
+        names = [f"{motor}.{SERVO}{kind}" for motor in self.robot.joint_names]
+        return np.array([values[name] if name in values else self.robot.parameters[name].value for name in names])
 
     def functions(self, controller: ca.Function) -> LoopFunctions:
         """Return the functions of the loop with a controller (c, r, y, g) -> (u, c_next)."""
@@ -251,7 +284,8 @@ class PlantModel:
         function, inputs = dynamics(plant, torque)
         robot = ca.vertcat(plant.v, stages.call(function, *inputs)[0])
         held = ca.SX.zeros(plant.input_rows.stop - plant.input_rows.start)
-        rates = ca.vertcat(robot, ca.SX.zeros(len(plant.sticking_motors)), own_rates(plant, passed), held)
+        still = ca.SX.zeros(len(plant.sticking_motors))
+        rates = ca.vertcat(robot, still, own_rates(plant, passed), plant.integral_rates(plant.followed(plant.u)), held)
         return stages.function("derivative", rates)
 
     def sensor_outputs(self, wanted: Sequence[tuple[str, int]]) -> ca.Function:

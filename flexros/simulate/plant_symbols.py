@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 class PlantSymbols:
     """Symbols of a plant: its state is [q, v], friction torques of motors with dry friction, own states of the laws.
 
+    The torques of the integral parts of servos come after these.
+
     Args:
         robot: The robot.
         model: Its symbolic model.
@@ -46,6 +48,8 @@ class PlantSymbols:
         sticking_motors: Indices of the motors with dry friction.
         robot_columns: Indices of the robot's free parameters in `p`.
         own_rows: Rows of the own states of all laws.
+        integrating: Indices of the motors whose servo has an integral part.
+        integral_rows: Rows of the torques of these.
         input_rows: Rows of the input that is held; none without `holds_input`.
     """
 
@@ -67,6 +71,9 @@ class PlantSymbols:
             self._rows[law.name] = slice(end, end + law.effect.n_states)
             end += law.effect.n_states
         self.own_rows = slice(self.friction_end, end)
+        self.integrating = tuple(motor.index for motor in robot.motors if self._integrates(motor.name, names))
+        self.integral_rows = slice(end, end + len(self.integrating))
+        end = self.integral_rows.stop
         self.input_rows = slice(end, end + (robot.n_motors + WRENCH_SIZE if holds_input else 0))
         self.x = ca.SX.sym("x", self.input_rows.stop)
         self.u, self.w = ca.SX.sym("u", robot.n_motors), ca.SX.sym("w", WRENCH_SIZE)
@@ -116,22 +123,56 @@ class PlantSymbols:
         value: Value = self._free[name] if name in self._free else self.robot.parameters[name].value
         return value
 
+    def followed(self, commands: ca.SX) -> ca.SX:
+        """Return the commands that servos follow, behind their filters; torques are not filtered."""
+        commands = ca.SX(commands)
+        if self.robot.commands == "position":
+            for law, effect in self.laws.position_filters:
+                commands[law.motor] = effect.passed(commands[law.motor], self.own(law), self.values(law))
+        return commands
+
     def driven(self, commands: ca.SX) -> ca.SX:
-        """Return the torques that commands ask for: they themselves, or those of servos within their limits."""
+        """Return the torques for followed commands: they themselves, or those of servos within their limits."""
         if self.robot.commands == "torque":
             return ca.SX(commands)
         torques = []
         for motor in self.robot.motors:
-            gain = {name: self.robot_value(f"{motor.name}.{SERVO}{name}") for name in ("stiffness", "damping")}
-            position, speed = self.q[motor.row], self.v[motor.row]
-            torque = gain["stiffness"] * (commands[motor.index] - position) - gain["damping"] * speed
-            limit = motor.torque_limit
+            torque, limit = self._unlimited(motor.index, commands), motor.torque_limit
             torques.append(ca.fmin(ca.fmax(torque, -limit), limit) if math.isfinite(limit) else torque)
         return ca.vertcat(*torques)
 
+    def integral_rates(self, commands: ca.SX) -> ca.SX:
+        """Return the rates of the integral parts of servos, zero where a torque at its limit would go beyond it."""
+        rates = []
+        for index in self.integrating:
+            motor = self.robot.motors[index]
+            error, limit = commands[index] - self.q[motor.row], motor.torque_limit
+            rate = self.robot_value(f"{motor.name}.{SERVO}integral") * error
+            if math.isfinite(limit):
+                torque = self._unlimited(index, commands)
+                rate = ca.if_else(ca.logic_and(ca.fabs(torque) > limit, torque * error > 0), 0, rate)
+            rates.append(rate)
+        return ca.vertcat(ca.SX(0, 1), *rates)
+
+    def _integrates(self, motor: str, names: Sequence[str]) -> bool:
+        """Return whether the servo of a motor has an integral part, or may have one as a free parameter."""
+        if self.robot.commands == "torque":
+            return False
+        name = f"{motor}.{SERVO}integral"
+        return name in names or self.robot.parameters[name].value != 0
+
+    def _unlimited(self, index: int, commands: ca.SX) -> ca.SX:
+        """Return the torque of a servo without its limit."""
+        motor = self.robot.motors[index]
+        gain = {name: self.robot_value(f"{motor.name}.{SERVO}{name}") for name in ("stiffness", "damping")}
+        torque = gain["stiffness"] * (commands[index] - self.q[motor.row]) - gain["damping"] * self.v[motor.row]
+        if index in self.integrating:
+            torque += self.x[self.integral_rows.start + self.integrating.index(index)]
+        return torque
+
     def torques(self, commands: ca.SX) -> ca.SX:
-        """Return the motor torques for commands, after saturation, gain and lag."""
-        torque = self.driven(commands)
+        """Return the motor torques for commands, after filters, saturation, gain and lag."""
+        torque = self.driven(self.followed(commands))
         for law, effect in self.laws.commands:
             motor = law.motor
             torque[motor] = effect.passed(torque[motor], self.own(law), self.values(law))
@@ -166,6 +207,15 @@ class PlantSymbols:
             if self.joint(other)[0] == index:
                 gear = effect.onward(replace(gear, own=self.own(other)), self.values(other))
         return replace(gear, own=self.own(law))
+
+    def gear_torque(self, motor: int) -> ca.SX:
+        """Return the torque from a flexible gear to the arm, with all laws in it."""
+        row = self.robot.gear_rows[motor]
+        torque = self.nominal_gear(row).torque
+        for law, effect in self.laws.gears:
+            if self.joint(law)[0] == row:
+                torque += effect.added(self.gear(law), self.values(law)).arm
+        return torque
 
     def nominal_gear(self, index: int) -> GearState:
         """Return the state of the spring at an arm coordinate, without laws."""

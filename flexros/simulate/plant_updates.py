@@ -6,7 +6,7 @@ accelerations under those torques. All are held through the step. After it: stat
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import casadi as ca
@@ -20,6 +20,9 @@ from flexros.effects.kinds.motor_law import AbstractMotorLaw
 from flexros.simulate.stages import Stages
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from flexros.effects.kinds.command_law import AbstractCommandLaw
     from flexros.effects.patching.placement import PlacedLaw
     from flexros.simulate.plant_symbols import PlantSymbols
 
@@ -89,13 +92,18 @@ def _stepwise(plant: PlantSymbols, law: PlacedLaw) -> slice:
 
 
 def _update_command_laws(plant: PlantSymbols, x: ca.SX, step: ca.SX) -> None:
-    """Write the own states of saturation, gain and lag under the commands into x."""
-    torque = plant.driven(plant.u)
-    for law, effect in plant.laws.commands:
-        motor, values = law.motor, plant.values(law)
-        own = effect.before_step(torque[motor], plant.own(law), values, step)
-        x[plant.rows(law)] = own
-        torque[motor] = effect.passed(torque[motor], own, values)
+    """Write the own states of filters, saturation, gain and lag under the commands into x."""
+
+    def updated(signal: ca.SX, laws: Sequence[tuple[PlacedLaw, AbstractCommandLaw]]) -> ca.SX:
+        for law, effect in laws:
+            motor, values = law.motor, plant.values(law)
+            own = effect.before_step(signal[motor], plant.own(law), values, step)
+            x[plant.rows(law)] = own
+            signal[motor] = effect.passed(signal[motor], own, values)
+        return signal
+
+    filters = plant.laws.position_filters if plant.robot.commands == "position" else []
+    updated(plant.driven(updated(ca.SX(plant.u), filters)), plant.laws.commands)
 
 
 def _update_friction(plant: PlantSymbols, x: ca.SX, step: ca.SX, stages: Stages) -> None:
@@ -104,24 +112,38 @@ def _update_friction(plant: PlantSymbols, x: ca.SX, step: ca.SX, stages: Stages)
     if not plant.sticking_motors and not bristles:
         return
     motors = [*plant.sticking_motors, *[law.motor for law, _ in bristles]]
+    loaded = {law.motor for law, effect in plant.laws.frictions if effect.needs_load}
     held = [plant.rows(law).stop - 1 for law, _ in bristles]
     nq = plant.model.n_coordinates
     friction = ca.vertcat(plant.friction, *[plant.x[row] for row in held])
-    free, slope, mobility = _accelerations(plant, x, motors, step, stages)
-    middle = 0.5 * step
     rows = [plant.robot.motor_rows[motor] for motor in motors]
+    found = _accelerations(plant, x, motors, step, stages)
+    free, slope, mobility = found.free[rows], found.slope, found.mobility
+    middle = 0.5 * step
     speeds = [
         _within_direction(plant.v[row], plant.v[row] + middle * (free[k] - mobility[k, :] @ friction))
         for k, row in enumerate(rows)
     ]
-    for _ in range(1 if mobility.sparsity().is_diag() else SWEEPS):
+
+    def load(k: int, motor: int) -> ca.SX:
+        """Return the torque that a gear transmits in the middle of the step, under the friction found so far."""
+        if motor in plant.robot.flexible_motors:
+            return _gear_load(plant, x, motor, found.free, dict(zip(rows, speeds, strict=True)), middle)
+        mean = free[k] + middle * slope[k] - mobility[k, :] @ friction
+        braked = found.torque[motor] - sum(friction[j] for j, other in enumerate(motors) if other == motor)
+        return braked - _own_torque(plant, motor, speeds[k], mean)
+
+    coupled = not mobility.sparsity().is_diag() or bool(loaded & set(plant.robot.stiff_motors))
+    for _ in range(SWEEPS if coupled else 1):
         for k, motor in enumerate(motors):
             own = mobility[k, k]
             others = own * friction[k] - mobility[k, :] @ friction
             speed = plant.v[rows[k]]
             if k < len(plant.sticking_motors):
                 acceleration = free[k] + AHEAD * step * slope[k] + others
-                friction[k] = mean_friction(speed, acceleration, own, _levels(plant, motor, speeds[k], middle), step)
+                carried = load(k, motor) if motor in loaded else ca.SX(0)
+                levels = _levels(plant, motor, speeds[k], middle, carried)
+                friction[k] = mean_friction(speed, acceleration, own, levels, step)
                 continue
             law, effect = bristles[k - len(plant.sticking_motors)]
             deflection = plant.rows(law).start
@@ -133,14 +155,55 @@ def _update_friction(plant: PlantSymbols, x: ca.SX, step: ca.SX, stages: Stages)
                 effect.bristle(speeds[k], plant.values(law)),
                 step,
             )
-    for row, torque in zip([*range(2 * nq, plant.friction_end), *held], ca.vertsplit(friction)):
-        x[row] = torque
+    for row, value in zip([*range(2 * nq, plant.friction_end), *held], ca.vertsplit(friction)):
+        x[row] = value
 
 
-def _accelerations(
-    plant: PlantSymbols, x: ca.SX, motors: list[int], step: ca.SX, stages: Stages
-) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """Return accelerations without friction, their rates due to springs and own states, and mobilities."""
+def _own_torque(plant: PlantSymbols, motor: int, speed: ca.SX, acceleration: ca.SX) -> ca.SX:
+    """Return the torque that accelerates a rotor against its nominal friction."""
+    name = plant.robot.joint_names[motor]
+    return plant.robot_value(f"{name}.inertia") * acceleration + plant.robot_value(f"{name}.viscous_friction") * speed
+
+
+def _gear_load(
+    plant: PlantSymbols, x: ca.SX, motor: int, acceleration: ca.SX, speeds: Mapping[int, ca.SX], middle: ca.SX
+) -> ca.SX:
+    """Return the torque of a flexible gear in the middle of a step.
+
+    Args:
+        plant: Symbols of the plant.
+        x: State of the plant before the step, with its updated own states.
+        motor: Index of the motor.
+        acceleration: Accelerations of all coordinates without friction [rad/s2 or m/s2].
+        speeds: Speeds of motors with friction in the middle of the step, by row [rad/s or m/s].
+        middle: Half of the step [s].
+    """
+    speed = plant.v + middle * acceleration
+    for row, value in speeds.items():
+        speed[row] = value
+    there = ca.vertcat(plant.q + middle * plant.v, speed, x[plant.own_rows])
+    return ca.substitute(plant.gear_torque(motor), ca.vertcat(plant.q, plant.v, plant.own_states), there)
+
+
+@dataclass(frozen=True)
+class _FreeMotion:
+    """Motion without friction at the start of a step.
+
+    Attributes:
+        free: Accelerations of all coordinates.
+        slope: Their rates at the motors with friction, due to springs and own states.
+        mobility: Accelerations of these motors per torque at each of them.
+        torque: Torques at all motors.
+    """
+
+    free: ca.SX
+    slope: ca.SX
+    mobility: ca.SX
+    torque: ca.SX
+
+
+def _accelerations(plant: PlantSymbols, x: ca.SX, motors: list[int], step: ca.SX, stages: Stages) -> _FreeMotion:
+    """Return the motion without friction."""
     rows = [plant.robot.motor_rows[motor] for motor in motors]
     passed, own = plant.torques(plant.u), plant.own_states
     ahead = AHEAD * step
@@ -149,30 +212,30 @@ def _accelerations(
     def updated(value: ca.SX) -> ca.SX:
         return ca.substitute(value, own, x[plant.own_rows]) if own.numel() else value
 
+    driven = passed + smooth_torque(plant, passed)
     if plant.robot.n_coordinates == plant.robot.n_motors and is_long(plant.model.acceleration):
         force = plant.added_force()
         added = ca.SX.zeros(plant.model.n_coordinates) if force is None else force
-        torque = passed + smooth_torque(plant, passed)
-        now = [plant.q, plant.v, torque, plant.w, added, plant.robot_parameters]
+        now = [plant.q, plant.v, driven, plant.w, added, plant.robot_parameters]
         later = [ca.substitute(value, ca.vertcat(plant.q, own), moved) for value in now]
         free, mobility = stages.call(plant.model.acceleration_with_mobility, *map(updated, now))
         then = stages.call(plant.model.forced_acceleration, *map(updated, later))[0]
-        return free[rows], (then[rows] - free[rows]) / ahead, mobility[rows, motors]
+        return _FreeMotion(free, (then[rows] - free[rows]) / ahead, mobility[rows, motors], updated(driven))
     torque = ca.SX.sym("torque", plant.robot.n_motors)
     function, inputs = dynamics(plant, torque)
-    free = function(*inputs)[rows]
-    mobility = ca.jacobian(free, torque)[:, motors]
-    free = ca.substitute(free, torque, passed + smooth_torque(plant, passed))
+    free = function(*inputs)
+    mobility = ca.jacobian(free[rows], torque)[:, motors]
+    free = ca.substitute(free, torque, driven)
     corners = plant.laws.gears or plant.laws.arms  # where a derivative would depend on round-off
     if (
         corners or plant.robot.n_coordinates == plant.robot.n_motors
     ):  # and that of a rigid arm is longer than the accelerations
-        slope = (ca.substitute(free, ca.vertcat(plant.q, own), moved) - free) / ahead
+        slope = (ca.substitute(free[rows], ca.vertcat(plant.q, own), moved) - free[rows]) / ahead
     else:
-        slope = ca.jtimes(free, plant.q, plant.v)
+        slope = ca.jtimes(free[rows], plant.q, plant.v)
         if own.numel():
-            slope = slope + ca.jtimes(free, own, own_rates(plant, passed))
-    return updated(free), updated(slope), mobility
+            slope = slope + ca.jtimes(free[rows], own, own_rates(plant, passed))
+    return _FreeMotion(updated(free), updated(slope), mobility, updated(driven))
 
 
 def dynamics(plant: PlantSymbols, torque: ca.SX) -> tuple[ca.Function, list[ca.SX]]:
@@ -198,12 +261,12 @@ def _within_direction(speed: ca.SX, later: ca.SX) -> ca.SX:
     return ca.if_else(later * speed >= 0, later, beyond)
 
 
-def _levels(plant: PlantSymbols, motor: int, speed: ca.SX, middle: ca.SX) -> FrictionLevels:
-    """Sum the levels at a motor in the middle of a step, `middle` after its start."""
+def _levels(plant: PlantSymbols, motor: int, speed: ca.SX, middle: ca.SX, load: ca.SX) -> FrictionLevels:
+    """Sum the levels at a motor in the middle of a step, `middle` after its start, under the load of its gear."""
     total, eased, kinds = FrictionLevels(ca.SX(0), ca.SX(0)), False, set()
     for law, effect in plant.laws.frictions:
         if law.motor == motor:
-            seen = replace(plant.motor(law, plant.u), speed=speed)
+            seen = replace(plant.motor(law, plant.u), speed=speed, load=load)
             if effect.smooth_states:
                 rates = ca.vertcat(effect.rates(seen, plant.values(law)), ca.SX.zeros(effect.stepwise_states))
                 seen = replace(seen, own=seen.own + middle * rates)

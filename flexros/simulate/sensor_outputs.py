@@ -94,11 +94,7 @@ def _joint_torque(plant: PlantSymbols, motor: int, acceleration: ca.SX, wrench: 
     """Return the torque from the gear of a motor to the arm."""
     row, n = plant.robot.gear_rows[motor], plant.model.n_arm
     if plant.robot.motors[motor].flexible:
-        torque = plant.nominal_gear(row).torque
-        for law, effect in plant.laws.gears:
-            if plant.joint(law)[0] == row:
-                torque += effect.added(plant.gear(law), plant.values(law)).arm
-        return torque
+        return plant.gear_torque(motor)
     torque = plant.model.arm_inverse_dynamics(plant.q[:n], plant.v[:n], acceleration, plant.robot_parameters)[row]
     if not wrench.is_zero():
         torque -= _felt_wrench(plant, wrench)[row]

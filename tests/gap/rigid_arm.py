@@ -54,6 +54,7 @@ def record_of_arm(
     asymmetry: float = 0.0,
     load: float = 0.0,
     balance: tuple[float, float] = (0.0, 0.0),
+    share: float = 0.0,
 ) -> Record:
     """Compute the torques of that motion by inverse dynamics, with rotors and friction that the model lacks.
 
@@ -64,6 +65,7 @@ def record_of_arm(
         asymmetry: Of the viscous friction of motor_1, (forward - backward) / mean.
         load: Mass and inertia of the last body beyond those of the model, relative to them.
         balance: Torques of a counterbalance at motor_1 at its positions 0 and 90 degrees [Nm].
+        share: Friction of motor_1 per torque that its gear transmits [1].
     """
     q, v, a = motion()
     last = [name for name in arm().parameters if name.startswith(("body_2.mass", "body_2.inertia."))]
@@ -71,6 +73,7 @@ def record_of_arm(
     rigid = np.array([model.arm_inverse_dynamics(*row, model.parameter_values).full().ravel() for row in zip(q, v, a)])
     uneven = 1 + 0.5 * np.array([asymmetry, 0.0]) * np.sign(v)
     torque = rigid + INERTIA * a + VISCOUS * v * uneven + COULOMB * np.sign(v)
+    torque[:, 0] += share * np.abs(rigid[:, 0]) * np.sign(v[:, 0])
     torque[:, 0] -= balance[0] * np.cos(q[:, 0]) + balance[1] * np.sin(q[:, 0])
     noise = 1e-6 * np.random.default_rng(seed).standard_normal(q.shape)
     held = 0.5 * (torque + np.vstack([torque[1:], torque[-1:]]))

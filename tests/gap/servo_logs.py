@@ -17,11 +17,11 @@ NOISE = 1e-4
 ONE = ("motor_1",)
 
 
-def servo_robot(feedforward: float = 0.0, *, servo: bool = True, limit: float = 30.0) -> Robot:
+def servo_robot(feedforward: float = 0.0, *, servo: bool = True, limit: float = 30.0, integral: float = 0.0) -> Robot:
     """A joint with a link under gravity; stiffness 60 Nm/rad, damping 2 Nm s/rad."""
     motor = {"inertia": 0.05, "viscous_friction": 0.3, "torque_limit": limit}
     if servo:
-        motor["servo"] = {"stiffness": 60.0, "damping": 2.0, "feedforward": feedforward}  # type: ignore[assignment]
+        motor["servo"] = {"stiffness": 60.0, "damping": 2.0, "feedforward": feedforward, "integral": integral}  # type: ignore[assignment]
     link = {
         "mass": 1.5,
         "center_of_mass": [0, 0, 0.2],
@@ -59,19 +59,18 @@ def servo_log(
     robot = servo_robot(feedforward).commanded_by("position")
     placed = place_effects(robot, [parse_effect(text, "test") for text in effects])
     wanted = command(duration, seed)
-    # the rate of the command, of which a plant takes no input, is part of its position here
-    gains = {name: placed.robot.parameters[f"motor_1.servo_{name}"].value for name in ("stiffness", "damping")}
-    lead = feedforward * gains["damping"] / gains["stiffness"]
-    held = wanted + lead * np.gradient(wanted, T, axis=0)
+    rate = np.gradient(wanted, T, axis=0)
+    stiffness = placed.robot.parameters["motor_1.servo_stiffness"].value
     start = placed.robot.equilibrium(motor_position=wanted[0])
-    for _ in range(3):  # the servo gives way to gravity
-        sag = placed.robot.holding_torque(start) / gains["stiffness"]
+    carried = placed.robot.parameters["motor_1.servo_integral"].value > 0
+    for _ in range(0 if carried else 3):  # the servo gives way to gravity
+        sag = placed.robot.holding_torque(start) / stiffness
         start = placed.robot.equilibrium(motor_position=wanted[0] - sag)
-    plant = Plant(placed.robot, T, start, laws=placed.laws, torque=held[0], substeps=8)
+    plant = Plant(placed.robot, T, start, laws=placed.laws, torque=wanted[0], substeps=8)
     positions = np.empty_like(wanted)
-    for k, row in enumerate(held):
+    for k, row in enumerate(wanted):
         positions[k] = plant.measure()
-        plant.advance(row)
+        plant.advance(row, rate[k])
     positions += noise * np.random.default_rng([seed, 1]).normal(size=positions.shape)
     stamp = stamps_ns(len(wanted), T)
     return Log(JointSeries(stamp, ONE, position=positions), JointSeries(stamp, ONE, position=wanted))

@@ -68,6 +68,8 @@ class AbstractEffect(Settings, ABC):
     prediction errors."""
     unsaid: ClassVar[tuple[str, ...]] = ()
     """Parameters that a text names only where they are not at their defaults."""
+    seeks_less: ClassVar[bool] = False
+    """Whether a diagnosis seeks its `reductions` in every log, not in those of real machines alone."""
     delays_commands: ClassVar[bool] = False
     """Whether it delays commands by its parameter `time` [s]. A predictor then shifts the recorded samples."""
 

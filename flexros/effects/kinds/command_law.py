@@ -1,6 +1,7 @@
 """Effects on the torque between command and motor: saturation, then gain, then lag.
 
-The delay of the command precedes them. Disturbance torques of a scenario are added to the command, also before them.
+Filters of commanded positions act before a servo makes the torque. The delay of the command precedes all of them.
+Disturbance torques of a scenario are added to the command, also before them.
 """
 
 from __future__ import annotations
@@ -28,7 +29,9 @@ class AbstractCommandLaw(AbstractMotorLaw):
     """
 
     rank: ClassVar[int]
-    """Order between command and motor: saturation 0, gain 1, lag 2."""
+    """Order between command and motor: filter of a commanded position -1, saturation 0, gain 1, lag 2."""
+    filters_positions: ClassVar[bool] = False
+    """Whether it acts on the commanded position of a servo [rad or m], before the torque that this makes."""
     plain: ClassVar[bool] = True
     cuts_off: ClassVar[bool] = False
     """Whether it limits the command, by `cut_off`. A predictor with a delay then limits the recorded samples first: the

@@ -63,6 +63,9 @@ class AbstractDryFriction(AbstractMotorLaw):
     eases: ClassVar[bool] = False
     """Whether its levels may be negative, which reduces the other dry frictions of the motor, at most to zero."""
 
+    needs_load: ClassVar[bool] = False
+    """Whether its levels depend on the torque that the gear transmits, `MotorState.load`."""
+
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """Return the motors."""
         return robot.joint_names

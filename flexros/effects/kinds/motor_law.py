@@ -29,6 +29,8 @@ class MotorState:
         torque: Torque of the motor, after saturation, gain and lag, disturbances included [Nm or N], SX.
         own: Own states of the law, SX (n_states, 1).
         viscous_friction: Nominal viscous friction of the motor [Nm s/rad or N s/m].
+        load: Torque that its gear transmits to the arm [Nm or N], SX; given to dry friction only, in the middle of a
+            step.
     """
 
     position: ca.SX
@@ -37,6 +39,7 @@ class MotorState:
     torque: ca.SX
     own: ca.SX = field(default_factory=lambda: ca.SX(0, 1))
     viscous_friction: Value = 0.0
+    load: ca.SX = field(default_factory=lambda: ca.SX(0))
 
 
 class AbstractMotorLaw(AbstractLaw):

@@ -13,11 +13,13 @@ from flexros.effects.coulomb_friction import CoulombFriction
 from flexros.effects.delay import Delay
 from flexros.effects.gravity_error import GravityError
 from flexros.effects.presliding_friction import PreslidingFriction
+from flexros.effects.servos.servo_command_lag import ServoCommandLag
 from flexros.effects.torque_gain_error import TorqueGainError
 from flexros.effects.torque_saturation import TorqueSaturation
 from flexros.effects.viscous_friction import ViscousFriction
 from flexros.errors import InputError
 from flexros.robot.exchange.numbers import SAME, BodyNumbers, JointNumbers, LoadNumbers, NotHeld, RepairedNumbers
+from flexros.robot.quantity import unit_of
 from flexros.robot.spring import Spring
 
 if TYPE_CHECKING:
@@ -123,6 +125,7 @@ class _Joint:
     gain: float = 1.0
     limit: float = field(init=False)
     delay: float = field(init=False)
+    lag: float = 0.0
 
     def __post_init__(self) -> None:
         self.damping = self.motor.specification.viscous_friction.value
@@ -138,6 +141,7 @@ class _Joint:
             TorqueGainError: self._gain,
             TorqueSaturation: self._saturation,
             Delay: self._delay,
+            ServoCommandLag: self._filter,
         }
         if type(effect) in takers:
             return takers[type(effect)](effect)
@@ -167,6 +171,7 @@ class _Joint:
             stiffness=stiffness,
             servo_stiffness=None if servo is None else self.gain * servo.stiffness.value / squared,
             servo_damping=None if servo is None else self.gain * servo.damping.value / squared,
+            servo_lag=None if servo is None else self.lag,
         )
 
     def _viscous(self, effect: ViscousFriction) -> tuple[bool, str]:
@@ -188,6 +193,10 @@ class _Joint:
     def _saturation(self, effect: TorqueSaturation) -> tuple[bool, str]:
         self.limit = min(self.limit, effect.limit)
         return True, ""
+
+    def _filter(self, effect: ServoCommandLag) -> tuple[bool, str]:
+        held, self.lag = self.lag == 0, self.lag + effect.time_constant
+        return held, "two filters in series are written as one"
 
     def _delay(self, effect: Delay) -> tuple[bool, str]:
         self.delay += effect.time
@@ -211,6 +220,10 @@ def _of_robot(robot: Robot, scale: float) -> list[NotHeld]:
         if servo is not None and servo.feedforward.value:
             reason = "servos of other programs follow a speed of their own; command it there"
             found.append(NotHeld(motor.name, "servo feedforward", f"{servo.feedforward.value:.6g}", reason))
+        if servo is not None and servo.integral.value:
+            size = f"{servo.integral.value / scale**2:.6g} {unit_of('integral', motor.rotary)}"
+            reason = "servos of other programs have no integral part; add it in the controller"
+            found.append(NotHeld(motor.name, "servo integral", size, reason))
     for index, body in enumerate(robot.spec.bodies):
         for axis, bending in body.bending.items():
             size = f"{len(bending.listed())} modes, {bending.rigidity.value:.6g} N m2"

@@ -68,12 +68,16 @@ class _Motor:
     """A motor along its planned motion: evaluates laws that depend on its state."""
 
     def __init__(self, motion: Motion, robot: Robot, number: int, sample_time: float) -> None:
-        self._rows = [array[:, number] for array in (motion.motor_position, motion.motor_velocity, motion.torque)]
         self._sample_time = sample_time
-        q, v, u = self._symbols = [ca.SX.sym(name) for name in "qvu"]
-        turns = float(robot.rotor_turns[number])
-        friction = robot.parameters[f"{robot.joint_names[number]}.viscous_friction"].value
-        self._state = MotorState(q, turns * q, v, u, viscous_friction=friction)
+        q, v, u, load = self._symbols = [ca.SX.sym(name) for name in ("q", "v", "u", "load")]
+        turns, name = float(robot.rotor_turns[number]), robot.joint_names[number]
+        friction, inertia = (robot.parameters[f"{name}.{value}"].value for value in ("viscous_friction", "inertia"))
+        self._state = MotorState(q, turns * q, v, u, viscous_friction=friction, load=load)
+        self._rows = [array[:, number] for array in (motion.motor_position, motion.motor_velocity, motion.torque)]
+        transmitted = motion.load[:, number] - friction * self._rows[1]
+        if number in robot.stiff_motors:
+            transmitted = transmitted - inertia * _rate(self._rows[1], sample_time)
+        self._rows.append(transmitted)
 
     @property
     def direction(self) -> FloatArray:
@@ -107,7 +111,7 @@ class _Motor:
 
     def smooth_torques(self, effects: Sequence[AbstractMotorTorque]) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Compute offset and slope of u + added(u), linear in u, and the slope's time derivative, each shape (n,)."""
-        q, v, u = self._symbols
+        q, v, u, _ = self._symbols
         total = [np.zeros(len(self._rows[0])), np.ones(len(self._rows[0])), np.zeros(len(self._rows[0]))]
         for effect in effects:
             state = self._with_own(effect)

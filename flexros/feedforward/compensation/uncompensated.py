@@ -55,6 +55,8 @@ def uncompensated(robot: Robot, laws: Sequence[PlacedLaw], specification: Feedfo
 def _reason(robot: Robot, law: PlacedLaw, hold: bool) -> str:
     """Return why a law is not compensated; empty if it is."""
     effect = law.effect
+    if isinstance(effect, AbstractCommandLaw) and effect.filters_positions:
+        return "it filters commanded positions, and a feedforward commands torques"
     if isinstance(effect, AbstractCommandLaw) and effect.rank not in (GAIN, LAG):
         return "no command exceeds a torque limit; slow the motion down"
     if isinstance(effect, Delay) and not hold:

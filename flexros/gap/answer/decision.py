@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.effects.encoder_quantization import EncoderQuantization
+from flexros.effects.encoders.encoder_quantization import EncoderQuantization
 from flexros.effects.kinds.base import PlacedEffect
 from flexros.effects.viscous_friction import ViscousFriction
 from flexros.gap.answer.given_model import GivenModel

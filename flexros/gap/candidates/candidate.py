@@ -245,7 +245,7 @@ def list_candidates(
                 free_parameter(name, allowed, scales.of(allowed.scale, location))
                 for name, allowed in effect().fitted(robot, location).items()
             ]
-            reduced = effect().reductions(robot, location) if measured else {}
+            reduced = effect().reductions(robot, location) if measured or effect.seeks_less else {}
             if measured and effect is CoulombFriction:
                 reduced = {"level": friction.get(location, 0.0)}
             free = [below_nominal(one, reduced[one.name]) if reduced.get(one.name) else one for one in free]

@@ -243,7 +243,7 @@ def _acting(record: Record, robot: Robot, delay: float) -> _Acting:
         return _Acting(torque, begin, np.zeros_like(torque))
     command, begin = torque_as_it_acts(replace(record, torque=record.command), delay)
     parts = servo_parts(robot, command, bridged_motion(record.position, record.valid), record.sample_time)
-    return _Acting(parts.spring + parts.damper, begin, parts.spring)
+    return _Acting(parts.torque, begin, parts.spring)
 
 
 def _rows(record: Record, regressor: RigidRegressor, acting: _Acting) -> RegressionRows | None:

@@ -13,7 +13,7 @@ from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.errors import InputError
 from flexros.gap.prediction.compiled_plant import LANES, CompiledPlant, is_law
 from flexros.gap.prediction.fractional_delay import delayed
-from flexros.gap.prediction.servo_lead import servo_leads
+from flexros.simulate.servo_lead import servo_leads
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

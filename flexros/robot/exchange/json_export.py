@@ -76,6 +76,7 @@ def _rows(joint: JointNumbers) -> tuple[tuple[str, str, str], ...]:
     servo = (
         ("servo stiffness", "servo_stiffness", unit_of("stiffness", joint.rotary)),
         ("servo damping", "servo_damping", unit_of("damping", joint.rotary)),
+        ("lag of the control", "servo_lag", "s"),
     )
     return (
         ("viscous friction", "damping", unit_of("damping", joint.rotary)),
@@ -91,7 +92,7 @@ def _rows(joint: JointNumbers) -> tuple[tuple[str, str, str], ...]:
 
 
 def _joint(joint: JointNumbers, name: str) -> dict[str, Any]:
-    absent = ("servo_stiffness", "servo_damping") if joint.servo_stiffness is None else ()
+    absent = ("servo_stiffness", "servo_damping", "servo_lag") if joint.servo_stiffness is None else ()
     return {
         "joint": name,
         **{key: value for key, value in asdict(joint).items() if key not in absent},

@@ -25,6 +25,7 @@ class JointNumbers:
         stiffness: Stiffness of its gear [Nm/rad or N/m], None for a rigid gear.
         servo_stiffness: Torque per position error of its position loop [Nm/rad or N/m], None without a servo.
         servo_damping: Torque per speed of that loop [Nm s/rad or N s/m], None without a servo.
+        servo_lag: Time constant of a filter of its commands [s], 0 for none, None without a servo.
     """
 
     motor: str
@@ -39,6 +40,7 @@ class JointNumbers:
     stiffness: float | None
     servo_stiffness: float | None = None
     servo_damping: float | None = None
+    servo_lag: float | None = None
 
 
 @dataclass(frozen=True)

@@ -104,8 +104,8 @@ class LinearModel:
 def linear_model(robot: Robot, q_a: ArrayLike | None = None, output: str | None = None) -> LinearModel:
     """Linearise a robot at rest (Moberg 2007, Paper B, section 3.2).
 
-    The servos of a robot that is commanded by positions are closed, below their torque limits; the inputs are torques
-    at the motors all the same.
+    The servos of a robot that is commanded by positions are closed, below their torque limits and without integral
+    parts; the inputs are torques at the motors all the same.
 
     Args:
         robot: The robot.

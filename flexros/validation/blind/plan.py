@@ -39,7 +39,14 @@ SECRET, ORDER = 1_000_000, 1_000_001
 """Numbers of the random streams of the plan, behind those of the cases."""
 
 CONFUSED = (
-    {"viscous_friction", "coulomb_friction", "stribeck_friction", "presliding_friction", "friction_drift"},
+    {
+        "viscous_friction",
+        "coulomb_friction",
+        "stribeck_friction",
+        "presliding_friction",
+        "friction_drift",
+        "load_dependent_friction",
+    },
     {"torque_gain_error", "motor_inertia_error", "payload_error"},
     {"delay", "actuator_lag"},
     {"backlash", "hysteresis", "nonlinear_stiffness", "stiffness_error"},

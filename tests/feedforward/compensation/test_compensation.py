@@ -59,6 +59,16 @@ def test_dry_friction_adds_its_level_in_the_direction_of_motion(e12: Robot, smoo
     assert np.array_equal(known.motor_position, plain.motor_position)
 
 
+def test_friction_under_load_adds_its_share_of_the_torque_of_the_gear(e12: Robot, smooth: Trajectory) -> None:
+    plain, known = references(e12, smooth, "load_dependent_friction@motor_1:share=0.1")
+    added, speed = (known.torque - plain.torque)[:, 0], plain.motor_velocity[:, 0]
+    rotor = e12.parameters["motor_1.inertia"].value * np.gradient(speed, 1e-3)
+    load = plain.torque[:, 0] - rotor - e12.parameters["motor_1.viscous_friction"].value * speed
+    fast = np.abs(speed) > 0.02 * np.abs(speed).max()
+    expected = 0.1 * np.abs(load) * np.sign(speed)
+    np.testing.assert_allclose(added[fast], expected[fast], atol=0.02 * np.abs(expected).max())
+
+
 def test_a_gain_divides_the_torque_and_a_bias_is_taken_away(e12: Robot, smooth: Trajectory) -> None:
     plain, known = references(e12, smooth, "torque_gain_error@motor_2:relative=0.25", "torque_bias@motor_2:level=30")
     np.testing.assert_allclose(known.torque[:, 1], (plain.torque[:, 1] - 30.0) / 1.25, rtol=1e-9)

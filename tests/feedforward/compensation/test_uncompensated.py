@@ -51,7 +51,7 @@ def test_switched_off_effects_are_not_named(e12: Robot) -> None:
     assert reported(e12, "extra_mode@tool:ratio=0") == ()
 
 
-LEFT = {"torque_saturation", "encoder_quantization", "extra_mode"}
+LEFT = {"torque_saturation", "encoder_quantization", "extra_mode", "servo_command_lag"}
 """Effects that no feedforward compensates; a new kind is either compensated or listed here."""
 
 

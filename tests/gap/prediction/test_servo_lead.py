@@ -8,7 +8,6 @@ import pytest
 from flexros.effects import RobotWithEffects
 from flexros.gap.candidates.tolerance import Tolerance, tolerance_of
 from flexros.gap.prediction.predictor import Predictor
-from flexros.gap.prediction.servo_lead import servo_leads
 from flexros.prediction.observer import observer_gain
 from flexros.record.read import read_record
 from flexros.robot import Robot
@@ -33,12 +32,6 @@ def test_a_log_of_the_model_is_predicted_exactly(feedforward: float) -> None:
 def test_a_wrong_stiffness_or_feedforward_shows() -> None:
     assert np.abs(errors(servo_robot(), 0.0, "servo_stiffness_error@motor_1:relative=0.2")).max() > 1e-5
     assert np.abs(errors(servo_robot(0.0), 1.0)).max() > 1e-5
-
-
-def test_lead_is_the_share_of_the_damping_over_the_stiffness() -> None:
-    robot = servo_robot(0.5)
-    np.testing.assert_allclose(servo_leads(robot, {}), [0.5 * 2.0 / 60.0])
-    np.testing.assert_allclose(servo_leads(robot, {"motor_1.servo_stiffness": 30.0}), [0.5 * 2.0 / 30.0])
 
 
 def test_tolerances_of_gains_count_where_positions_are_commanded() -> None:

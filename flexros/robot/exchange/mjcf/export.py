@@ -178,6 +178,9 @@ class _Writer:
             attributes[key] = number(value / self.squared)
             unit = unit_of(kind, joint.rotary)
             self._note(joint.motor, f"servo {kind}", f"actuator {key}", value / self.squared, unit)
+        if joint.servo_lag:
+            attributes["timeconst"] = number(joint.servo_lag)
+            self._note(joint.motor, "lag of the control", "actuator timeconst", joint.servo_lag, "s")
         return attributes
 
     def _shapes(self) -> None:

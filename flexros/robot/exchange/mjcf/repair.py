@@ -249,11 +249,14 @@ class _Repair:
                 element.set(keys[kind], number(wanted[kind] / squared))
             place = f"{element.tag} {keys[kind] if element.tag == 'position' else 'biasprm'}"
             self._note(joint.motor, f"servo {kind}", place, own[kind], wanted[kind], units[kind])
-        if before.time_constant > 0 and (changed or not same(joint.delay, before.delay)):
-            # a robot file has no lag of the control, so what was found of the servo holds without one
-            key, value = ("timeconst", "0") if element.tag == "position" else ("dyntype", "none")
-            element.set(key, value)
-            self._note(joint.motor, "lag of the control", f"{element.tag} {key}", before.time_constant, 0.0, "s")
+        lag = joint.servo_lag or 0.0
+        if not same(lag, before.time_constant) and (lag or changed or not same(joint.delay, before.delay)):
+            # a robot file has no lag of the control, so what was found of the servo holds with that of the effects
+            key = "timeconst" if element.tag == "position" else "dyntype"
+            element.set(key, number(lag) if element.tag == "position" else "filterexact" if lag else "none")
+            if lag and element.tag == "general":
+                element.set("dynprm", number(lag))
+            self._note(joint.motor, "lag of the control", f"{element.tag} {key}", before.time_constant, lag, "s")
 
     def _gain(self, element: XmlElement, index: int, joint: JointNumbers) -> None:
         """Scale the torque of an actuator; that of a servo by its gains, because its gear also scales the position."""

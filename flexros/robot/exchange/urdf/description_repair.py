@@ -117,6 +117,7 @@ class _Repair:
         self._lost(joint.motor, "delay", joint.delay, "s", NO_COMMAND)
         self._lost(joint.motor, "servo stiffness", joint.servo_stiffness or 0.0, stiffness, NO_SERVO)
         self._lost(joint.motor, "servo damping", joint.servo_damping or 0.0, damping, NO_SERVO)
+        self._lost(joint.motor, "lag of the control", joint.servo_lag or 0.0, "s", NO_SERVO)
         self._lost(joint.motor, "torque gain", joint.torque_gain - 1, "relative", NO_COMMAND)
 
     def body(self, body: BodyNumbers) -> None:

@@ -64,6 +64,12 @@ def _kinematic(at: Site, random: np.random.Generator) -> Drawn:
     return lambda s: {"length": 1e-6 * direction * s}, 3e4
 
 
+def _loaded(at: Site, random: np.random.Generator) -> Drawn:
+    del random
+    least = 5e-3 * at.torque
+    return lambda s: {"share": 1e-3 * s, "least": least}, 300.0
+
+
 STRUCTURE_DRAWERS: Mapping[str, Drawer] = {
     "backlash": _backlash,
     "hysteresis": _hysteresis,
@@ -75,6 +81,7 @@ STRUCTURE_DRAWERS: Mapping[str, Drawer] = {
     "extra_mode": _mode,
     "gravity_error": _relative(1e-4, 0.4, 0.4),
     "kinematic_error": _kinematic,
+    "load_dependent_friction": _loaded,
 }
 """Drawing functions of deviations at gears and structure, by name."""
 
@@ -85,10 +92,9 @@ def _rough_way(at: Site, random: np.random.Generator) -> Drawn:
     return lambda s: {"level": 1e-3 * at.torque * s, "length": length, "phase": phase}, 200.0
 
 
-def _loaded(at: Site, random: np.random.Generator) -> Drawn:
+def _churning(at: Site, random: np.random.Generator) -> Drawn:
     del random
-    least = 0.02 * at.torque
-    return lambda s: {"share": 1e-3 * s, "least": least}, 300.0
+    return lambda s: {"coefficient": 1e-3 * at.torque / at.speed**2 * s}, 300.0
 
 
 def _pushes(at: Site, random: np.random.Generator) -> Drawn:
@@ -124,7 +130,7 @@ def _losses(at: Site, random: np.random.Generator) -> Drawn:
 
 OUTSIDE_DRAWERS: Mapping[str, Drawer] = {
     "position_dependent_friction": _rough_way,
-    "load_dependent_friction": _loaded,
+    "quadratic_drag": _churning,
     "tool_pushes": _pushes,
     "rotating_imbalance": _imbalance,
     "cable": _cable,

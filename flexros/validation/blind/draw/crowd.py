@@ -25,7 +25,7 @@ PLAIN_SHARE = 0.5
 NOT_IN_CROWDS = ("kinematic_error",)
 """Effects that no crowd holds: the motors do not show them."""
 ALIKE = (
-    {"coulomb_friction", "presliding_friction", "friction_drift"},
+    {"coulomb_friction", "presliding_friction", "friction_drift", "load_dependent_friction"},
     {"viscous_friction", "friction_drift"},
     {"stribeck_friction", "presliding_friction", "friction_drift"},
     {"torque_gain_error", "motor_inertia_error"},

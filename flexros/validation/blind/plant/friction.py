@@ -84,3 +84,11 @@ def drift(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
     for motor in plant.motors(place):
         plant.add_torque(motor, -p["viscous"] * grown * plant.v[plant.place(motor)])
         dry(plant, motor, p["coulomb"] * grown)
+
+
+def loaded(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
+    """Dry friction in proportion to the torque of the gear, rounded below the torque `least`, unlike in the library."""
+    for motor in plant.motors(place):
+        joint = plant.robot.gear_rows[motor]
+        load = plant.gear_torque(joint, plant.twist(motor))
+        dry(plant, motor, p["share"] * ca.sqrt(load**2 + p["least"] ** 2))

@@ -45,12 +45,13 @@ LIBRARY_LAWS: Mapping[str, Law] = {
     "extra_mode": no_equation,
     "gravity_error": gear.gravity_error,
     "kinematic_error": no_equation,
+    "load_dependent_friction": friction.loaded,
 }
 """Deviations with the names of the effects library (contract of section 8)."""
 
 OUTSIDE_LAWS: Mapping[str, Law] = {
     "position_dependent_friction": outside.position_dependent_friction,
-    "load_dependent_friction": outside.load_dependent_friction,
+    "quadratic_drag": outside.quadratic_drag,
     "tool_pushes": outside.tool_pushes,
     "rotating_imbalance": outside.rotating_imbalance,
     "cable": outside.cable,

@@ -22,12 +22,11 @@ def position_dependent_friction(plant: Equations, place: str, p: Mapping[str, ca
         dry(plant, motor, p["level"] * (1 + 0.9 * ca.sin(2 * np.pi * way + p["phase"])))
 
 
-def load_dependent_friction(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
-    """Dry friction in proportion to the torque that the gear transmits."""
+def quadratic_drag(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
+    """Drag that grows with the square of the speed, as of a fan or of gears that churn their oil."""
     for motor in plant.motors(place):
-        joint = plant.robot.gear_rows[motor]
-        load = plant.gear_torque(joint, plant.deflection(joint))
-        dry(plant, motor, p["share"] * ca.sqrt(load**2 + p["least"] ** 2))
+        speed = plant.v[plant.place(motor)]
+        plant.add_torque(motor, -p["coefficient"] * speed * ca.fabs(speed))
 
 
 def tool_pushes(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:

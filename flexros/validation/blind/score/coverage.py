@@ -26,6 +26,7 @@ COMPARABLE: Mapping[str, str] = {
     "torque_bias": "level",
     "coulomb_friction": "level",
     "viscous_friction": "coefficient",
+    "load_dependent_friction": "share",
     "delay": "time",
     "actuator_lag": "time_constant",
     "backlash": "gap",

@@ -101,6 +101,23 @@ def test_a_lag_that_a_robot_file_does_not_hold_is_taken_out_with_the_gains(actua
     assert "lag of the control" not in [one.quantity for one in untouched.written]
 
 
+@pytest.mark.parametrize("actuator", [POSITION, GENERAL, POSITION.replace("/>", ' timeconst="0.1"/>')])
+def test_a_filter_of_the_commands_that_was_found_is_written(actuator: str, tmp_path: Path) -> None:
+    lag = "effects:\n  - {effect: servo_command_lag, location: motor_1, parameters: {time_constant: 0.03}}\n"
+    exported = repaired(tmp_path, actuator, lag)
+    found = joint_actuator(mujoco.MjModel.from_xml_string(exported.text), 0)
+    assert found is not None
+    assert (found.time_constant, found.kp, found.kv) == (pytest.approx(0.03), 100.0, 5.0)
+    assert [(one.quantity, one.value) for one in exported.written] == [("lag of the control", 0.03)]
+    assert exported.not_held == ()
+    patched = load_patched(tmp_path / "patch.yaml")
+    new = joint_actuator(mujoco.MjModel.from_xml_string(export_model(patched, "mjcf").text), 0)
+    assert new is not None
+    assert new.time_constant == pytest.approx(0.03)
+    assert json.loads(export_model(patched, "json").text)["joints"][0]["servo_lag"] == pytest.approx(0.03)
+    assert "lag of the control" in {one.name for one in export_model(patched, "urdf").not_held}
+
+
 def test_right_gains_are_left_as_they_are(tmp_path: Path) -> None:
     exported = repaired(tmp_path, POSITION, "effects: []\n")
     assert exported.text == ARM.format(actuator=POSITION)

@@ -69,7 +69,7 @@ def test_every_deviation_has_a_law_and_is_nothing_at_size_zero_of_the_relative_e
     for effect in ("stiffness_error", "damping_error"):
         same = simulated(robot, hidden(effect, "body_2.rz", relative=0.0)).encoder
         assert np.allclose(same, nothing, rtol=0, atol=1e-12)
-    assert len(LAWS) == 32
+    assert len(LAWS) == 33
 
 
 def test_delay_of_whole_samples_moves_the_command_by_samples() -> None:

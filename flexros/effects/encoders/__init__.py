@@ -1,0 +1,6 @@
+"""Effects of the encoders; importing the package registers them."""
+
+from flexros.effects.encoders.encoder_eccentricity import EncoderEccentricity
+from flexros.effects.encoders.encoder_quantization import EncoderQuantization
+
+__all__ = ["EncoderEccentricity", "EncoderQuantization"]
