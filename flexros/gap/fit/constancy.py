@@ -21,10 +21,10 @@ if TYPE_CHECKING:
 
 PARTS = 8
 """Parts of equal length into which a log is divided (chosen)."""
-INFORMED = 0.1
-"""Information of a part on a size, over the mean of all parts, from which its estimate counts [1] (chosen)."""
+SHOWN = 3.0
+"""Size over its standard deviation by a part alone, from which the estimate of that part counts [1] (chosen)."""
 FEWEST = 4
-"""Fewest parts with information from which anything can be said (chosen)."""
+"""Fewest parts that show a size, from which anything can be said (chosen)."""
 DEVIATION = 1.4826
 """Standard deviation of a normal distribution over its median absolute deviation [1]."""
 RIDGE = 1e-6
@@ -55,14 +55,15 @@ def _constancies(fit: CandidateFit, data: FitData) -> dict[str, float]:
     rows = slice(0, M * n)  # those of the motors: other sensors have instants of their own
     part = np.tile(np.arange(n) * PARTS // n, M)
     prior = np.diag(line.information - line.slopes.T @ line.slopes)
-    estimates, informations = estimates_of_parts(line.slopes[rows], line.residual[rows], part, prior, prior * fit.theta)
+    estimates, deviations = estimates_of_parts(line.slopes[rows], line.residual[rows], part, prior, prior * fit.theta)
     found, column = {}, 0
     for candidate in fit.hypothesis:
         free = sizes_of(candidate)[0]
         index = column + candidate.free.index(free)
         # positive sizes are fitted by their logarithm, whose change is the relative change of the size
         whole = float(fit.theta[index]) if free.signed else 1.0
-        found[candidate.name] = constancy(whole + estimates[:, index], informations[:, index])
+        shown = abs(whole) > SHOWN * deviations[:, index]
+        found[candidate.name] = constancy(whole + estimates[shown, index])
         column += len(candidate.free)
     return found
 
@@ -84,32 +85,30 @@ def estimates_of_parts(
         pulled: P theta, shape (p,).
 
     Returns:
-        Differences from the parameters of the whole, and the information of each part on every parameter with the
-        others free, each of shape (K, p).
+        Differences from the parameters of the whole, and their standard deviations by the residuals of the part,
+        shape (K, p) each.
     """
     K = int(part.max()) + 1
     free = prior + RIDGE * np.einsum("ij,ij->j", slopes, slopes) + 1e-300
-    estimates, informations = np.empty((2, K, slopes.shape[1]))
+    estimates, deviations = np.empty((2, K, slopes.shape[1]))
     for k in range(K):
-        J = slopes[part == k]
+        J, r = slopes[part == k], residual[part == k]
         covariance = np.linalg.pinv(J.T @ J + np.diag(free) / K, hermitian=True)
-        estimates[k] = -covariance @ (J.T @ residual[part == k] + pulled / K)
-        informations[k] = 1.0 / np.maximum(np.diag(covariance), 1e-300)
-    return estimates, informations
+        estimates[k] = -covariance @ (J.T @ r + pulled / K)
+        deviations[k] = np.sqrt(np.mean(r**2) * np.diag(covariance))
+    return estimates, deviations
 
 
-def constancy(sizes: FloatArray, informations: FloatArray) -> float:
+def constancy(sizes: FloatArray) -> float:
     """Return the median of some estimates over its standard deviation, both robust [1]; zero for too few estimates.
 
     A single part in which something else happens, such as an impact, moves neither.
 
     Args:
         sizes: Estimates of a size, shape (K,).
-        informations: How much each part informs on it, shape (K,).
     """
-    counted = sizes[informations > INFORMED * informations.mean()]
-    if len(counted) < FEWEST or not np.all(np.isfinite(counted)):
+    if len(sizes) < FEWEST or not np.all(np.isfinite(sizes)):
         return 0.0
-    middle = float(np.median(counted))
-    deviation = DEVIATION * float(np.median(np.abs(counted - middle)))
-    return float(np.sqrt(len(counted)) * abs(middle) / max(deviation, 1e-9 * abs(middle) + 1e-300))
+    middle = float(np.median(sizes))
+    deviation = DEVIATION * float(np.median(np.abs(sizes - middle)))
+    return float(np.sqrt(len(sizes)) * abs(middle) / max(deviation, 1e-9 * abs(middle) + 1e-300))
