@@ -67,11 +67,8 @@ def worth(
         if strains(search, comparison, after, before):
             return True
         removed = search.settings.search.removed_of_all
-        least = search.settings.search.removed_of_floor / search.data.record.position.shape[1]
-        if comparison.level(before) <= 1.0:
+        if comparison.level(before) <= search.settings.ranking.floors:
             return comparison.level(after) < search.settings.search.within_floor * comparison.level(before)
-        if comparison.level(before) - comparison.level(after) < least:
-            return False
     relieved = after.prior_penalty < (1 - removed) * before.prior_penalty
     if comparison.beyond_tolerance(before) and relieved and not search.data.record.imported:
         return True
@@ -88,10 +85,10 @@ def _constant(search: Search, comparison: ModelComparison, before: CandidateFit,
     Where an explanation suffices, what its effects leave is an error of form, which candidates imitate constantly too.
     Both must be fits: an estimate by linear theory has no sizes.
     """
-    further = after.names - before.names
-    if search.data.record.imported or not further or comparison.adequate(after):
+    if search.data.record.imported or comparison.adequate(after):
         return False
-    if comparison.removed(before, after) < search.settings.search.removed_if_constant:
+    further = after.names - before.names
+    if not further or comparison.removed(before, after) < search.settings.search.removed_if_constant:
         return False
     found = constancies(after, search.data)
     return all(found[name] >= search.settings.ranking.constant for name in further)

@@ -206,13 +206,6 @@ class SearchSettings(Settings):
         lt=1,
         description="the same on a real machine, where what no effect explains is part of what remains [1]",
     )
-    removed_of_floor: float = Field(
-        default=0.3,
-        ge=0,
-        lt=1,
-        description="share of the floor of one motor that every effect must remove on a real machine, where the floor "
-        "is a stated tolerance [1]",
-    )
     freed: float = Field(
         default=0.5,
         gt=0,
@@ -225,7 +218,8 @@ class SearchSettings(Settings):
         gt=0,
         lt=1,
         description="level of the prediction errors, over that without them, up to which further effects are found "
-        "below the floor of a real machine, as they are where the torques are known better than stated [1]",
+        "within the floors that an explanation of a real machine may leave, as they are where the torques are known "
+        "better than stated [1]",
     )
     tried_orders: int = Field(
         default=5, ge=1, description="orders of a rotor that are fitted: the most prominent and the largest, each"

@@ -15,6 +15,7 @@ from flexros.gap.search.candidate_fits import Search
 from flexros.gap.search.elimination import reduced
 from flexros.gap.search.exchange import corrected, exchanged
 from flexros.gap.search.forward_selection import Explanations, explain
+from flexros.gap.search.growth import with_more
 from flexros.gap.search.model_probability import RANKING
 from flexros.gap.search.worth import compared
 from tests.gap.diagnosis_logs import search_of
@@ -85,6 +86,26 @@ def test_candidates_that_fit_badly_from_their_common_start_are_tried_alone(monke
     found = explain(search_of(*crowd, among=SOME))
     assert max(groups) > 1
     assert names(found) == {name.partition(":")[0] for name in crowd}
+
+
+def test_candidates_are_tried_alone_where_a_group_removes_less_than_it_must(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where little is left an effect must remove most of it: a group that spoils the best of its members does not."""
+    together, alone = Search.together, []
+
+    def spoilt(search: Search, fit: CandidateFit, additions: Sequence[Addition], **others: Any) -> CandidateFit:
+        found = together(search, fit, additions, **others)
+        if len(additions) > 1:  # removes a half
+            return replace(found, chi2=fit.chi2 - 0.5 * (fit.chi2 - search.data.n_values))
+        alone.append(found.names)
+        return found
+
+    monkeypatch.setattr(Search, "together", spoilt)
+    monkeypatch.setattr("flexros.gap.search.growth._removed", lambda *_: 0.6)
+    search = search_of(FRICTION, SOFT, among=SOME)
+    found = with_more(search, search.null.fit, search.directions(search.candidates()), [])
+    assert alone
+    assert found is not None
+    assert len(found.hypothesis) == 1
 
 
 @pytest.mark.parametrize("exchange", [exchanged, corrected])

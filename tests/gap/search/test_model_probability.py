@@ -130,6 +130,14 @@ def test_an_addition_counts_by_what_it_closes_itself(swap: bool) -> None:
     assert comparison(101.0, *trifle).probabilities(trifle)[0] < 0.2
 
 
+def test_what_an_effect_closes_is_bounded_by_the_best_fit_without_it() -> None:
+    """The others were never fitted alone, but a part of them leaves little already, however large the whole gap is."""
+    rich, simple = fitted(1.0, STRIBECK, STIFFNESS), fitted(1.1, COULOMB, STIFFNESS)
+    assert comparison(1e4, rich, simple).probabilities([rich, simple])[0] < 0.7
+    among = comparison(1e4, rich, simple, fitted(2.0, STIFFNESS))
+    assert among.probabilities([rich, simple])[0] > 0.99
+
+
 def test_parameters_of_a_law_cost_less_where_model_form_errors_count_more_than_noise() -> None:
     one, richer = fitted(1.0, COULOMB), fitted(1.0, "presliding_friction@motor_1")
 
