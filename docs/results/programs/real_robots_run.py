@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import resource
 import subprocess
 import sys
@@ -61,6 +62,16 @@ class Used:
     cpu_seconds: float = 0.0
     memory: float = 0.0
     ended: bool = False
+
+
+def _largest_memory(pid: int) -> float:
+    """Return the largest memory of a running process so far [GB]; zero for one that has ended.
+
+    What `os.wait4` states includes this process at the time of the fork, which fits by MuJoCo may have made large.
+    """
+    status = Path(f"/proc/{pid}/status").read_text(encoding="utf-8")
+    found = re.search(r"VmHWM:\s+(\d+) kB", status)
+    return int(found.group(1)) * 1024 / 1e9 if found else 0.0
 
 
 @dataclass(frozen=True)
@@ -149,10 +160,11 @@ class Run:
         began = time.monotonic()
         with printed.open("w", encoding="utf-8") as output:
             process = subprocess.Popen([*FLEXROS, *arguments], stdout=output, stderr=output)  # noqa: S603 - our own program
-        ended, status, usage = 0, 0, resource.getrusage(resource.RUSAGE_SELF)
+        ended, status, usage, memory = 0, 0, resource.getrusage(resource.RUSAGE_SELF), 0.0
         try:
             while not ended and (limit is None or time.monotonic() - began < limit):
                 time.sleep(0.05)
+                memory = max(memory, _largest_memory(process.pid))
                 ended, status, usage = os.wait4(process.pid, os.WNOHANG)
         finally:
             if not ended:
@@ -164,7 +176,6 @@ class Run:
         if code not in expected:
             said = printed.read_text(encoding="utf-8").strip().splitlines() or ["nothing"]
             raise InputError(f"flexros {arguments[0]} ended with {code}: {said[-1].removeprefix('flexros: ')}")
-        memory = usage.ru_maxrss * 1024 / 1e9
         return Used(time.monotonic() - began, usage.ru_utime + usage.ru_stime, memory, ended=True)
 
     def diagnosis(self) -> dict[str, Any]:
