@@ -34,6 +34,9 @@ ROUNDED_SHARE = 0.1
 CROSSED, SPREAD, FEWEST_BLOCKS = 2.0, 2.5, 20
 """Steps of an encoder that a motor crosses within a sample, from which rounding no longer grows with speed; the factor
 by which some blocks must exceed that, and their fewest number (chosen)."""
+HIDES = 1.0
+"""Step of an encoder over its noise above which rounding hides size and colour of the noise [1] (chosen): smaller steps
+add white noise of step^2 / 12."""
 RUN_AWAY = 1e3
 """Largest prediction over the largest position; beyond it the prediction has diverged [1] (chosen)."""
 MOST_MOVED, LEAST_COLOUR = 1.3, 0.25
@@ -80,7 +83,8 @@ def measure_noise(record: Record, robot: Robot, settings: DiagnosisSettings) -> 
     cutoff = min(_LOOK, 0.1 / record.sample_time)
     smooth, speed, _ = smooth_motion(position, record.sample_time, cutoff)
     M = robot.n_motors
-    rounded = {one.motor for one in encoder_quantization(record, robot, numbers.coarse_step)}  # it hides the noise
+    steps = {one.motor: one.step for one in encoder_quantization(record, robot, numbers.coarse_step)}
+    rounded = {motor for motor, step in steps.items() if step > HIDES * robot.encoder_noise[motor]}
     driven = _driven(record, robot, position, settings.level)
     power, jitter = _above_band(position, speed, record)
     deviation, colours, source = np.sqrt(power), [np.zeros(0)] * M, ["above the band"] * M

@@ -95,8 +95,9 @@ def measurement_of(record: Record, robot: Robot, settings: DiagnosisSettings) ->
         if dim and not np.any(autoregression[motor]):
             deviation[motor], autoregression[motor, 0] = declared[motor], (1 - share) / (1 + share)
     for one in quantizations:
-        deviation[one.motor] = np.hypot(declared[one.motor], one.step / np.sqrt(12))
-    rounding = max((1 - (declared[one.motor] / deviation[one.motor]) ** 2 for one in quantizations), default=0.0)
+        if deviation[one.motor] == declared[one.motor]:  # noise that was measured contains the rounding
+            deviation[one.motor] = np.hypot(declared[one.motor], one.step / np.sqrt(12))
+    rounding = max((one.step**2 / 12 / deviation[one.motor] ** 2 for one in quantizations), default=0.0)
     coloured = bool(np.any(autoregression))
     error = numbers.coloured_error if coloured else 0.0 if bool(np.all(near & stated)) else numbers.measured_error
     whitening = np.hstack([np.ones((robot.n_motors, 1)), -autoregression[:, : None if coloured else 0]])
