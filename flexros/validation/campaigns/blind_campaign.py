@@ -1,4 +1,4 @@
-"""Campaigns over the cases of a blind check: what the check of single effects and that of crowds share."""
+"""Campaigns over the cases of a blind check: what the checks of single effects, crowds and rounded nulls share."""
 
 from __future__ import annotations
 
@@ -13,12 +13,15 @@ from flexros.validation.campaigns.parts import claim_folder, finished_parts, ver
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from flexros.validation.blind.make_case import MakeSettings
+    from flexros.validation.blind.plan import Case
     from flexros.validation.blind.score.answer import Answer
     from flexros.validation.campaigns.base import CampaignRequest
     from flexros.validation.campaigns.blind.settings import BlindSettings
     from flexros.validation.campaigns.crowds.settings import CrowdSettings
+    from flexros.validation.campaigns.quantized_nulls.settings import QuantizedNullsSettings
 
-S = TypeVar("S", "BlindSettings", "CrowdSettings")
+S = TypeVar("S", "BlindSettings", "CrowdSettings", "QuantizedNullsSettings")
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,15 +73,12 @@ class AbstractBlindCampaign(AbstractCampaign, Generic[S]):
 
     def run(self, request: CampaignRequest) -> CampaignResult:
         """Run the campaign, or what is left of it; see `AbstractCampaign.run`."""
-        from flexros.validation.blind.make_case import MakeSettings
-        from flexros.validation.blind.plan import plan_cases
         from flexros.validation.campaigns.blind.case_part import answer_of, case_part
 
         settings = self.settings
         claim_folder(request.work, asdict(settings))
-        plan = plan_cases(settings.plan, settings.seed, settings.stream)
+        plan, made = self.plan(), self.make_settings()
         chosen = plan[: request.repetitions or len(plan)]
-        made = MakeSettings(settings.seed, settings.stream, settings.durations)
         parts = finished_parts(
             request.work,
             request.client,
@@ -89,6 +89,20 @@ class AbstractBlindCampaign(AbstractCampaign, Generic[S]):
         answers = [answer_of(name, part) for name, part in parts.items()]
         failures = {name: part["failure"] for name, part in parts.items() if part["failure"]}
         return self.result(ScoredCases(answers, failures, len(plan), versions_of(parts.values())))
+
+    def plan(self) -> tuple[Case, ...]:
+        """List all cases, shuffled so that every beginning of the list is a fair sample."""
+        from flexros.validation.blind.plan import plan_cases
+
+        settings = self.settings
+        return plan_cases(settings.plan, settings.seed, settings.stream)
+
+    def make_settings(self) -> MakeSettings:
+        """Return how the logs of a case are made."""
+        from flexros.validation.blind.make_case import MakeSettings
+
+        settings = self.settings
+        return MakeSettings(settings.seed, settings.stream, settings.durations)
 
     def result(self, found: ScoredCases) -> CampaignResult:
         """Return page, pictures, figures and summary of the cases."""
