@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from flexros.validation.campaigns.blind_campaign import AbstractBlindCampaign, Written
+from flexros.validation.campaigns.blind_campaign import AbstractBlindCampaign, Written, answers_of, case_parts
+from flexros.validation.campaigns.parts import versions_of
 from flexros.validation.campaigns.quantized_nulls.settings import QuantizedNullsSettings
 
 if TYPE_CHECKING:
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from flexros.validation.blind.make_case import MakeSettings
     from flexros.validation.blind.plan import Case
     from flexros.validation.blind.score.answer import Answer
+    from flexros.validation.campaigns.base import CampaignRequest
     from flexros.validation.campaigns.blind_campaign import ScoredCases
 
 
@@ -35,6 +37,19 @@ class QuantizedNulls(AbstractBlindCampaign[QuantizedNullsSettings]):
     def make_settings(self) -> MakeSettings:
         """Return how the logs of a case are made: with encoders that round."""
         return replace(super().make_settings(), encoder_steps=self.settings.encoder_steps)
+
+    def scored(self, request: CampaignRequest) -> ScoredCases:
+        """Diagnose and score the cases; false alarms once more without rounding, all else being equal."""
+        from flexros.validation.campaigns.quantized_nulls.page import alarmed
+
+        found, plain = super().scored(request), super().make_settings()
+        alarms = {one.truth.name for one in found.answers if alarmed(one)}
+        jobs = {f"{case.name}_smooth": (plain, case) for case in self.plan() if case.name in alarms}
+        if not jobs:
+            return found
+        parts = case_parts(request, jobs, "false alarms without rounding")
+        used = {**found.used, "commit without rounding": versions_of(parts.values())["commit"]}
+        return replace(found, controls={one.truth.name: one for one in answers_of(parts)}, used=used)
 
     def scores(self, answers: Sequence[Answer]) -> dict[str, Any]:
         """Count false alarms, also by group; see `AbstractBlindCampaign.scores`."""
