@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from flexros.atomic_file import write_whole
@@ -39,6 +39,8 @@ DRAWERS = {**MOTOR_DRAWERS, **STRUCTURE_DRAWERS, **OUTSIDE_DRAWERS}
 """Drawing functions of all deviations, by name."""
 LOGS = ("fit", "holdout", "third")
 """Folders of the logs of a case: to fit, to check on, and one that the diagnosis is not given."""
+ROUNDING = 2 + len(LOGS)
+"""Number of the random stream of the step of encoders, behind those of the case, its reference and its logs."""
 ATTEMPTS = 20
 """Largest number of draws of a case (chosen)."""
 
@@ -52,12 +54,15 @@ class MakeSettings:
         stream: Stream of development or of evaluation.
         durations: Lengths of the three logs, about [s].
         secret: Random text that the seals are salted with.
+        encoder_steps: Smallest and largest step to which all encoders of a case round their positions, over their noise
+            [1]; drawn evenly in the logarithm from a stream of its own. None: they do not round.
     """
 
     seed: int
     stream: Stream = Stream.BLIND_EVALUATION
     durations: tuple[float, float, float] = (40.0, 20.0, 20.0)
     secret: str = ""
+    encoder_steps: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,6 +145,9 @@ def draw_case(case: Case, settings: MakeSettings, attempt: int = 0) -> Drawn:
     robot = setting.robot
     believed = believed_values(robot, case.nuisance, random)
     conditions = draw_conditions(case.nuisance, random)
+    if settings.encoder_steps is not None:
+        step = log_uniform(_random(case, settings, attempt, ROUNDING), *settings.encoder_steps)
+        conditions = replace(conditions, encoder_step=step)
     reference = setting.reference(settings.durations[0], _random(case, settings, attempt, 1))
     known = NominalFilter(robot, setting.sample_time, tolerances(robot, case.nuisance))
     rehearsal = Rehearsal(setting, reference, known, conditions.visibility)
@@ -184,7 +192,7 @@ def _truth(case: Case, drawn: Drawn, settings: MakeSettings) -> Truth:
         gains=tuple(one.gain for one in drawn.hidden),
         sample_time=drawn.setting.sample_time,
         motion=drawn.setting.motion,
-        conditions=asdict(drawn.conditions),
+        conditions=drawn.conditions.figures(),
         robot_sha256=sha256(drawn.robot_file),
         salt=sha256(f"{settings.secret}/{settings.seed}/{case.name}"),
     )

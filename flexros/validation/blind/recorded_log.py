@@ -9,6 +9,7 @@ import numpy as np
 
 from flexros.logs.stamps import stamps_ns
 from flexros.logs.time_series import BASE_FRAME, JointSeries, Log, PoseSeries
+from flexros.validation.blind.deviation import Deviation
 from flexros.validation.blind.draw.conditions import Conditions, Tracker, encoder_noise
 from flexros.validation.blind.draw.sizing import SETTLE, TOOL_STEP, events
 from flexros.validation.blind.plant.plant import BlindInputs, BlindPlant
@@ -16,6 +17,7 @@ from flexros.validation.blind.plant.tool_view import seen_pose
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray, IntArray
+    from flexros.robot import Robot
     from flexros.validation.blind.make_case import Drawn
 
 PROVENANCE = {"scenario": {"name": "blind"}}
@@ -85,7 +87,7 @@ def record_log(drawn: Drawn, tool: bool, place: int, duration: float, random: np
     robot, step = setting.robot, setting.sample_time
     reference = drawn.reference if place == 0 else setting.reference(duration, random, "random" if place == 2 else "")
     deviations = tuple(one.deviation for one in drawn.hidden)
-    plant = BlindPlant(robot, deviations, setting.law, step)
+    plant = BlindPlant(robot, (*deviations, *_rounding(robot, conditions)), setting.law, step)
     n, m = len(reference), robot.n_motors
     lost, push = events(deviations, n, step, random)
     late = conditions.late * np.repeat(random.standard_normal((n, 1)), m, axis=1)
@@ -98,6 +100,18 @@ def record_log(drawn: Drawn, tool: bool, place: int, duration: float, random: np
         seen = Tracker.draw(robot, random).see(pose, random)
     return RecordedLog(
         robot.joint_names, step, _stamps(n, step, conditions, random), run.encoder, run.command, reference, seen
+    )
+
+
+def _rounding(robot: Robot, conditions: Conditions) -> tuple[Deviation, ...]:
+    """Return the rounding of encoders, which the plant simulates like a deviation; none where they do not round."""
+    if not conditions.encoder_step:
+        return ()
+    return tuple(
+        Deviation(
+            effect="encoder_quantization", location=name, parameters={"step": conditions.encoder_step * float(noise)}
+        )
+        for name, noise in zip(robot.joint_names, robot.encoder_noise, strict=True)
     )
 
 

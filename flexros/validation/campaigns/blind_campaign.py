@@ -1,4 +1,4 @@
-"""Campaigns over the cases of a blind check: what the check of single effects and that of crowds share."""
+"""Campaigns over the cases of a blind check: what the checks of single effects, crowds and rounded nulls share."""
 
 from __future__ import annotations
 
@@ -13,12 +13,15 @@ from flexros.validation.campaigns.parts import claim_folder, finished_parts, ver
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from flexros.validation.blind.make_case import MakeSettings
+    from flexros.validation.blind.plan import Case
     from flexros.validation.blind.score.answer import Answer
     from flexros.validation.campaigns.base import CampaignRequest
     from flexros.validation.campaigns.blind.settings import BlindSettings
     from flexros.validation.campaigns.crowds.settings import CrowdSettings
+    from flexros.validation.campaigns.quantized_nulls.settings import QuantizedNullsSettings
 
-S = TypeVar("S", "BlindSettings", "CrowdSettings")
+S = TypeVar("S", "BlindSettings", "CrowdSettings", "QuantizedNullsSettings")
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,12 +33,14 @@ class ScoredCases:
         failures: What stopped a diagnosis, by name of the case.
         planned: Number of cases of the whole plan.
         used: Versions of packages and code.
+        controls: Some of the cases once more under other conditions, by name of the case.
     """
 
     answers: Sequence[Answer]
     failures: Mapping[str, str]
     planned: int
     used: Mapping[str, str]
+    controls: Mapping[str, Answer] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -70,25 +75,30 @@ class AbstractBlindCampaign(AbstractCampaign, Generic[S]):
 
     def run(self, request: CampaignRequest) -> CampaignResult:
         """Run the campaign, or what is left of it; see `AbstractCampaign.run`."""
-        from flexros.validation.blind.make_case import MakeSettings
+        claim_folder(request.work, asdict(self.settings))
+        return self.result(self.scored(request))
+
+    def scored(self, request: CampaignRequest) -> ScoredCases:
+        """Diagnose and score the cases, or those that are left of them."""
+        plan, made = self.plan(), self.make_settings()
+        chosen = plan[: request.repetitions or len(plan)]
+        parts = case_parts(request, {case.name: (made, case) for case in chosen}, self.cases)
+        failures = {name: part["failure"] for name, part in parts.items() if part["failure"]}
+        return ScoredCases(answers_of(parts), failures, len(plan), versions_of(parts.values()))
+
+    def plan(self) -> tuple[Case, ...]:
+        """List all cases, shuffled so that every beginning of the list is a fair sample."""
         from flexros.validation.blind.plan import plan_cases
-        from flexros.validation.campaigns.blind.case_part import answer_of, case_part
 
         settings = self.settings
-        claim_folder(request.work, asdict(settings))
-        plan = plan_cases(settings.plan, settings.seed, settings.stream)
-        chosen = plan[: request.repetitions or len(plan)]
-        made = MakeSettings(settings.seed, settings.stream, settings.durations)
-        parts = finished_parts(
-            request.work,
-            request.client,
-            {case.name: (made, case) for case in chosen},
-            case_part,
-            lambda done: request.progress(self.cases, done, len(chosen)),
-        )
-        answers = [answer_of(name, part) for name, part in parts.items()]
-        failures = {name: part["failure"] for name, part in parts.items() if part["failure"]}
-        return self.result(ScoredCases(answers, failures, len(plan), versions_of(parts.values())))
+        return plan_cases(settings.plan, settings.seed, settings.stream)
+
+    def make_settings(self) -> MakeSettings:
+        """Return how the logs of a case are made."""
+        from flexros.validation.blind.make_case import MakeSettings
+
+        settings = self.settings
+        return MakeSettings(settings.seed, settings.stream, settings.durations)
 
     def result(self, found: ScoredCases) -> CampaignResult:
         """Return page, pictures, figures and summary of the cases."""
@@ -102,6 +112,8 @@ class AbstractBlindCampaign(AbstractCampaign, Generic[S]):
             "failures": found.failures,
             "versions": found.used,
         }
+        if found.controls:
+            figures["controls"] = [self.row(one) for one in found.controls.values()]
         written = self.written(found)
         files = {f"{self.name}.md": written.page, f"data/{self.name}.json": json_text(figures)}
         files |= {f"figures/{self.name}_{name}.svg": text for name, text in written.pictures.items()}
@@ -118,3 +130,27 @@ class AbstractBlindCampaign(AbstractCampaign, Generic[S]):
     @abstractmethod
     def written(self, found: ScoredCases) -> Written:
         """Write page, summary and pictures."""
+
+
+def case_parts(
+    request: CampaignRequest, jobs: Mapping[str, tuple[MakeSettings, Case]], what: str
+) -> dict[str, dict[str, Any]]:
+    """Make and diagnose cases, those that have no part yet.
+
+    Args:
+        request: Where parts are kept, and who computes.
+        jobs: How a case is made, and the case, by the name of its part.
+        what: What they are called in the progress.
+    """
+    from flexros.validation.campaigns.blind.case_part import case_part
+
+    return finished_parts(
+        request.work, request.client, jobs, case_part, lambda done: request.progress(what, done, len(jobs))
+    )
+
+
+def answers_of(parts: Mapping[str, Mapping[str, Any]]) -> list[Answer]:
+    """Open the truths of parts and check their seals."""
+    from flexros.validation.campaigns.blind.case_part import answer_of
+
+    return [answer_of(name, part) for name, part in parts.items()]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ from flexros.random_streams import Stream
 from flexros.robot import load_robot
 from flexros.validation.blind import diagnose_case as blind_run
 from flexros.validation.blind.diagnose_case import case_folders, diagnose_case, waiting
+from flexros.validation.blind.draw.case_robots import case_robot
 from flexros.validation.blind.make_case import MakeSettings, make_case
 from flexros.validation.blind.plan import Case
 from flexros.validation.blind.score.score import read_answers
@@ -94,6 +96,36 @@ def test_making_again_gives_the_same_logs(made: Path, tmp_path: Path) -> None:
     make_case(CASES[0], SETTINGS, tmp_path / "logs", tmp_path / "truth")
     first, again = (read_log(folder / "logs" / "case_0000" / "fit") for folder in (made, tmp_path))
     assert np.array_equal(first.joint_states.position, again.joint_states.position)  # type: ignore[arg-type]
+
+
+def test_rounding_encoders_give_multiples_of_the_stated_step_and_change_nothing_else(
+    made: Path, tmp_path: Path
+) -> None:
+    """The step is a condition, drawn from a stream of its own: nominal model and reference stay as they were."""
+    settings = replace(SETTINGS, encoder_steps=(0.3, 1.0))
+    make_case(CASES[1], settings, tmp_path / "logs", tmp_path / "truth")
+    rounded = truth(tmp_path, "case_0001")
+    factor = rounded.conditions["encoder_step"]
+    assert 0.3 <= factor <= 1.0
+    assert rounded.deviations == ()
+    for log in ("fit", "holdout", "third"):
+        smooth, seen = (read_log(folder / "logs" / "case_0001" / log) for folder in (made, tmp_path))
+        position = seen.joint_states.position
+        assert position is not None
+        steps = position / (factor * case_robot("four_mass_linear").encoder_noise)
+        assert np.abs(steps - np.rint(steps)).max() < 1e-6
+        assert np.diff(np.unique(np.rint(steps))).min() == 1
+        assert np.array_equal(seen.joint_reference.position, smooth.joint_reference.position)  # type: ignore[union-attr, arg-type]
+    robots = [(folder / "logs" / "case_0001" / "robot.yaml").read_text() for folder in (made, tmp_path)]
+    assert robots[0] == robots[1]
+
+
+def test_truth_without_rounding_says_nothing_of_it(made: Path) -> None:
+    """The text of a truth, and so its seal, is that from before encoders could round."""
+    assert set(truth(made, "case_0001").conditions) == {"colour", "late", "stamps", "tool_late"}
+    positions = read_log(made / "logs" / "case_0001" / "fit").joint_states.position
+    assert positions is not None
+    assert len(np.unique(positions)) == positions.size
 
 
 def test_case_that_is_there_is_kept(made: Path) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -35,12 +35,25 @@ class Conditions:
         late: Standard deviation of the instants at which encoders are read, about their stamps [s].
         stamps: Standard deviation of the stamps about the even instants of reading [s].
         tool_late: How much later than its stamp a tool pose is [s].
+        encoder_step: Step to which encoders round their positions, over the standard deviation of their noise [1]; 0:
+            they do not round.
     """
 
     colour: float = 0.0
     late: float = 0.0
     stamps: float = 0.0
     tool_late: float = 0.0
+    encoder_step: float = 0.0
+
+    def figures(self) -> dict[str, float]:
+        """Return the conditions by name, the step of encoders only where they round.
+
+        A truth without rounding keeps the text, and so the seal, that it had before there was any.
+        """
+        values = asdict(self)
+        if not self.encoder_step:
+            del values["encoder_step"]
+        return values
 
     @property
     def visibility(self) -> float:
