@@ -23,7 +23,7 @@ from flexros.gap.answer.decision import (
 )
 from flexros.gap.fit.least_squares import CandidateFit
 from flexros.gap.search.forward_selection import Explanations
-from flexros.gap.search.model_probability import compare
+from flexros.gap.search.model_probability import RANKING, compare
 from flexros.record.quantization import Quantization
 from tests.gap.diagnosis_logs import MODEL, ROBOT, candidates_of, data_of, encoded, predictor_of
 
@@ -77,11 +77,21 @@ def test_nothing_left_is_no_gap_and_something_left_an_unknown_effect() -> None:
     assert verdict_of(findings(None, [], [], null=2.0)) == "unknown_effect"
 
 
+@pytest.fixture
+def imitation(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the effects found have another size in every part of the log."""
+    monkeypatch.setattr(
+        "flexros.gap.answer.decision.constancies", lambda fit, _: dict.fromkeys(fit.names, RANKING.constant - 1)
+    )
+
+
+@pytest.mark.usefixtures("imitation")
 def test_an_explanation_that_leaves_more_than_a_tenth_is_none() -> None:
     assert verdict_of(findings(fitted(1.0, COULOMB), [], [1.0], TRUTH)) == "explained"
     assert verdict_of(findings(fitted(3.0, COULOMB), [], [1.0], TRUTH)) == "unknown_effect"
 
 
+@pytest.mark.usefixtures("imitation")
 def test_with_an_exact_model_an_explanation_leaves_no_more_than_model_form_errors() -> None:
     wrong = replace(fitted(50.0, COULOMB), theta=np.array(encoded(candidates_of()[COULOMB], level=0.04)))
     found = findings(wrong, [], [1.0], TRUTH, null=1000.0)
@@ -123,6 +133,14 @@ def test_the_probability_of_an_effect_is_that_of_all_its_explanations() -> None:
     assert probability_of("backlash@motor_1", found, verdict_of(found)) == 0.0
 
 
+def test_a_single_effect_of_constant_size_is_a_part_of_what_it_does_not_explain() -> None:
+    """As a Coulomb friction beside pushes at the tool."""
+    found = findings(fitted(3.0, COULOMB), [], [1.0], TRUTH)
+    assert verdict_of(found) == "partly_explained"
+    assert probability_of(COULOMB, found, verdict_of(found)) == pytest.approx(1.0)
+
+
+@pytest.mark.usefixtures("imitation")
 def test_an_effect_that_does_not_explain_the_gap_is_hardly_a_part_of_it() -> None:
     found = findings(fitted(3.0, COULOMB), [], [1.0], TRUTH)
     assert verdict_of(found) == "unknown_effect"
