@@ -34,9 +34,9 @@ ROUNDED_SHARE = 0.1
 CROSSED, SPREAD, FEWEST_BLOCKS = 2.0, 2.5, 20
 """Steps of an encoder that a motor crosses within a sample, from which rounding no longer grows with speed; the factor
 by which some blocks must exceed that, and their fewest number (chosen)."""
-HIDES = 1.0
+HIDES = 1.2
 """Step of an encoder over its noise above which rounding hides size and colour of the noise [1] (chosen): smaller steps
-add white noise of step^2 / 12."""
+add white noise of step^2 / 12, with which noise as declared still counts as such."""
 RUN_AWAY = 1e3
 """Largest prediction over the largest position; beyond it the prediction has diverged [1] (chosen)."""
 MOST_MOVED, LEAST_COLOUR = 1.3, 0.25

@@ -88,14 +88,15 @@ def measurement_of(record: Record, robot: Robot, settings: DiagnosisSettings) ->
             "give sensors.encoder_noise in the robot file"
         )
     near = (np.abs(noise.standard_deviation / declared - 1) < numbers.as_declared) | ~stated
-    deviation = np.where(near, declared, noise.standard_deviation)
+    deviation, measured = np.where(near, declared, noise.standard_deviation), ~near
     for motor, source in enumerate(noise.source):
         share = float((noise.standard_deviation[motor] / declared[motor]) ** 2)
         dim = stated[motor] and source == "above the band" and share < COLOURED_BELOW
         if dim and not np.any(autoregression[motor]):
             deviation[motor], autoregression[motor, 0] = declared[motor], (1 - share) / (1 + share)
+            measured[motor] = False
     for one in quantizations:
-        if deviation[one.motor] == declared[one.motor]:  # noise that was measured contains the rounding
+        if not measured[one.motor]:  # what was measured contains the rounding
             deviation[one.motor] = np.hypot(declared[one.motor], one.step / np.sqrt(12))
     rounding = max((one.step**2 / 12 / deviation[one.motor] ** 2 for one in quantizations), default=0.0)
     coloured = bool(np.any(autoregression))

@@ -86,6 +86,20 @@ def test_colour_is_found(robot: Robot, a: float) -> None:
     assert any("is not white (autoregression" in text for text in noise.warnings)
 
 
+@pytest.mark.parametrize(("step", "shows"), [(0.3, True), (1.0, True), (3.0, False)])
+def test_rounding_below_the_noise_does_not_hide_its_colour(robot: Robot, step: float, shows: bool) -> None:
+    """A fine step adds a little white noise; a coarse one hides the noise, and that of the robot file counts."""
+    record = record_of(coloured(0.8), still=True)
+    rounded = replace(record, position=step * SIGMA * np.round(record.position / (step * SIGMA)))
+    noise = measure_noise(rounded, robot, SETTINGS)
+    assert noise.source == ("standstill" if shows else "robot file",)
+    if shows:
+        assert noise.autoregression[0].sum() == pytest.approx(0.8, abs=0.1)
+        assert noise.standard_deviation[0] == pytest.approx(np.hypot(1, step / np.sqrt(12)) * SIGMA, rel=0.1)
+    else:
+        assert noise.autoregression.shape == (1, 0)
+
+
 @pytest.mark.parametrize("still", [True, False])
 def test_jitter_of_the_clock_grows_with_speed(robot: Robot, still: bool) -> None:
     noise = measure_noise(record_of(white(), still, jitter=3e-5), robot, SETTINGS)

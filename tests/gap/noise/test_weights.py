@@ -62,6 +62,16 @@ def test_rounding_adds_its_own_noise() -> None:
     assert found.deviation[0] == pytest.approx(np.hypot(1e-4, step / np.sqrt(12)), rel=1e-3)
 
 
+def test_noise_that_was_measured_contains_its_rounding_already() -> None:
+    record, step = record_of(), 1e-4
+    more = np.random.default_rng(0).normal(size=record.position.shape) * 2e-4
+    rounded = replace(record, position=step * np.round((record.position + more) / step))
+    found = measurement_of(rounded, ROBOT, SETTINGS)
+    assert found.quantizations[0].step == pytest.approx(step, rel=1e-3)
+    assert found.deviation[0] == pytest.approx(np.sqrt(1e-8 + 4e-8 + step**2 / 12), rel=0.02)
+    assert found.rounding == pytest.approx(step**2 / 12 / found.deviation[0] ** 2)
+
+
 def test_coloured_noise_is_driven_by_less_white_noise() -> None:
     """A first-order autoregression a amplifies by 1 / sqrt(1 - a^2)."""
     rng = np.random.default_rng(0)

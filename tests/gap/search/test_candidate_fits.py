@@ -41,6 +41,15 @@ def test_every_effect_with_ranges_is_a_candidate_but_those_of_an_unmeasured_tool
     assert {"torque_ripple", "encoder_eccentricity", "transmission_error"} <= listed
 
 
+def test_friction_by_a_load_that_is_uncertain_is_no_candidate() -> None:
+    """On a real machine without gravity the load is an inertia times an acceleration."""
+    search = search_of()
+    data = replace(search.data, record=replace(search.data.record, imported=True))
+    measured = replace(search, null=replace(search.null, data=data))
+    assert "load_dependent_friction@motor_1" in {one.name for one in search.candidates()}
+    assert "load_dependent_friction@motor_1" not in {one.name for one in measured.candidates()}
+
+
 def test_a_measured_torque_is_not_limited() -> None:
     search = search_of()
     data = replace(search.data, record=replace(search.data.record, measured_torque=True))
