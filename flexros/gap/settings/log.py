@@ -70,6 +70,12 @@ class ResidualSettings(Settings):
         description="relative torque noise of the predictor that finds the initial state of a log that begins in "
         "motion [1]",
     )
+    settles_within: float = Field(
+        default=0.25,
+        gt=0,
+        description="part of the log within which the predictor's gain settles; its torque noise is doubled until it "
+        "does, because the gain holds near one pose [1]",
+    )
     far_off: float = Field(
         default=1e4,
         gt=0,
