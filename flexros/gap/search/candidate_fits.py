@@ -332,12 +332,14 @@ class Search:
 
     def _continued(self, fit: CandidateFit, rival: float, *, finishing: bool = False) -> CandidateFit:
         """Carry a fit to its end, from the best order of a rotor near its own."""
-        starts = neighbouring_orders(fit, self.data.record)
-        if starts.shape[1]:
-            nearest = np.argsort(chi2_of(fit.predictor, self.data, starts))[:2]
-            fit = best_of([fit, *(self._quick(fit.predictor, starts[:, index]) for index in nearest)])
+        fit = self._near_best_order(fit)
         iterations = self.settings.fit.final_iterations
         return self._fit(fit.predictor, fit.theta, iterations, rival=rival, finishing=finishing)
+
+    def _near_best_order(self, fit: CandidateFit) -> CandidateFit:
+        """Fit again from the best orders of a rotor near that of a fit."""
+        near = neighbouring_orders(fit, self.data, self.rows)
+        return best_of([fit, *(self._quick(fit.predictor, start) for start in near[:, :2].T)])
 
     def _continued_rival(self, fit: CandidateFit, rival: float) -> CandidateFit:
         """Carry a fit to its end, unless the time is over."""
@@ -456,7 +458,9 @@ class Search:
         deviations = fit.predictor.tolerance.without(fit.deviations, replaced)
         theta = np.concatenate([own, *(addition.start for addition in additions), deviations])
         predictor = self.null.predictor((*rest, *(addition.candidate for addition in additions)), plant)
-        return self._joint(predictor, theta, rival=rival)
+        fit = self._joint(predictor, theta, rival=rival)
+        harmonic = any(addition.candidate.effect.harmonics for addition in additions)
+        return self._near_best_order(fit) if harmonic else fit
 
     def without(self, fit: CandidateFit, *names: str) -> CandidateFit:
         """Fit an explanation without some of its candidates.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,14 +13,13 @@ from flexros.gap.prediction.compiled_plant import LANES
 from flexros.gap.search.harmonics import SEARCH, OrderSearch
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
-    from flexros.arrays import FloatArray
+    from flexros.arrays import FloatArray, IntArray
     from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.search.harmonics import HarmonicFit
     from flexros.gap.settings import SearchSettings
-    from flexros.record.record import Record
     from flexros.robot import Robot
 
 VALLEYS = np.array([index for index in range(-8, 9) if index])
@@ -66,35 +66,89 @@ def harmonic_candidates(
     return tuple(candidates)
 
 
-def neighbouring_orders(fit: CandidateFit, record: Record) -> FloatArray:
+def neighbouring_orders(fit: CandidateFit, data: FitData, rows: IntArray) -> FloatArray:
     """List initial values with orders near those of a fit: its sum of squares has a valley per turn of the log.
-
-    The phase follows, so that the harmonic in the middle of the motion stays the same, or changes its sign and so stays
-    nearly the same at both ends.
 
     Args:
         fit: The fit.
-        record: The log.
+        data: Log and weights.
+        rows: Prediction errors that count, shape (n_rows,).
 
     Returns:
-        Initial values in the units of the fit, shape (n_fitted, n_starts); none without a harmonic.
+        Initial values in the units of the fit, those that promise most first, shape (n_fitted, n_starts); none without
+        a harmonic.
     """
-    robot, begin, starts = fit.predictor.robot, 0, []
-    for candidate, values in zip(fit.hypothesis, fit.predictor.values(fit.theta)):
-        names = [free.name for free in candidate.free]
-        if "order" in names:
-            motor = robot.joint_names.index(candidate.location)
-            angle = robot.rotor_turns[motor] * record.position[record.valid, motor]
-            middle, valley = float(np.mean(angle)), np.pi / max(float(np.ptp(angle)), 1e-12)
-            for order in values["order"] + valley * VALLEYS:
-                for turn in (0.0, np.pi) if order > 0 else ():
-                    phase = values["phase"] + turn + (values["order"] - order) * middle
-                    theta = fit.theta.copy()
-                    for name, value in (("order", order), ("phase", np.remainder(phase, 2 * np.pi))):
-                        theta[begin + names.index(name)] = candidate.free[names.index(name)].encode(value)
-                    starts.append(theta)
-        begin += len(names)
-    return np.array(starts).reshape(-1, len(fit.theta)).T
+    begin, found = 0, []
+    for candidate, values in zip(fit.hypothesis, fit.predictor.values(fit.theta), strict=True):
+        if "order" in values and candidate.effect.harmonics:
+            found += _Neighbours(fit, data, rows, candidate, begin).by_least_squares(values)
+        begin += len(candidate.free)
+    found.sort(key=lambda pair: pair[0])
+    return np.array([start for _, start in found]).reshape(-1, len(fit.theta)).T
+
+
+@dataclass(frozen=True, eq=False)
+class _Neighbours:
+    """Orders near that of one harmonic of a fit, whose other effects stay as they are.
+
+    Attributes:
+        fit: The fit.
+        data: Log and weights.
+        rows: Prediction errors that count, shape (n_rows,).
+        candidate: The effect with the harmonic.
+        begin: Place of its first parameter in the fit.
+    """
+
+    fit: CandidateFit
+    data: FitData
+    rows: IntArray
+    candidate: Candidate
+    begin: int
+
+    def by_least_squares(self, values: Mapping[str, float]) -> list[tuple[float, FloatArray]]:
+        """Fit amplitude and phase of each order to the changes of the errors by its sine and its cosine.
+
+        Args:
+            values: Amplitude, order and phase in the fit.
+
+        Returns:
+            Of each order the sum of squares that is left [1], and initial values, shape (n_fitted,).
+        """
+        robot, record = self.fit.predictor.robot, self.data.record
+        motor = robot.joint_names.index(self.candidate.location)
+        angle = robot.rotor_turns[motor] * record.position[record.valid, motor]
+        middle, valley = float(np.mean(angle)), np.pi / max(float(np.ptp(angle)), 1e-12)
+        orders = [order for order in values["order"] + valley * VALLEYS if order > 0]
+        phases = [values["phase"] + (values["order"] - order) * middle for order in orders]  # as it is in the middle
+        pairs = list(zip(orders, phases))
+        waves = [self._theta(order=n, phase=p + quarter) for n, p in pairs for quarter in (0.0, np.pi / 2)]
+        errors = self._errors([self._theta(amplitude=0.0), *waves])
+        rest, changes = errors[:, 0], errors[:, 1:] - errors[:, :1]
+        found = []
+        for index, (order, phase) in enumerate(pairs):
+            X = changes[:, 2 * index : 2 * index + 2]
+            wave, *_ = np.linalg.lstsq(X.T @ X, -X.T @ rest, rcond=None)
+            amplitude, lead = values["amplitude"] * float(np.hypot(*wave)), float(np.arctan2(wave[1], wave[0]))
+            left = float(np.sum((rest + X @ wave) ** 2))
+            found.append((left, self._theta(amplitude=amplitude, order=order, phase=phase + lead)))
+        return found
+
+    def _theta(self, **changed: float) -> FloatArray:
+        """Return the parameters of the fit with some values of the harmonic changed; phases within half a turn."""
+        theta = self.fit.theta.copy()
+        for place, free in enumerate(self.candidate.free, self.begin):
+            if free.name in changed:
+                value = changed[free.name]
+                if free.name == "phase":  # far from the limits of its search
+                    value = float(np.remainder(value + np.pi, 2 * np.pi) - np.pi)
+                theta[place] = np.clip(free.encode(value), *free.bounds)
+        return theta
+
+    def _errors(self, thetas: Sequence[FloatArray]) -> FloatArray:
+        """Predict with several parameter sets; return their weighted errors, shape (n_rows, n_sets)."""
+        groups = [np.stack(thetas[first : first + LANES], axis=-1) for first in range(0, len(thetas), LANES)]
+        predictor, rows = self.fit.predictor, self.rows
+        return np.hstack([self.data.residuals(predictor, group)[rows, : group.shape[1]] for group in groups])
 
 
 def _free(harmonics: Sequence[HarmonicFit], most: float) -> tuple[FreeParameter, ...]:

@@ -12,7 +12,7 @@ from flexros.gap.candidates.candidate import Candidate
 from flexros.gap.fit.least_squares import CandidateFit, initial_values
 from flexros.gap.prediction.predictor import LANES
 from flexros.gap.search.harmonic_candidates import VALLEYS, neighbouring_orders
-from tests.gap.diagnosis_logs import candidates_of, predictor_of, record_of, search_of
+from tests.gap.diagnosis_logs import candidates_of, encoded, predictor_of, search_of
 
 pytestmark = pytest.mark.slow
 
@@ -56,23 +56,30 @@ def test_the_wave_that_is_there_starts_with_its_numbers(of_ripple: list[Candidat
     assert initial_values(predictor_of(ripple)).shape == (3, len(ripple.free[0].starts))
 
 
-def test_neighbouring_orders_have_the_same_harmonic_in_the_middle_or_its_opposite(
-    of_ripple: list[Candidate],
-) -> None:
+def test_the_best_neighbour_of_a_wrong_order_has_the_wave_that_is_there(of_ripple: list[Candidate]) -> None:
+    """A sum of squares at the amplitude and phase of the wrong order ranks the right one behind many others."""
+    search = search_of("torque_ripple@motor_1:amplitude=0.02,order=6,phase=0.5")
     (ripple,) = (one for one in of_ripple if one.effect.name == "torque_ripple" and not one.fixed)
-    friction = candidates_of()["coulomb_friction@motor_1"]
-    predictor, record = predictor_of(friction, ripple), record_of()
-    theta = np.array([0.0, *(one.encode(one.starts[0]) for one in ripple.free)])
-    found = neighbouring_orders(CandidateFit(predictor, theta, 1.0), record)
-    first, middle = predictor.values(theta)[1], float(np.mean(record.position))
-    assert found.shape == (4, 2 * len(VALLEYS))
-    for start in found.T:
-        np.testing.assert_array_equal(start[:2], theta[:2])
-        other = predictor.values(start)[1]
-        turned = (other["order"] - first["order"]) * middle + other["phase"] - first["phase"]
-        assert np.sin(turned) == pytest.approx(0.0, abs=1e-9)
-        assert 0 < abs(other["order"] - first["order"]) * np.ptp(record.position) < 9 * np.pi
-    assert neighbouring_orders(CandidateFit(predictor_of(friction), theta[:1], 1.0), record).shape == (1, 0)
+    predictor, valley = predictor_of(ripple), np.pi / np.ptp(search.data.record.position)
+    theta = np.array(encoded(ripple, amplitude=0.005, order=6 - 3 * valley, phase=0.0))
+    found = neighbouring_orders(CandidateFit(predictor, theta, 1.0), search.data, search.rows)
+    assert found.shape == (3, len(VALLEYS))
+    best = predictor.values(found[:, 0])[0]
+    assert best["order"] == pytest.approx(6.0, abs=valley / 10)
+    assert best["amplitude"] == pytest.approx(0.02, rel=0.2)
+    assert best["phase"] == pytest.approx(0.5, abs=0.3)
+
+
+def test_starts_keep_the_other_effects_and_phases_far_from_their_limits(of_ripple: list[Candidate]) -> None:
+    (ripple,) = (one for one in of_ripple if one.effect.name == "torque_ripple" and not one.fixed)
+    friction, search = candidates_of()["coulomb_friction@motor_1"], search_of()
+    predictor = predictor_of(friction, ripple)
+    theta = np.array([0.1, *encoded(ripple, amplitude=0.01, order=6.0, phase=3.0)])
+    for start in neighbouring_orders(CandidateFit(predictor, theta, 1.0), search.data, search.rows).T:
+        assert start[0] == theta[0]
+        assert abs(predictor.values(start)[1]["phase"]) <= np.pi
+    alone = CandidateFit(predictor_of(friction), theta[:1], 1.0)
+    assert neighbouring_orders(alone, search.data, search.rows).shape == (1, 0)
 
 
 def test_a_fit_at_a_neighbouring_order_finds_the_true_one() -> None:
