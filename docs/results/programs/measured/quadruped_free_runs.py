@@ -1,6 +1,6 @@
-"""Least squares of free runs of the legs of a Go2: python docs/results/programs/measured/quadruped_free_runs.py FETCHED.
+"""Least squares of free runs of legs: python docs/results/programs/measured/quadruped_free_runs.py FETCHED.
 
-It gives what real_robots.md calls known of that robot. MuJoCo runs each leg with its commanded positions from the first
+It gives what real_robots.md calls known of the Go2. MuJoCo runs each leg with its commanded positions from the first
 measured position through the whole log, without our diagnosis. Armature, damping and dry friction of the three joints
 and one delay are fitted to the measured positions; gains, masses and the body are those of the repository. FETCHED is
 the folder of fetch_real_robots.py.
@@ -56,7 +56,9 @@ def main(folder: Path) -> None:
         found = least_squares(errors, FIRST, bounds=bounds, x_scale=FIRST, diff_step=1e-2, max_nfev=15)
         armature, damping, friction = (np.round(row, 4).tolist() for row in found.x[:9].reshape(3, 3))
         before, after = (1e3 * np.sqrt(np.mean(one**2)) for one in (errors(FIRST), found.fun))
-        print(f"{leg}: armature {armature}, damping {damping}, dry friction {friction}, delay {1e3 * found.x[9]:.1f} ms")
+        print(
+            f"{leg}: armature {armature}, damping {damping}, dry friction {friction}, delay {1e3 * found.x[9]:.1f} ms"
+        )
         print(f"    {before:.1f} mrad rms before, {after:.1f} after", flush=True)
 
 
