@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -49,8 +50,8 @@ def main(folder: Path) -> None:
         model = mujoco.MjModel.from_xml_path(str(folder / REPOSITORY / f"{leg}.xml"))
         model.opt.timestep, model.opt.integrator = 1 / RATE / SUBSTEPS, mujoco.mjtIntegrator.mjINT_IMPLICITFAST
 
-        def errors(numbers: np.ndarray, run: tuple = (model, command, position)) -> np.ndarray:
-            return (simulated(run[0], run[1], run[2][0], numbers) - run[2])[RATE:].ravel()
+        def errors(numbers: np.ndarray, run: tuple[Any, ...] = (model, command, position)) -> np.ndarray:
+            return np.asarray((simulated(run[0], run[1], run[2][0], numbers) - run[2])[RATE:].ravel())
 
         bounds = (np.full(10, 1e-4), HIGHEST)
         found = least_squares(errors, FIRST, bounds=bounds, x_scale=FIRST, diff_step=1e-2, max_nfev=15)
