@@ -70,7 +70,8 @@ def leg_mjcf(text: str, leg: str) -> str:
     _without(actuators, lambda one: True)
     for joint, limit in JOINTS.items():
         gains = {"kp": f"{STIFFNESS:g}", "kv": f"{DAMPING:g}", "forcerange": f"{-limit} {limit}"}
-        ElementTree.SubElement(actuators, "position", name=f"{leg}_{joint}", joint=f"{leg}_{joint}_joint", **gains)
+        names = {"name": f"{leg}_{joint}", "joint": f"{leg}_{joint}_joint"}
+        ElementTree.SubElement(actuators, "position", names | gains)
     return ElementTree.tostring(root, encoding="unicode")
 
 
