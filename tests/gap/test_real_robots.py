@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import hashlib
 import importlib
+import io
 import json
 import os
+import pickle
 import subprocess
 import sys
+import zipfile
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import numpy as np
 import pytest
 
 PROGRAMS = Path(__file__).parents[2] / "docs" / "results" / "programs"
@@ -23,9 +27,11 @@ DATA = Path(REALDATA) / "dfki_double_pendulum"
 
 @pytest.fixture(scope="module", autouse=True)
 def found_programs() -> Iterator[None]:
-    sys.path.insert(0, str(PROGRAMS))
+    folders = [str(PROGRAMS), str(PROGRAMS / "measured")]
+    sys.path[:0] = folders
     yield
-    sys.path.remove(str(PROGRAMS))
+    for folder in folders:
+        sys.path.remove(folder)
 
 
 def program(name: str) -> ModuleType:
@@ -164,6 +170,52 @@ def test_files_of_ours_load() -> None:
     assert {column.quantity: column.sign for column in wrist} == dict.fromkeys(
         ("position", "velocity", "measured_torque"), -1
     )
+
+
+def saved_tensor(storage_class: str) -> bytes:
+    """A dictionary with the tensor [[0, 1, 2], [3, 4, 5]], as PyTorch saves it."""
+    index = (
+        b"\x80\x02}X\x03\x00\x00\x00dofctorch._utils\n_rebuild_tensor_v2\n((X\x07\x00\x00\x00storagec"
+        + storage_class.encode()
+        + b"\nX\x01\x00\x00\x000X\x03\x00\x00\x00cpuK\x06tQK\x00K\x02K\x03\x86K\x03K\x01\x86\x89Nt"
+        + b"Rs."
+    )
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w") as archive:
+        archive.writestr("log/data.pkl", index)
+        archive.writestr("log/data/0", np.arange(6, dtype="<f4").tobytes())
+    return content.getvalue()
+
+
+def test_tensors_are_read_without_pytorch() -> None:
+    found = program("quadruped_legs").tensors(saved_tensor("torch\nFloatStorage"))
+    np.testing.assert_array_equal(found["dof"], [[0, 1, 2], [3, 4, 5]])
+
+
+def test_a_file_that_holds_more_than_tensors_is_refused() -> None:
+    with pytest.raises(pickle.UnpicklingError, match="posix.system is no part of a tensor"):
+        program("quadruped_legs").tensors(saved_tensor("posix\nsystem"))
+
+
+def test_a_leg_becomes_an_arm_with_servos_on_a_fixed_body(tmp_path: Path) -> None:
+    from flexros.robot import load_robot
+    from flexros.robot.exchange.mjcf.robot_import import robot_from_mjcf
+
+    def link(name: str, within: str = "") -> str:
+        inertial = '<inertial pos="0 0 -0.1" mass="1" diaginertia="0.01 0.01 0.01"/>'
+        return f'<body name="{name}">{inertial}<joint name="{name}_joint"/><geom size="0.1"/>{within}</body>'
+
+    legs = "".join(link(f"{leg}_hip", link(f"{leg}_thigh", link(f"{leg}_calf"))) for leg in ("FL", "RL"))
+    body = f'<body name="base"><freejoint/><geom size="0.1"/>{legs}</body>'
+    motors = '<actuator><motor name="FL_hip" joint="FL_hip_joint"/></actuator>'
+    text = f"<mujoco><option/><asset/><worldbody>{body}</worldbody>{motors}<sensor/><keyframe/></mujoco>"
+    file = tmp_path / "leg.xml"
+    file.write_text(program("quadruped_legs").leg_mjcf(text, "RL"), encoding="utf-8")
+    (tmp_path / "leg.yaml").write_text(robot_from_mjcf(file).text, encoding="utf-8")
+    robot = load_robot(tmp_path / "leg.yaml")
+    assert [robot.parameters[f"{name}.servo_stiffness"].value for name in robot.joint_names] == [20.0] * 3
+    assert robot.torque_limits.tolist() == [23.7, 23.7, 45.43]
+    assert robot.sample_time == 0.005
 
 
 def git(folder: Path, *words: str) -> str:

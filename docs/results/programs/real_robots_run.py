@@ -130,13 +130,14 @@ class Run:
 
     @cached_property
     def robot(self) -> str:
-        """Name or file of the nominal robot; a URDF is converted."""
+        """Name or file of the nominal robot; a URDF or MJCF is converted."""
         given = self.case.path(self.case.robot, self.data)
-        if Path(given).suffix != ".urdf":
+        command = {".urdf": "import-urdf", ".xml": "import-mjcf"}.get(Path(given).suffix)
+        if command is None:
             return given
         made = self.work / "robot.yaml"
         if not made.is_file():
-            self._command("import-urdf", given, "--out", str(made))
+            self._command(command, given, "--out", str(made))
         return str(made)
 
     @cached_property

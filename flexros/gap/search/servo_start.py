@@ -11,7 +11,7 @@ import numpy as np
 from flexros.effects.coulomb_friction import CoulombFriction
 from flexros.effects.delay import Delay
 from flexros.effects.motor_inertia_error import MotorInertiaError
-from flexros.effects.servos import ServoDampingError, ServoStiffnessError
+from flexros.effects.servos import ServoCommandLag, ServoDampingError, ServoStiffnessError
 from flexros.effects.torque_gain_error import TorqueGainError
 from flexros.effects.viscous_friction import ViscousFriction
 from flexros.gap.candidates.candidate import Candidate, free_parameter, list_candidates
@@ -23,7 +23,7 @@ from flexros.record.servo_torque import servo_torque
 from flexros.robot.parameters import SERVO
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
 
     from flexros.arrays import BoolArray
     from flexros.effects import AbstractEffect
@@ -65,7 +65,8 @@ def fit_of_servos(
     there. At its limit a servo does not act in proportion to its gains: there the limit is fitted too. Limit and torque
     constant scale the torque alike; both are named `torque_gain_error`. The back-EMF of a hobby servo brakes at the
     limit too, where the damping of the loop has no part: it is viscous friction, and the loop may have hardly any
-    damping.
+    damping. A filter of the commands makes a motor late as a delay does, and each is tried in place of the other: the
+    search adds one effect at a time, and would not come from a delay to filters at all motors.
 
     Args:
         null: The nominal model, fitted.
@@ -75,8 +76,8 @@ def fit_of_servos(
 
     Returns:
         The best one of the fits that begin with the nominal gains and with those of the regression, and with several
-        delays; of servos at their limits also without damping. None for logs of torques, behind springs, and for a
-        simulated log near its model.
+        delays or with filters of the commands; of servos at their limits also without damping. None for logs of
+        torques, behind springs, and for a simulated log near its model.
     """
     robot, record = null.model.robot, null.data.record
     far_off = null.data.nominal_level > settings.residuals.far_off
@@ -88,23 +89,57 @@ def fit_of_servos(
     begun = [pair for pair in _begun(null, limited, begin) if competing.contain(pair[0])]
     if not begun:
         return None
-    predictor = null.predictor(tuple(one for one, _ in begun))
-
-    def screened(own: Mapping[str, float]) -> CandidateFit:
-        sizes = [one.free[0].encode(own.get(one.name, value)) for one, value in begun]
-        theta = np.clip(np.concatenate([sizes, np.zeros(predictor.tolerance.n_free)]), *predictor.bounds)
-        return fit(predictor, null.data, theta, begin.iterations, settings=settings.fit, stop=stop)
-
-    tried = []
-    for error, delay in product((0.0, begin.undamped) if limited.any() else (0.0,), begin.delays):
-        undamped = {f"{ServoDampingError.name}@{name}": error for name in robot.joint_names}
-        tried.append(screened({**undamped, f"{Delay.name}@all": delay * record.sample_time}))
+    errors = (0.0, begin.undamped) if limited.any() else (0.0,)
+    undamped = [{f"{ServoDampingError.name}@{name}": error for name in robot.joint_names} for error in errors]
+    delays = [{f"{Delay.name}@all": delay * record.sample_time} for delay in begin.delays]
+    starts = [{**first, **late} for first, late in product(undamped, delays)]
+    tried = [_screened(null, begun, own, settings, stop) for own in starts]
     if regressed is not None:
-        tried.append(screened(_first_values(regressed)))
-    best = min((one for one in tried if np.isfinite(one.chi2)), key=lambda one: one.chi2, default=None)
+        tried.append(_screened(null, begun, _first_values(regressed), settings, stop))
+    filtered = [pair for pair in _filtered(null, begun, begin) if competing.contain(pair[0])]
+    if any(one.effect is ServoCommandLag for one, _ in filtered):
+        tried += [_screened(null, filtered, own, settings, stop) for own in undamped]
+    best = _likeliest(tried, null.data.n_values)
     if best is None:
         return None
-    return fit(predictor, null.data, best.theta, settings.fit.final_iterations, settings=settings.fit, stop=stop)
+    return fit(best.predictor, null.data, best.theta, settings.fit.final_iterations, settings=settings.fit, stop=stop)
+
+
+def _screened(
+    null: NullFit,
+    begun: Sequence[tuple[Candidate, float]],
+    own: Mapping[str, float],
+    settings: DiagnosisSettings,
+    stop: Callable[[], bool] | None,
+) -> CandidateFit:
+    """Fit effects a little, from values by their names where these are given."""
+    predictor = null.predictor(tuple(one for one, _ in begun))
+    sizes = [one.free[0].encode(own.get(one.name, value)) for one, value in begun]
+    theta = np.clip(np.concatenate([sizes, np.zeros(predictor.tolerance.n_free)]), *predictor.bounds)
+    return fit(predictor, null.data, theta, settings.servo_start.iterations, settings=settings.fit, stop=stop)
+
+
+def _filtered(
+    null: NullFit, begun: Sequence[tuple[Candidate, float]], settings: ServoStartSettings
+) -> list[tuple[Candidate, float]]:
+    """List the same effects with filters of the commands in place of their delay, which comes late alike."""
+    robot, record = null.model.robot, null.data.record
+    lags = [
+        (one, settings.lag * record.sample_time)
+        for one in list_candidates(robot, scales_of_motors(robot, record), measured=True, known=null.model.laws)
+        if one.effect is ServoCommandLag
+    ]
+    return [*(pair for pair in begun if pair[0].effect is not Delay), *lags]
+
+
+def _likeliest(fits: Sequence[CandidateFit], n_values: int) -> CandidateFit | None:
+    """Return the fit with the best Bayesian information criterion X / m + p log n (Schwarz 1978); None without one.
+
+    The sum of squares X counts over the mean square m that the best fit leaves, if that is more than noise leaves.
+    """
+    finite = [one for one in fits if np.isfinite(one.chi2)]
+    left = max(min((one.chi2 for one in finite), default=0.0) / n_values, 1.0)
+    return min(finite, key=lambda one: one.chi2 / left + len(one.theta) * np.log(n_values), default=None)
 
 
 def _first_values(fit: CandidateFit) -> dict[str, float]:

@@ -118,6 +118,9 @@ class ServoStartSettings(Settings):
         min_length=1,
         description="initial delays [samples] (chosen): between whole ones, at which the prediction has a corner",
     )
+    lag: float = Field(
+        default=2.0, gt=0, description="initial time constant of a filter of the commands [samples] (chosen)"
+    )
     iterations: int = Field(
         default=8, ge=1, description="iterations after which the best one of the fits goes on alone (chosen)"
     )

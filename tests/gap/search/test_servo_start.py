@@ -123,3 +123,21 @@ def test_noise_that_biases_a_regression_leaves_gains_and_damping_right() -> None
     assert sizes["servo_stiffness_error"] == pytest.approx(0.0, abs=0.02)
     assert sizes["coulomb_friction"] == pytest.approx(0.25, rel=0.25)
     assert sizes["viscous_friction"] == pytest.approx(-0.25, abs=0.04)
+
+
+@pytest.mark.parametrize(
+    ("late", "other"),
+    [("servo_command_lag@motor_1:time_constant=0.03", "delay"), ("delay@all:time=0.014", "servo_command_lag")],
+)
+def test_a_servo_begins_with_the_filter_or_the_delay_of_its_commands_that_the_log_shows(late: str, other: str) -> None:
+    robot = servo_robot()
+    friction = "coulomb_friction@motor_1:level=0.3"
+    record = replace(checked_log(servo_log(late, friction), robot, name="log"), imported=True)
+    model = RobotWithEffects(robot.commanded_by("position"), ())
+    nominal = fit_null(fit_data(record, model, DiagnosisSettings()), model, tolerance_of(model.robot, {}))
+    found = fit_of_servos(nominal, None, DiagnosisSettings())
+    assert found is not None
+    sizes = sizes_of(found)
+    assert other not in sizes
+    assert sizes[late.partition("@")[0]] == pytest.approx(float(late.partition("=")[2]), rel=0.02)
+    assert sizes["coulomb_friction"] == pytest.approx(0.3, rel=0.1)

@@ -1,6 +1,6 @@
 """Fetch public logs of robots: python docs/results/programs/measured/fetch_real_robots.py FOLDER [--from PATH]...
 
-The logs of seven public repositories, most of them without a licence for copies, are brought into FOLDER, at the
+The logs of eight public repositories, most of them without a licence for copies, are brought into FOLDER, at the
 commits below and with their checksums; they are not part of this repository. `--from` names a clone, a bare clone or a
 plain folder of one of them that is there already. What cannot be reached is skipped with its reason, and the exit code
 is then 1.
@@ -20,6 +20,8 @@ import urllib.request
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from quadruped_legs import LOG, MODEL, assemble_go2
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -163,6 +165,15 @@ REPOSITORIES = (
             f"{SERVO}/real-action-state-dataset.json": (
                 "f676b2acc8672603161031aeca2bc16e847970cd59ac19c20bf7f558191a9d8d"
             ),
+        },
+    ),
+    Repository(
+        "iit-DLSLab",
+        "sim2real-robot-identification",
+        "06739ea0424fa8b2e141df0942ecdaf27a5c8600",
+        {
+            LOG: "f22b1625f331b724e84ebdae5b0679168307364ad93a1d9c3d9cf1620f38efb0",
+            MODEL: "e66b59d1096b5b2004b6bc36bfcfc35480cd1e0c92ec68fc896ef8c0661e5b71",
         },
     ),
 )
@@ -323,6 +334,7 @@ def main() -> int:
     assemble_panda(given.folder)
     assemble_tx40(given.folder)
     assemble_servo(given.folder)
+    assemble_go2(given.folder)
     for reason in skipped:
         print(f"skipped: {reason}", file=sys.stderr)
     here = sum(
