@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from math import log, log1p
+from math import hypot, log, log1p
 from typing import TYPE_CHECKING
 
+from flexros.effects.kinds.relative_error import AbstractRelativeError
 from flexros.gap.fit.estimates import parameters_of
 from flexros.gap.search.worth import compared, strains, unique, worth
 
@@ -140,10 +141,11 @@ def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
         cheaper = least * n ** (-len(candidate.free) / n)  # of the same score as with the parameters of the effect
         before, after = replace(fit, chi2=cheaper), replace(fit, chi2=every)
         if candidate.name in search.base.names:
-            clear = search.settings.search.clear_in_torques
+            clear, tolerated = search.settings.search.clear_in_torques, _tolerated(search, candidate)
             most = {one.name: one.high for one in candidate.free}
             worth_it = any(
-                abs(size.value) > max(clear * size.std, NOTHING * most[name]) for name, size in parameters.items()
+                abs(size.value) > max(clear * hypot(size.std, tolerated), NOTHING * most[name])
+                for name, size in parameters.items()
             )
         else:
             worth_it = worth(search, comparison, before, after, removed)
@@ -153,6 +155,19 @@ def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
         return [candidate.name for _, candidate in needless]
     first = {one.location: one.name for _, one in sorted(needless, key=lambda pair: -pair[0])}  # the least one is last
     return list(first.values())
+
+
+def _tolerated(search: Search, candidate: Candidate) -> float:
+    """Return the tolerance of the numbers of the model that a relative error changes [1]; 0 of other effects.
+
+    An error of about the tolerance is none: the number deviates within it.
+    """
+    if not issubclass(candidate.effect, AbstractRelativeError):
+        return 0.0
+    tolerance, robot = search.null.fit.predictor.tolerance, search.null.model.robot
+    deviations = dict(zip(tolerance.names, tolerance.deviations, strict=True))
+    changed = candidate.effect().scaled(robot, candidate.location)
+    return max((deviations.get(name, 0.0) for name in changed), default=0.0)
 
 
 def _all_at_once(search: Search) -> bool:
