@@ -100,7 +100,8 @@ def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit
     Of effects at the same motor that do much the same, such as Coulomb and viscous friction, each seems needless beside
     the others. So of those that torques show one at a motor is left out at a time, unless the time is over. Behind
     springs all go at once and compete again later: friction may drown there in the error of a spring, and one of its
-    terms would stand for that.
+    terms would stand for that. Where numbers of the model go far out of tolerance without several further effects, each
+    is tried alone: one that is needed does not keep the others.
 
     Args:
         search: The search.
@@ -109,15 +110,19 @@ def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit
         removed: Share of the remaining gap that every effect must remove [1].
     """
     kept: set[str] = set()
+    alone = False
     while needless := [name for name in _needless(search, fit, removed) if name not in kept]:
-        fits.append(search.without(fit, *needless))
-        further = set(needless) - search.base.names
+        tried = needless[:1] if alone else needless
+        fits.append(search.without(fit, *tried))
+        further = set(tried) - search.base.names
         measured = search.base is not search.null.fit
         if further and measured and strains(search, compared(search, [fits[-1]]), fit, fits[-1]):
-            kept |= further  # linear theory does not see what numbers of the model take over far from their tolerance
+            # linear theory does not see what numbers of the model take over far from their tolerance, nor without which
+            kept |= further if len(further) == 1 else set()
+            alone = len(further) > 1 or alone
             continue
         fit = fits[-1]
-        if _all_at_once(search):
+        if _all_at_once(search) and not alone:
             break
     return fit
 
@@ -152,7 +157,7 @@ def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
         if least < max(without) and not worth_it:
             needless.append((least, candidate))
     if _all_at_once(search):
-        return [candidate.name for _, candidate in needless]
+        return [candidate.name for _, candidate in sorted(needless, key=lambda pair: pair[0])]
     first = {one.location: one.name for _, one in sorted(needless, key=lambda pair: -pair[0])}  # the least one is last
     return list(first.values())
 
