@@ -175,7 +175,9 @@ def _agrees_better(balance: TorqueBalance, agreements: FloatArray, order: tuple[
     moved = [torque for torque, motion in enumerate(order) if torque != motion]
     if not moved:
         return False
-    other, current = (float(np.mean([agreements[k, motion[k]] for k in moved])) for motion in (order, range(len(order))))
+    other, current = (
+        float(np.mean([agreements[k, motion[k]] for k in moved])) for motion in (order, range(len(order)))
+    )
     if not clearly_better(other, current):
         return False
     elsewhere, here = (_off_by(balance, {k: motion[k] for k in moved}) for motion in (order, range(len(order))))
