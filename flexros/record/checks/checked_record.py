@@ -39,7 +39,7 @@ SWAPPED = float(np.log(3.0))
 right one [1] (chosen): 1.9 and more where two are swapped of drawn arms with hidden friction, rotors and loads."""
 
 IN_PLACE = float(np.log(1.5))
-"""The same with the opposite sign, from which another order is not the right one, however well it agrees [1] (chosen)."""
+"""The same with the opposite sign, from which another order is wrong, however well it agrees [1] (chosen)."""
 
 FOREIGN = 0.3
 """Largest share of the power of a torque that is unexplained where it belongs [1] (chosen)."""
@@ -102,8 +102,9 @@ class CheckedRecord:
         """Share of the power of each torque (rows) that the motion of each motor (columns) leaves, shape (M, M)."""
         M, balance = self.robot.n_motors, self.balance
         shares = np.ones((M, M))
-        for torque, motion in np.ndindex(*shares.shape) if balance is not None else ():
-            shares[torque, motion] = balance.unexplained(torque, motion)
+        if balance is not None:
+            for torque, motion in np.ndindex(*shares.shape):
+                shares[torque, motion] = balance.unexplained(torque, motion)
         return shares
 
     @cached_property
