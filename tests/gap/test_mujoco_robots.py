@@ -95,6 +95,19 @@ def test_half_a_sample_that_a_wrong_spring_hides_shows_once_the_spring_is_right(
     assert right.numbers.after < 0.2
 
 
+@pytest.mark.slow
+def test_search_is_repeated_with_torques_in_time_once_the_spring_is_right(tmp_path: Path) -> None:
+    causes = {("stiffness_error", "motor_2"): 0.6, ("coulomb_friction", "motor_1"): 1.0}
+    arm = program("arms").drawn_arm(2, tmp_path, elastic=True)
+    truth = program("truth").Truth(causes, measured=True, noted=1)
+    (model, fitted), (_, held) = (recorded(arm, truth, tmp_path, seed) for seed in (1, 2))
+    settings = DiagnosisSettings(where=None, next_experiment=None)
+    found = diagnose(fitted, model, holdout=held, settings=settings).diagnosis
+    assert any("since the one before, half a sample" in warning for warning in found.warnings)
+    named = {f"{cause.effect}@{cause.location}" for cause in found.causes if cause.probability > 0.5}
+    assert named == {"coulomb_friction@motor_1", f"stiffness_error@{model.robot.motors[1].joint.name}"}
+
+
 def test_search_of_a_servo_log_begins_with_gains_friction_and_delay(tmp_path: Path) -> None:
     causes = {
         ("servo_stiffness_error", "motor_1"): -0.3,

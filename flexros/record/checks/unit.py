@@ -73,10 +73,10 @@ def _model_may_be_rough(checked: CheckedRecord, refused: dict[int, BalanceFit]) 
     """Return whether a model of an arm may lack a load, or rotors, at light wrists: joints with large torques fit it.
 
     A load at the tool multiplies the torque of light wrists, and hardly that of the joints near the base; a wrong unit
-    multiplies all of them.
+    multiplies all of them. That holds of weights and, without gravity, of inertias.
     """
     balance = checked.balance
-    if balance is None or checked.robot.n_motors < FEWEST or not any(checked.robot.spec.gravity.value):
+    if balance is None or checked.robot.n_motors < FEWEST:
         return False
     if any(fit.factor > LOADED or fit.factor < 1 for fit in refused.values()):
         return False
