@@ -31,20 +31,26 @@ in half of the cases, measured ones, noted at the begin or the end of the sample
 Below, an effect is *shown* by the log if a model with all other true effects leaves more than noise and the tolerances
 of a measured log (5 % of the torques, 3 % of the nominal numbers). Others cannot be found without claims that the log
 does not support. *False* are named effects that are not hidden. A size is right within 25 %. The arms, effects and
-motions of these cases were drawn once and not used before, and nothing was changed after they were run. `explained`
-says that at most two floors with tolerance are left on held-out data. Below is counted where the third log has more
-than the plain floor then (noise, and tolerances of the torques as white noise), and where it has more than those two.
+motions of these cases were drawn once and not used before, and run once. They led to one change since, which is not in
+these figures: two logs were refused (below). `explained` says that at most two floors with tolerance are left on
+held-out data. Below is counted where the third log has more than the plain floor then (noise, and tolerances of the
+torques as white noise), and where it has more than those two.
 
 """
 MISSED = """
 ## What is missed, and why
 
-- A load that is left out makes friction and inertia wrong (torque:1004, torque:1005). In the second case it is lighter
-  than the 5 % of all bodies from which one is estimated.
-- Without gravity, an error of the gain at one motor looks like more inertia and friction there (torque:1003).
-- The joints of the UR5e, whose URDF has no rotors, were taken for swapped, so that one log is refused (torque:1051);
-  this is mended, but not in these figures either.
-- `explained` is said of the held-out log; a third one may leave more (torque:1005, delay:1013, backlash:1031).
+- Two correct logs were refused (torque:6203, torque:6204): without gravity, a load multiplies the torque of a light
+  last motor, which was taken for a wrong unit. With gravity it was not. This is mended, but not in these figures.
+- Without gravity, a load on an arm of two motors looks like a heavier last body and rotor (torque:6201).
+- Backlash of a gear is imitated by a softer spring (backlash:6232); the answer is `partly_explained`, and much is left.
+- An error of the gain of the last wrist of the UR5e looks like another rotor, which the URDF leaves out, and more
+  friction (torque:6251).
+- `explained` is said of the held-out log and of at most two floors with tolerance; a third one may leave more than the
+  floor (torque:6201, torque:6202, backlash:6233).
+
+The 27 cases of an earlier page (seeds 1001 to 1052) were used for development: there 123 of 125 effects are named, all
+with the right size, with no false one and no log refused; before it was 104 of 113, with 14 false ones and one refused.
 """
 
 
