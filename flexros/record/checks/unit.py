@@ -32,8 +32,8 @@ BARE = 5.0
 LOADED = 50.0
 """Factor up to which a load that the model lacks explains the torque of a light wrist (chosen)."""
 
-FEWEST = 3
-"""Fewest motors of an arm with light wrists (chosen)."""
+FEWEST = 2
+"""Fewest motors of an arm whose last ones are light (chosen)."""
 
 LIKE = 1.3
 """Factor within which a level is attributed to a known mistake (chosen)."""
