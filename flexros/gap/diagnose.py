@@ -14,7 +14,7 @@ from flexros.gap.answer.sensitivity import sensitivity_of
 from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.deadline import Deadline
-from flexros.gap.fit.elastic_timing import with_torque_in_time_behind_springs
+from flexros.gap.fit.elastic_timing import shift_of_explanation, with_torque_in_time_behind_springs
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.fit.unknown_numbers import unknown_numbers
 from flexros.gap.held_out.closed_loop_gap import closed_loop_gap, why_not_simulated
@@ -29,6 +29,7 @@ from flexros.gap.search.servo_start import fit_of_servos
 from flexros.gap.search.torque_start import base_fit, first_values, on_null, torque_start
 from flexros.gap.settings import DiagnosisSettings
 from flexros.gap.where.find import where
+from flexros.identify.rigid.torque_timing import in_time
 from flexros.logs.reader import give_memory_back
 from flexros.record.most_informative import most_informative
 from flexros.record.resampled import may_be_resampled, resampled
@@ -115,6 +116,18 @@ def diagnose(
 
     stages.begin("causes", 0.85)
     explanations = explain(prepare_search(null, settings, stages.inner, deadline, base))
+    shift = shift_of_explanation(explanations.chosen, null, settings)
+    if shift and not deadline.stops():  # half a sample hid behind what the effects explain: all again with it
+        return diagnose(
+            in_time(record, shift),
+            robot,
+            holdout=holdout,
+            log=log,
+            tolerance=tolerance,
+            settings=deadline.for_the_rest(settings),
+            progress=progress,
+            interrupted=interrupted,
+        )
 
     stages.begin("answer", 0.95)
     sensitivity = sensitivity_of(explanations, null.data, model, unknown, settings.sensitivity, deadline.stops)

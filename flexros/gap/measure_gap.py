@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from flexros.blas_threads import one_blas_thread
 from flexros.gap.candidates.tolerance import tolerance_of
-from flexros.gap.fit.elastic_timing import with_torque_in_time_behind_springs
+from flexros.gap.fit.elastic_timing import shift_of_explanation, with_torque_in_time_behind_springs
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.fit.unknown_numbers import unknown_numbers
 from flexros.gap.held_out.prediction_gap import (
@@ -22,6 +22,7 @@ from flexros.gap.progress import Stages
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.search.model_probability import allowing_for_doubt, compare
 from flexros.gap.settings import DiagnosisSettings
+from flexros.identify.rigid.torque_timing import in_time
 from flexros.record.most_informative import most_informative
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     import plotly.graph_objects as go
 
     from flexros.effects import RobotWithEffects
+    from flexros.gap.fit.null_fit import NullFit
     from flexros.gap.fit.unknown_numbers import UnknownNumbers
     from flexros.gap.held_out.prediction_gap import AheadErrors
     from flexros.gap.residuals.fit_data import FitData
@@ -109,28 +111,41 @@ def measure_gap(
     unknown = unknown_numbers(record, model, tolerance_of(model.robot, tolerance or {}), settings.torque_start)
     record = replace(record, warnings=(*record.warnings, *unknown.warnings))
     data = fit_data(record, unknown.given_to(model), settings)
-    before, significant, floor = _errors(model, unknown, data, tolerance or {}, settings)
-    after = None
+    null, before = _fitted(model, unknown, data, tolerance or {}, settings), None
     if repaired is not None:
         stages.begin("repaired model", 1.0)
-        better = repaired.commanded_by(record.commands)
-        after, significant, floor = _errors(better, unknown, data, tolerance or {}, settings)
+        before = _errors(null, data)
+        null = _fitted(repaired.commanded_by(record.commands), unknown, data, tolerance or {}, settings)
+    shift = shift_of_explanation(null.fit, null, settings)
+    if shift:  # errors of springs in the nominal model hid when the torques acted
+        moved = in_time(record, shift)
+        return measure_gap(moved, model, repaired=repaired, tolerance=tolerance, settings=settings, progress=progress)
+    errors = _errors(null, data)
+    before, after = (errors, None) if before is None else (before, errors)
+    significant, floor = _shows(null, data), tolerance_floor(null.fit, data)
     numbers = gap_numbers(before, after, record.sample_time, with_tolerance=floor)
     return MeasuredGap(numbers, significant, settled(data.record, numbers.closed_fraction).warnings)
 
 
-def _errors(
+def _fitted(
     given: RobotWithEffects,
     unknown: UnknownNumbers,
     data: FitData,
     tolerance: Mapping[str, float],
     settings: DiagnosisSettings,
-) -> tuple[AheadErrors, bool, float | None]:
-    """Return prediction errors, whether they show more than noise and tolerance, and the floor with tolerance."""
+) -> NullFit:
+    """Fit the tolerated deviations of a model to the log, with the numbers that it lacks."""
     lacked = unknown.lacked_by(given)
     model = lacked.given_to(given)
-    null = fit_null(data, model, lacked.tolerated(tolerance_of(model.robot, tolerance), model.robot), settings.fit)
-    errors = over_expected_floor(errors_ahead(null.fit, data), model, data)
-    comparison = allowing_for_doubt(compare(data, null.fit, settings=settings.ranking), data)
-    shows = comparison.significant(null.fit) or bool(unknown_rounding(model, data.measurement))
-    return errors, shows, tolerance_floor(null.fit, data)
+    return fit_null(data, model, lacked.tolerated(tolerance_of(model.robot, tolerance), model.robot), settings.fit)
+
+
+def _errors(null: NullFit, data: FitData) -> AheadErrors:
+    """Return the prediction errors of a model."""
+    return over_expected_floor(errors_ahead(null.fit, data), null.model, data)
+
+
+def _shows(null: NullFit, data: FitData) -> bool:
+    """Return whether a model leaves more than noise and tolerance."""
+    comparison = allowing_for_doubt(compare(data, null.fit, settings=data.settings.ranking), data)
+    return comparison.significant(null.fit) or bool(unknown_rounding(null.model, data.measurement))

@@ -12,12 +12,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flexros.effects import RobotWithEffects
+from flexros.effects import PlacedEffect, RobotWithEffects
+from flexros.effects.coulomb_friction import CoulombFriction
 from flexros.effects.patching.patched_robot import load_model
+from flexros.effects.stiffness_error import StiffnessError
 from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
 from flexros.gap.fit.elastic_timing import with_torque_in_time_behind_springs
+from flexros.gap.measure_gap import measure_gap
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.search.torque_start import TorqueStart, torque_start
 from flexros.gap.settings import DiagnosisSettings
@@ -72,6 +75,37 @@ def test_when_a_measured_torque_acted_is_seen_through_elastic_gears(noted: int, 
     arm = program("arms").drawn_arm(2, tmp_path, elastic=True)
     model, record = recorded(arm, program("truth").Truth({}, measured=True, noted=noted), tmp_path)
     assert with_torque_in_time_behind_springs(record, model.robot).torque_shift == (-0.5 if noted else 0.5)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("noted", [0, 1])
+def test_half_a_sample_that_a_wrong_spring_hides_shows_once_the_spring_is_right(noted: int, tmp_path: Path) -> None:
+    """Of the gap with the right spring most would be that half sample."""
+    causes = {("stiffness_error", "motor_2"): 0.6, ("coulomb_friction", "motor_1"): 1.0}
+    arm = program("arms").drawn_arm(2, tmp_path, elastic=True)
+    truth = program("truth").Truth(causes, measured=True, noted=noted)
+    model, record = recorded(arm, truth, tmp_path)
+    effects = [
+        PlacedEffect(StiffnessError(relative=0.6), model.robot.motors[1].joint.name),
+        PlacedEffect(CoulombFriction(level=1.0), "motor_1"),
+    ]
+    right = measure_gap(record, model, repaired=model.with_effects(effects))
+    assert any("half a sample" in warning for warning in right.warnings)
+    assert right.numbers.after is not None
+    assert right.numbers.after < 0.2
+
+
+@pytest.mark.slow
+def test_search_is_repeated_with_torques_in_time_once_the_spring_is_right(tmp_path: Path) -> None:
+    causes = {("stiffness_error", "motor_2"): 0.6, ("coulomb_friction", "motor_1"): 1.0}
+    arm = program("arms").drawn_arm(2, tmp_path, elastic=True)
+    truth = program("truth").Truth(causes, measured=True, noted=1)
+    (model, fitted), (_, held) = (recorded(arm, truth, tmp_path, seed) for seed in (1, 2))
+    settings = DiagnosisSettings(where=None, next_experiment=None)
+    found = diagnose(fitted, model, holdout=held, settings=settings).diagnosis
+    assert any("since the one before, half a sample" in warning for warning in found.warnings)
+    named = {f"{cause.effect}@{cause.location}" for cause in found.causes if cause.probability > 0.5}
+    assert named == {"coulomb_friction@motor_1", f"stiffness_error@{model.robot.motors[1].joint.name}"}
 
 
 def test_search_of_a_servo_log_begins_with_gains_friction_and_delay(tmp_path: Path) -> None:

@@ -11,6 +11,8 @@ if TYPE_CHECKING:
 
 NEAR = 0.25
 """Relative error of a size up to which it counts as right [1]."""
+FLOORS = 2.0
+"""Floors with tolerance up to which a log is explained [1]."""
 HEAD = """# Arms of MuJoCo
 
 Written by `python docs/results/programs/mujoco_robots.py`.
@@ -29,19 +31,28 @@ in half of the cases, measured ones, noted at the begin or the end of the sample
 Below, an effect is *shown* by the log if a model with all other true effects leaves more than noise and the tolerances
 of a measured log (5 % of the torques, 3 % of the nominal numbers). Others cannot be found without claims that the log
 does not support. *False* are named effects that are not hidden. A size is right within 25 %. The arms, effects and
-motions of these cases were drawn once and not used before. One of them (torque:1004) led to a change since, which is
-not in these figures: the load was estimated right there, but a threshold left it out.
+motions of these cases were drawn once and not used before, and run once. They led to one change since, which is not in
+these figures: two logs were refused (below). `explained` says that at most two floors with tolerance are left on
+held-out data. Below is counted where the third log has more than the plain floor then (noise, and tolerances of the
+torques as white noise), and where it has more than those two.
 
 """
 MISSED = """
 ## What is missed, and why
 
-- A load that is left out makes friction and inertia wrong (torque:1004, torque:1005). In the second case it is lighter
-  than the 5 % of all bodies from which one is estimated.
-- Without gravity, an error of the gain at one motor looks like more inertia and friction there (torque:1003).
-- The joints of the UR5e, whose URDF has no rotors, were taken for swapped, so that one log is refused (torque:1051);
-  this is mended, but not in these figures either.
-- `explained` is said of the held-out log; a third one may leave more (torque:1005, delay:1013, backlash:1031).
+- Two correct logs were refused (torque:6203, torque:6204): without gravity, a load multiplies the torque of a light
+  last motor, which was taken for a wrong unit. With gravity it was not. This is mended, but not in these figures.
+  Of these two cases run again all 11 effects that show are named, with none false; a further case, torque:6261, was
+  refused then, as the exception for loads began at three motors. It begins at two now, which no fresh draw has tried.
+- Without gravity, a load on an arm of two motors looks like a heavier last body and rotor (torque:6201).
+- Backlash of a gear is imitated by a softer spring (backlash:6232); the answer is `partly_explained`, and much is left.
+- An error of the gain of the last wrist of the UR5e looks like another rotor, which the URDF leaves out, and more
+  friction (torque:6251).
+- `explained` is said of the held-out log and of at most two floors with tolerance; a third one may leave more than the
+  floor (torque:6201, torque:6202, backlash:6233).
+
+The 27 cases of an earlier page (seeds 1001 to 1052) were used for development: there 123 of 125 effects are named, all
+with the right size, with no false one and no log refused; before it was 104 of 113, with 14 false ones and one refused.
 """
 
 
@@ -54,7 +65,8 @@ def page(found: Mapping[str, Mapping[str, Any]], duration: float) -> str:
     """
     text = HEAD.format(duration=duration)
     text += "| mode | cases | effects shown | named | sizes right | false | explained, partly, ambiguous, other | "
-    text += "`explained` above the floor | closed, median | time, median |\n|" + "---|" * 10 + "\n"
+    text += "`explained` above the floor, above two with tolerance | closed, median | time, median |\n"
+    text += "|" + "---|" * 10 + "\n"
     for mode in dict.fromkeys(name.partition(":")[0] for name in found):
         text += _summary(mode, [one for name, one in found.items() if name.partition(":")[0] == mode])
     text += _summary("all", list(found.values()))
@@ -86,11 +98,12 @@ def _summary(mode: str, cases: Sequence[Mapping[str, Any]]) -> str:
     counts = [verdicts.count(kind) for kind in ("explained", "partly_explained", "ambiguous")]
     explained = [one["gap"] for one in done if one["verdict"] == "explained"]
     above = sum((gap["after"] or 0.0) > gap["noise_floor"] for gap in explained)
+    far = sum((gap["after"] or 0.0) > FLOORS * (gap["tolerance_floor"] or gap["noise_floor"]) for gap in explained)
     closed = [one["gap"]["closed_fraction"] or 0.0 for one in done if one["gap"]["before"] > one["gap"]["noise_floor"]]
     median = 100 * float(np.median(closed)) if closed else 0.0
     return (
         f"| {mode} | {len(cases)} | {len(shown)} | {named} | {right} | {false} | "
-        f"{', '.join(map(str, counts))}, {len(cases) - sum(counts)} | {above} | "
+        f"{', '.join(map(str, counts))}, {len(cases) - sum(counts)} | {above}, {far} | "
         f"{median:.1f} % | {np.median([one['seconds'] for one in done]):.0f} s |\n"
     )
 

@@ -256,7 +256,7 @@ class _Controller:
         self.wanted = wanted
 
     def torque(self, k: int, positions: FloatArray) -> FloatArray:
-        """Return the torques [Nm] at a sample from the positions up to it [rad], shape (M,)."""
+        """Return the torques [Nm] at a sample from the positions up to it [rad], shape (M,), within their limits."""
         wanted, before, rate = self.wanted[k], max(k - 1, 0), 2 * np.pi * BANDWIDTH
         self.data.qpos[self.places] = wanted
         mujoco.mj_forward(self.model, self.data)
@@ -264,7 +264,8 @@ class _Controller:
         errors = rate**2 * (wanted - positions[k])
         errors += 1.6 * rate * (speed - (positions[k] - positions[before]) * RATE)
         torque: FloatArray = self.data.qfrc_bias[self.rows] + self.inertia * errors
-        return torque
+        low, high = self.model.actuator_ctrlrange.T
+        return np.where(self.model.actuator_ctrllimited, np.clip(torque, low, high), torque)
 
 
 class _Teeth:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,18 +13,21 @@ from flexros.effects.left_out.rotor_inertia import RotorInertia
 from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_moved
 from flexros.effects.viscous_friction import ViscousFriction
 from flexros.gap.candidates.tolerance import Tolerance
+from flexros.gap.fit.torque_delay import torque_delay
 from flexros.gap.fit.torque_regression import Load, only_coulomb, regress_torque
 from flexros.gap.settings import TorqueStartSettings
 from flexros.prediction.integration_step import least_inertia, stops_too_fast
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from flexros.effects import RobotWithEffects
     from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.fit.torque_regression import TorqueRegression
     from flexros.record.record import Record
     from flexros.robot import Robot
+
+    Regress = Callable[..., TorqueRegression | None]
 
 STEPS = 16
 """Steps per sample that the friction of motors without rotors may need [1] (chosen). Some URDFs have the same large
@@ -159,10 +163,12 @@ def unknown_numbers(
     bodies = {name: of_bodies[name] for name in lacking}
     needed = _inertias_to_step(robot, record.sample_time, bodies, settings.least_stepped_rotor)
     viscous = {name: robot.parameters[f"{name}.viscous_friction"].value for name in robot.joint_names}
-    regression = regress_torque(record, model, tolerance, settings=settings)
+    delay = torque_delay(record, model, tolerance, settings)
+    regress = partial(regress_torque, record, model, delay=delay, settings=settings)
+    regression = regress(tolerance)
     if regression is None:
         return UnknownNumbers(needed)
-    loaded, load = _load(record, model, tolerance, len(lacking), settings)
+    loaded, load = _load(regress, robot, tolerance, len(lacking), settings)
     regression = loaded or regression
     found = dict(zip(robot.joint_names, regression.inertia.tolist(), strict=True))
     rotors = {name: found[name] for name in lacking if found[name] > settings.least_rotor * of_bodies[name]}
@@ -199,7 +205,7 @@ def _may_carry(robot: Robot) -> bool:
 
 
 def _load(
-    record: Record, model: RobotWithEffects, tolerance: Tolerance, lacking: int, settings: TorqueStartSettings
+    regress: Regress, robot: Robot, tolerance: Tolerance, lacking: int, settings: TorqueStartSettings
 ) -> tuple[TorqueRegression | None, ToolLoad | None]:
     """Estimate the load that an arm lacks, and its regression; None for none.
 
@@ -207,27 +213,26 @@ def _load(
     either. In the torque of that motor it hides the load, which the others show. It must show without a load: beside
     one it could just take up the weight of a load that is none.
     """
-    robot = model.robot
     if not _may_carry(robot):
         return None, None
     kind: Load = "none" if lacking == robot.n_motors else "body"
-    without = regress_torque(record, model, Tolerance(), load=kind, settings=settings)
+    without = regress(Tolerance(), load=kind)
     if without is None:
         return None, None
-    found = [_load_beside(record, model, tolerance, without, None, settings)]
+    found = [_load_beside(regress, robot, tolerance, without, None, settings)]
     for motor, one in enumerate(robot.motors):
         if found[0] is not None or not one.rotary:
             continue
-        relieved = regress_torque(record, model, Tolerance(), load=kind, balanced=motor, settings=settings)
+        relieved = regress(Tolerance(), load=kind, balanced=motor)
         if relieved is not None and without.rest[motor] > settings.relieved * relieved.rest[motor]:
-            found.append(_load_beside(record, model, tolerance, relieved, motor, settings))
+            found.append(_load_beside(regress, robot, tolerance, relieved, motor, settings))
     best = min((one for one in found if one is not None), key=lambda one: _rest(one[0]), default=None)
     return (None, None) if best is None else best
 
 
 def _load_beside(
-    record: Record,
-    model: RobotWithEffects,
+    regress: Regress,
+    robot: Robot,
     tolerance: Tolerance,
     without: TorqueRegression,
     balanced: int | None,
@@ -236,29 +241,36 @@ def _load_beside(
     """Estimate the load beside a counterbalance of one motor; None for no load.
 
     Where the file states rotors, it may state a load too: then it must be clearly elsewhere than the last body, whose
-    mass alone is that of a payload error.
+    mass alone is that of a payload error. Errors of the bodies within their tolerance must not explain a light one.
 
     Args:
-        record: The log.
-        model: The nominal model.
+        regress: The regression of the log, of a tolerance and a load.
+        robot: The nominal robot.
         tolerance: Parameters of the robot that may deviate.
         without: The regression without a load.
         balanced: Index of the motor with the counterbalance; None for none.
         settings: Settings of the regressions.
     """
-    robot = model.robot
-    loaded = regress_torque(record, model, tolerance, load="point", balanced=balanced, settings=settings)
+    loaded = regress(tolerance, load="point", balanced=balanced)
     if loaded is None:
         return None
     mass, moment = float(loaded.load[0]), loaded.load[1:]
     moved = sum(robot.parameters[f"body_{k}.mass"].value for k, b in enumerate(robot.spec.bodies, 1) if b.directions)
-    enough = settings.explained_by_load
-    gain = float(np.prod(np.minimum(without.left / np.maximum(loaded.left, 1e-300), enough)))
     far = np.linalg.norm(moment) > settings.farthest_load * mass
-    if mass < settings.lightest_load * moved or gain < enough or far:
+    if mass < settings.lightest_load * moved or far or not _explains(loaded, without, settings):
         return None
+    if mass < settings.light_load * moved:
+        tolerated = regress(tolerance, balanced=balanced)
+        if tolerated is None or not _explains(loaded, tolerated, settings):
+            return None
     x, y, z = (moment / mass).tolist()
     return loaded, ToolLoad(mass=mass, x=x, y=y, z=z)
+
+
+def _explains(loaded: TorqueRegression, without: TorqueRegression, settings: TorqueStartSettings) -> bool:
+    """Return whether a load lowers what is left of the torques by enough, no motor counting for more than that."""
+    enough = settings.explained_by_load
+    return float(np.prod(np.minimum(without.left / np.maximum(loaded.left, 1e-300), enough))) >= enough
 
 
 def _rest(regression: TorqueRegression) -> float:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from math import log, log1p
+from math import hypot, log, log1p
 from typing import TYPE_CHECKING
 
+from flexros.effects.kinds.relative_error import AbstractRelativeError
 from flexros.gap.fit.estimates import parameters_of
 from flexros.gap.search.worth import compared, strains, unique, worth
 
@@ -99,7 +100,8 @@ def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit
     Of effects at the same motor that do much the same, such as Coulomb and viscous friction, each seems needless beside
     the others. So of those that torques show one at a motor is left out at a time, unless the time is over. Behind
     springs all go at once and compete again later: friction may drown there in the error of a spring, and one of its
-    terms would stand for that.
+    terms would stand for that. Where numbers of the model go far out of tolerance without several further effects, each
+    is tried alone: one that is needed does not keep the others.
 
     Args:
         search: The search.
@@ -108,15 +110,19 @@ def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit
         removed: Share of the remaining gap that every effect must remove [1].
     """
     kept: set[str] = set()
+    alone = False
     while needless := [name for name in _needless(search, fit, removed) if name not in kept]:
-        fits.append(search.without(fit, *needless))
-        further = set(needless) - search.base.names
+        tried = needless[:1] if alone else needless
+        fits.append(search.without(fit, *tried))
+        further = set(tried) - search.base.names
         measured = search.base is not search.null.fit
         if further and measured and strains(search, compared(search, [fits[-1]]), fit, fits[-1]):
-            kept |= further  # linear theory does not see what numbers of the model take over far from their tolerance
+            # linear theory does not see what numbers of the model take over far from their tolerance, nor without which
+            kept |= further if len(further) == 1 else set()
+            alone = len(further) > 1 or alone
             continue
         fit = fits[-1]
-        if _all_at_once(search):
+        if _all_at_once(search) and not alone:
             break
     return fit
 
@@ -140,19 +146,33 @@ def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
         cheaper = least * n ** (-len(candidate.free) / n)  # of the same score as with the parameters of the effect
         before, after = replace(fit, chi2=cheaper), replace(fit, chi2=every)
         if candidate.name in search.base.names:
-            clear = search.settings.search.clear_in_torques
+            clear, tolerated = search.settings.search.clear_in_torques, _tolerated(search, candidate)
             most = {one.name: one.high for one in candidate.free}
             worth_it = any(
-                abs(size.value) > max(clear * size.std, NOTHING * most[name]) for name, size in parameters.items()
+                abs(size.value) > max(clear * hypot(size.std, tolerated), NOTHING * most[name])
+                for name, size in parameters.items()
             )
         else:
             worth_it = worth(search, comparison, before, after, removed)
         if least < max(without) and not worth_it:
             needless.append((least, candidate))
     if _all_at_once(search):
-        return [candidate.name for _, candidate in needless]
+        return [candidate.name for _, candidate in sorted(needless, key=lambda pair: pair[0])]
     first = {one.location: one.name for _, one in sorted(needless, key=lambda pair: -pair[0])}  # the least one is last
     return list(first.values())
+
+
+def _tolerated(search: Search, candidate: Candidate) -> float:
+    """Return the tolerance of the numbers of the model that a relative error changes [1]; 0 of other effects.
+
+    An error of about the tolerance is none: the number deviates within it.
+    """
+    if not issubclass(candidate.effect, AbstractRelativeError):
+        return 0.0
+    tolerance, robot = search.null.fit.predictor.tolerance, search.null.model.robot
+    deviations = dict(zip(tolerance.names, tolerance.deviations, strict=True))
+    changed = candidate.effect().scaled(robot, candidate.location)
+    return max((deviations.get(name, 0.0) for name in changed), default=0.0)
 
 
 def _all_at_once(search: Search) -> bool:

@@ -113,13 +113,25 @@ def _simple_there_first(candidate: Candidate, additions: Sequence[Addition]) -> 
 def _replacements(
     search: Search, fit: CandidateFit, directions: Sequence[Directions]
 ) -> Iterator[tuple[Candidate, list[Addition]]]:
-    """Yield effects that no torques show, with the candidates that may regain most of what is lost without them."""
+    """Yield effects with the candidates that may regain most of what is lost without them.
+
+    Of those that torques show, only plain ones compete, with other plain ones at their motor: the regression takes a
+    wrong torque constant for an inertia.
+    """
     surroundings = search.surroundings(fit)
     for candidate, rest in zip(fit.hypothesis, search.removals(fit, surroundings), strict=True):
-        if candidate.name not in search.base.names:
+        competing = directions
+        if candidate.name in search.base.names:
+            competing = [one for one in directions if _alike(one.candidate, candidate)]
+        if competing:
             regained = search.settings.search.regained * (rest.least - fit.chi2)
-            additions = search.additions(directions, fit, rest)
+            additions = search.additions(competing, fit, rest)
             yield candidate, [addition for addition in additions if addition.gain > regained]
+
+
+def _alike(one: Candidate, other: Candidate) -> bool:
+    """Return whether two candidates are plain effects at the same place."""
+    return one.effect.plain and other.effect.plain and one.location == other.location
 
 
 def _compared(

@@ -168,6 +168,9 @@ def _pruned(search: Search, explanations: Explanations) -> Explanations:
     if not chosen.hypothesis:
         return _explanations(search, compared(search, fits), search.null.fit, detected=False)
     comparison = compared(search, [*(fit for fit in fits if fit.names != chosen.names), chosen])
+    if chosen.names != explanations.chosen.names:  # beside what was left out, another effect may have seemed better
+        as_many = [fit for fit in comparison.fits if len(fit.hypothesis) == len(chosen.hypothesis)]
+        chosen = comparison.ranked([fit for fit in as_many if not at_limits(fit)] or [chosen])[0]
     return _explanations(search, comparison, chosen, detected=True)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +14,7 @@ from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.scales import scales_of_motors
 from flexros.gap.fit.arm_torque import arm_torque
 from flexros.gap.fit.least_squares import CandidateFit, chi2_of, fit
+from flexros.gap.fit.torque_delay import torque_delay
 from flexros.gap.fit.torque_regression import only_coulomb, regress_torque
 from flexros.gap.search.model_probability import compare
 
@@ -41,7 +43,7 @@ class TorqueStart:
         regression: The regression that shows them.
         model: The nominal model.
         record: The log.
-        delay: Delay of commanded positions [s].
+        delay: Delay of commanded positions, or of torques [s].
     """
 
     regression: TorqueRegression
@@ -108,8 +110,9 @@ def torque_start(
         start = _servo_start(record, model, tolerance, settings.torque_start)
     else:
         arm = arm_torque(data, model, tolerance)
-        regression = _balanced(record, model, tolerance, arm, settings.torque_start)
-        start = None if regression is None else TorqueStart(regression, model, record)
+        delay = torque_delay(record, model, tolerance, settings.torque_start)
+        regression = _balanced(record, model, tolerance, arm, delay, settings.torque_start)
+        start = None if regression is None else TorqueStart(regression, model, record, delay)
     return start if start is not None and start.hypothesis() else None
 
 
@@ -118,16 +121,18 @@ def _balanced(
     model: RobotWithEffects,
     tolerance: Tolerance,
     arm: ArmTorque | None,
+    delay: float,
     settings: TorqueStartSettings,
 ) -> TorqueRegression | None:
     """Regress the torques, with a counterbalance at the motor at which it explains most, if that is much."""
-    best = plain = regress_torque(record, model, tolerance, arm, settings=settings)
+    regress = partial(regress_torque, record, model, tolerance, arm, delay=delay, settings=settings)
+    best = plain = regress()
     if plain is None:
         return None
     factor = settings.balanced
     for location in Counterbalance().locations(model.robot):
         motor = model.robot.joint_names.index(location)
-        found = regress_torque(record, model, tolerance, arm, balanced=motor, settings=settings)
+        found = regress(balanced=motor)
         least = settings.carried * np.nanmax(np.abs(record.torque[:, motor]))
         if found is None or np.linalg.norm(found.balance[motor]) < least:
             continue

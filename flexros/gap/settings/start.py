@@ -23,7 +23,13 @@ class TorqueStartSettings(Settings):
         description="largest share of a nominal rotor inertia or servo stiffness that is taken away [1] (chosen)",
     )
     longest_delay: int = Field(
-        default=10, ge=0, description="longest delay of commanded positions that is tried [samples] (chosen)"
+        default=10, ge=0, description="longest delay of commands or torques that is tried [samples] (chosen)"
+    )
+    late: float = Field(
+        default=0.7,
+        gt=0,
+        description="fall of the sum over the motors of ln(rest of the torque) by a delay from which torques act late "
+        "[1] (chosen): 1.4 and more with delays of 1.5 to 5 samples, 0.03 and less without (development cases)",
     )
     balanced: float = Field(
         default=2.5,
@@ -51,9 +57,15 @@ class TorqueStartSettings(Settings):
         "bodies, from which it is [1] (chosen)",
     )
     lightest_load: float = Field(
-        default=0.05,
+        default=0.005,
         ge=0,
         description="mass of a load over that of all bodies that move, from which the robot file lacks it [1] (chosen)",
+    )
+    light_load: float = Field(
+        default=0.05,
+        ge=0,
+        description="the same up to which errors of the bodies within their tolerance must not explain it as well [1] "
+        "(chosen)",
     )
     farthest_load: float = Field(
         default=1.0, gt=0, description="largest distance of a load from the last joint [m] (chosen)"

@@ -129,6 +129,24 @@ class TorqueBalance:
         correlation, share = _correlation_and_share(strong, strong_need, whole_power)
         return BalanceFit(factor, agreement, as_is, correlation, share)
 
+    def unexplained(self, torque: int, motion: int) -> float:
+        """Return the power of a torque that the motion of a motor leaves unexplained, over all of it, 0 ... 1.
+
+        Friction, the inertia of an unknown rotor and any multiple of the inverse-dynamics torque are fitted to all
+        frequencies alike. The torque of another motor has no part in the motion, whatever the model lacks.
+
+        Args:
+            torque: Motor whose torque it is.
+            motion: Motor whose motion it is.
+        """
+        use = self.clear[:, motion]
+        given = self.given[use, torque]
+        power = float(np.sum(np.abs(given) ** 2))
+        if use.sum() < FEWEST_BINS or power == 0:
+            return 1.0
+        regressors = np.column_stack([self.needed[use, motion], self.own[use, motion]])
+        return float(np.sum(np.abs(_without(regressors, given, np.ones(len(given)))) ** 2)) / power
+
     def delay(self) -> Delay:
         """Estimate the delay of the torques with respect to their stamps, in addition to the delay of the robot.
 

@@ -34,6 +34,19 @@ ALIKE = float(np.log(2.0))
 """Sum of the logarithms of factors by which torques may be further off in another order that is the right one [1]
 (chosen)."""
 
+SWAPPED = float(np.log(3.0))
+"""Mean logarithm of the factors by which less of the torques is unexplained in another order, from which it is the
+right one [1] (chosen): 1.9 and more where two are swapped of drawn arms with hidden friction, rotors and loads."""
+
+IN_PLACE = float(np.log(1.5))
+"""The same with the opposite sign, from which another order is wrong, however well it agrees [1] (chosen)."""
+
+FOREIGN = 0.3
+"""Largest share of the power of a torque that is unexplained where it belongs [1] (chosen)."""
+
+TINY = 1e-6
+"""Share of the power of a torque below which numerical errors are left of it [1]."""
+
 FASTEST_LOOK = 50.0
 """Corner frequency of the low-pass for the motion [Hz] (chosen)."""
 
@@ -85,32 +98,45 @@ class CheckedRecord:
         return Delay(0.0, float("inf"), 0.0) if self.balance is None else self.balance.delay()
 
     @cached_property
-    def order(self) -> tuple[int, ...]:
-        """Motor whose motion agrees best with each torque, length M."""
+    def unexplained(self) -> FloatArray:
+        """Share of the power of each torque (rows) that the motion of each motor (columns) leaves, shape (M, M)."""
         M, balance = self.robot.n_motors, self.balance
-        if balance is None or M < 2:
-            return tuple(range(M))
-        from scipy.optimize import linear_sum_assignment  # here, because it loads slowly
-
-        return tuple(int(motion) for motion in linear_sum_assignment(-_agreements(balance, M))[1])
+        shares = np.ones((M, M))
+        if balance is not None:
+            for torque, motion in np.ndindex(*shares.shape):
+                shares[torque, motion] = balance.unexplained(torque, motion)
+        return shares
 
     @cached_property
-    def order_is_wrong(self) -> bool:
-        """Whether the torques clearly belong to the motions of other motors.
+    def order(self) -> tuple[int, ...]:
+        """Motor to whose motion each torque clearly belongs, length M; as they are unless another order is clear.
 
-        Loads of neighbouring joints vary alike, so that the torque of one may agree well with a multiple of what the
-        other one needs. A torque that belongs there is not many times as large.
+        Less must be unexplained in another order, whatever the model lacks. Near resonances, which dominate the power
+        and which the model has elsewhere, nothing explains them; there the mean agreement over all frequencies counts.
         """
-        M, balance = self.robot.n_motors, self.balance
-        if balance is None or self.order == tuple(range(M)):
-            return False
-        A = _agreements(balance, M)
-        moved = [torque for torque, motion in enumerate(self.order) if torque != motion]
-        other, current = (float(np.mean([A[k, motion[k]] for k in moved])) for motion in (self.order, range(M)))
-        if not clearly_better(other, current):
-            return False
-        elsewhere, here = (_off_by(balance, {k: motion[k] for k in moved}) for motion in (self.order, range(M)))
-        return elsewhere < here + ALIKE
+        M = self.robot.n_motors
+        as_they_are = tuple(range(M))
+        if self.balance is None or M < 2:
+            return as_they_are
+        explaining = _assigned(np.log(self.unexplained + TINY))
+        elsewhere = np.array([self.unexplained[k, motion] for k, motion in enumerate(explaining) if k != motion])
+        if self._fall(explaining) > SWAPPED and np.all(elsewhere < FOREIGN):
+            return explaining
+        agreements = _agreements(self.balance, M)
+        agreeing = _assigned(-agreements)
+        swapped = _agrees_better(self.balance, agreements, agreeing) and self._fall(agreeing) > -IN_PLACE
+        return agreeing if swapped else as_they_are
+
+    @property
+    def order_is_wrong(self) -> bool:
+        """Whether the torques clearly belong to the motions of other motors."""
+        return self.order != tuple(range(self.robot.n_motors))
+
+    def _fall(self, order: tuple[int, ...]) -> float:
+        """Return the mean logarithm of the factors by which less of the torques is unexplained in another order [1]."""
+        moved = [torque for torque, motion in enumerate(order) if torque != motion]
+        falls = [np.log((self.unexplained[k, k] + TINY) / (self.unexplained[k, order[k]] + TINY)) for k in moved]
+        return float(np.mean(falls)) if falls else 0.0
 
     @cached_property
     def assignment(self) -> JointAssignment | None:
@@ -132,6 +158,31 @@ class CheckedRecord:
             return False
         other = score(own_fits(torque_balance(self.record, self.robot, nominal), self.robot.n_motors))
         return clearly_better(other, current)
+
+
+def _assigned(costs: FloatArray) -> tuple[int, ...]:
+    """Return the column of each row with the least sum of costs, shape (M, M)."""
+    from scipy.optimize import linear_sum_assignment  # here, because it loads slowly
+
+    return tuple(int(column) for column in linear_sum_assignment(costs)[1])
+
+
+def _agrees_better(balance: TorqueBalance, agreements: FloatArray, order: tuple[int, ...]) -> bool:
+    """Return whether torques agree clearly better with what the motions of other motors need.
+
+    Loads of neighbouring joints vary alike, so that the torque of one may agree well with a multiple of what the
+    other one needs. A torque that belongs there is not many times as large.
+    """
+    moved = [torque for torque, motion in enumerate(order) if torque != motion]
+    if not moved:
+        return False
+    other, current = (
+        float(np.mean([agreements[k, motion[k]] for k in moved])) for motion in (order, range(len(order)))
+    )
+    if not clearly_better(other, current):
+        return False
+    elsewhere, here = (_off_by(balance, {k: motion[k] for k in moved}) for motion in (order, range(len(order))))
+    return elsewhere < here + ALIKE
 
 
 def _off_by(balance: TorqueBalance, motions: Mapping[int, int]) -> float:

@@ -11,13 +11,13 @@ if TYPE_CHECKING:
 
 
 class JointOrder(AbstractCheck):
-    """Swapped torques agree with the inverse-dynamics torques of other motors."""
+    """Swapped torques are explained by the motions of other motors."""
 
     name: ClassVar[str] = "joint_order"
     stage: ClassVar[int] = 2
 
     def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
-        """Compare all torques with all inverse-dynamics torques."""
+        """Explain all torques by all motions."""
         names = checked.robot.joint_names
         if checked.order_is_wrong:
             pairs = ", ".join(

@@ -32,8 +32,8 @@ BARE = 5.0
 LOADED = 50.0
 """Factor up to which a load that the model lacks explains the torque of a light wrist (chosen)."""
 
-FEWEST = 3
-"""Fewest motors of an arm with light wrists (chosen)."""
+FEWEST = 2
+"""Fewest motors of an arm whose last ones are light (chosen)."""
 
 LIKE = 1.3
 """Factor within which a level is attributed to a known mistake (chosen)."""
@@ -73,10 +73,10 @@ def _model_may_be_rough(checked: CheckedRecord, refused: dict[int, BalanceFit]) 
     """Return whether a model of an arm may lack a load, or rotors, at light wrists: joints with large torques fit it.
 
     A load at the tool multiplies the torque of light wrists, and hardly that of the joints near the base; a wrong unit
-    multiplies all of them.
+    multiplies all of them. That holds of weights and, without gravity, of inertias.
     """
     balance = checked.balance
-    if balance is None or checked.robot.n_motors < FEWEST or not any(checked.robot.spec.gravity.value):
+    if balance is None or checked.robot.n_motors < FEWEST:
         return False
     if any(fit.factor > LOADED or fit.factor < 1 for fit in refused.values()):
         return False

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,7 +12,7 @@ import pytest
 from flexros.effects import RobotWithEffects
 from flexros.gap.candidates.tolerance import Tolerance, tolerance_of
 from flexros.gap.fit.torque_regression import regress_torque
-from flexros.gap.fit.unknown_numbers import UNCERTAIN, UNCERTAIN_LOAD, unknown_numbers
+from flexros.gap.fit.unknown_numbers import UNCERTAIN, UNCERTAIN_LOAD, _load_beside, unknown_numbers
 from flexros.gap.settings import TorqueStartSettings
 from flexros.record.record import Record
 from tests.gap.rigid_arm import COULOMB, INERTIA, VISCOUS, T, arm, record_of_arm
@@ -117,6 +119,26 @@ def test_a_motor_that_is_not_driven_carries_no_load() -> None:
     assert found is not None
     assert found.left[1] < 0.01
     assert unknown_numbers(passive, given, tolerance_of(given.robot, {})).load is None
+
+
+@pytest.mark.parametrize(("mass", "tolerated", "found"), [
+    (0.2, 1.0, True),
+    (0.2, 0.02, False),
+    (0.8, 0.02, True),
+    (0.01, 1.0, False),
+])  # fmt: skip
+def test_a_light_load_counts_where_errors_of_the_bodies_do_not_explain_it(
+    mass: float, tolerated: float, found: bool
+) -> None:
+    """Of an arm of 9 kg; `tolerated` is what they leave of the torques, as 0.01 is left with the load."""
+
+    def regress(tolerance: Tolerance, **load: object) -> Any:
+        left = 0.01 if load.get("load") else tolerated if tolerance.names else 1.0
+        return SimpleNamespace(load=np.array([mass, 0.1 * mass, 0.0, 0.0]), left=np.array([left, 1.0]))
+
+    tolerance = tolerance_of(arm(), {})
+    load = _load_beside(regress, arm(), tolerance, regress(Tolerance()), None, TorqueStartSettings())
+    assert (load is not None) is found
 
 
 def test_numbers_of_a_counterbalance_are_found_beside_friction_and_rotors() -> None:

@@ -8,10 +8,13 @@ from typing import Any
 
 import pytest
 
+from flexros.effects import effects
+from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.deadline import Deadline
 from flexros.gap.search import elimination
 from flexros.gap.settings import DiagnosisSettings
 
+INERTIA, STIFFNESS = "motor_inertia_error@motor_1", "stiffness_error@body_2.ry"
 COULOMB, VISCOUS, BIAS = "coulomb_friction@motor_1", "viscous_friction@motor_1", "torque_bias@motor_2"
 N = 1000
 
@@ -31,7 +34,11 @@ class Fit:
     @property
     def hypothesis(self) -> tuple[Any, ...]:
         free = (SimpleNamespace(name="size", high=10.0),)
-        return tuple(SimpleNamespace(name=one, location=one.partition("@")[2], free=free) for one in self.kept)
+        parts = [(one, *one.split("@")) for one in self.kept]
+        return tuple(
+            SimpleNamespace(name=one, effect=effects()[effect], location=location, free=free)
+            for one, effect, location in parts
+        )
 
 
 class Search:
@@ -49,7 +56,9 @@ class Search:
         self.chi2, self.estimated = chi2, estimated
         self.base = Fit(base, 0.0)
         robot = SimpleNamespace(n_coordinates=2, n_motors=2)
-        self.null = SimpleNamespace(fit=None, model=SimpleNamespace(robot=robot))
+        tolerance = Tolerance(("motor_1.inertia",), (0.03,))
+        null = SimpleNamespace(predictor=SimpleNamespace(tolerance=tolerance))
+        self.null = SimpleNamespace(fit=null, model=SimpleNamespace(robot=robot))
         self.data = SimpleNamespace(n_values=N, record=SimpleNamespace(imported=True))
         self.settings = DiagnosisSettings()
         self.deadline = Deadline()
@@ -135,6 +144,29 @@ def test_behind_springs_all_that_seems_needless_is_left_out_at_once() -> None:
     search.null.model.robot.n_coordinates = 4
     found = elimination.reduced(search, Fit((COULOMB, VISCOUS, BIAS), 2000.0), [], 0.2)  # type: ignore[arg-type]
     assert found.names == {BIAS}
+
+
+@pytest.mark.parametrize(("size", "kept"), [(0.05, False), (0.07, True), (-0.05, False), (-0.07, True)])
+def test_an_inertia_is_wrong_from_twice_its_tolerance_on(
+    size: float, kept: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sizes = {COULOMB: SimpleNamespace(value=1.0, std=0.1), INERTIA: SimpleNamespace(value=size, std=1e-4)}
+    monkeypatch.setattr(elimination, "parameters_of", lambda fit, _: [{"size": sizes[name]} for name in fit.kept])
+    search: Any = Search({frozenset({COULOMB}): 2000.0}, {COULOMB: 900.0, INERTIA: 1.0}, (COULOMB, INERTIA))
+    found = elimination.reduced(search, Fit((COULOMB, INERTIA), 2000.0), [], 0.2)  # type: ignore[arg-type]
+    assert (INERTIA in found.names) is kept
+
+
+def test_a_needed_effect_does_not_keep_a_needless_one_that_was_left_out_with_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Without the error of a spring, numbers of the model go far out of tolerance to do its work."""
+    without = {frozenset(names): 2000.0 for names in ((COULOMB,), (COULOMB, STIFFNESS), (COULOMB, BIAS))}
+    search: Any = Search(without, {COULOMB: 900.0, STIFFNESS: 20.0, BIAS: 10.0}, (COULOMB,))
+    search.null.model.robot.n_coordinates = 4
+    monkeypatch.setattr(elimination, "strains", lambda _, __, fit, rest: STIFFNESS in fit.names - rest.names)
+    found = elimination.reduced(search, Fit((COULOMB, STIFFNESS, BIAS), 2000.0), [], 0.2)  # type: ignore[arg-type]
+    assert found.names == {COULOMB, STIFFNESS}
 
 
 def over() -> Deadline:

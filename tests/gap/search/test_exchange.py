@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flexros.gap.search.exchange import _divisions
+from flexros.gap.search.exchange import _divisions, _replacements
 from flexros.gap.settings import DiagnosisSettings
 from tests.gap.diagnosis_logs import candidates_of
 
@@ -45,3 +45,26 @@ def test_a_rich_law_is_divided_into_two_effects(name: str, expected: list[str]) 
     assert [name for name, _ in found] == [name] * bool(expected)
     assert [one.candidate.name for _, group in found for one in group] == expected
     assert all(one.size == 2.0 for _, group in found for one in group)
+
+
+@pytest.mark.parametrize(("name", "expected"), [
+    ("motor_inertia_error@motor_1", {"motor_inertia_error@motor_1": ["torque_gain_error@motor_1"]}),
+    ("coulomb_friction@motor_1", {}),
+])  # fmt: skip
+def test_plain_effects_that_torques_show_compete_with_plain_ones_at_their_motor(
+    name: str, expected: dict[str, list[str]]
+) -> None:
+    """A torque constant that is too large looks like an inertia that is too small."""
+    every = candidates_of()
+    names = ("torque_gain_error@motor_1", "viscous_friction@motor_1", "stiffness_error@body_1.rz")
+    directions: Any = [SimpleNamespace(candidate=every[one]) for one in names]
+    search: Any = SimpleNamespace(
+        settings=DiagnosisSettings(),
+        base=SimpleNamespace(names=frozenset({name})),
+        additions=lambda competing, *_: [SimpleNamespace(candidate=one.candidate, gain=9.0) for one in competing],
+        surroundings=lambda _: None,
+        removals=lambda *_: [SimpleNamespace(least=20.0)],
+    )
+    fit: Any = SimpleNamespace(hypothesis=(every[name],), chi2=10.0)
+    found = {one.name: [each.candidate.name for each in more] for one, more in _replacements(search, fit, directions)}
+    assert found == expected

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
+from flexros.record.balance.joint_assignments import WEIGHTLESS
+from flexros.record.balance.torque_balance import BalanceFit
 from flexros.record.checks.base import Finding
 from flexros.record.checks.run import findings
+from flexros.record.checks.unit import Unit
 from flexros.robot import load_robot
 
 pytestmark = pytest.mark.slow
@@ -91,3 +96,21 @@ def test_rotors_that_are_far_off_are_no_unit(ur5e, ur5e_record) -> None:
     """Public models of this arm state a tenth of a kg m2 at every joint."""
     rotors = ur5e.with_values({f"{name}.inertia": 0.1 for name in ur5e.joint_names})
     assert not any(finding.hopeless for finding in findings(ur5e_record, rotors))
+
+
+@pytest.mark.parametrize(("wrist", "base", "hopeless"), [(3.8, 1.2, False), (0.3, 1.2, True), (3.8, 3.8, True)])
+def test_a_load_multiplies_the_torque_of_a_light_wrist_without_gravity_too(
+    ur5e, wrist: float, base: float, hopeless: bool
+) -> None:
+    """Of inertias it is as of weights; a wrong unit makes torques smaller, or multiplies all of them."""
+    weightless = ur5e.with_values(WEIGHTLESS | {f"{name}.inertia": 0.1 for name in ur5e.joint_names})
+    factors = (base, base, base, 1.0, 1.0, wrist)
+    checked: Any = SimpleNamespace(
+        order_is_wrong=False,
+        fits_nominal_rate=False,
+        wrongly_assigned=False,
+        robot=weightless,
+        balance=SimpleNamespace(needed=np.array([[50.0, 30.0, 10.0, 1.0, 1.0, 0.1]])),
+        own=tuple(BalanceFit(factor, 0.95, 0.5, 0.95, 0.9) for factor in factors),
+    )
+    assert any(finding.hopeless for finding in Unit().look(checked)) is hopeless
