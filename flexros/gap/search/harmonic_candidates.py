@@ -10,7 +10,7 @@ import numpy as np
 from flexros.effects import effects
 from flexros.gap.candidates.candidate import Candidate, FreeParameter
 from flexros.gap.prediction.compiled_plant import LANES
-from flexros.gap.search.harmonics import SEARCH, OrderSearch
+from flexros.gap.search.harmonics import SEARCH, VALLEYS, OrderSearch
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -21,9 +21,6 @@ if TYPE_CHECKING:
     from flexros.gap.search.harmonics import HarmonicFit
     from flexros.gap.settings import SearchSettings
     from flexros.robot import Robot
-
-VALLEYS = np.array([index for index in range(-8, 9) if index])
-"""Neighbours of an order that are tried as well, in half turns over the travel of the rotor in a log [1]."""
 
 
 def harmonic_candidates(

@@ -28,6 +28,8 @@ SEARCH = SearchSettings()
 """Settings of a search for orders unless others are given."""
 POINTS = 8
 """Points of the grid of angles per shortest period [1]."""
+VALLEYS = np.array([index for index in range(-8, 9) if index])
+"""Neighbours of an order that are tried as well, in half turns over the travel of the rotor in a log [1]."""
 PADDING = 4
 """Spacing of the orders: so many times finer than their resolution [1]."""
 
@@ -84,7 +86,7 @@ class OrderSearch:
         self._eigenvalues, self._modes = np.linalg.eig(expm(A * data.record.sample_time) @ correct)
 
     def search(self, motor: int, entry: Entry, most: int = 2) -> tuple[HarmonicFit, ...]:
-        """Find the best orders.
+        """Find the best orders, the best one compared with its neighbours.
 
         Args:
             motor: Index of the motor.
@@ -108,7 +110,21 @@ class OrderSearch:
         tried = self._settings.tried_orders
         chosen = {int(peaks[index]) for order in ranked for index in order[:tried]}
         fits = [self.fit(motor, entry, float(orders[index])) for index in sorted(chosen)]
-        return tuple(sorted(fits, key=lambda fit: -fit.gain)[:most])
+        best = sorted(fits, key=lambda fit: -fit.gain)[:most]
+        near = [self.fit(motor, entry, order) for order in best[0].order + lowest / 2 * VALLEYS if order > lowest]
+        nearest = max(near, key=lambda fit: fit.gain)
+        if nearest.gain > best[0].gain:  # by linear theory: the peak of the spectrum stays a start
+            best = [nearest, *best][:most]
+        refined = [self._refined(motor, entry, fit, lowest / PADDING) for fit in best]
+        return tuple(sorted(refined, key=lambda fit: -fit.gain))
+
+    def _refined(self, motor: int, entry: Entry, middle: HarmonicFit, spacing: float) -> HarmonicFit:
+        """Move an order to the maximum of its gain, by a parabola through three orders at a distance."""
+        low, high = (self.fit(motor, entry, middle.order + way * spacing) for way in (-1, 1))
+        curvature = low.gain - 2 * middle.gain + high.gain
+        way = 0.5 * (low.gain - high.gain) / curvature if curvature < 0 else 0.0
+        last = self.fit(motor, entry, middle.order + float(np.clip(way, -1.0, 1.0)) * spacing)
+        return max((low, middle, high, last), key=lambda fit: fit.gain)
 
     def fit(self, motor: int, entry: Entry, order: float) -> HarmonicFit:
         """Fit the harmonic of one order.

@@ -59,6 +59,17 @@ def test_a_wave_of_the_right_order_is_fitted_with_amplitude_and_phase() -> None:
     assert found.phase == pytest.approx(0.8, abs=0.05)
 
 
+@pytest.mark.parametrize("order", [5.03, 6.36, 7.11])
+def test_an_order_between_those_of_the_grid_gains_nearly_as_much_as_the_true_one(order: float) -> None:
+    """The spectrum does not know how much of each order the errors hold: it may peak in another valley."""
+    search = order_search()
+    wave = 0.005 * np.sin(order * search._angle(0) + 0.8)
+    search._residual = search._weighted(search._forward(search._source(0, "torque"), wave)).reshape(1, -1).T
+    found = search.search(0, "torque")[0]
+    assert found.order == pytest.approx(order, abs=0.05 * resolution())
+    assert found.gain > 0.995 * search.fit(0, "torque", order).gain
+
+
 def test_waves_come_by_gain() -> None:
     gains = [one.gain for one in order_search().search(0, "torque", most=3)]
     assert gains == sorted(gains, reverse=True)
