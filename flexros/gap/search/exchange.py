@@ -115,8 +115,8 @@ def _replacements(
 ) -> Iterator[tuple[Candidate, list[Addition]]]:
     """Yield effects with the candidates that may regain most of what is lost without them.
 
-    Of those that torques show, only plain ones compete, with other plain ones at their motor: the regression takes a
-    wrong torque constant for an inertia.
+    Of those that torques show, only relative errors compete, with others at their motor: the regression takes a wrong
+    torque constant for an inertia.
     """
     surroundings = search.surroundings(fit)
     for candidate, rest in zip(fit.hypothesis, search.removals(fit, surroundings), strict=True):
@@ -130,8 +130,9 @@ def _replacements(
 
 
 def _alike(one: Candidate, other: Candidate) -> bool:
-    """Return whether two candidates are plain effects at the same place."""
-    return one.effect.plain and other.effect.plain and one.location == other.location
+    """Return whether two candidates are relative errors of plain numbers at the same place."""
+    plain = one.effect.plain and other.effect.plain and one.location == other.location
+    return plain and "relative" in one.effect.ranges and "relative" in other.effect.ranges
 
 
 def _compared(

@@ -51,12 +51,12 @@ def test_a_rich_law_is_divided_into_two_effects(name: str, expected: list[str]) 
     ("motor_inertia_error@motor_1", {"motor_inertia_error@motor_1": ["torque_gain_error@motor_1"]}),
     ("coulomb_friction@motor_1", {}),
 ])  # fmt: skip
-def test_plain_effects_that_torques_show_compete_with_plain_ones_at_their_motor(
+def test_relative_errors_that_torques_show_compete_with_others_at_their_motor(
     name: str, expected: dict[str, list[str]]
 ) -> None:
     """A torque constant that is too large looks like an inertia that is too small."""
     every = candidates_of()
-    names = ("torque_gain_error@motor_1", "viscous_friction@motor_1", "stiffness_error@body_1.rz")
+    names = ("torque_gain_error@motor_1", "torque_bias@motor_1", "stiffness_error@body_1.rz")
     directions: Any = [SimpleNamespace(candidate=every[one]) for one in names]
     search: Any = SimpleNamespace(
         settings=DiagnosisSettings(),
