@@ -315,8 +315,9 @@ def fit_data(
         errors = data.weighted(predicted.innovation[:, :, :1])
         return replace(data, nominal_level=float(np.sum(errors**2) / np.isfinite(spread).sum())), predicted
 
-    data, predicted = predicted_at(_settled(gain_at, settings, record.n_samples) if level is None else level)
-    while level is None and not record.imported and not data.nominal_level <= numbers.far_off:
+    free = level is None and not record.imported  # a measured log is tied as its tolerance says
+    data, predicted = predicted_at(_settled(gain_at, settings, record.n_samples) if free else level or settings.level)
+    while free and not data.nominal_level <= numbers.far_off:
         if 10 * data.level > numbers.starting_level:
             break
         data, predicted = predicted_at(10 * data.level)

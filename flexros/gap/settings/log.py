@@ -73,8 +73,8 @@ class ResidualSettings(Settings):
     settles_within: float = Field(
         default=0.25,
         gt=0,
-        description="part of the log within which the predictor's gain settles; its torque noise is doubled until it "
-        "does, because the gain holds near one pose [1]",
+        description="part of a simulated log within which the predictor's gain settles; its torque noise is doubled "
+        "until it does, because the gain holds near one pose [1]",
     )
     far_off: float = Field(
         default=1e4,
