@@ -30,6 +30,9 @@ POINTS = 8
 """Points of the grid of angles per shortest period [1]."""
 VALLEYS = np.array([index for index in range(-8, 9) if index])
 """Neighbours of an order that are tried as well, in half turns over the travel of the rotor in a log [1]."""
+FEWEST_MEASURED = 2.0
+"""Fewest periods of a harmonic over the travel of a rotor in a measured log [1] (chosen): with fewer of them it is like
+a torque over the angle that no law explains, as of a cable."""
 PADDING = 4
 """Spacing of the orders: so many times finer than their resolution [1]."""
 
@@ -97,8 +100,8 @@ class OrderSearch:
             Harmonics by gain, the largest first.
         """
         angle = self._angle(motor)
-        reach, highest = float(np.ptp(angle)), self._highest(angle)
-        lowest = 2 * np.pi / max(reach, 1e-12)
+        resolution, highest = 2 * np.pi / max(float(np.ptp(angle)), 1e-12), self._highest(angle)
+        lowest = resolution * (FEWEST_MEASURED if self.data.record.imported else 1.0)
         if highest <= lowest:
             return ()
         backward = self._backward(self._source(motor, entry)) * self._factor(motor, entry)
@@ -111,11 +114,11 @@ class OrderSearch:
         chosen = {int(peaks[index]) for order in ranked for index in order[:tried]}
         fits = [self.fit(motor, entry, float(orders[index])) for index in sorted(chosen)]
         best = sorted(fits, key=lambda fit: -fit.gain)[:most]
-        near = [self.fit(motor, entry, order) for order in best[0].order + lowest / 2 * VALLEYS if order > lowest]
+        near = [self.fit(motor, entry, order) for order in best[0].order + resolution / 2 * VALLEYS if order > lowest]
         nearest = max(near, key=lambda fit: fit.gain)
         if nearest.gain > best[0].gain:  # by linear theory: the peak of the spectrum stays a start
             best = [nearest, *best][:most]
-        refined = [self._refined(motor, entry, fit, lowest / PADDING) for fit in best]
+        refined = [self._refined(motor, entry, fit, resolution / PADDING) for fit in best]
         return tuple(sorted(refined, key=lambda fit: -fit.gain))
 
     def _refined(self, motor: int, entry: Entry, middle: HarmonicFit, spacing: float) -> HarmonicFit:

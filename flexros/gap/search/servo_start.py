@@ -65,8 +65,8 @@ def fit_of_servos(
     there. At its limit a servo does not act in proportion to its gains: there the limit is fitted too. Limit and torque
     constant scale the torque alike; both are named `torque_gain_error`. The back-EMF of a hobby servo brakes at the
     limit too, where the damping of the loop has no part: it is viscous friction, and the loop may have hardly any
-    damping. A filter of the commands makes a motor late as a delay does, and each is tried in place of the other: the
-    search adds one effect at a time, and would not come from a delay to filters at all motors.
+    damping. A filter of the commands makes a motor late as a delay does; each is tried in place of the other, and both
+    together: the search adds one effect at a time, and would not come from a delay to filters at all motors.
 
     Args:
         null: The nominal model, fitted.
@@ -96,9 +96,11 @@ def fit_of_servos(
     tried = [_screened(null, begun, own, settings, stop) for own in starts]
     if regressed is not None:
         tried.append(_screened(null, begun, _first_values(regressed), settings, stop))
-    filtered = [pair for pair in _filtered(null, begun, begin) if competing.contain(pair[0])]
-    if any(one.effect is ServoCommandLag for one, _ in filtered):
-        tried += [_screened(null, filtered, own, settings, stop) for own in undamped]
+    lags = [pair for pair in _lags(null, begin) if competing.contain(pair[0])]
+    if lags:
+        punctual = [pair for pair in begun if pair[0].effect is not Delay]
+        late = [[*rest, *lags] for rest in (punctual, begun)]
+        tried += [_screened(null, effects, own, settings, stop) for effects, own in product(late, undamped)]
     best = _likeliest(tried, null.data.n_values)
     if best is None:
         return None
@@ -119,17 +121,14 @@ def _screened(
     return fit(predictor, null.data, theta, settings.servo_start.iterations, settings=settings.fit, stop=stop)
 
 
-def _filtered(
-    null: NullFit, begun: Sequence[tuple[Candidate, float]], settings: ServoStartSettings
-) -> list[tuple[Candidate, float]]:
-    """List the same effects with filters of the commands in place of their delay, which comes late alike."""
+def _lags(null: NullFit, settings: ServoStartSettings) -> list[tuple[Candidate, float]]:
+    """List filters of the commands of all motors, with their first time constant [s]."""
     robot, record = null.model.robot, null.data.record
-    lags = [
+    return [
         (one, settings.lag * record.sample_time)
         for one in list_candidates(robot, scales_of_motors(robot, record), measured=True, known=null.model.laws)
         if one.effect is ServoCommandLag
     ]
-    return [*(pair for pair in begun if pair[0].effect is not Delay), *lags]
 
 
 def _likeliest(fits: Sequence[CandidateFit], n_values: int) -> CandidateFit | None:
