@@ -6,12 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexros.gap.settings import RankingSettings
+
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
 NEAR = 0.25
 """Relative error of a size up to which it counts as right [1]."""
-FLOORS = 2.0
+FLOORS = RankingSettings().floors
 """Floors with tolerance up to which a log is explained [1]."""
 HEAD = """# Arms of MuJoCo
 

@@ -246,6 +246,25 @@ def switched_off(fit: CandidateFit, data: FitData, residual: FloatArray, rows: I
         Changes, shape (n_rows, n_effects).
     """
     thetas = np.stack([fit.switched_off((candidate.name,)) for candidate in fit.hypothesis], axis=-1)
+    return changes_of(fit, data, residual, rows, thetas)
+
+
+def changes_of(
+    fit: CandidateFit, data: FitData, residual: FloatArray, rows: IntArray, thetas: FloatArray
+) -> FloatArray:
+    """Compute how the prediction errors of a fit change with other parameters.
+
+    Args:
+        fit: The fit.
+        data: Log and weights.
+        residual: Its weighted prediction errors, shape (n_values,).
+        rows: Prediction errors that are kept, shape (n_rows,).
+        thetas: Parameters in the units of the fit, shape (n_fitted, sets).
+
+    Returns:
+        Changes, shape (n_rows, sets).
+    """
     groups = [thetas[:, begin : begin + LANES] for begin in range(0, thetas.shape[1], LANES)]
-    changes = [data.residuals(fit.predictor, group)[rows] - residual[rows, None] for group in groups]
-    return np.concatenate(changes, axis=1)
+    return np.concatenate(
+        [data.residuals(fit.predictor, group)[rows] - residual[rows, None] for group in groups], axis=1
+    )

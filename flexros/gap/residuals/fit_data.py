@@ -264,8 +264,8 @@ def fit_data(
 
     The predictor trusts the torques as `settings.level` says. Where the nominal model is so far off that predictions
     stray from the log, no candidate can be judged around them: then it follows the encoders more closely. So it does
-    where its gain would settle too late in the log: the gain is that of one pose, and an error that lasts for half a
-    minute meets others. A rigid arm of six axes, sampled every 4 ms for 16 s, looked coloured without any gap.
+    where its gain would settle too late in a simulated log: the gain is that of one pose, and an error that lasts for
+    half a minute meets others. A rigid arm of six axes, sampled every 4 ms for 16 s, looked coloured without any gap.
 
     A log that begins at rest is used from its first sample, with initial-state errors projected out. One that begins
     in motion loses its first part, in which a predictor of high gain estimates the state, and is used once an error of
@@ -315,9 +315,10 @@ def fit_data(
         errors = data.weighted(predicted.innovation[:, :, :1])
         return replace(data, nominal_level=float(np.sum(errors**2) / np.isfinite(spread).sum())), predicted
 
-    free = level is None and not record.imported  # a measured log is tied as its tolerance says
-    data, predicted = predicted_at(_settled(gain_at, settings, record.n_samples) if free else level or settings.level)
-    while free and not data.nominal_level <= numbers.far_off:
+    chosen = settings.level if level is None else level
+    adapts = level is None and not record.imported  # a measured log is tied as its tolerance says
+    data, predicted = predicted_at(_settled(gain_at, settings, record.n_samples) if adapts else chosen)
+    while adapts and not data.nominal_level <= numbers.far_off:
         if 10 * data.level > numbers.starting_level:
             break
         data, predicted = predicted_at(10 * data.level)

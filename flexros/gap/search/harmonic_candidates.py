@@ -9,6 +9,7 @@ import numpy as np
 
 from flexros.effects import effects
 from flexros.gap.candidates.candidate import Candidate, FreeParameter
+from flexros.gap.fit.screening import changes_of
 from flexros.gap.prediction.compiled_plant import LANES
 from flexros.gap.search.harmonics import SEARCH, VALLEYS, OrderSearch
 
@@ -119,8 +120,9 @@ class _Neighbours:
         phases = [values["phase"] + (values["order"] - order) * middle for order in orders]  # as it is in the middle
         pairs = list(zip(orders, phases))
         waves = [self._theta(order=n, phase=p + quarter) for n, p in pairs for quarter in (0.0, np.pi / 2)]
-        errors = self._errors([self._theta(amplitude=0.0), *waves])
-        rest, changes = errors[:, 0], errors[:, 1:] - errors[:, :1]
+        off, residual = self.fit.switched_off((self.candidate.name,)), self.fit.residual(self.data)
+        changes = changes_of(self.fit, self.data, residual, self.rows, np.stack([off, *waves], axis=-1))
+        rest, changes = residual[self.rows] + changes[:, 0], changes[:, 1:] - changes[:, :1]
         found = []
         for index, (order, phase) in enumerate(pairs):
             X = changes[:, 2 * index : 2 * index + 2]
@@ -140,12 +142,6 @@ class _Neighbours:
                     value = float(np.remainder(value + np.pi, 2 * np.pi) - np.pi)
                 theta[place] = np.clip(free.encode(value), *free.bounds)
         return theta
-
-    def _errors(self, thetas: Sequence[FloatArray]) -> FloatArray:
-        """Predict with several parameter sets; return their weighted errors, shape (n_rows, n_sets)."""
-        groups = [np.stack(thetas[first : first + LANES], axis=-1) for first in range(0, len(thetas), LANES)]
-        predictor, rows = self.fit.predictor, self.rows
-        return np.hstack([self.data.residuals(predictor, group)[rows, : group.shape[1]] for group in groups])
 
 
 def _free(harmonics: Sequence[HarmonicFit], most: float) -> tuple[FreeParameter, ...]:

@@ -31,8 +31,8 @@ POINTS = 8
 VALLEYS = np.array([index for index in range(-8, 9) if index])
 """Neighbours of an order that are tried as well, in half turns over the travel of the rotor in a log [1]."""
 FEWEST_MEASURED = 2.0
-"""Fewest periods of a harmonic over the travel of a rotor in a measured log [1] (chosen): with fewer of them it is like
-a torque over the angle that no law explains, as of a cable."""
+"""Fewest periods of a harmonic over the travel of a rotor from which orders are sought in a measured log [1] (chosen):
+with fewer it is like a torque over the angle that no law explains, as of a cable."""
 PADDING = 4
 """Spacing of the orders: so many times finer than their resolution [1]."""
 
@@ -114,11 +114,16 @@ class OrderSearch:
         chosen = {int(peaks[index]) for order in ranked for index in order[:tried]}
         fits = [self.fit(motor, entry, float(orders[index])) for index in sorted(chosen)]
         best = sorted(fits, key=lambda fit: -fit.gain)[:most]
-        near = [self.fit(motor, entry, order) for order in best[0].order + resolution / 2 * VALLEYS if order > lowest]
-        nearest = max(near, key=lambda fit: fit.gain)
+        if not best:
+            return ()
+        valleys = best[0].order + resolution / 2 * VALLEYS
+        near = [self.fit(motor, entry, order) for order in valleys if lowest <= order <= highest]
+        nearest = max(near, key=lambda fit: fit.gain, default=best[0])
         if nearest.gain > best[0].gain:  # by linear theory: the peak of the spectrum stays a start
             best = [nearest, *best][:most]
-        refined = [self._refined(motor, entry, fit, resolution / PADDING) for fit in best]
+        spacing = resolution / PADDING
+        inside = [lowest <= fit.order - spacing and fit.order + spacing <= highest for fit in best]
+        refined = [self._refined(motor, entry, fit, spacing) if clear else fit for fit, clear in zip(best, inside)]
         return tuple(sorted(refined, key=lambda fit: -fit.gain))
 
     def _refined(self, motor: int, entry: Entry, middle: HarmonicFit, spacing: float) -> HarmonicFit:

@@ -58,6 +58,11 @@ def test_the_wave_that_is_there_starts_with_its_numbers(of_ripple: list[Candidat
     assert start["order"] == pytest.approx(6, rel=0.02)
     assert start["amplitude"] == pytest.approx(0.02, rel=0.5)
     assert initial_values(predictor_of(ripple)).shape == (3, len(ripple.free[0].starts))
+    search = search_of("torque_ripple@motor_1:amplitude=0.02,order=6,phase=0.5")
+    (fit,) = search.singles(search.directions([ripple]))
+    found = fit.predictor.values(fit.theta)[0]
+    assert found["order"] == pytest.approx(6, abs=0.01)
+    assert found["amplitude"] == pytest.approx(0.02, rel=0.1)
 
 
 def test_the_best_neighbour_of_a_wrong_order_has_the_wave_that_is_there(of_ripple: list[Candidate]) -> None:

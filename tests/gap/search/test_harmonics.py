@@ -70,6 +70,19 @@ def test_an_order_between_those_of_the_grid_gains_nearly_as_much_as_the_true_one
     assert found.gain > 0.995 * search.fit(0, "torque", order).gain
 
 
+def test_orders_stay_within_what_the_log_resolves() -> None:
+    """A spectrum without peaks, or a peak at its end, has no order beyond it."""
+    search = order_search()
+    angle = search._angle(0)
+    highest = search._highest(angle)
+    wave = 0.005 * np.sin(0.999 * highest * angle)
+    search._residual = search._weighted(search._forward(search._source(0, "encoder"), wave)).reshape(1, -1).T
+    found = search.search(0, "encoder", most=4)
+    assert all(resolution() <= one.order <= highest for one in found)
+    search._highest = lambda angle: 1.01 * resolution()  # type: ignore[method-assign]
+    assert search.search(0, "encoder") == ()
+
+
 def test_waves_come_by_gain() -> None:
     gains = [one.gain for one in order_search().search(0, "torque", most=3)]
     assert gains == sorted(gains, reverse=True)
