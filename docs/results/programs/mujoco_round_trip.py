@@ -46,8 +46,8 @@ written into that file by `flexros export PATCH --to mjcf --base nominal.xml`. M
 the measured positions and speeds, with the recorded commands held; the figures are rms errors of the positions over all
 samples, in mrad. The published friction is that of the authors' identification. The diagnosed ones are the patches of
 `flexros diagnose` with {log} at the time this page was written: A with the last third of that log held out, B with
-`--holdout {holdout}`. The two name different effects, so the split of the data decides here what is found; {holdout} is
-not fitted by either, but B's answer depends on it. The other logs were used by neither.
+`--holdout {holdout}`. {holdout} is not fitted by either, but B's answer depends on it. The other logs were used by
+neither.
 
 {patches}
 """
@@ -203,4 +203,5 @@ def _effects(patch: Path) -> str:
 if __name__ == "__main__":
     target = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[1]
     written = page(Path(os.environ["FLEXROS_REALDATA"]) / DATA)
+    target.mkdir(parents=True, exist_ok=True)
     (target / "mujoco_round_trip.md").write_text(written, encoding="utf-8")

@@ -9,10 +9,11 @@ from flexros.gap.report.words import (
     NOT_DETERMINED,
     band_words,
     capital,
-    interval_words,
+    clear_words,
     named_at,
     share_words,
     signed_share_words,
+    with_std,
 )
 from flexros.gap.where.regimes import REGIMES
 from flexros.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
@@ -20,7 +21,7 @@ from flexros.report.number_text import number
 
 if TYPE_CHECKING:
     from flexros.gap.result import DiagnosisResult
-    from flexros.gap.schema import BudgetShare, Diagnosis, ModelNumber, Unexplained
+    from flexros.gap.schema import Diagnosis, ModelNumber, Unexplained
 
 FEWEST = 2
 """Effects from which a waterfall is drawn."""
@@ -41,7 +42,7 @@ class BudgetSection(AbstractSection["DiagnosisResult"]):
         blocks: list[Block] = []
         if draws(diagnosis):
             blocks.append(Picture(waterfall_figure(diagnosis), _caption(diagnosis, result.robot.joint_names)))
-        blocks += [Paragraph(_introduction(diagnosis)), _shares(diagnosis.budget)]
+        blocks += [Paragraph(_introduction(diagnosis)), _shares(diagnosis)]
         if diagnosis.unexplained:
             blocks.append(_rest(diagnosis.unexplained))
         if diagnosis.model_numbers:
@@ -83,16 +84,28 @@ def _introduction(diagnosis: Diagnosis) -> str:
     return text
 
 
-def _shares(budget: tuple[BudgetShare, ...]) -> TextTable:
+def _shares(diagnosis: Diagnosis) -> TextTable:
+    budget = diagnosis.budget
+    sizes = {(cause.effect, cause.location): clear_words(cause.parameters) for cause in diagnosis.causes}
     rows: list[tuple[str, ...]] = []
     for joint in dict.fromkeys(share.joint for share in budget):
         rows.append((joint,))
         for share in (share for share in budget if share.joint == joint):
-            first = _share(share.share_first) + interval_words(share.interval)
+            size = sizes.get((share.effect or "", share.location), "")
             name = named_at(joint, share.effect, share.location) if share.effect else f"all {share.cause_class}"
-            last = _share(share.share_last) + interval_words(share.interval_last)
-            rows.append((capital(name), share.cause_class, first, last))
-    return TextTable(("Effect", "class", "added first", "removed last"), tuple(rows), "Shares of the gap.", left=2)
+            first = _share(share.share_first) + _interval(share.interval)
+            last = _share(share.share_last) + _interval(share.interval_last)
+            rows.append((capital(name), size, first, last))
+    caption = "Shares of the gap, with 95 % intervals."
+    return TextTable(("Effect", "size", "added first", "removed last"), tuple(rows), caption, left=2)
+
+
+def _interval(interval: tuple[float, float] | None) -> str:
+    """Write an interval in brackets; empty where its ends read the same."""
+    if interval is None:
+        return ""
+    low, high = (f"{round(100 * end)} %".replace("-", "\u2212") for end in interval)
+    return "" if low == high else f" ({low} to {high})"
 
 
 def _share(share: float | None) -> str:
@@ -125,7 +138,7 @@ def _part(share: float) -> str:
 
 
 def _fitted(one: ModelNumber) -> str:
-    return f"{number(one.value, 4)} ± {number(one.std, 2)}" if one.determined else NOT_DETERMINED
+    return with_std(one.value, one.std) if one.determined else NOT_DETERMINED
 
 
 def _numbers(numbers: tuple[ModelNumber, ...]) -> TextTable:

@@ -5,8 +5,18 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, ClassVar
 
+from flexros.gap.report.ranking import first_of_ranking
 from flexros.gap.report.signature_pictures import signature_pictures
-from flexros.gap.report.words import capital, cause_words, first_few, listed, named, parameter_words, share_words
+from flexros.gap.report.words import (
+    capital,
+    cause_words,
+    first_few,
+    listed,
+    named,
+    parameter_words,
+    partners_words,
+    share_words,
+)
 from flexros.report.base import AbstractSection, Block, Folded, Heading, Paragraph
 from flexros.report.number_text import number
 
@@ -15,7 +25,7 @@ if TYPE_CHECKING:
     from flexros.gap.schema import EffectLocation
 
 _SHOWN = 3
-"""Effects whose evidence is shown."""
+"""Effects whose evidence is shown; that of further causes is folded (chosen)."""
 _NOT_FOLDED = 0.05
 """Probability below which the evidence of an effect that is not the first is folded [1] (chosen)."""
 _LEAVES_LITTLE = 0.02
@@ -27,7 +37,7 @@ _DECISIVE = 10.0
 
 
 class EvidenceSection(AbstractSection["DiagnosisResult"]):
-    """For the first three effects: evidence for and against, and the pictures of their signatures."""
+    """For the first three effects and all further causes: evidence for and against, pictures of their signatures."""
 
     title: ClassVar[str] = "The evidence"
 
@@ -37,7 +47,7 @@ class EvidenceSection(AbstractSection["DiagnosisResult"]):
             return ()
         blocks: list[Block] = []
         drawn: set[str] = set()
-        for rank, candidate in enumerate(result.ranking[:_SHOWN], start=1):
+        for rank, candidate in enumerate(first_of_ranking(result.ranking, _SHOWN), start=1):
             heading = f"{rank}. {capital(cause_words(candidate))}: {share_words(candidate.probability)}"
             found: list[Block] = [Paragraph(text, "for") for text in evidence_for(candidate)]
             found += [Paragraph(text, "against") for text in evidence_against(candidate, result)]
@@ -45,8 +55,8 @@ class EvidenceSection(AbstractSection["DiagnosisResult"]):
                 if picture.caption not in drawn:  # effects at one joint share pictures
                     drawn.add(picture.caption)
                     found.append(picture)
-            rival = rank > 1 and candidate.probability < _NOT_FOLDED
-            blocks += [Folded(heading, tuple(found))] if rival else [Heading(heading), *found]
+            folded = rank > _SHOWN or (rank > 1 and candidate.probability < _NOT_FOLDED)
+            blocks += [Folded(heading, tuple(found))] if folded else [Heading(heading), *found]
         return tuple(blocks)
 
 
@@ -56,9 +66,9 @@ def evidence_for(candidate: RankedCandidate) -> tuple[str, ...]:
     if candidate.score > 0:
         gain, cost = number(candidate.gain, 4), number(candidate.penalty, 3)
         if candidate.together_with:
-            both = listed([named(location) for location in candidate.together_with])
             texts.append(
-                f"Together with {both} it raises twice the log-likelihood by {gain}, the parameters cost {cost}."
+                f"Together with {partners_words(candidate)} it raises twice the log-likelihood by {gain}, the "
+                f"parameters cost {cost}."
             )
         else:
             texts.append(f"It raises twice the log-likelihood by {gain}, its parameters cost {cost}.")
@@ -87,8 +97,8 @@ def evidence_against(candidate: RankedCandidate, result: DiagnosisResult) -> tup
         )
     behind = first.score - candidate.score
     if behind > _DECISIVE:
-        best = listed([named(first), *(named(location) for location in first.together_with)])
-        texts.append(f"{capital(best)} gain{'s' * (not first.together_with)} {number(behind, 4)} more.")
+        best = named(first) + (f", together with {partners_words(first)}," if first.together_with else "")
+        texts.append(f"{capital(best)} gains {number(behind, 4)} more.")
     if candidate.holdout_gain is not None and candidate.holdout_gain <= 0:
         texts.append("It does not predict held-out data better than the nominal model.")
     if candidate.remainder is not None and candidate.remainder > result.settings.ranking.unexplained:

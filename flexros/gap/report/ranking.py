@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.gap.report.words import capital, first_few, listed, named, parameters_words, share_words
+from flexros.gap.report.words import LIKELY, capital, first_few, named, parameters_words, partners_words, share_words
 from flexros.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
 from flexros.report.colours import FLOOR, REPAIRED, RIVAL
 from flexros.report.number_text import number
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 NOTHING = "nothing"
 _MOST_BARS, _MOST_ROWS = 10, 15
-"""Effects in the picture and in the table (chosen)."""
+"""Effects in the picture and in the table, if no more are causes (chosen)."""
 _CAUSE, _RIVAL, _REST, _NONE = REPAIRED, RIVAL, FLOOR, "#009e73"
 """Colours of causes, of effects in an ambiguity group, of the others, and of 'nothing'."""
 
@@ -72,18 +72,29 @@ def _sentence(result: DiagnosisResult) -> str:
 
 
 def _picture(result: DiagnosisResult) -> Picture:
-    ranked = result.ranking[:_MOST_BARS]
+    ranked = first_of_ranking(result.ranking, _MOST_BARS)
     names = [*(capital(named(candidate)) for candidate in ranked), capital(NOTHING)]
     values = [*(candidate.probability for candidate in ranked), result.null_probability]
     colours = [*(_colour(candidate, result.diagnosis) for candidate in ranked), _NONE]
     figure = _bars(names, values, colours)
     more = len(result.ranking) - len(ranked)
-    rest = f" {more} less probable ones are left out." if more > 0 else ""
+    ones = "one is" if more == 1 else "ones are"
+    rest = f" {more} less probable {ones} left out." if more > 0 else ""
     return Picture(
         figure,
         "Probability of each effect. Blue: reported as a cause. Orange: in a group that this log cannot distinguish. "
         f"Green: no effect at all.{rest}",
     )
+
+
+def first_of_ranking(ranking: Sequence[RankedCandidate], most: int) -> Sequence[RankedCandidate]:
+    """Return the first effects, and all further causes.
+
+    Args:
+        ranking: Effects by probability.
+        most: Effects that are returned if no more are causes.
+    """
+    return [one for rank, one in enumerate(ranking) if rank < most or one.probability >= LIKELY]
 
 
 def _bars(names: Sequence[str], values: Sequence[float], colours: Sequence[str]) -> go.Figure:
@@ -116,7 +127,7 @@ def _colour(candidate: RankedCandidate, diagnosis: Diagnosis) -> str:
     reported = diagnosis.verdict in ("explained", "partly_explained", "ambiguous") and any(
         _same(candidate, cause) for cause in diagnosis.causes
     )
-    return _CAUSE if reported and candidate.probability >= 0.5 else _REST
+    return _CAUSE if reported and candidate.probability >= LIKELY else _REST
 
 
 def _same(candidate: RankedCandidate, location: EffectLocation) -> bool:
@@ -128,12 +139,7 @@ def table_of_ranking(ranking: Sequence[RankedCandidate]) -> TextTable:
     unseen = any(candidate.holdout_gain is not None for candidate in ranking)
     rows = tuple(
         (
-            capital(named(candidate))
-            + (
-                f" (with {listed([named(location) for location in candidate.together_with])})"
-                if candidate.together_with
-                else ""
-            ),
+            capital(named(candidate)) + (f" (with {partners_words(candidate)})" if candidate.together_with else ""),
             parameters_words(candidate.parameters),
             _short(candidate.probability),
             number(candidate.gain, 4),
@@ -141,7 +147,7 @@ def table_of_ranking(ranking: Sequence[RankedCandidate]) -> TextTable:
             *([number(candidate.holdout_gain, 4)] if unseen else []),
             "-" if candidate.remainder is None else _short(candidate.remainder),
         )
-        for candidate in ranking[:_MOST_ROWS]
+        for candidate in first_of_ranking(ranking, _MOST_ROWS)
     )
     header = ("Effect", "fitted", "probability", "gain", "penalty", *(["gain, held out"] if unseen else []), "leaves")
     held_out = "gain, held out: the same in held-out data, for the first few; " if unseen else ""

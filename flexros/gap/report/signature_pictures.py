@@ -5,11 +5,15 @@ from __future__ import annotations
 import textwrap
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from flexros.gap.signatures.base import pictures_for
 from flexros.report.base import Picture
 from flexros.report.colours import NOMINAL, REPAIRED
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     import plotly.graph_objects as go
 
     from flexros.gap.result import DiagnosisResult, RankedCandidate
@@ -23,6 +27,10 @@ _COLOURS = (NOMINAL, REPAIRED, "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 _POINTS = ("#b8c0c8", "#8fb8d8")
 """Colours of clouds of points, which lie below the lines."""
 _HEIGHT = 260
+_WITHIN = (0.005, 0.995)
+"""Quantiles of a cloud of points that are in the picture at least: outliers would flatten the curves (chosen)."""
+_MARGIN = 0.06
+"""Free height above and below, as a share (chosen)."""
 _ACROSS = 32
 """Characters of an ordinate's title that fit next to a picture."""
 
@@ -57,8 +65,19 @@ def _figure(signature: Signature) -> go.Figure:
     figure.update_xaxes(title_text=signature.x_label, type="log" if signature.log_x else "linear")
     title = "<br>".join(textwrap.wrap(signature.y_label, _ACROSS))
     figure.update_yaxes(title_text=title, title_standoff=12, type="log" if signature.log_y else "linear")
+    if clouds and lines and not signature.log_y:
+        figure.update_yaxes(range=_range(clouds.values(), lines.values()))
     figure.update_layout(showlegend=len(signature.series) > 1, legend_itemsizing="constant", margin_l=104)
     return figure
+
+
+def _range(clouds: Iterable[Curve], lines: Iterable[Curve]) -> list[float]:
+    """Return the range of an ordinate that shows lines whole and clouds without their outliers."""
+    ends = [np.nanquantile(cloud.y, _WITHIN) for cloud in clouds]
+    ends += [np.array([np.nanmin(line.y), np.nanmax(line.y)]) for line in lines]
+    low, high = min(end[0] for end in ends), max(end[1] for end in ends)
+    margin = _MARGIN * (high - low)
+    return [float(low - margin), float(high + margin)]
 
 
 def _spoken(name: str) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flexros.gap.report.budget import draws
+from flexros.gap.report.ranking import first_of_ranking
 from flexros.gap.report.verdict import verdict_sentence
 from flexros.gap.report.waterfall import waterfall_lines
 from flexros.gap.report.words import (
@@ -42,7 +43,7 @@ def verdict_line(diagnosis: Diagnosis) -> str:
 
 
 def ranking_table(result: DiagnosisResult) -> Table:
-    """Return a table of the first effects by probability, and of 'nothing'."""
+    """Return a table of the first effects by probability, of all further causes, and of 'nothing'."""
     from rich.table import Table
     from rich.text import Text
 
@@ -51,7 +52,7 @@ def ranking_table(result: DiagnosisResult) -> Table:
     for heading in ("probability", "gain", "leaves"):
         table.add_column(heading, justify="right", no_wrap=True)
     table.add_column("fitted", min_width=22)
-    for candidate in result.ranking[:_RANKED]:
+    for candidate in first_of_ranking(result.ranking, _RANKED):
         left = "-" if candidate.remainder is None else share_words(candidate.remainder)
         cells = (capital(named(candidate)), share_words(candidate.probability), number(candidate.score, 4), left)
         table.add_row(*map(Text, (*cells, clear_words(candidate.parameters))))

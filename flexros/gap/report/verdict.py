@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING
 
 from flexros.effects.left_out import RotorInertia, ToolLoad
 from flexros.gap.report.words import (
+    LIKELY,
     budget_words,
     cause_words,
+    causes_words,
     closed_words,
     first_few,
     interval_words,
@@ -28,8 +30,6 @@ if TYPE_CHECKING:
 
 _LACKED = (RotorInertia.name, ToolLoad.name)
 """Numbers that a robot file may leave out."""
-_PART = 0.5
-"""Probability from which a cause is reported as part of the truth (chosen)."""
 _SURE = 0.995
 """Probability from which it is not stated in the sentence (chosen)."""
 
@@ -68,7 +68,7 @@ def reported_causes(diagnosis: Diagnosis) -> tuple[Cause, ...]:
     divided = {(share.effect, share.location) for share in diagnosis.budget}
     divided |= {(step.effect, step.location) for waterfall in diagnosis.waterfall for step in waterfall.steps}
     repaired = tuple(cause for cause in diagnosis.causes if (cause.effect, cause.location) in divided)
-    likely = repaired or tuple(cause for cause in diagnosis.causes if cause.probability >= _PART)
+    likely = repaired or tuple(cause for cause in diagnosis.causes if cause.probability >= LIKELY)
     likely = tuple(cause for cause in likely if cause.determined) or likely
     return tuple(sorted(likely, key=lambda cause: -closed_by(diagnosis, cause))) or diagnosis.causes[:1]
 
@@ -81,7 +81,7 @@ def tolerance_sentence(diagnosis: Diagnosis) -> str:
     texts = []
     for row in changing:
         sizes = {"halved": row.halved, "stated": row.stated, "doubled": row.doubled}
-        texts.append(f"{named(row)} (with {listed([name for name, p in sizes.items() if p >= _PART])} ones)")
+        texts.append(f"{named(row)} (with {listed([name for name, p in sizes.items() if p >= LIKELY])} ones)")
     return (
         f"Which effects are named hangs on the tolerances of the model, which were stated and not measured: "
         f"{first_few(texts, most=4)}."
@@ -115,12 +115,12 @@ def _explained(diagnosis: Diagnosis) -> str:
     sure = min(cause.probability for cause in causes)
     each, more = ("", "") if len(causes) == 1 else ("each ", " or more")
     how = "" if sure >= _SURE else f", {each}with a probability of {share_words(sure)}{more}"
-    names = listed([cause_words(cause) for cause in causes])
+    names = causes_words(causes)
     return " ".join(f"The gap comes from {names}{how}. {_lacking(diagnosis)} {_closed(diagnosis.gap)}".split())
 
 
 def _partly(diagnosis: Diagnosis) -> str:
-    names = first_few([cause_words(cause) for cause in reported_causes(diagnosis)], most=6)
+    names = causes_words(reported_causes(diagnosis))
     text = " ".join(f"A part of the gap comes from {names}. {_lacking(diagnosis)} {_closed(diagnosis.gap)}".split())
     rest = next((one for one in diagnosis.unexplained if one.regime == "all"), None)
     if rest is not None:
@@ -143,7 +143,7 @@ def _ambiguous(diagnosis: Diagnosis) -> str:
     rivals = sorted(chances, key=lambda rival: -chances[rival])
     names = [f"{named(rival)} ({share_words(chances[rival])})" for rival in rivals]
     sure = [cause for cause in diagnosis.causes if cause.probability >= _SURE and not _in(cause, rivals)]
-    addition = f"; in addition there is {listed([cause_words(cause) for cause in sure])}" if sure else ""
+    addition = f"; in addition there {'are' if len(sure) > 1 else 'is'} {causes_words(sure)}" if sure else ""
     text = (
         f"There is a gap, and this log cannot distinguish {first_few(names, 'from')}{addition}. "
         f"{_closed(diagnosis.gap)} {guessed} {_next(diagnosis)}"

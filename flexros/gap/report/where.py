@@ -108,7 +108,7 @@ def _spectrum(locations: Sequence[Excess]) -> go.Figure:
         showgrid=False,
     )
     ends = [math.log10(lowest), math.log10(max(location.band_hz[1] for location in locations))]
-    figure.update_xaxes(title_text="frequency [Hz]", type="log", range=ends, showgrid=False, dtick=1)
+    figure.update_xaxes(title_text="frequency [Hz]", type="log", range=ends, showgrid=False, dtick="D2")
     figure.update_layout(margin={"l": 170, "t": 20, "b": 58}, height=78 + 44 * len(rows))
     return figure
 

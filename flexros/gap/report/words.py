@@ -26,12 +26,16 @@ _MOST_PLACES, _LARGE = 6, 1e6
 """Values with more decimals, or as large as this, are written with an exponent (chosen)."""
 _CLEAR = 2.0
 """Standard deviations from zero from which parameters other than the first are stated in a sentence (chosen)."""
+LIKELY = 0.5
+"""Probability from which an effect is reported as part of the truth (chosen)."""
 UNKNOWN_RATE = 1e-12
 """Sample time [s] that means not known: no band then reaches the Nyquist frequency."""
 NOT_DETERMINED = "not determined"
 """A number whose standard deviation is above its size."""
 MOST_SHARE = 10.0
 """Share that is written as a number at most [1] (chosen)."""
+_MOST_CAUSES, _MOST_PARTNERS = 4, 3
+"""Causes that a sentence states with their sizes, and effects that are named beside another one (chosen)."""
 _NEARLY_ALL, _ALL = 0.95, 0.9995
 """Closed shares between these are stated with a decimal (chosen)."""
 
@@ -126,12 +130,12 @@ def parameter_words(name: str, parameter: CauseParameter) -> str:
         return NOT_DETERMINED
     value, std, unit = parameter.value, parameter.std, parameter.unit
     if unit == "1" and name == "relative":
-        return f"{'+' if value > 0 else ''}{_with_std(100 * value, 100 * std, '%')}"
+        return f"{'+' if value > 0 else ''}{with_std(100 * value, 100 * std, '%')}"
     if unit in _SCALED:
         size = max(abs(value), std) if math.isfinite(std) else abs(value)
         scale, prefix = next(((scale, prefix) for scale, prefix in _PREFIXES if size >= _SMALL * scale), _PREFIXES[-1])
-        return _with_std(value / scale, std / scale, prefix + unit) if value else f"0 {unit}"
-    return _with_std(value, std, "" if unit == "1" else unit)
+        return with_std(value / scale, std / scale, prefix + unit) if value else f"0 {unit}"
+    return with_std(value, std, "" if unit == "1" else unit)
 
 
 def parameters_words(parameters: Mapping[str, CauseParameter]) -> str:
@@ -151,6 +155,33 @@ def cause_words(cause: Cause | RankedCandidate) -> str:
     """Write an effect with location and clear parameters, e.g. "Coulomb friction at motor_1, 0.213 Nm (±0.011)"."""
     parameters = clear_words(cause.parameters)
     return f"{named(cause)}{', ' if parameters else ''}{parameters}"
+
+
+def causes_words(causes: Sequence[Cause]) -> str:
+    """Write what a gap comes from: a few causes with their sizes, more of them gathered by effect.
+
+    Returns:
+        E.g. "Coulomb friction at motor_1, 0.213 Nm (±0.011) and delay at all motors, 2.1 ms (±0.1)", or "7 effects:
+        Coulomb friction (motor_1, motor_2, motor_4 and motor_6) and viscous friction (motor_1, motor_2 and motor_3)".
+    """
+    if len(causes) <= _MOST_CAUSES:
+        return listed([cause_words(cause) for cause in causes])
+    places: dict[str, list[str]] = {}
+    for cause in causes:
+        places.setdefault(cause.effect, []).append(cause.location)
+    gathered = [
+        f"{effect_words(effect)} ({listed(at)})" if len(at) > 1 else f"{effect_words(effect)} {location_words(at[0])}"
+        for effect, at in places.items()
+    ]
+    return f"{len(causes)} effects: {listed(gathered)}"
+
+
+def partners_words(candidate: RankedCandidate) -> str:
+    """Write what an effect explains the log together with: a few by name, more as their number; empty for none."""
+    partners = candidate.together_with
+    if len(partners) > _MOST_PARTNERS:
+        return f"the {len(partners)} other effects of its explanation"
+    return listed([named(location) for location in partners])
 
 
 def clear_words(parameters: Mapping[str, CauseParameter]) -> str:
@@ -230,7 +261,8 @@ def closed_words(share: float) -> str:
         share: The share [1]; below zero where the repair makes it worse; values above 1, by chance, are written as 1.
     """
     share = min(share, 1.0)
-    return f"{100 * share:.1f} %" if _NEARLY_ALL <= share < _ALL else f"{round(100 * share)} %"
+    text = f"{100 * share:.1f} %" if _NEARLY_ALL <= share < _ALL else f"{round(100 * share)} %"
+    return text.replace("-", "\u2212")
 
 
 def floors_words(gap: GapNumbers) -> str:
@@ -265,8 +297,14 @@ def p_value_words(p_value: float) -> str:
     return "p < 0.001" if p_value < 1e-3 else f"p = {number(p_value, 2)}"
 
 
-def _with_std(value: float, std: float, unit: str) -> str:
-    """Write a number to two digits of its standard deviation."""
+def with_std(value: float, std: float, unit: str = "") -> str:
+    """Write a number to two digits of its standard deviation, e.g. "5.44 kg m2 (±0.43)".
+
+    Args:
+        value: The number.
+        std: Its standard deviation; the number is written to four digits where it is not known.
+        unit: Its unit; none is written by default.
+    """
     gap = " " if unit else ""
     if not (math.isfinite(std) and std > 0):
         return f"{number(value, 4)}{gap}{unit}"

@@ -10,6 +10,7 @@ import numpy as np
 from flexros.gap.report.evidence import EvidenceSection, evidence_against, evidence_for
 from flexros.gap.result import DiagnosisResult
 from flexros.gap.schema import EffectLocation
+from flexros.report.base import Folded
 
 Diagnosed = Callable[[str], DiagnosisResult]
 
@@ -54,9 +55,22 @@ def test_effects_of_a_pair_are_judged_together(diagnosed: Diagnosed) -> None:
     first = replace(result.ranking[0], together_with=(backlash,))
     pair = replace(result, ranking=(first, *result.ranking[1:]))
     assert any(text.startswith("Together with backlash at motor_1 it raises") for text in evidence_for(first))
-    assert "Coulomb friction at motor_1 and backlash at motor_1 gain 200 more." in evidence_against(
-        pair.ranking[1], pair
-    )
+    told = evidence_against(pair.ranking[1], pair)
+    assert "Coulomb friction at motor_1, together with backlash at motor_1, gains 200 more." in told
+
+
+def test_many_effects_that_act_together_are_counted(diagnosed: Diagnosed) -> None:
+    first = diagnosed("explained").ranking[0]
+    others = tuple(EffectLocation(effect="viscous_friction", location=f"motor_{k}") for k in range(1, 6))
+    told = evidence_for(replace(first, together_with=others))
+    assert told[0].startswith("Together with the 5 other effects of its explanation it raises")
+
+
+def test_further_causes_are_folded(diagnosed: Diagnosed) -> None:
+    result = diagnosed("explained")
+    causes = tuple(replace(result.ranking[0], location=f"motor_{k}") for k in range(1, 6))
+    blocks = EvidenceSection().blocks(replace(result, ranking=causes))
+    assert sum(isinstance(block, Folded) for block in blocks) == 2
 
 
 def test_too_little_gain_is_reported(diagnosed: Diagnosed) -> None:

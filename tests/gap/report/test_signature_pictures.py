@@ -71,3 +71,13 @@ def test_effects_at_one_joint_share_a_picture(result: DiagnosisResult) -> None:
 def test_without_predictions_there_are_no_pictures(changed: Changed) -> None:
     known = changed("explained")
     assert signature_pictures(known.ranking[0], known) == ()
+
+
+def test_outliers_of_a_cloud_do_not_flatten_the_curves() -> None:
+    cloud = np.r_[np.linspace(-1.0, 1.0, 400), -50.0]
+    told = {
+        "samples": Curve(np.arange(401.0), cloud, "points"),
+        "before": Curve(np.array([0.0, 400.0]), np.array([-2.0, 1.5])),
+    }
+    figure = module._figure(Picture("", "", "", told, ""))
+    assert figure.layout.yaxis.range == pytest.approx((-2.0, 1.5), rel=0.2)

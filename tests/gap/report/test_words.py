@@ -7,6 +7,7 @@ import pytest
 from flexros.gap.report.words import (
     band_words,
     cause_words,
+    causes_words,
     closed_words,
     effect_words,
     first_few,
@@ -91,7 +92,7 @@ def test_shares_are_never_told_as_all_or_nothing_when_they_are_not() -> None:
         "over 99 %",
         "100 %",
     ]
-    assert [closed_words(share) for share in (-0.5, 0.83, 0.9968, 1.4)] == ["-50 %", "83 %", "99.7 %", "100 %"]
+    assert [closed_words(share) for share in (-0.5, 0.83, 0.9968, 1.4)] == ["\u221250 %", "83 %", "99.7 %", "100 %"]
     assert p_value_words(1e-5) == "p < 0.001"
 
 
@@ -141,3 +142,16 @@ def test_lines_of_a_multisine_are_named() -> None:
     )
     words = "motor_1, 1 to 30 Hz, at multisine 2: 50 % of the excess of the multisines, at odd detection lines"
     assert where_words(location, 5e-4) == words
+
+
+def test_many_causes_are_gathered_by_effect() -> None:
+    level = {"level": CauseParameter(value=0.2, std=0.01, unit="Nm")}
+    places = [("coulomb_friction", f"motor_{k}") for k in (1, 2, 4)] + [("delay", "all"), ("payload_error", "tool")]
+    causes = [
+        Cause(effect=effect, location=at, probability=1.0, parameters=level, closed_fraction=None)
+        for effect, at in places
+    ]
+    assert causes_words(causes) == (
+        "5 effects: Coulomb friction (motor_1, motor_2 and motor_4), delay at all motors and payload error at the tool"
+    )
+    assert causes_words(causes[:1]) == "Coulomb friction at motor_1, 0.200 Nm (±0.010)"

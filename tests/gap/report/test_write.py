@@ -96,6 +96,14 @@ def test_rivals_of_a_group_have_a_colour_of_their_own(diagnosed: Diagnosed) -> N
     assert colours[0] == colours[1] != colours[2]
 
 
+def test_every_cause_has_its_bar(diagnosed: Diagnosed) -> None:
+    first = diagnosed("explained").ranking[0]
+    causes = tuple(replace(first, location=f"motor_{k}") for k in range(1, 13))
+    ranking = (*causes, replace(first, probability=0.01, location="motor_13"))
+    html = page(replace(diagnosed("explained"), ranking=ranking))
+    assert html.count("1 less probable one is left out.") == 1
+
+
 def test_gap_numbers_are_drawn_with_rival_and_floor(diagnosed: Diagnosed) -> None:
     bars = pictures(page(diagnosed("explained")))[3]["figure"]["data"][0]  # type: ignore[index]
     assert bars["x"] == [38.2, 2.9, 1.12, 1.0]
@@ -168,7 +176,7 @@ def test_numbers_of_the_model_that_are_not_determined_are_said_so(diagnosed: Dia
         ModelNumber(name="motor_2.inertia", **{**known, "std": 2.0}, determined=False),
     )
     html = page(replace(diagnosed("explained"), diagnosis=divided.model_copy(update={"model_numbers": numbers})))
-    assert "motor_1.inertia</td><td>0</td><td>1.200 ± 0.10</td>" in html
+    assert "motor_1.inertia</td><td>0</td><td>1.20 (±0.10)</td>" in html
     assert "motor_2.inertia</td><td>0</td><td>not determined</td>" in html
 
 
