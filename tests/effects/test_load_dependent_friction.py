@@ -121,6 +121,13 @@ def test_it_is_sought_where_the_load_varies_by_itself() -> None:
     assert not effect.sought(load_robot("emps"), "motor_1")
 
 
+def test_on_a_real_machine_it_is_sought_under_gravity_alone() -> None:
+    """Without it the load of a gear is an inertia, which is uncertain, times an acceleration."""
+    effect = LoadDependentFriction()
+    assert effect.sought_if_measured(pendulum(), "motor_1")
+    assert not effect.sought_if_measured(TWO_MASS, "motor_1")
+
+
 def test_self_locking_gear_is_refused() -> None:
     with pytest.raises(ValueError, match="share"):
         LoadDependentFriction(share=1.0)

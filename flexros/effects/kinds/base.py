@@ -82,6 +82,10 @@ class AbstractEffect(Settings, ABC):
         del robot, location
         return True
 
+    def sought_if_measured(self, robot: Robot, location: str) -> bool:
+        """Return the same for the log of a real machine, whose numbers are uncertain; default: as in simulated ones."""
+        return self.sought(robot, location)
+
     def visible(self, noise: float) -> bool:
         """Return whether the effect is distinguishable from the simpler ones that it extends.
 

@@ -198,7 +198,7 @@ def _partly(findings: Findings) -> bool:
         return False
     if len(chosen.hypothesis) > 1 or findings.data.record.imported or not findings.complete:
         return True
-    return min(constancies(chosen, findings.data).values()) >= settings.constant
+    return min(constancies(chosen, findings.data, settings).values()) >= settings.constant
 
 
 def rivals_of(

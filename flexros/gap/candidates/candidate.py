@@ -240,7 +240,7 @@ def list_candidates(
     for effect in effects().values():
         if not effect.ranges or effect.harmonics or issubclass(effect, AbstractCurve):
             continue
-        for location in distinct_locations(effect, robot):
+        for location in distinct_locations(effect, robot, measured=measured):
             free = [
                 free_parameter(name, allowed, scales.of(allowed.scale, location))
                 for name, allowed in effect().fitted(robot, location).items()
@@ -266,9 +266,16 @@ def coulomb_levels(laws: Sequence[PlacedLaw]) -> dict[str, float]:
     return levels
 
 
-def distinct_locations(effect: type[AbstractEffect], robot: Robot) -> tuple[str, ...]:
-    """List the distinct locations where an effect is sought: on a robot with one motor, "all" is that motor."""
+def distinct_locations(effect: type[AbstractEffect], robot: Robot, *, measured: bool = False) -> tuple[str, ...]:
+    """List the distinct locations where an effect is sought: on a robot with one motor, "all" is that motor.
+
+    Args:
+        effect: The effect.
+        robot: The nominal robot.
+        measured: Whether the log is one of a real machine.
+    """
     locations = effect().locations(robot)
     if "all" in locations and robot.n_motors == 1:
         locations = tuple(location for location in locations if location not in robot.joint_names)
-    return tuple(location for location in locations if effect().sought(robot, location))
+    sought = effect().sought_if_measured if measured else effect().sought
+    return tuple(location for location in locations if sought(robot, location))

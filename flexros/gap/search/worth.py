@@ -90,7 +90,7 @@ def _constant(search: Search, comparison: ModelComparison, before: CandidateFit,
     further = after.names - before.names
     if not further or comparison.removed(before, after) < search.settings.search.removed_if_constant:
         return False
-    found = constancies(after, search.data)
+    found = constancies(after, search.data, search.settings.ranking)
     return all(found[name] >= search.settings.ranking.constant for name in further)
 
 
