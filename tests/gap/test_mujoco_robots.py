@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from flexros.effects import PlacedEffect, RobotWithEffects
-from flexros.effects.coulomb_friction import CoulombFriction
+from flexros.effects.friction.coulomb_friction import CoulombFriction
+from flexros.effects.gear.stiffness_error import StiffnessError
 from flexros.effects.patching.patched_robot import load_model
-from flexros.effects.stiffness_error import StiffnessError
 from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose

@@ -22,13 +22,16 @@ if TYPE_CHECKING:
 Stage = Literal["actuator", "motor friction", "gear", "structure", "load", "sensor", "timing"]
 """Point of the loop at which an effect acts."""
 
+FOLDERS = ("encoders", "friction", "gear", "left_out", "servos")
+"""Folders of `flexros/effects` with effects that have much in common."""
+
 
 class AbstractEffect(Settings, ABC):
     """A deviation of the plant from the nominal model.
 
-    How to add one: write one file in `flexros/effects` with one final subclass of one of the kinds below. It is
-    discovered by its name in scenarios (`plant.effects`), on the command line and in everything that lists effects. It
-    provides:
+    How to add one: write one file in `flexros/effects`, or in one of its `FOLDERS`, with one final subclass of one of
+    the kinds below. It is discovered by its name in scenarios (`plant.effects`), on the command line and in everything
+    that lists effects. It provides:
 
     1. `name`, a class variable by which it is chosen, and `stage`, where in the loop it acts.
     2. Its parameters as fields, each with a description that states unit and meaning; the default is the neutral
@@ -164,7 +167,7 @@ class PlacedEffect:
 @cache
 def effects() -> Mapping[str, type[AbstractEffect]]:
     """Return all effects of this package, by name."""
-    return members("flexros.effects", AbstractEffect)  # type: ignore[type-abstract]
+    return members("flexros.effects", AbstractEffect, folders=FOLDERS)  # type: ignore[type-abstract]
 
 
 def parse_effect(text: str, source: str) -> PlacedEffect:

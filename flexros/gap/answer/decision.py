@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects.encoders.encoder_quantization import EncoderQuantization
+from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.kinds.base import PlacedEffect
-from flexros.effects.viscous_friction import ViscousFriction
 from flexros.gap.answer.given_model import GivenModel
 from flexros.gap.fit.constancy import constancies
 from flexros.gap.fit.estimates import beyond_search, placed_effects

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects import PlacedEffect, effects
-from flexros.effects.coulomb_friction import CoulombFriction
+from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.effects.kinds.command_law import AbstractCommandLaw
 from flexros.effects.kinds.curve import AbstractCurve
 

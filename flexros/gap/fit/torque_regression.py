@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from scipy.optimize import lsq_linear
 
-from flexros.effects.coulomb_friction import CoulombFriction
+from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.effects.left_out.tool_load import ENTRIES, last_moved
 from flexros.errors import InputError
 from flexros.gap.candidates.candidate import coulomb_levels

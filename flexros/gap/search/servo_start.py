@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.effects.coulomb_friction import CoulombFriction
 from flexros.effects.delay import Delay
+from flexros.effects.friction.coulomb_friction import CoulombFriction
+from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.motor_inertia_error import MotorInertiaError
 from flexros.effects.servos import ServoCommandLag, ServoDampingError, ServoStiffnessError
 from flexros.effects.torque_gain_error import TorqueGainError
-from flexros.effects.viscous_friction import ViscousFriction
 from flexros.gap.candidates.candidate import Candidate, free_parameter, list_candidates
 from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.scales import scales_of_motors

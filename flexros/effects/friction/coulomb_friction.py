@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, ClassVar
 import casadi as ca
 from pydantic import Field, model_validator
 
+from flexros.effects.friction.presliding_friction import PreslidingFriction
 from flexros.effects.kinds.dry_friction import AbstractDryFriction, FrictionLevels
 from flexros.effects.kinds.ranges import Range
-from flexros.effects.presliding_friction import PreslidingFriction
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

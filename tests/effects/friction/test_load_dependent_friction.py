@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from flexros.arrays import FloatArray
-from flexros.effects.load_dependent_friction import LoadDependentFriction
+from flexros.effects.friction.load_dependent_friction import LoadDependentFriction
 from flexros.robot import Robot, load_robot, robot_from_data
 from flexros.simulate.plant_model import PlantModel
 from tests.effects import effect_runs, single_mass
