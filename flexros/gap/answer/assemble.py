@@ -109,12 +109,12 @@ def result_of(
     tolerated = chosen.predictor.tolerance
     closed = _closed(errors.after, findings, errors) if patch else None
     record, holdout = (settled(one.record, closed) for one in (findings.data, findings.held))
-    told = _record_warnings(record, holdout)
+    of_records = _record_warnings(record, holdout)
     before = _explanation(explanations.null, findings, null_prediction)
     after = _explanation(findings.repaired, findings) if patch else None
     probabilities = dict(zip(explanations.rivals, explanations.probabilities))
     return DiagnosisResult(
-        diagnosis=_diagnosis(findings, verdict, errors, excess, settings, stages, deadline, told),
+        diagnosis=_diagnosis(findings, verdict, errors, excess, settings, stages, deadline, of_records),
         robot=model.robot,
         record=record,
         holdout=holdout,
@@ -186,14 +186,14 @@ def _diagnosis(
     settings: DiagnosisSettings,
     stages: Stages,
     deadline: Deadline,
-    told: tuple[str, ...],
+    of_records: tuple[str, ...],
 ) -> Diagnosis:
     """Put together what is written into diagnosis.json."""
     sample_time = findings.held.record.sample_time
     gap = gap_numbers(errors.before, errors.after, sample_time, errors.rival, errors.with_tolerance)
     whole = verdict != "no_gap"
     budget = budget_of(findings, errors.before, errors.after or errors.before) if whole else without_gap(findings)
-    warnings = (*told, *_sensor_warnings(findings), *_answer_warnings(findings, gap, worse=_worse(errors)))
+    warnings = (*of_records, *_sensor_warnings(findings), *_answer_warnings(findings, gap, worse=_worse(errors)))
     following = _next(findings, verdict, stages, deadline) if settings.next_experiment else None
     return Diagnosis(
         schema=2,

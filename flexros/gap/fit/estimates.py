@@ -158,9 +158,9 @@ def fit_covariance(fit: CandidateFit, data: FitData, form: RankingSettings | Non
 def _form_errors(fit: CandidateFit, data: FitData, residual: FloatArray, form: RankingSettings) -> FloatArray:
     """Return what each effect changes in the prediction errors of the motors, times its model-form error.
 
-    What sizes take up of an error of form leaves a rest. So all errors together have at most `form_over_rest` times the
-    power of the rest above noise, or of what noise may hide: a large effect of exactly the true form does not make the
-    small ones beside it undetermined. On a real machine the floor is a tolerance, above which the rest says nothing.
+    What sizes take up of a model-form error leaves a rest. So all errors together have at most `form_over_rest` times
+    the power of the rest above noise, or of what noise may hide: a large effect of exactly the true form does not make
+    the small ones undetermined. On a real machine the floor is a tolerance, above which the rest says nothing.
     """
     if not fit.hypothesis:
         return np.zeros((data.spread.size, 0))

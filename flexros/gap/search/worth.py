@@ -82,8 +82,8 @@ def worth(
 def _constant(search: Search, comparison: ModelComparison, before: CandidateFit, after: CandidateFit) -> bool:
     """Return whether further effects of constant size remove a part of what a cause outside the library may leave.
 
-    Where an explanation suffices, what its effects leave is an error of form, which candidates imitate constantly too.
-    Both must be fits: an estimate by linear theory has no sizes.
+    Where an explanation suffices, what its effects leave is a model-form error, which candidates imitate constantly
+    too. Both must be fits: an estimate by linear theory has no sizes.
     """
     if search.data.record.imported or comparison.adequate(after):
         return False
