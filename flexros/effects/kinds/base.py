@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from types import MappingProxyType
@@ -103,12 +103,17 @@ class AbstractEffect(Settings, ABC):
         del robot, location
         return self.ranges
 
-    def reductions(self, robot: Robot, location: str) -> Mapping[str, float]:
+    def reductions(self, robot: Robot, location: str, known: Sequence[AbstractEffect] = ()) -> Mapping[str, float]:
         """Return the largest sizes of negative values, by name of the parameter [its unit]; default: none.
 
-        A parameter that adds to a number of the nominal robot is negative where that number is too large.
+        A parameter that adds to a number of the nominal model is negative where that number is too large.
+
+        Args:
+            robot: The nominal robot.
+            location: One of its `locations`.
+            known: Laws that the nominal model has there.
         """
-        del robot, location
+        del robot, location, known
         return {}
 
     def check_on(self, robot: Robot, location: str) -> None:
