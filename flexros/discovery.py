@@ -11,18 +11,19 @@ from typing import TYPE_CHECKING, TypeVar
 from flexros.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping
 
 Base = TypeVar("Base")
 
 
-def members(package: str, base: type[Base], key: str = "name") -> Mapping[str, type[Base]]:
+def members(package: str, base: type[Base], key: str = "name", folders: Iterable[str] = ()) -> Mapping[str, type[Base]]:
     """Return all final subclasses of a base class in the files of a package.
 
     Args:
         package: Name of the package whose modules are imported.
         base: Base of the members, direct or through an intermediate abstract class.
         key: Class variable that holds a member's name.
+        folders: Folders of the package that hold members as well.
 
     Returns:
         Classes by name, in alphabetical order, without abstract classes and classes of other packages.
@@ -30,8 +31,9 @@ def members(package: str, base: type[Base], key: str = "name") -> Mapping[str, t
     Raises:
         InputError: Two members have the same name.
     """
-    for module in pkgutil.iter_modules(importlib.import_module(package).__path__):
-        importlib.import_module(f"{package}.{module.name}")
+    for part in (package, *(f"{package}.{folder}" for folder in folders)):
+        for module in pkgutil.iter_modules(importlib.import_module(part).__path__, f"{part}."):
+            importlib.import_module(module.name)
     found: dict[str, type[Base]] = {}
     for member in _subclasses(base):
         if inspect.isabstract(member) or not member.__module__.startswith(f"{package}."):

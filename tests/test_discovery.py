@@ -53,6 +53,16 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, request: pytest.Fix
         del sys.modules[module]
 
 
+@pytest.mark.parametrize("package", [{"top": "one"}], indirect=True)
+def test_members_in_folders_that_are_named_are_found_as_well(package: ModuleType) -> None:
+    (path,) = package.__path__
+    for folder, word in (("known", "two"), ("other", "three")):
+        (Path(path) / folder).mkdir()
+        (Path(path) / folder / "__init__.py").write_text("")
+        (Path(path) / folder / "one.py").write_text(FILE.format(base=f"Abstract{word}", name=f"Part{word}", word=word))
+    assert set(members(package.__name__, AbstractPart, folders=["known"])) == {"one", "two"}
+
+
 @pytest.mark.parametrize("package", [{"b": "two", "a": "one"}], indirect=True)
 def test_members_are_found_by_name_also_below_an_abstract_class(package: ModuleType) -> None:
     found = members(package.__name__, AbstractPart)

@@ -66,7 +66,7 @@ def stops(run: Cycle, band: float = BAND) -> tuple[Stop, ...]:
         band: Half width of the band about the attained position [m].
 
     Returns:
-        The stops after a move, in order; rests shorter than `SHORTEST_REST` are passed over.
+        The stops after a move, in order; rests shorter than `SHORTEST_REST` are skipped.
     """
     moving = step_lengths(run.commanded) > _MOVES
     edges = np.flatnonzero(np.diff(np.concatenate([[False], moving, [False]])))

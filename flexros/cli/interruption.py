@@ -15,11 +15,11 @@ STDERR = 2
 
 
 @contextmanager
-def interruptible(told: str) -> Iterator[Callable[[], bool]]:
+def interruptible(notice: str) -> Iterator[Callable[[], bool]]:
     """Let the first Ctrl-C inside ask for the end of the work; the second one ends the command, as any outside does.
 
     Args:
-        told: What happens now, printed after the first one.
+        notice: What happens now, printed after the first one.
 
     Yields:
         Whether the end was asked for.
@@ -33,7 +33,7 @@ def interruptible(told: str) -> Iterator[Callable[[], bool]]:
     def first(_number: int, _frame: object) -> None:
         asked.set()
         signal.signal(signal.SIGINT, before)
-        os.write(STDERR, f"\nflexros: interrupted by Ctrl-C: {told}\n".encode())  # print may be interrupted itself
+        os.write(STDERR, f"\nflexros: interrupted by Ctrl-C: {notice}\n".encode())  # print may be interrupted itself
 
     signal.signal(signal.SIGINT, first)
     try:

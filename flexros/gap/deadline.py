@@ -10,12 +10,8 @@ from flexros.gap.schema import Partial
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from flexros.gap.settings import DiagnosisSettings
-
 FINISHING, LEAST_FINISHING = 0.15, 2.0
 """Time to finish the best explanation in, over the time used until then [1], and at least this long [s]."""
-LEAST_LEFT = 1e-3
-"""Shortest time limit [s]."""
 
 
 class Deadline:
@@ -61,13 +57,6 @@ class Deadline:
         ended = self._limit if self._by_time and self._limit is not None else self._used
         allowed = ended + max(FINISHING * ended, LEAST_FINISHING)
         return self._abandoned or self._clock() - self._begin > allowed
-
-    def for_the_rest(self, settings: DiagnosisSettings) -> DiagnosisSettings:
-        """Return settings of a diagnosis that begins now, with the time that is left."""
-        if self._limit is None:
-            return settings
-        left = max(self._limit - (self._clock() - self._begin), LEAST_LEFT)
-        return settings.model_copy(update={"time_limit": left})
 
     def begin(self, step: str) -> None:
         """Name the step that begins."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from flexros.blas_threads import one_blas_thread
@@ -41,9 +41,11 @@ if TYPE_CHECKING:
     from flexros.gap.candidates.tolerance import Tolerance
     from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.fit.null_fit import NullFit
+    from flexros.gap.fit.unknown_numbers import UnknownNumbers
     from flexros.gap.prediction.predicted_log import PredictedLog
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.result import DiagnosisResult
+    from flexros.gap.search.forward_selection import Explanations
     from flexros.gap.search.torque_start import TorqueStart
     from flexros.gap.where.find import Where
     from flexros.logs.time_series import Log
@@ -85,74 +87,130 @@ def diagnose(
     """
     settings = settings or DiagnosisSettings()
     given = robot if isinstance(robot, RobotWithEffects) else RobotWithEffects(robot, ())
-    model = given.commanded_by(record.commands)
-    competitors(model.robot, settings.search)  # refuses unknown names before the work
-    stages, deadline = Stages(progress), Deadline(settings.time_limit, interrupted)
-    stages.begin("nominal model", 0.03)
-    fitted, held = (record, holdout) if holdout is not None else split(record, settings.fitted_share)
-    _check_alike(fitted, held)
-    fitted = with_torque_in_time_behind_springs(fitted, model.robot, settings)
-    held = resampled(shifted(held, fitted.torque_shift), fitted.sample_time)
-    fitted, held = (most_informative(one, settings.most_values) for one in (fitted, held))
-    tolerated = tolerance_of(model.robot, tolerance or {})
-    unknown = unknown_numbers(fitted, model, tolerated, settings.torque_start)
+    competitors(given.commanded_by(record.commands).robot, settings.search)  # refuses unknown names before the work
     in_closed_loop = log if record.command is None else None
     notes = () if in_closed_loop is None else why_not_simulated(in_closed_loop)
-    fitted = replace(fitted, warnings=(*fitted.warnings, *unknown.warnings, *notes))
-    model = unknown.given_to(model)
-    tolerated = unknown.tolerated(tolerance_of(model.robot, tolerance or {}), model.robot)
-    give_memory_back()  # what was needed of a long log beside the part that is used
-    data = fit_data(fitted, model, settings)
-    measurement = measurement_in(held, model.robot, data.measurement, settings)
-    held_data = fit_data(held, model, settings, measurement, data.level)
-    start = torque_start(data, model, tolerated, settings)
-    null, base = _first_fits(data, model, tolerated, start, settings, deadline)
-    held_data = held_data.with_tool_frame_of(null.fit.predictor, null.fit.theta)
-    prediction = prediction_of(null.fit, null.data)
-
-    stages.begin("where", 0.1)
-    deadline.begin("where")
-    excess = None if settings.where is None or deadline.stops() else _where(null, prediction, settings)
-
-    stages.begin("causes", 0.85)
-    explanations = explain(prepare_search(null, settings, stages.inner, deadline, base))
-    shift = shift_of_explanation(explanations.chosen, null, settings)
+    stages, deadline = Stages(progress), Deadline(settings.time_limit, interrupted)
+    task = _Task(given, holdout, tolerance or {}, notes, settings, deadline)
+    found = task.searched(record, stages)
+    shift = shift_of_explanation(found.explanations.chosen, found.null, settings)
     if shift and not deadline.stops():  # half a sample hid behind what the effects explain: all again with it
-        return diagnose(
-            in_time(record, shift),
-            robot,
-            holdout=holdout,
-            log=log,
-            tolerance=tolerance,
-            settings=deadline.for_the_rest(settings),
-            progress=progress,
-            interrupted=interrupted,
-        )
-
-    stages.begin("answer", 0.95)
-    sensitivity = sensitivity_of(explanations, null.data, model, unknown, settings.sensitivity, deadline.stops)
-    findings = findings_of(
-        model,
-        null.data,
-        held_data,
-        sensitivity.explanations,
-        names_by_tolerance=sensitivity.rows,
-        elsewhere=sensitivity.elsewhere,
-        given=given,
-        unknown=unknown,
-        tolerance=tolerance,
-        settings=settings.ranking,
-        complete=deadline.partial is None,
-    )
-    result = result_of(findings, prediction, excess, settings, stages, deadline)
+        stages = Stages(progress)
+        found = task.searched(in_time(record, shift), stages)
+    result = task.answered(found, stages)
 
     if in_closed_loop is not None:
         stages.begin("closed loop", 1.0)
         repaired = given.with_effects(result.patch) if result.patch else None
-        signals = closed_loop_gap(in_closed_loop, given, repaired, begin=held_data.record.begin)
+        signals = closed_loop_gap(in_closed_loop, given, repaired, begin=found.held_data.record.begin)
         result = replace(result, signals=(*result.signals, *signals))
     stages.end()
     return result
+
+
+@dataclass(frozen=True, eq=False)
+class _Searched:
+    """The explanations of a log, and what they were found with.
+
+    Attributes:
+        null: The nominal model, fitted, with the log.
+        held_data: The held-out log.
+        unknown: Numbers that the model lacks, with their values by the log.
+        prediction: What the nominal model predicts.
+        excess: Where the gap shows; None where that was not computed.
+        explanations: The explanations.
+    """
+
+    null: NullFit
+    held_data: FitData
+    unknown: UnknownNumbers
+    prediction: PredictedLog
+    excess: Where | None
+    explanations: Explanations
+
+
+@dataclass(frozen=True, eq=False)
+class _Task:
+    """What is diagnosed against, and how: it stays the same where a log is searched again.
+
+    Attributes:
+        given: The model as it was given.
+        holdout: Second log; None: the last part of the first.
+        tolerance: Relative tolerances other than those of the robot file [1].
+        notes: Sentences for the warnings.
+        settings: Settings of the diagnosis.
+        deadline: When the search ends.
+    """
+
+    given: RobotWithEffects
+    holdout: Record | None
+    tolerance: Mapping[str, float]
+    notes: tuple[str, ...]
+    settings: DiagnosisSettings
+    deadline: Deadline
+
+    def searched(self, record: Record, stages: Stages) -> _Searched:
+        """Weigh a log, and search for what explains it.
+
+        Args:
+            record: The log.
+            stages: Progress of the diagnosis.
+        """
+        settings, deadline = self.settings, self.deadline
+        stages.begin("nominal model", 0.03)
+        model = self.given.commanded_by(record.commands)
+        fitted, held = (record, self.holdout) if self.holdout is not None else split(record, settings.fitted_share)
+        _check_alike(fitted, held)
+        fitted = with_torque_in_time_behind_springs(fitted, model.robot, settings)
+        held = resampled(shifted(held, fitted.torque_shift), fitted.sample_time)
+        fitted, held = (most_informative(one, settings.most_values) for one in (fitted, held))
+        unknown = unknown_numbers(fitted, model, tolerance_of(model.robot, self.tolerance), settings.torque_start)
+        fitted = replace(fitted, warnings=(*fitted.warnings, *unknown.warnings, *self.notes))
+        model = unknown.given_to(model)
+        tolerated = unknown.tolerated(tolerance_of(model.robot, self.tolerance), model.robot)
+        give_memory_back()  # what was needed of a long log beside the part that is used
+        data = fit_data(fitted, model, settings)
+        measurement = measurement_in(held, model.robot, data.measurement, settings)
+        held_data = fit_data(held, model, settings, measurement, data.level)
+        start = torque_start(data, model, tolerated, settings)
+        null, base = _first_fits(data, model, tolerated, start, settings, deadline)
+        held_data = held_data.with_tool_frame_of(null.fit.predictor, null.fit.theta)
+        prediction = prediction_of(null.fit, null.data)
+
+        stages.begin("where", 0.1)
+        deadline.begin("where")
+        excess = None if settings.where is None or deadline.stops() else _where(null, prediction, settings)
+
+        stages.begin("causes", 0.85)
+        explanations = explain(prepare_search(null, settings, stages.inner, deadline, base))
+        return _Searched(null, held_data, unknown, prediction, excess, explanations)
+
+    def answered(self, found: _Searched, stages: Stages) -> DiagnosisResult:
+        """Decide what the explanations say, and check them on the held-out log.
+
+        Args:
+            found: The explanations.
+            stages: Progress of the diagnosis.
+        """
+        settings, deadline = self.settings, self.deadline
+        stages.begin("answer", 0.95)
+        sensitivity = sensitivity_of(
+            found.explanations, found.null.data, found.null.model, found.unknown, settings.sensitivity, deadline.stops
+        )
+        findings = findings_of(
+            found.null.model,
+            found.null.data,
+            found.held_data,
+            sensitivity.explanations,
+            names_by_tolerance=sensitivity.rows,
+            elsewhere=sensitivity.elsewhere,
+            given=self.given,
+            unknown=found.unknown,
+            tolerance=self.tolerance,
+            settings=settings.ranking,
+            complete=deadline.partial is None,
+        )
+        return result_of(findings, found.prediction, found.excess, settings, stages, deadline)
 
 
 def _first_fits(

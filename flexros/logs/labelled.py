@@ -52,10 +52,7 @@ def dataset_of(log: Log, topic: str = "") -> xarray.Dataset:
     """
     import xarray as xr
 
-    known = topics_of(log)
-    if topic and topic not in known:
-        raise unknown_name("topic", topic, known, "the log")
-    start = int(log.joint_states.stamp[0]) if len(log.joint_states.stamp) else 0
+    known, start = _topics_and_start(log, topic)
     if topic:
         return _one(known[topic], start)
     parts = [_one(series, start, f"{name}_") for name, series in known.items()]
@@ -79,10 +76,7 @@ def frame_of(log: Log, topic: str = "") -> pd.DataFrame:
     """
     import pandas as pd
 
-    known = topics_of(log)
-    if topic and topic not in known:
-        raise unknown_name("topic", topic, known, "the log")
-    start = int(log.joint_states.stamp[0]) if len(log.joint_states.stamp) else 0
+    known, start = _topics_and_start(log, topic)
     frames = []
     for name, series in ({topic: known[topic]} if topic else known).items():
         before = "" if topic else f"{name}."
@@ -93,6 +87,15 @@ def frame_of(log: Log, topic: str = "") -> pd.DataFrame:
         }
         frames.append(pd.DataFrame(columns, index=pd.Index(_seconds(series.stamp, start), name="time")))
     return pd.concat(frames, axis=1)
+
+
+def _topics_and_start(log: Log, topic: str) -> tuple[dict[str, Series], int]:
+    """Return the series of a log by topic, one of which may be asked for, and the stamp of its first measurement."""
+    known = topics_of(log)
+    if topic and topic not in known:
+        raise unknown_name("topic", topic, known, "the log")
+    start = int(log.joint_states.stamp[0]) if len(log.joint_states.stamp) else 0
+    return known, start
 
 
 def log_figure(log: Log) -> go.Figure:

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
-from scipy.linalg import expm
 
 from flexros.errors import InputError
+from flexros.robot.linear.held_input import held_input
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -87,9 +87,9 @@ class PoseModel:
         inverse = np.linalg.inv(mass)
         A = np.block([[np.zeros((n, n)), np.eye(n)], [-inverse @ stiffness, -inverse @ damping]])
         B = np.vstack([np.zeros((n, n)), inverse])
-        both = expm(np.block([[A, B], [np.zeros((n, 3 * n))]]) * T)
+        step, entry = held_input(A, B, T)
         readout = np.hstack([encoder, np.zeros_like(encoder)])
-        return LinearPose(both[: 2 * n, : 2 * n], both[: 2 * n, 2 * n :], readout, mass, stiffness, motor, tool[:, :3])
+        return LinearPose(step, entry, readout, mass, stiffness, motor, tool[:, :3])
 
     def loaded(self) -> list[LinearPose]:
         """Linearise the robot in its home pose with loaded gears, where load changes their stiffness."""

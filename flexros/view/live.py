@@ -72,7 +72,7 @@ class LivePage(AbstractPage):
         self._move(self._draw_on)
 
     def take_motors(self, stamp: float, names: Sequence[str], positions: Sequence[float]) -> None:
-        """Take over motor positions; messages that lack a motor are passed over.
+        """Take over motor positions; messages that lack a motor are skipped.
 
         Args:
             stamp: Time of the sample [s].

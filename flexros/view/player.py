@@ -242,10 +242,10 @@ class LogPlayer(AbstractPage):
         """Write the magnifications below their sliders, which show numbers of steps."""
         if not hasattr(self, "_factors_text"):
             return
-        told = [("deflection", self._deflection)]
-        told += [("model error", self._errors)] if len(self._arms) > 1 else []
-        told += [("path error", self._path)] if self.shown.path is not None else []
-        texts = (f"{name} **×{FACTORS[int(slider.value)]}**" for name, slider in told)
+        factors = [("deflection", self._deflection)]
+        factors += [("model error", self._errors)] if len(self._arms) > 1 else []
+        factors += [("path error", self._path)] if self.shown.path is not None else []
+        texts = (f"{name} **×{FACTORS[int(slider.value)]}**" for name, slider in factors)
         self._factors_text.content = f"Drawn larger than it is: {', '.join(texts)}."
 
     def _place(self) -> None:

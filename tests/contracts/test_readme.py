@@ -39,4 +39,4 @@ def test_picture_is_drawn_by_its_script(tmp_path: Path) -> None:
 
 
 def test_is_short() -> None:
-    assert len(README.splitlines()) <= 115
+    assert len(README.splitlines()) <= 105

@@ -7,7 +7,6 @@ from collections.abc import Callable
 import pytest
 
 from flexros.gap.deadline import FINISHING, LEAST_FINISHING, Deadline
-from flexros.gap.settings import DiagnosisSettings
 
 
 class Clock:
@@ -97,11 +96,3 @@ def test_what_was_abandoned_ends_at_once(clock: Clock) -> None:
     finishing = deadline.of_fit(finishing=True)
     deadline.abandon()
     assert finishing()
-
-
-def test_a_diagnosis_that_begins_again_has_the_time_that_is_left(clock: Clock) -> None:
-    settings = DiagnosisSettings(time_limit=40.0)
-    deadline = Deadline(40.0, clock=clock)
-    clock.time += 30.0
-    assert deadline.for_the_rest(settings).time_limit == pytest.approx(10.0)
-    assert Deadline(clock=clock).for_the_rest(settings) is settings

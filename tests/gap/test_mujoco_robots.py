@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from flexros.effects import PlacedEffect, RobotWithEffects
-from flexros.effects.coulomb_friction import CoulombFriction
+from flexros.effects.friction.coulomb_friction import CoulombFriction
+from flexros.effects.gear.stiffness_error import StiffnessError
 from flexros.effects.patching.patched_robot import load_model
-from flexros.effects.stiffness_error import StiffnessError
 from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
@@ -101,8 +101,10 @@ def test_search_is_repeated_with_torques_in_time_once_the_spring_is_right(tmp_pa
     arm = program("arms").drawn_arm(2, tmp_path, elastic=True)
     truth = program("truth").Truth(causes, measured=True, noted=1)
     (model, fitted), (_, held) = (recorded(arm, truth, tmp_path, seed) for seed in (1, 2))
-    settings = DiagnosisSettings(where=None, next_experiment=None)
-    found = diagnose(fitted, model, holdout=held, settings=settings).diagnosis
+    settings = DiagnosisSettings(where=None, next_experiment=None, time_limit=3600.0)
+    result = diagnose(fitted, model, holdout=held, settings=settings)
+    found = result.diagnosis
+    assert result.settings.time_limit == 3600.0
     assert any("since the one before, half a sample" in warning for warning in found.warnings)
     named = {f"{cause.effect}@{cause.location}" for cause in found.causes if cause.probability > 0.5}
     assert named == {"coulomb_friction@motor_1", f"stiffness_error@{model.robot.motors[1].joint.name}"}

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from flexros.effects import PlacedEffect, place_effects
-from flexros.effects.friction_drift import FrictionDrift
+from flexros.effects.friction.friction_drift import FrictionDrift
 from flexros.gap.checked_log import checked_log
 from flexros.gap.measure_gap import measure_gap
 from flexros.record.record import Record

@@ -162,7 +162,7 @@ def test_files_of_ours_load() -> None:
     from flexros.logs.foreign.mapping import load_mapping
     from flexros.robot import load_robot
 
-    own = program("real_robots_cases").OWN
+    own = program("real_robots_case").OWN
     for robot in own.glob("*_robot.yaml"):
         columns = load_mapping(str(own / robot.name.replace("_robot", ""))).columns
         assert {column.joint for column in columns} >= set(load_robot(robot).joint_names)

@@ -14,12 +14,16 @@ import os
 import shutil
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from real_robots_cases import CASES, Case
+from real_robots_cases import CASES
 from real_robots_page import page
 from real_robots_run import Run
 
 from flexros.errors import InputError
+
+if TYPE_CHECKING:
+    from real_robots_case import Case
 
 LIMIT = 3600.0
 """Time after which a diagnosis is partial, by default [s]."""

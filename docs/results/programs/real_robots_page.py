@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from real_robots_cases import CASES, KINDS, NUMBERS
+from real_robots_case import KINDS, NUMBERS
+from real_robots_cases import CASES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-    from real_robots_cases import Case, Known
+    from real_robots_case import Case, Known
 
     Found = Mapping[str, Any]
 

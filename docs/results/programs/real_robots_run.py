@@ -32,7 +32,7 @@ from flexros.robot import load_robot
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from real_robots_cases import Case
+    from real_robots_case import Case
 
     from flexros.effects import RobotWithEffects
     from flexros.logs.time_series import Log

@@ -143,8 +143,8 @@ class PageBeside:
     def __enter__(self) -> PageBeside:
         self._process = subprocess.Popen(self._command, stdout=subprocess.PIPE, text=True)  # noqa: S603 - no shell
         assert self._process.stdout is not None
-        told = self._process.stdout.readline().strip()  # it is printed as soon as the page listens
-        found = re.search(r"http://\S+:(\d+)", told)
+        line = self._process.stdout.readline().strip()  # it is printed as soon as the page listens
+        found = re.search(r"http://\S+:(\d+)", line)
         if found:
             self.port = int(found[1])
             typer.echo(f"flexros: {found[0]} shows the run", err=True)

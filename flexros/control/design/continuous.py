@@ -9,6 +9,7 @@ import numpy as np
 from scipy.signal import tf2ss
 
 from flexros.control.design.fixed_structure import DiscreteSystem
+from flexros.control.design.linear_system import AbstractLinearSystem
 from flexros.errors import InputError
 
 if TYPE_CHECKING:
@@ -22,20 +23,8 @@ HELD = 0.5
 
 
 @dataclass(frozen=True, eq=False)
-class ContinuousSystem:
-    """A continuous linear system x' = A x + B u, y = C x + D u.
-
-    Attributes:
-        A: Shape (n, n).
-        B: Shape (n, n_inputs).
-        C: Shape (n_outputs, n).
-        D: Shape (n_outputs, n_inputs).
-    """
-
-    A: FloatArray
-    B: FloatArray
-    C: FloatArray
-    D: FloatArray
+class ContinuousSystem(AbstractLinearSystem):
+    """A continuous linear system x' = A x + B u, y = C x + D u."""
 
     @classmethod
     def of_polynomials(cls, above: Sequence[float], below: Sequence[float]) -> ContinuousSystem:
@@ -43,18 +32,9 @@ class ContinuousSystem:
         A, B, C, D = (np.asarray(part, dtype=float) for part in tf2ss(above, below))
         return cls(A, B, C, D)
 
-    def then(self, after: ContinuousSystem) -> ContinuousSystem:
-        """Return this system in series with one that takes its output."""
-        n, m = len(self.A), len(after.A)
-        A = np.block([[self.A, np.zeros((n, m))], [after.B @ self.C, after.A]])
-        B = np.vstack([self.B, after.B @ self.D])
-        return ContinuousSystem(A, B, np.hstack([after.D @ self.C, after.C]), after.D @ self.D)
-
     def response(self, frequency: FloatArray) -> ComplexArray:
         """Return the frequency response, shape (F, n_outputs, n_inputs); frequencies [Hz], shape (F,)."""
-        s = 2j * np.pi * frequency[:, None, None]
-        memory = np.linalg.solve(s * np.eye(len(self.A)) - self.A, np.broadcast_to(self.B, (len(s), *self.B.shape)))
-        return np.asarray(self.C @ memory + self.D)
+        return self.transfer(np.asarray(2j * np.pi * frequency, dtype=complex))
 
 
 def pade(delay: float) -> ContinuousSystem:

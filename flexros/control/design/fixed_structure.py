@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.control.design.linear_system import AbstractLinearSystem
+
 if TYPE_CHECKING:
     from flexros.arrays import ComplexArray, FloatArray
 
@@ -15,32 +17,8 @@ BIQUAD = ("zero_frequency", "zero_damping", "pole_frequency", "pole_damping")
 
 
 @dataclass(frozen=True, eq=False)
-class DiscreteSystem:
-    """A discrete linear system x+ = A x + B e, u = C x + D e.
-
-    Attributes:
-        A: Shape (n, n).
-        B: Shape (n, n_inputs).
-        C: Shape (n_outputs, n).
-        D: Shape (n_outputs, n_inputs).
-    """
-
-    A: FloatArray
-    B: FloatArray
-    C: FloatArray
-    D: FloatArray
-
-    @property
-    def order(self) -> int:
-        """Number of states."""
-        return len(self.A)
-
-    def then(self, after: DiscreteSystem) -> DiscreteSystem:
-        """Return this system in series with one that takes its output."""
-        n, m = self.order, after.order
-        A = np.block([[self.A, np.zeros((n, m))], [after.B @ self.C, after.A]])
-        B = np.vstack([self.B, after.B @ self.D])
-        return DiscreteSystem(A, B, np.hstack([after.D @ self.C, after.C]), after.D @ self.D)
+class DiscreteSystem(AbstractLinearSystem):
+    """A discrete linear system x+ = A x + B e, u = C x + D e."""
 
     def beside(self, other: DiscreteSystem) -> DiscreteSystem:
         """Return the sum of the outputs of this system and another one, with inputs of their own."""
@@ -51,9 +29,7 @@ class DiscreteSystem:
 
     def response(self, frequency: FloatArray, sample_time: float) -> ComplexArray:
         """Return the frequency response, complex, shape (F, n_outputs, n_inputs); frequencies [Hz], shape (F,)."""
-        z = np.exp(2j * np.pi * frequency * sample_time)[:, None, None]
-        memory = np.linalg.solve(z * np.eye(self.order) - self.A, np.broadcast_to(self.B, (len(z), *self.B.shape)))
-        return np.asarray(self.C @ memory + self.D)
+        return self.transfer(np.exp(2j * np.pi * frequency * sample_time))
 
 
 def pid_system(kp: float, ki: float, kd: float, derivative_filter: float, sample_time: float) -> DiscreteSystem:

@@ -10,6 +10,7 @@ import casadi as ca
 import numpy as np
 
 from flexros.compile.command_delay import split_delay
+from flexros.robot.linear.held_input import held_input
 from flexros.robot.spring import Spring
 
 if TYPE_CHECKING:
@@ -152,12 +153,12 @@ def sampled_plants(plants: LinearPlants, sample_time: float, delay: float) -> Sa
     count, n, motors = plants.B.shape
     past = split.line_length * motors
     both = np.concatenate([plants.B, plants.E], axis=2)
-    step, held = _held(plants.A, both, sample_time)
+    step, held = held_input(plants.A, both, sample_time)
     A, B = np.zeros((count, n + past, n + past)), np.zeros((count, n + past, motors))
     A[:, :n, :n] = step
     carried = np.broadcast_to(np.eye(n), (count, n, n))
     for piece in reversed(split.pieces):  # the last part of the sample reaches its end first
-        part, entry = _held(plants.A, plants.B, piece.duration)
+        part, entry = held_input(plants.A, plants.B, piece.duration)
         entry = carried @ entry
         if piece.age == 0:
             B[:, :n] += entry
@@ -171,17 +172,6 @@ def sampled_plants(plants: LinearPlants, sample_time: float, delay: float) -> Sa
     outputs = [np.concatenate([part, np.zeros((count, part.shape[1], past))], axis=2) for part in (plants.C, plants.F)]
     G = np.concatenate([held, np.zeros((count, past, held.shape[2]))], axis=1)
     return SampledPlants(plants.labels, A, B, outputs[0], G, outputs[1], sample_time)
-
-
-def _held(A: FloatArray, B: FloatArray, time: float) -> tuple[FloatArray, FloatArray]:
-    """Return state transitions and input matrices of a constant input over a time."""
-    from scipy.linalg import expm  # loads slowly, and every run would wait for it
-
-    n, m = B.shape[-2:]
-    whole = np.zeros((len(A), n + m, n + m))
-    whole[:, :n, :n], whole[:, :n, n:] = A, B
-    whole = expm(whole * time)
-    return whole[:, :n, :n], whole[:, :n, n:]
 
 
 def _slopes(robot: Robot, names: tuple[str, ...], further: ca.Function | None) -> ca.Function:

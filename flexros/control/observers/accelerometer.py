@@ -11,6 +11,7 @@ from pydantic import Field
 from flexros.control.model.command_line import CommandLine
 from flexros.control.observers.base import AbstractObserver, Estimate
 from flexros.errors import InputError
+from flexros.robot.linear.held_input import held_input
 from flexros.robot.spring import Spring
 from flexros.robot.symbolic.inertial_coupling import solve_symmetric
 from flexros.robot.symbolic.tool_sensors import tool_acceleration
@@ -66,17 +67,14 @@ class AccelerometerObserver(AbstractObserver):
 
     def matrices(self, context: LoopContext, motor: int) -> tuple[FloatArray, FloatArray]:
         """Return A and B of (u, a) of one joint, shapes (4, 4) and (4, 2)."""
-        from scipy.linalg import expm  # loads slowly, and every run would wait for it
-
         robot, values = context.robot, context.robot.parameters
         name, joint = robot.joint_names[motor], robot.joints[robot.gear_rows[motor]].name
         inertia, friction = values[f"{name}.inertia"].value, values[f"{name}.viscous_friction"].value
         k, d = values[f"{joint}.stiffness"].value, values[f"{joint}.damping"].value
-        whole = np.zeros((6, 6))
-        whole[0, 1] = whole[2, 3] = whole[3, 5] = 1.0
-        whole[1, :5] = np.array([-k, -d - friction, k, d, 1.0]) / inertia
-        whole = expm(whole * context.sample_time)
-        return whole[:4, :4], whole[:4, 4:]
+        rates = np.zeros((4, 6))
+        rates[0, 1] = rates[2, 3] = rates[3, 5] = 1.0
+        rates[1, :5] = np.array([-k, -d - friction, k, d, 1.0]) / inertia
+        return held_input(rates[:, :4], rates[:, 4:], context.sample_time)
 
     def state_size(self, context: LoopContext) -> int:
         """Return the number of states: four per joint, past commands, started."""

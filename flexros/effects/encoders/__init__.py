@@ -1,4 +1,4 @@
-"""Effects of the encoders; importing the package registers them."""
+"""Effects of the encoders."""
 
 from flexros.effects.encoders.encoder_eccentricity import EncoderEccentricity
 from flexros.effects.encoders.encoder_quantization import EncoderQuantization

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from types import MappingProxyType
@@ -22,13 +22,16 @@ if TYPE_CHECKING:
 Stage = Literal["actuator", "motor friction", "gear", "structure", "load", "sensor", "timing"]
 """Point of the loop at which an effect acts."""
 
+FOLDERS = ("encoders", "friction", "gear", "left_out", "servos")
+"""Folders of `flexros/effects` with effects that have much in common."""
+
 
 class AbstractEffect(Settings, ABC):
     """A deviation of the plant from the nominal model.
 
-    How to add one: write one file in `flexros/effects` with one final subclass of one of the kinds below. It is
-    discovered by its name in scenarios (`plant.effects`), on the command line and in everything that lists effects. It
-    provides:
+    How to add one: write one file in `flexros/effects`, or in one of its `FOLDERS`, with one final subclass of one of
+    the kinds below. It is discovered by its name in scenarios (`plant.effects`), on the command line and in everything
+    that lists effects. It provides:
 
     1. `name`, a class variable by which it is chosen, and `stage`, where in the loop it acts.
     2. Its parameters as fields, each with a description that states unit and meaning; the default is the neutral
@@ -82,6 +85,10 @@ class AbstractEffect(Settings, ABC):
         del robot, location
         return True
 
+    def sought_if_measured(self, robot: Robot, location: str) -> bool:
+        """Return the same for the log of a real machine, whose numbers are uncertain; default: as in simulated ones."""
+        return self.sought(robot, location)
+
     def visible(self, noise: float) -> bool:
         """Return whether the effect is distinguishable from the simpler ones that it extends.
 
@@ -96,12 +103,17 @@ class AbstractEffect(Settings, ABC):
         del robot, location
         return self.ranges
 
-    def reductions(self, robot: Robot, location: str) -> Mapping[str, float]:
+    def reductions(self, robot: Robot, location: str, known: Sequence[AbstractEffect] = ()) -> Mapping[str, float]:
         """Return the largest sizes of negative values, by name of the parameter [its unit]; default: none.
 
-        A parameter that adds to a number of the nominal robot is negative where that number is too large.
+        A parameter that adds to a number of the nominal model is negative where that number is too large.
+
+        Args:
+            robot: The nominal robot.
+            location: One of its `locations`.
+            known: Laws that the nominal model has there.
         """
-        del robot, location
+        del robot, location, known
         return {}
 
     def check_on(self, robot: Robot, location: str) -> None:
@@ -160,7 +172,7 @@ class PlacedEffect:
 @cache
 def effects() -> Mapping[str, type[AbstractEffect]]:
     """Return all effects of this package, by name."""
-    return members("flexros.effects", AbstractEffect)  # type: ignore[type-abstract]
+    return members("flexros.effects", AbstractEffect, folders=FOLDERS)  # type: ignore[type-abstract]
 
 
 def parse_effect(text: str, source: str) -> PlacedEffect:

@@ -10,8 +10,9 @@ from flexros.errors import InputError
 from flexros.robot.parameters import SERVO
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
+    from flexros.effects.kinds.base import AbstractEffect
     from flexros.robot import Robot
 
 
@@ -41,8 +42,9 @@ class AbstractServoNumber(AbstractChangedValues):
         del location
         return robot.commands == "position"
 
-    def reductions(self, robot: Robot, location: str) -> Mapping[str, float]:
+    def reductions(self, robot: Robot, location: str, known: Sequence[AbstractEffect] = ()) -> Mapping[str, float]:
         """Return the number in the robot file, which is all that can be taken away."""
+        del known
         return {self.size: self.nominal(robot, location)}
 
     def check_on(self, robot: Robot, location: str) -> None:

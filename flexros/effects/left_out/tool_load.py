@@ -20,7 +20,7 @@ ENTRIES = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2),
 
 
 class ToolLoad(AbstractChangedValues):
-    """A point mass on the last body that moves, such as a tool that nobody told the model of.
+    """A point mass on the last body that moves, such as a tool that the model lacks.
 
     With mass m_0, centre of mass c_0 and inertia I_0 of the body and mass m at c, the body has the mass m_0 + m, the
     centre of mass (m_0 c_0 + m c) / (m_0 + m) and the inertia of both about it. A model made from a URDF is that of the

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from flexros.config.settings import validate
-from flexros.effects.coulomb_friction import CoulombFriction
+from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.effects.kinds.base import PlacedEffect
 from flexros.effects.kinds.law import AbstractLaw
 from flexros.effects.kinds.model_change import AbstractModelChange

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects.actuator_lag import ActuatorLag
-from flexros.effects.coulomb_friction import CoulombFriction
 from flexros.effects.delay import Delay
+from flexros.effects.friction.coulomb_friction import CoulombFriction
+from flexros.effects.friction.presliding_friction import PreslidingFriction
+from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.gravity_error import GravityError
-from flexros.effects.presliding_friction import PreslidingFriction
 from flexros.effects.servos.servo_command_lag import ServoCommandLag
 from flexros.effects.torque_gain_error import TorqueGainError
 from flexros.effects.torque_saturation import TorqueSaturation
-from flexros.effects.viscous_friction import ViscousFriction
 from flexros.errors import InputError
 from flexros.robot.exchange.numbers import SAME, BodyNumbers, JointNumbers, LoadNumbers, NotHeld, RepairedNumbers
 from flexros.robot.quantity import unit_of

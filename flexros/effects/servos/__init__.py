@@ -1,4 +1,4 @@
-"""Effects of the position loop of a motor; importing the package registers them."""
+"""Effects of the position loop of a motor."""
 
 from flexros.effects.servos.servo_command_lag import ServoCommandLag
 from flexros.effects.servos.servo_damping_error import ServoDampingError

@@ -19,8 +19,8 @@ from flexros.gap.answer.decision import (
     rivals_of,
     verdict_of,
 )
-from flexros.gap.answer.drifts import drift_warnings
 from flexros.gap.answer.limits import identifiability_limits
+from flexros.gap.answer.warnings import answer_warnings, record_warnings, sensor_warnings
 from flexros.gap.candidates.candidate import name_of
 from flexros.gap.fit.estimates import covariance_of, determined, parameters_of, placed_effects
 from flexros.gap.held_out.prediction_gap import (
@@ -48,15 +48,12 @@ if TYPE_CHECKING:
     from flexros.gap.held_out.prediction_gap import AheadErrors
     from flexros.gap.prediction.predicted_log import PredictedLog
     from flexros.gap.progress import Stages
-    from flexros.gap.schema import GapNumbers, NextExperiment, Verdict
+    from flexros.gap.schema import NextExperiment, Verdict
     from flexros.gap.settings import DiagnosisSettings
     from flexros.gap.where.find import Where
-    from flexros.record.record import Record
 
 STEP_ERROR = 1e-3
 """Relative standard deviation of a quantization step that is read off the levels of a log [1]."""
-LOW_FRACTION, LEAST_GAP = 0.5, 2.0
-"""Closed fraction below which, and gap above which, it is warned that the explanation may not hold elsewhere [1]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,12 +106,12 @@ def result_of(
     tolerated = chosen.predictor.tolerance
     closed = _closed(errors.after, findings, errors) if patch else None
     record, holdout = (settled(one.record, closed) for one in (findings.data, findings.held))
-    told = _record_warnings(record, holdout)
+    of_records = record_warnings(record, holdout)
     before = _explanation(explanations.null, findings, null_prediction)
     after = _explanation(findings.repaired, findings) if patch else None
     probabilities = dict(zip(explanations.rivals, explanations.probabilities))
     return DiagnosisResult(
-        diagnosis=_diagnosis(findings, verdict, errors, excess, settings, stages, deadline, told),
+        diagnosis=_diagnosis(findings, verdict, errors, excess, settings, stages, deadline, of_records),
         robot=model.robot,
         record=record,
         holdout=holdout,
@@ -186,14 +183,14 @@ def _diagnosis(
     settings: DiagnosisSettings,
     stages: Stages,
     deadline: Deadline,
-    told: tuple[str, ...],
+    of_records: tuple[str, ...],
 ) -> Diagnosis:
     """Put together what is written into diagnosis.json."""
     sample_time = findings.held.record.sample_time
     gap = gap_numbers(errors.before, errors.after, sample_time, errors.rival, errors.with_tolerance)
     whole = verdict != "no_gap"
     budget = budget_of(findings, errors.before, errors.after or errors.before) if whole else without_gap(findings)
-    warnings = (*told, *_sensor_warnings(findings), *_answer_warnings(findings, gap, worse=_worse(errors)))
+    warnings = (*of_records, *sensor_warnings(findings), *answer_warnings(findings, gap, worse=_worse(errors)))
     following = _next(findings, verdict, stages, deadline) if settings.next_experiment else None
     return Diagnosis(
         schema=2,
@@ -340,44 +337,3 @@ def _next(findings: Findings, verdict: Verdict, stages: Stages, deadline: Deadli
         progress=lambda share: stages.inner(NEXT_EXPERIMENT, share),
         stop=deadline.stops,
     )
-
-
-def _record_warnings(fitted: Record, held: Record) -> tuple[str, ...]:
-    """Return the warnings of the fitted log, and those that only the held-out one has."""
-    return (*fitted.warnings, *(f"held-out log: {text}" for text in held.warnings if text not in fitted.warnings))
-
-
-def _sensor_warnings(findings: Findings) -> tuple[str, ...]:
-    """Return the warnings of encoders and tool tracker."""
-    data = findings.data
-    return (*data.measurement.warnings, *(() if data.tool is None else data.tool.warnings))
-
-
-def _answer_warnings(findings: Findings, gap: GapNumbers, *, worse: bool) -> list[str]:
-    """Return what limits the answer."""
-    explanations, remainder, warnings = findings.explanations, findings.explanations.remainder, []
-    if explanations.detected and remainder > 0 and explanations.comparison.adequate(explanations.chosen):
-        warnings.append(
-            f"the explanation leaves {100 * remainder:.2g} % of the gap in the fitted log, more than noise does"
-        )
-    if worse:
-        warnings.append(
-            "the explanation predicts the held-out log worse than the nominal model, so there is no patch: that log "
-            "may be of other conditions, or what acts is not among the effects"
-        )
-    elif gap.closed_fraction is not None and gap.closed_fraction < LOW_FRACTION and gap.before > LEAST_GAP:
-        warnings.append(
-            f"on held-out data the explanation closes only {100 * gap.closed_fraction:.0f} % of the gap: it may not "
-            "hold beyond the fitted log"
-        )
-    given = findings.as_given
-    if explanations.detected and given.kept:
-        warnings.append(
-            f"without {', '.join(sorted(given.kept))}, which the model lacks, motors are predicted hardly better 0.1 s "
-            "ahead than by their last position: the gap before the repair is that of the model with them"
-        )
-    warnings += [
-        f"the size of {name} ended at the limit of its search, which is no finding: it is not in the patch"
-        for name in sorted(findings.beyond_search)
-    ]
-    return [*warnings, *drift_warnings(findings)]

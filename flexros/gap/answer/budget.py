@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects import effects
+from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.kinds.law import AbstractLaw
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.effects.left_out.rotor_inertia import RotorInertia
 from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_moved
-from flexros.effects.viscous_friction import ViscousFriction
 from flexros.gap.answer.decision import effect_location
 from flexros.gap.answer.partial_repairs import PartialRepairs
 from flexros.gap.answer.unexplained import unexplained

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects.encoders.encoder_quantization import EncoderQuantization
+from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.kinds.base import PlacedEffect
-from flexros.effects.viscous_friction import ViscousFriction
 from flexros.gap.answer.given_model import GivenModel
 from flexros.gap.fit.constancy import constancies
 from flexros.gap.fit.estimates import beyond_search, placed_effects
@@ -198,7 +198,7 @@ def _partly(findings: Findings) -> bool:
         return False
     if len(chosen.hypothesis) > 1 or findings.data.record.imported or not findings.complete:
         return True
-    return min(constancies(chosen, findings.data).values()) >= settings.constant
+    return min(constancies(chosen, findings.data, settings).values()) >= settings.constant
 
 
 def rivals_of(

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects import PlacedEffect, effects
-from flexros.effects.coulomb_friction import CoulombFriction
 from flexros.effects.kinds.command_law import AbstractCommandLaw
 from flexros.effects.kinds.curve import AbstractCurve
 
@@ -233,42 +232,34 @@ def list_candidates(
         robot: The nominal robot.
         scales: Largest torques, speeds and deflections of the log.
         measured: Whether the log is one of a real machine, whose nominal numbers may also be far too large.
-        known: Laws of the nominal model, whose Coulomb friction may be too large as well.
+        known: Laws of the nominal model, whose sizes may be too large as well.
     """
-    friction = coulomb_levels(known)
     candidates: list[Candidate] = []
     for effect in effects().values():
         if not effect.ranges or effect.harmonics or issubclass(effect, AbstractCurve):
             continue
-        for location in distinct_locations(effect, robot):
+        for location in distinct_locations(effect, robot, measured=measured):
             free = [
                 free_parameter(name, allowed, scales.of(allowed.scale, location))
                 for name, allowed in effect().fitted(robot, location).items()
             ]
-            reduced = effect().reductions(robot, location) if measured or effect.seeks_less else {}
-            if measured and effect is CoulombFriction:
-                reduced = {"level": friction.get(location, 0.0)}
+            there = [law.effect for law in known if law.location == location]
+            reduced = effect().reductions(robot, location, there) if measured or effect.seeks_less else {}
             free = [below_nominal(one, reduced[one.name]) if reduced.get(one.name) else one for one in free]
             candidates.append(Candidate(effect, location, tuple(free)))
     return tuple(candidates)
 
 
-def coulomb_levels(laws: Sequence[PlacedLaw]) -> dict[str, float]:
-    """Return the Coulomb friction that a model has, by motor [Nm or N].
+def distinct_locations(effect: type[AbstractEffect], robot: Robot, *, measured: bool = False) -> tuple[str, ...]:
+    """List the distinct locations where an effect is sought: on a robot with one motor, "all" is that motor.
 
     Args:
-        laws: The laws of the model.
+        effect: The effect.
+        robot: The nominal robot.
+        measured: Whether the log is one of a real machine.
     """
-    levels: dict[str, float] = {}
-    for law in laws:
-        if isinstance(law.effect, CoulombFriction):
-            levels[law.location] = levels.get(law.location, 0.0) + law.effect.level
-    return levels
-
-
-def distinct_locations(effect: type[AbstractEffect], robot: Robot) -> tuple[str, ...]:
-    """List the distinct locations where an effect is sought: on a robot with one motor, "all" is that motor."""
     locations = effect().locations(robot)
     if "all" in locations and robot.n_motors == 1:
         locations = tuple(location for location in locations if location not in robot.joint_names)
-    return tuple(location for location in locations if effect().sought(robot, location))
+    sought = effect().sought_if_measured if measured else effect().sought
+    return tuple(location for location in locations if sought(robot, location))

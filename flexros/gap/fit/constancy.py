@@ -7,53 +7,41 @@ effect explains has about the same size in every part; an effect that only imita
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from flexros.gap.fit.estimates import sizes_of
 from flexros.gap.fit.least_squares import linearise
+from flexros.gap.fit.once_per_fit import once_per_fit
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray, IntArray
     from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.residuals.fit_data import FitData
+    from flexros.gap.settings import RankingSettings
 
-PARTS = 8
-"""Parts of equal length into which a log is divided (chosen)."""
-SHOWN = 3.0
-"""Size over its standard deviation by a part alone, from which the estimate of that part counts [1] (chosen)."""
-FEWEST = 4
-"""Fewest parts that show a size, from which anything can be said (chosen)."""
 DEVIATION = 1.4826
 """Standard deviation of a normal distribution over its median absolute deviation [1]."""
 RIDGE = 1e-6
 """Share of its information that is added to every parameter, for those that a part does not determine [1]."""
 
-_KNOWN: WeakKeyDictionary[FitData, WeakKeyDictionary[CandidateFit, dict[str, float]]] = WeakKeyDictionary()
 
-
-def constancies(fit: CandidateFit, data: FitData) -> dict[str, float]:
+@once_per_fit
+def constancies(fit: CandidateFit, data: FitData, settings: RankingSettings) -> dict[str, float]:
     """Compute how constant the size of each effect of a fit is over its log; computed once for a fit and a log.
 
     Args:
         fit: The fit, near its minimum.
         data: The log.
+        settings: Parts of the log, and which of them count.
 
     Returns:
         As `constancy` has it, by effect@location; zero where too few parts of the log inform on a size.
     """
-    of_data = _KNOWN.setdefault(data, WeakKeyDictionary())
-    if fit not in of_data:
-        of_data[fit] = _constancies(fit, data)
-    return of_data[fit]
-
-
-def _constancies(fit: CandidateFit, data: FitData) -> dict[str, float]:
     line = linearise(fit.predictor, data, fit.theta)
     n, M = data.spread.shape
     rows = slice(0, M * n)  # those of the motors: other sensors have instants of their own
-    part = np.tile(np.arange(n) * PARTS // n, M)
+    part = np.tile(np.arange(n) * settings.parts // n, M)
     prior = np.diag(line.information - line.slopes.T @ line.slopes)
     estimates, deviations = estimates_of_parts(line.slopes[rows], line.residual[rows], part, prior, prior * fit.theta)
     found, column = {}, 0
@@ -62,8 +50,8 @@ def _constancies(fit: CandidateFit, data: FitData) -> dict[str, float]:
         index = column + candidate.free.index(free)
         # positive sizes are fitted by their logarithm, whose change is the relative change of the size
         whole = float(fit.theta[index]) if free.signed else 1.0
-        shown = abs(whole) > SHOWN * deviations[:, index]
-        found[candidate.name] = constancy(whole + estimates[shown, index])
+        shown = abs(whole) > settings.shown_by_part * deviations[:, index]
+        found[candidate.name] = constancy(whole + estimates[shown, index], settings.fewest_parts)
         column += len(candidate.free)
     return found
 
@@ -99,15 +87,16 @@ def estimates_of_parts(
     return estimates, deviations
 
 
-def constancy(sizes: FloatArray) -> float:
+def constancy(sizes: FloatArray, fewest: int) -> float:
     """Return the median of some estimates over its standard deviation, both robust [1]; zero for too few estimates.
 
     A single part in which something else happens, such as an impact, moves neither.
 
     Args:
         sizes: Estimates of a size, shape (K,).
+        fewest: Fewest estimates from which anything can be said.
     """
-    if len(sizes) < FEWEST or not np.all(np.isfinite(sizes)):
+    if len(sizes) < fewest or not np.all(np.isfinite(sizes)):
         return 0.0
     middle = float(np.median(sizes))
     deviation = DEVIATION * float(np.median(np.abs(sizes - middle)))

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import re
 from typing import TYPE_CHECKING
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from flexros.gap.fit.least_squares import linearise
+from flexros.gap.fit.once_per_fit import once_per_fit
 from flexros.gap.fit.screening import switched_off
 from flexros.gap.schema import CauseParameter
 
@@ -28,10 +28,6 @@ FEWEST_LINES = 12
 """Least number of lines of a periodogram that are averaged, half of them to each side [1]."""
 BANDS = 12
 """Frequency bands with windows of their own, each up to twice the frequency of the last [1]."""
-_KNOWN: WeakKeyDictionary[FitData, WeakKeyDictionary[CandidateFit, dict[RankingSettings | None, FloatArray]]] = (
-    WeakKeyDictionary()
-)
-"""Covariances that were computed already, by the settings with the model-form errors; None without them."""
 _UNIT = re.compile(r"\[([^\]]+)\]")
 
 
@@ -115,7 +111,8 @@ def covariance_of(
     return names, whole[:n_effect, :n_effect] * np.outer(slopes, slopes)
 
 
-def fit_covariance(fit: CandidateFit, data: FitData, form: RankingSettings | None = None) -> FloatArray:
+@once_per_fit
+def fit_covariance(fit: CandidateFit, data: FitData, form: RankingSettings | None) -> FloatArray:
     """Compute the covariance of all parameters of a fit (White 1980, Huber 1967: the sandwich).
 
     The predictor of constant gain whitens neither the noise nor what a model leaves: the residuals r have a spectrum S,
@@ -137,13 +134,6 @@ def fit_covariance(fit: CandidateFit, data: FitData, form: RankingSettings | Non
     Returns:
         Covariance in the units of the fit, shape (n_fitted, n_fitted).
     """
-    of_fit = _KNOWN.setdefault(data, WeakKeyDictionary()).setdefault(fit, {})
-    if form not in of_fit:
-        of_fit[form] = _sandwich(fit, data, form)
-    return of_fit[form]
-
-
-def _sandwich(fit: CandidateFit, data: FitData, form: RankingSettings | None) -> FloatArray:
     line = linearise(fit.predictor, data, fit.theta)
     J, r = line.slopes, line.residual
     meat = line.information - J.T @ J  # the prior
@@ -168,9 +158,9 @@ def _sandwich(fit: CandidateFit, data: FitData, form: RankingSettings | None) ->
 def _form_errors(fit: CandidateFit, data: FitData, residual: FloatArray, form: RankingSettings) -> FloatArray:
     """Return what each effect changes in the prediction errors of the motors, times its model-form error.
 
-    What sizes take up of an error of form leaves a rest. So all errors together have at most `form_over_rest` times the
-    power of the rest above noise, or of what noise may hide: a large effect of exactly the true form does not make the
-    small ones beside it undetermined. On a real machine the floor is a tolerance, above which the rest says nothing.
+    What sizes take up of a model-form error leaves a rest. So all errors together have at most `form_over_rest` times
+    the power of the rest above noise, or of what noise may hide: a large effect of exactly the true form does not make
+    the small ones undetermined. On a real machine the floor is a tolerance, above which the rest says nothing.
     """
     if not fit.hypothesis:
         return np.zeros((data.spread.size, 0))

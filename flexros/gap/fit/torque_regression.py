@@ -16,10 +16,9 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from scipy.optimize import lsq_linear
 
-from flexros.effects.coulomb_friction import CoulombFriction
+from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.effects.left_out.tool_load import ENTRIES, last_moved
 from flexros.errors import InputError
-from flexros.gap.candidates.candidate import coulomb_levels
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.prediction.predictor import FARTHEST
 from flexros.gap.settings import TorqueStartSettings
@@ -117,8 +116,7 @@ def regress_torque(
         The regression; None for a log in which no motor moves, or that is too short, and for links that bend.
     """
     settings = settings or TorqueStartSettings()
-    robot, levels = model.robot, coulomb_levels(model.laws)
-    known = np.array([levels.get(name, 0.0) for name in robot.joint_names])
+    robot, known = model.robot, _known_friction(model)
     try:
         regressor = RigidRegressor(robot)
         acting = _acting(record, robot, delay + (model.added_delay if record.measured_torque else robot.delay))
@@ -215,6 +213,13 @@ def _inertia_slopes(load: FloatArray) -> FloatArray:
         mixed = np.outer(axis, moment)
         slopes.append((2 * moment @ axis * np.eye(3) - mixed - mixed.T) / mass)
     return np.array([[one[entry] for one in slopes] for entry in (ENTRIES[name] for name in INERTIA_COMPONENTS)])
+
+
+def _known_friction(model: RobotWithEffects) -> FloatArray:
+    """Return the Coulomb friction that a model has, shape (M,)."""
+    there = {name: [law.effect for law in model.laws if law.location == name] for name in model.robot.joint_names}
+    levels = [CoulombFriction().reductions(model.robot, name, laws)["level"] for name, laws in there.items()]
+    return np.array(levels)
 
 
 def only_coulomb(model: RobotWithEffects) -> bool:

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects import PlacedEffect
+from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.left_out.rotor_inertia import RotorInertia
 from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_moved
-from flexros.effects.viscous_friction import ViscousFriction
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.torque_delay import torque_delay
 from flexros.gap.fit.torque_regression import Load, only_coulomb, regress_torque

@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.linalg import expm
 
 from flexros.errors import InputError
 from flexros.record.missing_samples import MOST_BRIDGED, bridged_motion, long_holes, runs
+from flexros.robot.linear.held_input import held_input
 from flexros.robot.linear.linearise import linear_model
 from flexros.robot.parameters import SERVO
 
@@ -138,7 +138,7 @@ def _variance(
     error = _interpolation_error(record.driving, length)
     if record.command is not None:
         error = error * [robot.parameters[f"{name}.{SERVO}stiffness"].value for name in robot.joint_names]
-    states = _held(A, B[:, : robot.n_motors], record.sample_time) * error
+    states = held_input(A, B[:, : robot.n_motors], record.sample_time)[1] * error
     impulse = []
     for _ in range(min(gain.settling, record.n_samples)):
         impulse.append(gain.readout @ states)
@@ -149,13 +149,6 @@ def _variance(
     errors = np.sum(total**2, axis=2)
     early, late = (np.vstack([np.zeros((1 + int(d), errors.shape[1])), errors]) for d in (delay, np.ceil(delay)))
     return np.asarray(np.maximum(np.vstack([early, np.zeros((len(late) - len(early), early.shape[1]))]), late))
-
-
-def _held(A: FloatArray, B: FloatArray, sample_time: float) -> FloatArray:
-    """Return the change of the states by torques that are held over a sample, shape (2 n, M)."""
-    n, m = B.shape
-    whole = expm(np.block([[A, B], [np.zeros((m, n + m))]]) * sample_time)
-    return np.asarray(whole[:n, n:])
 
 
 def _interpolation_error(torque: FloatArray, length: int) -> FloatArray:

@@ -30,7 +30,7 @@ class SensorChannel:
         measured: The compared values, shape (m,).
         sample: Sample of the log before each value, shape (m,).
         share: Time since that sample over the sample time [1], shape (m,).
-        noise: Standard deviation of the sensor's own noise, with the tolerance of a measured machine.
+        noise: Standard deviation of the sensor's own noise [its unit], with the tolerance of a measured machine.
         readout: Row from the state of the robot to the sensor, shape (2 n,).
         used: Which values are used, shape (m,).
         whitening: Inverse root of the spectrum of the errors without a gap, over the frequencies of the Fourier

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from flexros.effects.coulomb_friction import CoulombFriction
-from flexros.effects.presliding_friction import SEEN
+from flexros.effects.friction.coulomb_friction import CoulombFriction
+from flexros.effects.friction.presliding_friction import SEEN
 from flexros.gap.candidates.candidate import FreeParameter
 from flexros.gap.search.candidate_fits import at_limits
 from flexros.gap.search.worth import compared, incomplete

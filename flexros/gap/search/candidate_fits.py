@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from flexros.effects import effects
-from flexros.effects.kinds.dry_friction import AbstractDryFriction
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.effects.kinds.tool_error import AbstractToolError
 from flexros.gap.candidates.candidate import list_candidates
@@ -159,13 +158,7 @@ class Search:
         return tuple(candidate for candidate in found if self.competitors.contain(candidate))
 
     def _known(self, candidate: Candidate) -> bool:
-        """Whether what a candidate needs or changes is known well enough for it to be a cause.
-
-        On a real machine without gravity the load of a gear is an inertia, which is uncertain, times an acceleration.
-        """
-        gravity = bool(np.any(self.null.model.robot.spec.gravity.value))
-        if issubclass(candidate.effect, AbstractDryFriction) and candidate.effect.needs_load:
-            return gravity or not self.data.record.imported
+        """Whether the numbers that a candidate changes are known well enough for an error of them to be a cause."""
         if not issubclass(candidate.effect, AbstractChangedValues):
             return True
         effect = candidate.typical().effect

@@ -32,8 +32,8 @@ def with_curves(
 ) -> CandidateFit:
     """Add curves to an explanation of a real machine, where they explain clearly more than any further law.
 
-    All sizes of a curve are free together, and those of all laws with them: an error of form in one law, or friction of
-    a law that is not in the library, then moves no others. On a simulated robot every law is in the library.
+    All sizes of a curve are free together, and those of all laws with them: a model-form error of one law, or friction
+    of a law that is not in the library, then moves no others. On a simulated robot every law is in the library.
 
     Args:
         search: The search.

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.effects.coulomb_friction import CoulombFriction
 from flexros.effects.delay import Delay
+from flexros.effects.friction.coulomb_friction import CoulombFriction
+from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.motor_inertia_error import MotorInertiaError
 from flexros.effects.servos import ServoCommandLag, ServoDampingError, ServoStiffnessError
 from flexros.effects.torque_gain_error import TorqueGainError
-from flexros.effects.viscous_friction import ViscousFriction
 from flexros.gap.candidates.candidate import Candidate, free_parameter, list_candidates
 from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.scales import scales_of_motors
@@ -86,7 +86,9 @@ def fit_of_servos(
     begin = settings.servo_start
     limited = limited_servos(robot, record, begin.often_limited)
     competing = competitors(robot, settings.search)
-    begun = [pair for pair in _begun(null, limited, begin) if competing.contain(pair[0])]
+    listed = [pair for pair in _begun(null, limited, begin) if competing.contain(pair[0])]
+    lags = [pair for pair in listed if pair[0].effect is ServoCommandLag]
+    begun = [pair for pair in listed if pair[0].effect is not ServoCommandLag]
     if not begun:
         return None
     errors = (0.0, begin.undamped) if limited.any() else (0.0,)
@@ -96,7 +98,6 @@ def fit_of_servos(
     tried = [_screened(null, begun, own, settings, stop) for own in starts]
     if regressed is not None:
         tried.append(_screened(null, begun, _first_values(regressed), settings, stop))
-    lags = [pair for pair in _lags(null, begin) if competing.contain(pair[0])]
     if lags:
         punctual = [pair for pair in begun if pair[0].effect is not Delay]
         late = [[*rest, *lags] for rest in (punctual, begun)]
@@ -121,16 +122,6 @@ def _screened(
     return fit(predictor, null.data, theta, settings.servo_start.iterations, settings=settings.fit, stop=stop)
 
 
-def _lags(null: NullFit, settings: ServoStartSettings) -> list[tuple[Candidate, float]]:
-    """List filters of the commands of all motors, with their first time constant [s]."""
-    robot, record = null.model.robot, null.data.record
-    return [
-        (one, settings.lag * record.sample_time)
-        for one in list_candidates(robot, scales_of_motors(robot, record), measured=True, known=null.model.laws)
-        if one.effect is ServoCommandLag
-    ]
-
-
 def _likeliest(fits: Sequence[CandidateFit], n_values: int) -> CandidateFit | None:
     """Return the fit with the best Bayesian information criterion X / m + p log n (Schwarz 1978); None without one.
 
@@ -148,7 +139,7 @@ def _first_values(fit: CandidateFit) -> dict[str, float]:
 
 
 def _begun(null: NullFit, limited: BoolArray, settings: ServoStartSettings) -> list[tuple[Candidate, float]]:
-    """List the effects of all servos, each with its first parameter, and the values that the fits begin with."""
+    """List the effects of all servos and of their commands, each with its first parameter and its initial value."""
     robot, record = null.model.robot, null.data.record
     scales = scales_of_motors(robot, record)
     begun = [
@@ -159,7 +150,9 @@ def _begun(null: NullFit, limited: BoolArray, settings: ServoStartSettings) -> l
     others = [name for name, one in zip(robot.joint_names, limited, strict=True) if not one]
     for candidate in list_candidates(robot, scales, measured=True, known=null.model.laws):
         first = replace(candidate, free=candidate.free[:1])
-        if (candidate.effect in OF_SERVO and candidate.location in others) or candidate.name == f"{Delay.name}@all":
+        if candidate.effect is ServoCommandLag:
+            begun.append((first, settings.lag * record.sample_time))
+        elif (candidate.effect in OF_SERVO and candidate.location in others) or candidate.name == f"{Delay.name}@all":
             little = settings.little_friction * first.free[0].high
             begun.append((first, little if candidate.effect is CoulombFriction else 0.0))
     return begun

@@ -82,15 +82,15 @@ def worth(
 def _constant(search: Search, comparison: ModelComparison, before: CandidateFit, after: CandidateFit) -> bool:
     """Return whether further effects of constant size remove a part of what a cause outside the library may leave.
 
-    Where an explanation suffices, what its effects leave is an error of form, which candidates imitate constantly too.
-    Both must be fits: an estimate by linear theory has no sizes.
+    Where an explanation suffices, what its effects leave is a model-form error, which candidates imitate constantly
+    too. Both must be fits: an estimate by linear theory has no sizes.
     """
     if search.data.record.imported or comparison.adequate(after):
         return False
     further = after.names - before.names
     if not further or comparison.removed(before, after) < search.settings.search.removed_if_constant:
         return False
-    found = constancies(after, search.data)
+    found = constancies(after, search.data, search.settings.ranking)
     return all(found[name] >= search.settings.ranking.constant for name in further)
 
 

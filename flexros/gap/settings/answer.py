@@ -101,6 +101,21 @@ class RankingSettings(Settings):
         description="size of an effect over its deviation between the parts of a log, from which it is constant [1]: "
         "imitations of causes outside the library reached 9 (14 development cases)",
     )
+    parts: int = Field(
+        default=8, ge=2, description="parts of equal length that a log is divided into for that [1] (chosen)"
+    )
+    shown_by_part: float = Field(
+        default=3.0,
+        ge=0,
+        description="size over its standard deviation by a part alone, from which the estimate of that part counts [1] "
+        "(chosen): others are noise, whose scatter is not that of the size",
+    )
+    fewest_parts: int = Field(
+        default=4,
+        ge=2,
+        description="fewest parts that count, from which anything can be said [1] (chosen): two or three agree by "
+        "chance",
+    )
     inadequate: float = Field(
         default=7.0,
         ge=0,

@@ -19,8 +19,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from scipy.linalg import expm
 
+from flexros.robot.linear.held_input import held_input
 from flexros.robot.linear.linearise import linear_model
 
 if TYPE_CHECKING:
@@ -130,10 +130,8 @@ def _torque_response(
     force = model.input.copy()
     for motor in robot.flexible_motors if entry == "gear" else ():
         force[robot.gear_rows[motor], motor] -= 1.0
-    n, m = len(A), force.shape[1]
-    held = np.zeros((n + m, n + m))
-    held[:n, :n], held[n // 2 : n, n:] = A, np.linalg.solve(model.mass, force)
-    return dynamics.response(z, expm(held * sample_time)[:n, n:])
+    B = np.vstack([np.zeros_like(force), np.linalg.solve(model.mass, force)])
+    return dynamics.response(z, held_input(A, B, sample_time)[1])
 
 
 def _noise(dynamics: _ErrorDynamics, sd: FloatArray, z: ComplexArray) -> ComplexArray:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.linalg import expm
 
 from flexros.compile.command_delay import split_delay
 from flexros.control.context import LoopContext
 from flexros.control.linear_controller import encoder_controller
+from flexros.robot.linear.held_input import held_input
 from flexros.robot.linear.positions import linearise_positions
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ def _decays(
     commands[1:] = np.eye(size)[n + m :].reshape(-1, motors, size)
     plant = np.broadcast_to(np.eye(n, size), (len(A), n, size))
     for piece in delay.pieces:
-        step, entry = _held(A, B, piece.duration)
+        step, entry = held_input(A, B, piece.duration)
         plant = step @ plant + entry @ commands[piece.age]
     loop = np.zeros((len(A), size, size))
     loop[:, :n] = plant
@@ -104,12 +104,3 @@ def _decays(
     radii = np.abs(np.linalg.eigvals(loop))
     largest = np.max(np.where(np.abs(radii - 1.0) > _STANDING, radii, 0.0), axis=-1)
     return np.asarray(-np.log(largest) / delay.sample_time)
-
-
-def _held(A: FloatArray, B: FloatArray, time: float) -> tuple[FloatArray, FloatArray]:
-    """Return state transitions and input matrices of a constant input over a time."""
-    n, m = B.shape[-2:]
-    whole = np.zeros((len(A), n + m, n + m))
-    whole[:, :n, :n], whole[:, :n, n:] = A, B
-    whole = expm(whole * time)
-    return whole[:, :n, :n], whole[:, :n, n:]

@@ -41,17 +41,15 @@ class TwoMassAxis:
     @classmethod
     def builtin(cls) -> TwoMassAxis:
         """Return the axis of the built-in robot `two_mass`."""
-        from scipy.linalg import expm  # here, because it loads slowly
-
         from flexros.robot import load_robot
+        from flexros.robot.linear.held_input import held_input
         from flexros.robot.linear.linearise import linear_model
 
         robot = load_robot("two_mass")
         linear = linear_model(robot)
         A, B, C, _ = linear.matrices()
-        n = len(A)
-        step = expm(np.block([[A, B], [np.zeros((1, n + 1))]]) * robot.sample_time)
-        return cls((A, B), step[:n, :n], step[:n, n], C[0], robot.sample_time)
+        transition, entry = held_input(A, B, robot.sample_time)
+        return cls((A, B), transition, entry[:, 0], C[0], robot.sample_time)
 
     def speed_response(self, frequency: FloatArray) -> ComplexArray:
         """Return the continuous-time response from torque to motor speed, (4.9) times s.

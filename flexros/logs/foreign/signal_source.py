@@ -86,6 +86,22 @@ class AbstractSignalSource(ABC):
         """
 
 
+class AbstractColumns(AbstractSignalSource):
+    """A file that is read as a whole when it is opened; a format provides its `columns` then."""
+
+    columns: Mapping[str, FloatArray]
+    """Columns by name, each of shape (n,)."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the vectors, of the columns of matrices, and of the entries of structures."""
+        return tuple(self.columns)
+
+    def read(self, names: Sequence[str]) -> dict[str, Signal]:
+        """Return the columns; see `AbstractSignalSource.read`."""
+        return {name: Signal(self.columns[name]) for name in names}
+
+
 def open_source(path: Path) -> AbstractSignalSource:
     """Open a file of a foreign log.
 

@@ -81,7 +81,7 @@ def test_nothing_left_is_no_gap_and_something_left_an_unknown_effect() -> None:
 def imitation(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let the effects found have another size in every part of the log."""
     monkeypatch.setattr(
-        "flexros.gap.answer.decision.constancies", lambda fit, _: dict.fromkeys(fit.names, RANKING.constant - 1)
+        "flexros.gap.answer.decision.constancies", lambda fit, *_: dict.fromkeys(fit.names, RANKING.constant - 1)
     )
 
 

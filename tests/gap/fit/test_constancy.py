@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.gap.fit.constancy import PARTS, constancy, estimates_of_parts
+from flexros.gap.fit.constancy import constancy, estimates_of_parts
+from flexros.gap.settings import RankingSettings
 
 RNG = np.random.default_rng(5)
+PARTS, FEWEST = RankingSettings().parts, RankingSettings().fewest_parts
 
 
 def linear_log(sizes: list[float], n: int = 4000) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -35,13 +37,13 @@ def test_sizes_of_parts_are_those_of_each_part() -> None:
 
 def test_a_true_effect_is_constant_and_an_imitation_is_not() -> None:
     """An effect of one size stands out of its scatter; one that follows something else does not."""
-    assert constancy(sizes_of_parts([1.0] * PARTS)) > 20
-    assert constancy(sizes_of_parts([3.0, -2.0, 0.5, 4.0, -1.0, 2.5, 0.0, 1.0])) < 3
+    assert constancy(sizes_of_parts([1.0] * PARTS), FEWEST) > 20
+    assert constancy(sizes_of_parts([3.0, -2.0, 0.5, 4.0, -1.0, 2.5, 0.0, 1.0]), FEWEST) < 3
 
 
 def test_a_part_with_an_impact_does_not_hide_a_constant_effect() -> None:
     """The size of a single part may be anything."""
-    assert constancy(sizes_of_parts([1.0] * (PARTS - 1) + [40.0])) > 20
+    assert constancy(sizes_of_parts([1.0] * (PARTS - 1) + [40.0]), FEWEST) > 20
 
 
 def test_a_prior_holds_parameters_where_the_whole_fit_left_them() -> None:
@@ -54,5 +56,5 @@ def test_a_prior_holds_parameters_where_the_whole_fit_left_them() -> None:
 
 def test_few_parts_say_nothing() -> None:
     """Three estimates that agree may do so by chance."""
-    assert constancy(np.ones(3)) == 0.0
-    assert constancy(np.array([1.0, 1.0, 1.0, np.nan])) == 0.0
+    assert constancy(np.ones(FEWEST - 1), FEWEST) == 0.0
+    assert constancy(np.array([1.0, 1.0, 1.0, np.nan]), FEWEST) == 0.0

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from flexros.effects import RobotWithEffects
+from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.kinds.base import PlacedEffect
-from flexros.effects.viscous_friction import ViscousFriction
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.diagnose import diagnose
 from flexros.gap.fit.unknown_numbers import STEPS, UnknownNumbers, unknown_numbers

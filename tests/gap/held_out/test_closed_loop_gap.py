@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from flexros.effects import PlacedEffect, RobotWithEffects, place_effects
-from flexros.effects.coulomb_friction import CoulombFriction
+from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.gap.held_out import closed_loop_gap as module
 from flexros.gap.held_out.closed_loop_gap import closed_loop_gap, measured_alone, why_not_simulated
 from flexros.logs.time_series import Log

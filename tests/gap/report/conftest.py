@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexros.effects.coulomb_friction import CoulombFriction
+from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.effects.kinds.base import PlacedEffect
 from flexros.gap.prediction.predicted_log import PredictedLog
 from flexros.gap.result import DiagnosisResult, Explanation, RankedCandidate, SignalGap

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from flexros.effects import PlacedLaw, RobotWithEffects, parse_effect, place_effects
+from flexros.effects.gear.spring_curve import SpringCurve
 from flexros.effects.kinds.base import Stage
 from flexros.effects.kinds.gear_law import AbstractGearLaw, GearState, GearTorques
-from flexros.effects.spring_curve import SpringCurve
 from flexros.gap.candidates.candidate import Candidate
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.diagnose import diagnose

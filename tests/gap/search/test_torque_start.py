@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from flexros.effects import PlacedEffect, RobotWithEffects
-from flexros.effects.coulomb_friction import CoulombFriction
+from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.gap.candidates.tolerance import Tolerance, tolerance_of
 from flexros.gap.diagnose import diagnose
 from flexros.gap.fit.least_squares import CandidateFit

@@ -136,7 +136,7 @@ def test_an_effect_of_constant_size_stays_beside_what_no_effect_explains(
     monkeypatch: pytest.MonkeyPatch, constant: float, level: float, expected: bool
 ) -> None:
     """It removes a fifth of what is left. Where the explanation suffices, an error of form may be constant too."""
-    monkeypatch.setattr("flexros.gap.search.worth.constancies", lambda fit, data: dict.fromkeys(fit.names, constant))
+    monkeypatch.setattr("flexros.gap.search.worth.constancies", lambda fit, *_: dict.fromkeys(fit.names, constant))
     rest, fit = measured_fit(1 + 1.25 * (level - 1), COULOMB), measured_fit(level, COULOMB, PRESLIDING)
     search = measured_search()
     search.data.record.imported = False

@@ -9,6 +9,7 @@ import typer
 from rich.table import Table
 
 from flexros.atomic_file import write_result
+from flexros.cli.commands.identify.fit import value_bounds
 from flexros.cli.commands.run import key_and_value
 from flexros.cli.model import linear_robot
 from flexros.cli.options import NamespaceOption, TorqueOption, torque_source
@@ -65,7 +66,7 @@ def axis(
     chosen = torque_source(torque)
     settings = {"masses": masses, "gear": gear, "stribeck": stribeck, "offset": offset, "output": output}
     structure = validate(AxisStructure, {**settings, "rotary": rotary}, "command line")
-    starts, bounds = _values(start), _bounds(bound)
+    starts, bounds = _values(start), value_bounds(bound, "gear_knee=0.0005:0.01")
     logs = {"log": read_log(log, namespace=namespace or None)}
     if validation:
         logs["validation"] = read_log(validation, namespace=namespace or None)
@@ -100,19 +101,6 @@ def _values(texts: list[str]) -> dict[str, float]:
             raise InputError(f"--start {name} is '{value}', but must be a number, e.g. gear_knee=0.002")
         values[name] = float(value)
     return values
-
-
-def _bounds(texts: list[str]) -> dict[str, tuple[float, float]]:
-    """Read NAME=LOW:HIGH."""
-    bounds = {}
-    for text in texts:
-        name, _, pair = text.partition("=")
-        low, _, high = pair.partition(":")
-        try:
-            bounds[name] = float(low), float(high)
-        except ValueError as error:
-            raise InputError(f"--bound is '{text}', but must be NAME=LOW:HIGH, e.g. gear_knee=0.0005:0.01") from error
-    return bounds
 
 
 def _given(antiresonances: list[float], resonances: list[float]) -> Resonances | None:

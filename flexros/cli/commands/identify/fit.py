@@ -74,11 +74,12 @@ def fit(
         print_identification(result, out)
 
 
-def value_bounds(texts: list[str]) -> dict[str, tuple[float, float]]:
+def value_bounds(texts: list[str], example: str = "body_1.ry.stiffness=1e4:1e6") -> dict[str, tuple[float, float]]:
     """Parse bounds of values, NAME=LOW:HIGH.
 
     Args:
         texts: The values of the option.
+        example: One that may be given, for the error message.
 
     Returns:
         Lower and upper bound [SI] by name.
@@ -93,9 +94,7 @@ def value_bounds(texts: list[str]) -> dict[str, tuple[float, float]]:
         try:
             bounds[name] = float(low), float(high)
         except ValueError:
-            raise InputError(
-                f"--bound is '{text}', but must be NAME=LOW:HIGH in SI units, e.g. body_1.ry.stiffness=1e4:1e6"
-            ) from None
+            raise InputError(f"--bound is '{text}', but must be NAME=LOW:HIGH in SI units, e.g. {example}") from None
     return bounds
 
 

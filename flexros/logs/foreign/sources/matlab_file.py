@@ -11,10 +11,9 @@ import numpy as np
 from flexros.errors import InputError
 from flexros.input_limits import MOST_ELEMENTS, room_of
 from flexros.logs.foreign.matlab_elements import check_elements
-from flexros.logs.foreign.signal_source import AbstractSignalSource, Signal, first_line, flatten
+from flexros.logs.foreign.signal_source import AbstractColumns, first_line, flatten
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
     from pathlib import Path
 
 _HDF5 = b"\x89HDF\r\n\x1a\n"
@@ -22,7 +21,7 @@ _HEADER = 512
 """Length of the MATLAB header before the HDF5 part of a file of version 7.3 [byte]."""
 
 
-class MatlabFile(AbstractSignalSource):
+class MatlabFile(AbstractColumns):
     """Vectors and matrices of a .mat file; entries of a structure are named structure.entry."""
 
     format: ClassVar[str] = "MATLAB"
@@ -39,20 +38,11 @@ class MatlabFile(AbstractSignalSource):
                 "with: save -v7"
             )
         try:
-            self._columns = flatten(_read_hdf5(path) if hdf5 else _read_version_5(path))
+            self.columns = flatten(_read_hdf5(path) if hdf5 else _read_version_5(path))
         except Exception as error:  # SciPy and HDF5 raise errors of many kinds on damaged files
             raise InputError(
                 f"{path} cannot be read as {version} ({first_line(error)}); save it again with: save -v7"
             ) from error
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the vectors and of the columns of matrices."""
-        return tuple(self._columns)
-
-    def read(self, names: Sequence[str]) -> dict[str, Signal]:
-        """Return the columns; see `AbstractSignalSource.read`."""
-        return {name: Signal(self._columns[name]) for name in names}
 
 
 def _read_version_5(path: Path) -> dict[str, object]:

@@ -9,14 +9,13 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.input_limits import MOST_ELEMENTS, room_of
-from flexros.logs.foreign.signal_source import AbstractSignalSource, Signal, first_line, flatten
+from flexros.logs.foreign.signal_source import AbstractColumns, first_line, flatten
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
     from pathlib import Path
 
 
-class NumpyFile(AbstractSignalSource):
+class NumpyFile(AbstractColumns):
     """Vectors, matrices and structured arrays of an .npz file; pickled objects are never loaded."""
 
     format: ClassVar[str] = "NumPy archive"
@@ -26,21 +25,12 @@ class NumpyFile(AbstractSignalSource):
         try:
             _check_claims(path)
             with np.load(path, allow_pickle=False) as archive:
-                self._columns = flatten({name: archive[name] for name in archive.files})
+                self.columns = flatten({name: archive[name] for name in archive.files})
         except Exception as error:  # damaged archives fail in many ways
             raise InputError(
                 f"{path} cannot be read as a NumPy archive of plain arrays ({first_line(error)}); write it with "
                 "numpy.savez"
             ) from error
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the vectors, of the columns of matrices, and of the fields of structured arrays."""
-        return tuple(self._columns)
-
-    def read(self, names: Sequence[str]) -> dict[str, Signal]:
-        """Return the columns; see `AbstractSignalSource.read`."""
-        return {name: Signal(self._columns[name]) for name in names}
 
 
 def _check_claims(path: Path) -> None:

@@ -47,7 +47,7 @@ def crowd_groups(answers: Sequence[Answer]) -> dict[str, list[Answer]]:
     """Divide crowds: of the library alone by state of the nominal model, and those with a cause outside it.
 
     Args:
-        answers: The cases; others than crowds are passed over.
+        answers: The cases; others than crowds are skipped.
     """
     crowds = crowds_of(answers)
     rules: dict[str, Callable[[Answer], bool]] = {
@@ -92,7 +92,7 @@ def case_lines(answers: Sequence[Answer]) -> list[list[str]]:
     """List the crowds one by one.
 
     Args:
-        answers: The cases; others than crowds are passed over.
+        answers: The cases; others than crowds are skipped.
 
     Returns:
         Of each: name, robot, nominal model, verdict, what was found, what is missing, and what was named wrongly.

@@ -127,7 +127,7 @@ def crowd_score(answers: Sequence[Answer]) -> CrowdScore:
     """Count.
 
     Args:
-        answers: The cases; others than crowds are passed over.
+        answers: The cases; others than crowds are skipped.
 
     Returns:
         The figures.

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flexros.validation.blind.score.coverage import fitted_sizes
+from flexros.validation.campaigns.markdown import table
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -26,7 +27,7 @@ def missed_cases(answers: Sequence[Answer]) -> list[str]:
         Lines of a table in Markdown, one row per case.
     """
     headings = ("case", "robot", "nominal model", "motion", "hidden, gain in nats", "reported, probability", "")
-    return _table(headings, [_case(one) for one in answers if one.missed])
+    return table(headings, [_case(one) for one in answers if one.missed])
 
 
 def missed_sizes(answers: Sequence[Answer]) -> list[str]:
@@ -39,11 +40,7 @@ def missed_sizes(answers: Sequence[Answer]) -> list[str]:
         Lines of a table in Markdown, one row per case.
     """
     headings = ("case", "robot", "effect", "size", "true", "fitted", "standard deviations off")
-    return _table(headings, [_size(one) for one in fitted_sizes(answers) if not one.covered])
-
-
-def _table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    return [f"| {' | '.join(row)} |" for row in (headings, ["---"] * len(headings), *rows)]
+    return table(headings, [_size(one) for one in fitted_sizes(answers) if not one.covered])
 
 
 def _size(one: FittedSize) -> tuple[str, ...]:

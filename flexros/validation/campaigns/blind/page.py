@@ -10,6 +10,7 @@ from flexros.validation.blind.score.answer import VISIBLE
 from flexros.validation.blind.score.score import record, score, scores_by
 from flexros.validation.blind.score.tables import figure_rows
 from flexros.validation.campaigns.blind.missed import missed_cases, missed_sizes
+from flexros.validation.campaigns.markdown import logs_without_answer, version_line
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -67,10 +68,7 @@ def blind_page(
     lines += ["", "## By effect", "", *_effects(answers)]
     lines += ["", "## Missed cases", "", *missed_cases(answers)]
     lines += ["", "## Sizes outside their 95 % intervals", "", *missed_sizes(answers)]
-    if failures:
-        lines += ["", "## Logs without answer", ""]
-        lines += [f"- {name}: {text.strip().splitlines()[-1]}" for name, text in failures.items()]
-    lines += ["", "Versions: " + ", ".join(f"{name} {version}" for name, version in used.items()) + "."]
+    lines += [*logs_without_answer(failures), "", f"{version_line(used)}."]
     return "\n".join(lines) + "\n"
 
 

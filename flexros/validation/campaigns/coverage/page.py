@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from flexros.validation.campaigns.coverage.estimates import DEFAULT
+from flexros.validation.campaigns.markdown import table, version_line
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Sequence
 
     from flexros.validation.campaigns.coverage.figures import ParameterCoverage, Share, WayCoverage
     from flexros.validation.campaigns.coverage.settings import CoverageSettings
@@ -68,16 +69,16 @@ def coverage_page(
         ["Written by `flexros campaign coverage` (`make campaign`)."],
         _how(settings, duration),
         ["## Goals", "", *(f"- {sentence}" for sentence in coverage_summary(ways, duration))],
-        ["## Estimators and weights", "", *_table(_WAYS, (_way_row(way) for way in ways))],
+        ["## Estimators and weights", "", *table(_WAYS, (_way_row(way) for way in ways))],
         *_remarks(ways),
-        [f"## Parameters, {DEFAULT}", "", *_table(_PARAMETERS, (_parameter_row(one) for one in default.parameters))],
+        [f"## Parameters, {DEFAULT}", "", *table(_PARAMETERS, (_parameter_row(one) for one in default.parameters))],
         [
             "Bias, spread and std are of logarithms: mean and standard deviation of the errors over the repetitions, "
             "and the median of the standard deviations of the intervals. Errors exclude parameters "
             "where they were judged not determined. Intervals of single parameters are Wilson's; that of all "
             "parameters comes from the differences between sets of phases."
         ],
-        ["Versions: " + ", ".join(f"{name} {version}" for name, version in described.items())],
+        [version_line(described)],
     ]
     return "\n\n".join("\n".join(part) for part in parts) + "\n"
 
@@ -151,11 +152,6 @@ def _parameter_row(one: ParameterCoverage) -> list[str]:
         _number(one.deviation),
         ", ".join(f"{word.replace('_', ' ')} {count}" for word, count in one.verdicts.items()),
     ]
-
-
-def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
-    lines = [head, ["---"] * len(head), *rows]
-    return ["| " + " | ".join(line) + " |" for line in lines]
 
 
 def _number(share: float | None) -> str:

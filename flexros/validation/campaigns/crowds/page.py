@@ -8,6 +8,7 @@ import numpy as np
 
 from flexros.validation.blind.score.crowd_tables import case_lines, crowd_groups, crowd_rows
 from flexros.validation.blind.score.crowds import CLAIMED, OVER, crowd_score, crowd_sizes
+from flexros.validation.campaigns.markdown import logs_without_answer, table, version_line
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -48,12 +49,9 @@ def crowds_page(
     lines += ["", "## By robot", "", *_scores(_by_robot(answers), goals=False)]
     lines += ["", "## Case by case", "", "Behind each hidden effect is its gain when it is added last [nats].", ""]
     headings = ("case", "robot", "nominal model", "verdict", "named", "missing", "named wrongly")
-    lines += _table([headings, ["---"] * len(headings), *case_lines(answers)])
+    lines += table(headings, case_lines(answers))
     lines += ["", "## Sizes outside their 95 % intervals", "", *_sizes(answers)]
-    if failures:
-        lines += ["", "## Logs without answer", ""]
-        lines += [f"- {name}: {text.strip().splitlines()[-1]}" for name, text in failures.items()]
-    lines += ["", "Versions: " + ", ".join(f"{name} {version}" for name, version in used.items()) + "."]
+    lines += [*logs_without_answer(failures), "", f"{version_line(used)}."]
     return "\n".join(lines) + "\n"
 
 
@@ -100,7 +98,7 @@ def _scores(groups: Mapping[str, Sequence[Answer]], goals: bool = True) -> list[
     for row in rows if goals else ():
         for column, goal in enumerate(GOALS.get(row[0], ()), start=1):
             row[column] += f" (goal {goal})" if goal and row[column] else ""
-    return _table([["", *by], ["---"] * (len(by) + 1), *rows])
+    return table(["", *by], rows)
 
 
 def _by_robot(answers: Sequence[Answer]) -> dict[str, list[Answer]]:
@@ -109,14 +107,11 @@ def _by_robot(answers: Sequence[Answer]) -> dict[str, list[Answer]]:
 
 
 def _sizes(answers: Sequence[Answer]) -> list[str]:
-    rows = [("case", "robot", "effect", "size", "true", "fitted", "standard deviations off"), ("---",) * 7]
+    headings = ("case", "robot", "effect", "size", "true", "fitted", "standard deviations off")
+    rows = []
     for one in crowd_sizes(answers):
         if not one.covered:
             off = abs(one.fitted.value - one.true) / one.fitted.std if one.fitted.std > 0 else np.inf
             numbers = f"{one.true:.5g}", f"{one.fitted.value:.5g} {one.fitted.unit}".rstrip(), f"{off:.1f}"
             rows.append((one.answer.truth.name, one.answer.truth.robot, one.hidden.place, one.name, *numbers))
-    return _table(rows)
-
-
-def _table(rows: Sequence[Sequence[str]]) -> list[str]:
-    return [f"| {' | '.join(row)} |" for row in rows]
+    return table(headings, rows)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from flexros.validation.campaigns.markdown import version_line
+
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
@@ -45,7 +47,7 @@ def pairs_page(
         lines += ["| hidden | first log | causes | group | next experiment | then | causes |", "|---" * 7 + "|"]
         lines += [_row(part) for part in parts]
         lines += ["", NOTES[pair]] if pair in NOTES else []
-    lines += ["", "Versions: " + ", ".join(f"{name} {version}" for name, version in used.items()) + "."]
+    lines += ["", f"{version_line(used)}."]
     return "\n".join(lines) + "\n"
 
 

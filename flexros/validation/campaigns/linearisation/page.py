@@ -13,6 +13,7 @@ from flexros.validation.campaigns.linearisation.pictures import pictures
 from flexros.validation.campaigns.linearisation.robots import CALM, CHIRP, END, SECOND
 from flexros.validation.campaigns.linearisation.settings import TUNINGS
 from flexros.validation.campaigns.linearisation.tuning import DELAY, SENSITIVITY
+from flexros.validation.campaigns.markdown import version_line
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -59,7 +60,7 @@ def page(results: Results, used: Mapping[str, str]) -> str:
     for robot in results.settings.robots:
         for tuning in results.settings.tunings:
             lines += _tables(results, robot.name, tuning)
-    lines += [*_duels(results), *_limits(), "Versions: " + ", ".join(f"{k} {v}" for k, v in used.items()) + "."]
+    lines += [*_duels(results), *_limits(), f"{version_line(used)}."]
     return "\n".join(lines) + "\n"
 
 

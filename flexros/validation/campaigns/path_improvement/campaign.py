@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 from flexros.provenance import versions
 from flexros.report.number_text import number
 from flexros.validation.campaigns.base import AbstractCampaign, CampaignResult
+from flexros.validation.campaigns.markdown import version_line
 
 if TYPE_CHECKING:
     from flexros.validation.campaigns.base import CampaignRequest
@@ -92,6 +93,6 @@ def _page(found: Improvement, used: dict[str, str]) -> str:
         "|---|---|---|---|---|---|",
         *values,
         "",
-        "Stiffness in Nm/rad, damping in Nms/rad. Versions: " + ", ".join(f"{n} {v}" for n, v in used.items()) + ".",
+        f"Stiffness in Nm/rad, damping in Nms/rad. {version_line(used)}.",
     ]
     return "\n".join(lines) + "\n"

@@ -8,6 +8,7 @@ import numpy as np
 
 from flexros.validation.blind.score.answer import REFUSED
 from flexros.validation.blind.score.statistics import share
+from flexros.validation.campaigns.markdown import logs_without_answer, table, version_line
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -65,7 +66,7 @@ def nulls_page(found: ScoredCases, settings: QuantizedNullsSettings) -> str:
     lines = ["# Nulls with rounded encoders", "", *_introduction(answers, found.planned, settings), ""]
     lines += [*_verdict(found), ""]
     shown = {"all": answers, **groups(answers)}
-    lines += _table(
+    lines += table(
         ("logs", "called anything but `no_gap`", "largest gap over its floor", "median time of a diagnosis [s]"),
         [(name, str(false_alarms(some)), *_figures(some)) for name, some in shown.items()],
     )
@@ -75,11 +76,8 @@ def nulls_page(found: ScoredCases, settings: QuantizedNullsSettings) -> str:
         "case", "robot", "nominal model", "motion", "colour of noise", "step / noise", "verdict", "gap / floor",
         "named, probability", "without rounding",
     )  # fmt: skip
-    lines += _table(headings, [_case(one, found.controls.get(one.truth.name)) for one in wrong]) if wrong else ["None."]
-    if found.failures:
-        lines += ["", "## Logs without answer", ""]
-        lines += [f"- {name}: {text.strip().splitlines()[-1]}" for name, text in found.failures.items()]
-    lines += ["", "Versions: " + ", ".join(f"{name} {version}" for name, version in found.used.items()) + "."]
+    lines += table(headings, [_case(one, found.controls.get(one.truth.name)) for one in wrong]) if wrong else ["None."]
+    lines += [*logs_without_answer(found.failures), "", f"{version_line(found.used)}."]
     return "\n".join(lines) + "\n"
 
 
@@ -182,7 +180,3 @@ def _nominal(nuisance: str) -> str:
         "tolerance_3": "nominal 3 % off",
     }
     return names[nuisance]
-
-
-def _table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    return [f"| {' | '.join(row)} |" for row in (headings, ["---"] * len(headings), *rows)]

@@ -6,6 +6,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from flexros.validation.campaigns.markdown import version_line
+
 if TYPE_CHECKING:
     from flexros.validation.blind.plan import Case
 
@@ -116,7 +118,7 @@ def sensitivity_page(study: Study, used: Mapping[str, str]) -> str:
     if changes:
         lines += ["", "## Answers that changed", "", "| setting | times | case | default | varied |", "|---" * 5 + "|"]
         lines += changes
-    lines += ["", "Versions: " + ", ".join(f"{name} {version}" for name, version in used.items()) + "."]
+    lines += ["", f"{version_line(used)}."]
     return "\n".join(lines) + "\n"
 
 

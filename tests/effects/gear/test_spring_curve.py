@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from flexros.effects.spring_curve import SpringCurve
+from flexros.effects.gear.spring_curve import SpringCurve
 from flexros.robot import load_robot
 from flexros.simulate.plant import Plant
 from flexros.simulate.plant_model import PlantModel

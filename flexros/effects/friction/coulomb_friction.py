@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, ClassVar
 import casadi as ca
 from pydantic import Field, model_validator
 
+from flexros.effects.friction.presliding_friction import PreslidingFriction
 from flexros.effects.kinds.dry_friction import AbstractDryFriction, FrictionLevels
 from flexros.effects.kinds.ranges import Range
-from flexros.effects.presliding_friction import PreslidingFriction
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
-    from flexros.effects.kinds.base import Stage
+    from flexros.effects.kinds.base import AbstractEffect, Stage
     from flexros.effects.kinds.law import AbstractLaw
     from flexros.effects.kinds.motor_law import MotorState
     from flexros.robot import Robot
@@ -85,6 +85,11 @@ class CoulombFriction(AbstractDryFriction):
         """Return the range of the level; bristles are fitted once the effect is found."""
         del robot, location
         return {"level": self.ranges["level"]}
+
+    def reductions(self, robot: Robot, location: str, known: Sequence[AbstractEffect] = ()) -> Mapping[str, float]:
+        """Return the Coulomb friction that the nominal model has, which is all that can be missing."""
+        del robot, location
+        return {"level": sum((one.level for one in known if isinstance(one, CoulombFriction)), start=0.0)}
 
     def levels(self, motor: MotorState, values: Mapping[str, Value]) -> FrictionLevels:
         """Return the two levels, independent of the speed."""

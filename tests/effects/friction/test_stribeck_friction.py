@@ -8,8 +8,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from flexros.arrays import FloatArray
+from flexros.effects.friction.stribeck_friction import StribeckFriction
 from flexros.effects.kinds.motor_law import MotorState
-from flexros.effects.stribeck_friction import StribeckFriction
 from tests.effects.single_mass import MASS, plant, states
 
 HUMP = "stribeck_friction@motor_1:extra=40,velocity=0.1"

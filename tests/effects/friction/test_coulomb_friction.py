@@ -7,6 +7,8 @@ import pytest
 
 from flexros.arrays import FloatArray
 from flexros.effects import parse_effect, place_effects
+from flexros.effects.friction.coulomb_friction import CoulombFriction
+from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.errors import InputError
 from flexros.robot import Robot, load_robot, robot_from_data
 from flexros.simulate.disturbance import AbstractDisturbance, Pulse, Step
@@ -158,3 +160,10 @@ def test_level_below_zero_reduces_another_one_at_most_to_zero() -> None:
     for wrong in ("level=-2.5", "level=-2.5,asymmetry=0.1"):
         with pytest.raises(InputError, match="at least -2"):
             plant(TWO_MASS, f"coulomb_friction@motor_1:level=2 coulomb_friction@motor_1:{wrong}", start)
+
+
+def test_all_coulomb_friction_that_a_model_has_there_can_be_taken_away() -> None:
+    robot = load_robot("two_mass")
+    known = [CoulombFriction(level=0.3), ViscousFriction(coefficient=1.0), CoulombFriction(level=0.1)]
+    assert CoulombFriction().reductions(robot, "motor_1", known)["level"] == pytest.approx(0.4)
+    assert CoulombFriction().reductions(robot, "motor_1")["level"] == 0.0

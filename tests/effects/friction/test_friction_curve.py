@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from flexros.effects.friction_curve import FrictionCurve
+from flexros.effects.friction.friction_curve import FrictionCurve
 from flexros.effects.kinds.motor_law import MotorState
 
 SIZES = {"standstill": 0.5, "speed_10": 1.0, "speed_25": 3.0, "speed_50": 2.0, "speed_75": 2.5, "speed_100": 4.0}

@@ -13,9 +13,9 @@ from flexros.effects.kinds.ranges import Range
 from flexros.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
-    from flexros.effects.kinds.base import Stage
+    from flexros.effects.kinds.base import AbstractEffect, Stage
     from flexros.robot import Robot
     from flexros.robot.symbolic.kinematics import Value
 
@@ -52,8 +52,9 @@ class ViscousFriction(AbstractMotorTorque):
         """Whether the friction is nominal."""
         return self.coefficient == 0 and self.asymmetry == 0
 
-    def reductions(self, robot: Robot, location: str) -> Mapping[str, float]:
+    def reductions(self, robot: Robot, location: str, known: Sequence[AbstractEffect] = ()) -> Mapping[str, float]:
         """Return the nominal friction, which is all that can be missing."""
+        del known
         return {"coefficient": robot.parameters[f"{location}.viscous_friction"].value}
 
     def check_on(self, robot: Robot, location: str) -> None:

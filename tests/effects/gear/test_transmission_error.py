@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexros.arrays import FloatArray
-from flexros.effects.transmission_error import TransmissionError
+from flexros.effects.gear.transmission_error import TransmissionError
 from flexros.robot import load_robot
 from flexros.simulate.plant_model import PlantModel
 from tests.effects.effect_runs import GearLaw, halving_errors, laws_of, run, still

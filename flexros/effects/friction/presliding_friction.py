@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, ClassVar
 import casadi as ca
 from pydantic import Field, model_validator
 
+from flexros.effects.friction.stribeck_friction import GAUSSIAN, SLOWEST, hump
 from flexros.effects.kinds.bristle_friction import AbstractBristleFriction, Bristle
 from flexros.effects.kinds.ranges import Range
-from flexros.effects.stribeck_friction import GAUSSIAN, SLOWEST, hump
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from flexros.arrays import FloatArray
-from flexros.effects.load_dependent_friction import LoadDependentFriction
+from flexros.effects.friction.load_dependent_friction import LoadDependentFriction
 from flexros.robot import Robot, load_robot, robot_from_data
 from flexros.simulate.plant_model import PlantModel
 from tests.effects import effect_runs, single_mass
@@ -119,6 +119,13 @@ def test_it_is_sought_where_the_load_varies_by_itself() -> None:
     assert effect.sought(TWO_MASS, "motor_1")
     assert effect.sought(pendulum(), "motor_1")
     assert not effect.sought(load_robot("emps"), "motor_1")
+
+
+def test_on_a_real_machine_it_is_sought_under_gravity_alone() -> None:
+    """Without it the load of a gear is an inertia, which is uncertain, times an acceleration."""
+    effect = LoadDependentFriction()
+    assert effect.sought_if_measured(pendulum(), "motor_1")
+    assert not effect.sought_if_measured(TWO_MASS, "motor_1")
 
 
 def test_self_locking_gear_is_refused() -> None:

@@ -8,7 +8,7 @@ import pytest
 from scipy.stats import gamma
 
 from flexros.arrays import FloatArray
-from flexros.effects.hysteresis import NODES, Hysteresis, slipping_angles
+from flexros.effects.gear.hysteresis import NODES, Hysteresis, slipping_angles
 from flexros.robot import load_robot
 from flexros.simulate.plant_model import PlantModel
 from tests.effects.effect_runs import GearLaw, halving_errors, laws_of, run, still

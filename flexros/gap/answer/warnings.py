@@ -1,0 +1,79 @@
+"""What is doubtful about an answer: warnings of the logs, of the sensors, and of what was found."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from flexros.effects.torque_drift import TorqueDrift
+from flexros.gap.fit.estimates import placed_effects
+
+if TYPE_CHECKING:
+    from flexros.gap.answer.decision import Findings
+    from flexros.gap.schema import GapNumbers
+    from flexros.record.record import Record
+
+LOW_FRACTION, LEAST_GAP = 0.5, 2.0
+"""Closed fraction below which, and gap above which, it is warned that the explanation may not hold elsewhere [1]."""
+
+
+def record_warnings(fitted: Record, held: Record) -> tuple[str, ...]:
+    """Return the warnings of the fitted log, and those that only the held-out one has."""
+    return (*fitted.warnings, *(f"held-out log: {text}" for text in held.warnings if text not in fitted.warnings))
+
+
+def sensor_warnings(findings: Findings) -> tuple[str, ...]:
+    """Return the warnings of encoders and tool tracker."""
+    data = findings.data
+    return (*data.measurement.warnings, *(() if data.tool is None else data.tool.warnings))
+
+
+def answer_warnings(findings: Findings, gap: GapNumbers, *, worse: bool) -> list[str]:
+    """Return what limits the answer."""
+    explanations, remainder, warnings = findings.explanations, findings.explanations.remainder, []
+    if explanations.detected and remainder > 0 and explanations.comparison.adequate(explanations.chosen):
+        warnings.append(
+            f"the explanation leaves {100 * remainder:.2g} % of the gap in the fitted log, more than noise does"
+        )
+    if worse:
+        warnings.append(
+            "the explanation predicts the held-out log worse than the nominal model, so there is no patch: that log "
+            "may be of other conditions, or what acts is not among the effects"
+        )
+    elif gap.closed_fraction is not None and gap.closed_fraction < LOW_FRACTION and gap.before > LEAST_GAP:
+        warnings.append(
+            f"on held-out data the explanation closes only {100 * gap.closed_fraction:.0f} % of the gap: it may not "
+            "hold beyond the fitted log"
+        )
+    given = findings.as_given
+    if explanations.detected and given.kept:
+        warnings.append(
+            f"without {', '.join(sorted(given.kept))}, which the model lacks, motors are predicted hardly better 0.1 s "
+            "ahead than by their last position: the gap before the repair is that of the model with them"
+        )
+    warnings += [
+        f"the size of {name} ended at the limit of its search, which is no finding: it is not in the patch"
+        for name in sorted(findings.beyond_search)
+    ]
+    return [*warnings, *_drift_warnings(findings)]
+
+
+def _drift_warnings(findings: Findings) -> list[str]:
+    """Return one sentence for every curve over time: of another start it says nothing.
+
+    A held-out part that continues the fitted log is predicted with the last value of the curve, another log as if the
+    curve repeated from its start on; so is every run of the patch.
+
+    Args:
+        findings: Fits of one log, and what the held-out log says of them.
+    """
+    fitted, held = findings.data.record, findings.held.record
+    continues = held.begin >= fitted.begin + (fitted.n_samples - 1) * fitted.sample_time
+    how = "the held-out part is predicted with its last value" if continues else "the held-out log as if it repeated"
+    drifts = [one for one in placed_effects(findings.explanations.chosen) if isinstance(one.effect, TorqueDrift)]
+    return [
+        f"the {one.effect.words} at {one.location} is that of the fitted log, {one.effect.begin:.3g} to "
+        f"{one.effect.end:.3g} s after its start; {how}. Of another start it says nothing: where it does not repeat, "
+        f"put torque_bias@{one.location} into the patch instead"
+        for one in drifts
+        if isinstance(one.effect, TorqueDrift)
+    ]
