@@ -23,7 +23,7 @@ from flexros.gap.fit.screening import directions_of, surroundings_of, switched_o
 from flexros.gap.fit.tolerance_takeover import with_takeover
 from flexros.gap.fit.unknown_numbers import UNCERTAIN
 from flexros.gap.prediction.compiled_plant import LANES, grouped
-from flexros.gap.search.harmonic_candidates import harmonic_candidates, neighbouring_orders
+from flexros.gap.search.harmonic_candidates import harmonic_candidates, harmonics_in_place, neighbouring_orders
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -156,6 +156,13 @@ class Search:
             return ()
         robot, settings = self.null.model.robot, self.settings.search
         found = harmonic_candidates(robot, self.data, fit.residual(self.data), fit.states(self.data), settings)
+        return tuple(candidate for candidate in found if self.competitors.contain(candidate))
+
+    def harmonics_in_place(self, fit: CandidateFit, replaced: Candidate) -> tuple[Candidate, ...]:
+        """List the candidates that may have the order of an effect of a fit in its place, in a simulated log."""
+        if self.data.record.imported or not replaced.effect.harmonics or self.deadline.stops():
+            return ()
+        found = harmonics_in_place(fit, replaced, self.data, self.settings.search)
         return tuple(candidate for candidate in found if self.competitors.contain(candidate))
 
     def _known(self, candidate: Candidate) -> bool:

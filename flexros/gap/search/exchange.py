@@ -116,11 +116,11 @@ def _replacements(
     """Yield effects with the candidates that may regain most of what is lost without them.
 
     Of those that torques show, only relative errors compete, with others at their motor: the regression takes a wrong
-    torque constant for an inertia.
+    torque constant for an inertia. In place of a harmonic of a simulated log the others of its order compete too.
     """
     surroundings = search.surroundings(fit)
     for candidate, rest in zip(fit.hypothesis, search.removals(fit, surroundings), strict=True):
-        competing = directions
+        competing = [*directions, *search.directions(search.harmonics_in_place(fit, candidate), fit)]
         if candidate.name in search.base.names:
             competing = [one for one in directions if _alike(one.candidate, candidate)]
         if competing:
