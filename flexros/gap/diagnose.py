@@ -130,10 +130,11 @@ def diagnose(
         )
 
     stages.begin("answer", 0.95)
-    sensitivity = sensitivity_of(explanations, null.data, model, unknown, settings.sensitivity, deadline.stops)
+    searched = explanations.beside or null.data
+    sensitivity = sensitivity_of(explanations, searched, model, unknown, settings.sensitivity, deadline.stops)
     findings = findings_of(
         model,
-        null.data,
+        searched,
         held_data,
         sensitivity.explanations,
         names_by_tolerance=sensitivity.rows,

@@ -160,7 +160,7 @@ class Search:
 
     def harmonics_in_place(self, fit: CandidateFit, replaced: Candidate) -> tuple[Candidate, ...]:
         """List the candidates that may have the order of an effect of a fit in its place, in a simulated log."""
-        if self.data.record.imported or not replaced.effect.harmonics or self.deadline.stops():
+        if self.data.record.imported or self.deadline.stops():
             return ()
         found = harmonics_in_place(fit, replaced, self.data, self.settings.search)
         return tuple(candidate for candidate in found if self.competitors.contain(candidate))

@@ -120,7 +120,9 @@ def _replacements(
     """
     surroundings = search.surroundings(fit)
     for candidate, rest in zip(fit.hypothesis, search.removals(fit, surroundings), strict=True):
-        competing = [*directions, *search.directions(search.harmonics_in_place(fit, candidate), fit)]
+        competing = directions
+        if candidate.effect.harmonics:
+            competing = [*directions, *search.directions(search.harmonics_in_place(fit, candidate), fit)]
         if candidate.name in search.base.names:
             competing = [one for one in directions if _alike(one.candidate, candidate)]
         if competing:

@@ -89,7 +89,7 @@ def harmonics_in_place(
         Candidates with one initial value each; none in place of an effect that has no order.
     """
     values = dict(zip(fit.hypothesis, fit.predictor.values(fit.theta), strict=True))[replaced]
-    if not replaced.effect.harmonics or "order" not in values:
+    if "order" not in values:  # where its parameters were pruned
         return ()
     robot = fit.predictor.robot
     off = data.residuals(fit.predictor, fit.switched_off((replaced.name,))[:, None])[:, 0]

@@ -216,7 +216,7 @@ def contrast_of(hypothesis: Hypothesis, other: Hypothesis) -> Contrast:
     plain = all(candidate.effect.plain for candidate in hypothesis if candidate.name in own)
     plain_others = all(candidate.effect.plain for candidate in other if candidate.name in others)
     rotors, rotors_of_others = _rotors(hypothesis, own), _rotors(other, others)
-    alike = plain and plain_others or rotors is not None and rotors == rotors_of_others
+    alike = (plain and plain_others) or (rotors is not None and rotors == rotors_of_others)
     return Contrast(own, plain, bool(own and others) and alike)
 
 

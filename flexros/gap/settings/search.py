@@ -221,6 +221,22 @@ class SearchSettings(Settings):
         "within the floors that an explanation of a real machine may leave, as they are where the torques are known "
         "better than stated [1]",
     )
+    line_width: float = Field(
+        default=2.0,
+        gt=0,
+        description="highest frequency at which amplitude and phase of the response to a line change, which a search "
+        "beside it leaves out [Hz] (chosen): the pose changes them, as fast as the robot moves",
+    )
+    line_share: float = Field(
+        default=0.5,
+        gt=0,
+        lt=1,
+        description="share of what is left that must be near a line, and of that in the line itself, for a search "
+        "beside it [1] (chosen)",
+    )
+    line_itself: float = Field(
+        default=0.125, gt=0, lt=1, description="distance from a line that counts as the line itself, over the width [1]"
+    )
     tried_orders: int = Field(
         default=5, ge=1, description="orders of a rotor that are fitted: the most prominent and the largest, each"
     )
