@@ -1,0 +1,45 @@
+"""A search beside a line: what acts at a frequency of its own hides all effects that are smaller."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from flexros.gap.fit.null_fit import fit_null
+from flexros.gap.residuals.line import line_in
+from flexros.gap.search.prepare import prepare_search
+from flexros.gap.search.worth import compared
+
+if TYPE_CHECKING:
+    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.search.candidate_fits import Search
+
+
+def beside_line(search: Search, chosen: CandidateFit) -> Search | None:
+    """Prepare a search beside what acts at one frequency all the time, where that is most of what is left in a log.
+
+    No effect of the library does so: friction, springs and rotors follow the motion. Left in, it decides what seems to
+    gain in the rest, and each true effect removes a small part of it. Beside it, the others show as before.
+
+    Args:
+        search: The search.
+        chosen: The explanation to which nothing can be added.
+
+    Returns:
+        The new search, which begins with the nominal model; None where no line is left, where the explanation
+        suffices, and on real machines, whose motion may repeat.
+    """
+    data, settings = search.data, search.settings
+    if data.record.imported or search.from_torques or data.line is not None or search.deadline.stops():
+        return None
+    if compared(search, [chosen]).adequate(chosen):
+        return None
+    n, M = data.record.position.shape
+    motors, numbers = chosen.residual(data)[: M * n].reshape(M, n), settings.search
+    line = line_in(motors, data.record.sample_time, numbers.line_width, numbers.line_share, numbers.line_itself)
+    if line is None:
+        return None
+    null, tolerance = search.null, search.null.fit.predictor.tolerance
+    start, every = tolerance.by_name(null.fit.deviations), replace(tolerance, directions=None)
+    again = fit_null(replace(data, line=line), null.model, every, settings.fit, start)
+    return prepare_search(again, settings, search.progress, search.deadline)
