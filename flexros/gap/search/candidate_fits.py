@@ -504,13 +504,13 @@ class Search:
         settings, n = self.settings.fit, self.data.n_values
         few = partial(self._fit, iterations=settings.joint_iterations, quick=True, rival=rival, finishing=finishing)
         fit = few(predictor, theta)
-        for _ in range(settings.final_iterations // settings.joint_iterations):
+        for further in reversed(range(settings.final_iterations // settings.joint_iterations)):
             stopped = self.deadline.stops_finishing() if finishing else self.deadline.stops()
             if fit.converged or stopped or not np.isfinite(fit.chi2):
                 break
             before = max(fit.chi2 - n, 0.0)
             fit = few(predictor, fit.theta)
-            if fit.chi2 - n > settings.still_falling * before:
+            if fit.chi2 - n > settings.still_falling * before or _hopeless(fit.chi2 - n, before, further, rival - n):
                 break
         return fit
 
@@ -581,6 +581,18 @@ class Search:
                 self.deadline.abandon()
                 raise
         return results
+
+
+def _hopeless(excess: float, before: float, further: int, rival: float) -> bool:
+    """Return whether a fit does not come near a better one although it falls twice as fast as in its last iterations.
+
+    Args:
+        excess: What it leaves above the noise [1].
+        before: What it left before the last iterations [1].
+        further: How many times as many iterations are left.
+        rival: What the better one leaves above the noise [1].
+    """
+    return before > 0 and excess * (excess / before) ** (2 * further) > max(rival, 0.0)
 
 
 def at_limits(fit: CandidateFit) -> list[tuple[Candidate, str]]:
