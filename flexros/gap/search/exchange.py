@@ -126,9 +126,9 @@ def _replacements(
         if candidate.name in search.base.names:
             competing = [one for one in directions if _alike(one.candidate, candidate)]
         if competing:
-            regained = search.settings.search.regained * (rest.least - fit.chi2)
-            additions = search.additions(competing, fit, rest)
-            yield candidate, [addition for addition in additions if addition.gain > regained]
+            numbers, additions = search.settings.search, search.additions(competing, fit, rest)
+            least = max(numbers.regained * (rest.least - fit.chi2), rest.least - numbers.within_reach * fit.chi2)
+            yield candidate, [addition for addition in additions if addition.gain > least]
 
 
 def _alike(one: Candidate, other: Candidate) -> bool:

@@ -154,6 +154,13 @@ class SearchSettings(Settings):
         description="predicted gain from which a candidate is fitted in place of an effect, over what is lost without "
         "that effect [1]",
     )
+    within_reach: float = Field(
+        default=10.0,
+        gt=1,
+        description="sum of squares that linear theory predicts for such an exchange, over that of the explanation, up "
+        "to which it is fitted [1]: of two six-axis crowds those that were any better were predicted up to 3.2 "
+        "(development seeds)",
+    )
     indispensable: float = Field(
         default=0.9,
         gt=0,
