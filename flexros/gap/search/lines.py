@@ -41,5 +41,7 @@ def beside_line(search: Search, chosen: CandidateFit) -> Search | None:
         return None
     null, tolerance = search.null, search.null.fit.predictor.tolerance
     start, every = tolerance.by_name(null.fit.deviations), replace(tolerance, directions=None)
-    again = fit_null(replace(data, line=line), null.model, every, settings.fit, start)
+    told = f"something acts at {line.frequency:.4g} Hz all the time, which no effect does; causes were sought beside it"
+    record = replace(data.record, warnings=(*data.record.warnings, told))
+    again = fit_null(replace(data, record=record, line=line), null.model, every, settings.fit, start)
     return prepare_search(again, settings, search.progress, search.deadline)

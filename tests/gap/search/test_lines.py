@@ -36,6 +36,7 @@ def test_a_line_that_is_most_of_what_is_left_is_left_out() -> None:
     assert beside.data.line is not None
     assert beside.data.line.frequency == pytest.approx(FREQUENCY, abs=0.01)
     assert beside.data.n_values < search.data.n_values
+    assert "41.3 Hz" in beside.data.record.warnings[-1]
     assert beside_line(beside, beside.null.fit) is None
 
 
