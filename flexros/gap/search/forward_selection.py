@@ -86,6 +86,9 @@ def explain(search: Search) -> Explanations:
     if not comparison.detected:
         return _explanations(search, comparison, null, detected=False)
     chosen = simplest(search, comparison, comparison.ranked(fits)[0], fits)
+    beside = beside_line(search, chosen, null)  # no effect removes it: before others imitate it
+    if beside is not None:
+        return explain(beside)
     if search.from_torques:
         chosen = reduced(search, chosen, fits, settings.removed_by_step)
         chosen = with_asymmetry(search, chosen, fits)

@@ -12,10 +12,11 @@ from flexros.gap.search.worth import compared
 
 if TYPE_CHECKING:
     from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.residuals.line import Line
     from flexros.gap.search.candidate_fits import Search
 
 
-def beside_line(search: Search, chosen: CandidateFit) -> Search | None:
+def beside_line(search: Search, chosen: CandidateFit, *others: CandidateFit) -> Search | None:
     """Prepare a search beside what acts at one frequency all the time, where that is most of what is left in a log.
 
     No effect of the library does so: friction, springs and rotors follow the motion. Left in, it decides what seems to
@@ -23,7 +24,8 @@ def beside_line(search: Search, chosen: CandidateFit) -> Search | None:
 
     Args:
         search: The search.
-        chosen: The explanation to which nothing can be added.
+        chosen: The best explanation so far.
+        others: Other fits that must leave the same line, such as that of the nominal model.
 
     Returns:
         The new search, which begins with the nominal model; None where no line is left, where the explanation
@@ -34,10 +36,9 @@ def beside_line(search: Search, chosen: CandidateFit) -> Search | None:
         return None
     if compared(search, [chosen]).adequate(chosen):
         return None
-    n, M = data.record.position.shape
-    motors, numbers = chosen.residual(data)[: M * n].reshape(M, n), settings.search
-    line = line_in(motors, data.record.sample_time, numbers.line_width, numbers.line_share, numbers.line_itself)
-    if line is None:
+    line, *further = (_line_left_by(search, fit) for fit in (chosen, *others))
+    reach = settings.search.line_itself * settings.search.line_width
+    if line is None or any(one is None or abs(one.frequency - line.frequency) > reach for one in further):
         return None
     null, tolerance = search.null, search.null.fit.predictor.tolerance
     start, every = tolerance.by_name(null.fit.deviations), replace(tolerance, directions=None)
@@ -45,3 +46,10 @@ def beside_line(search: Search, chosen: CandidateFit) -> Search | None:
     record = replace(data.record, warnings=(*data.record.warnings, told))
     again = fit_null(replace(data, record=record, line=line), null.model, every, settings.fit, start)
     return prepare_search(again, settings, search.progress, search.deadline)
+
+
+def _line_left_by(search: Search, fit: CandidateFit) -> Line | None:
+    n, M = search.data.record.position.shape
+    motors, numbers = fit.residual(search.data)[: M * n].reshape(M, n), search.settings.search
+    sample_time = search.data.record.sample_time
+    return line_in(motors, sample_time, numbers.line_width, numbers.line_share, numbers.line_itself)
