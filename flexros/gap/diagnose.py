@@ -194,12 +194,13 @@ class _Task:
         """
         settings, deadline = self.settings, self.deadline
         stages.begin("answer", 0.95)
+        model, searched = found.null.model, found.explanations.beside or found.null.data
         sensitivity = sensitivity_of(
-            found.explanations, found.null.data, found.null.model, found.unknown, settings.sensitivity, deadline.stops
+            found.explanations, searched, model, found.unknown, settings.sensitivity, deadline.stops
         )
         findings = findings_of(
-            found.null.model,
-            found.null.data,
+            model,
+            searched,
             found.held_data,
             sensitivity.explanations,
             names_by_tolerance=sensitivity.rows,

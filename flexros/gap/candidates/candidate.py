@@ -44,6 +44,7 @@ class FreeParameter:
         signed: Whether it may be negative.
         starts: Initial values of the fit [its unit].
         negative: Largest size of negative values, not above `high` [its unit]; None: `high`.
+        fine: Step of the differences that make the derivatives, over the usual one [1].
     """
 
     name: str
@@ -52,6 +53,7 @@ class FreeParameter:
     signed: bool
     starts: tuple[float, ...]
     negative: float | None = None
+    fine: float = 1.0
 
     def encode(self, value: float) -> float:
         """Convert a value [its unit] to the unit of the fit [1]."""

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 FIT = FitSettings()
 """Settings of a fit unless others are given."""
 STEP = 1e-3
-"""Step of the differences that make the derivatives, in the units of the fit [1]."""
+"""Usual step of the differences that make the derivatives, in the units of the fit [1]."""
 DAMPINGS = 10.0 ** np.arange(-8.0, 4.0, 1.5)
 """Dampings of a step that are tried together, relative to the information of each parameter [1]."""
 ALIKE = 1e-6
@@ -268,15 +268,16 @@ def linearise(
     """
     P = len(theta) if tolerance_slopes is None else predictor.n_effect
     _, high = predictor.bounds
-    signs = np.where(theta + STEP > high, -1.0, 1.0)
+    steps = STEP * predictor.fineness
+    steps = np.where(theta + steps > high, -steps, steps)
     groups = [range(begin, min(begin + LANES - 1, P)) for begin in range(0, max(P, 1), LANES - 1)]
 
     def differences(group: range) -> tuple[FloatArray, FloatArray]:
         sets = np.repeat(theta[:, None], len(group) + 1, axis=1)
         for lane, index in enumerate(group, 1):
-            sets[index, lane] += signs[index] * STEP
+            sets[index, lane] += steps[index]
         residual = data.residuals(predictor, sets)
-        slopes = (residual[:, 1:] - residual[:, :1]) * (signs[list(group)] / STEP)
+        slopes = (residual[:, 1:] - residual[:, :1]) / steps[list(group)]
         return residual[:, 0].copy(), np.where(np.abs(slopes) < DIVERGED, slopes, 0.0)
 
     with ThreadPoolExecutor(data.settings.cores if len(groups) > 1 else 1) as pool:

@@ -96,6 +96,11 @@ class Predictor:
         table = np.array(pairs, dtype=float).reshape(-1, 2)
         return table[:, 0], table[:, 1]
 
+    @property
+    def fineness(self) -> FloatArray:
+        """Step of the differences that make the derivatives, over the usual one [1], shape (n_fitted,)."""
+        return np.array([*(one.fine for _, one in self._parameters), *([1.0] * self.tolerance.n_free)])
+
     def values(self, theta: FloatArray) -> list[dict[str, float]]:
         """Return the values of the free parameters of every candidate [their units].
 

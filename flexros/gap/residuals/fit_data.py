@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from flexros.compile.loop.prediction import LoopPrediction
     from flexros.effects import RobotWithEffects
     from flexros.gap.noise.weights import Measurement
+    from flexros.gap.residuals.line import Line
     from flexros.gap.residuals.sensor_data import SensorData
     from flexros.gap.residuals.tool_data import ToolData
     from flexros.gap.settings import DiagnosisSettings
@@ -104,6 +105,7 @@ class FitData:
         nominal_level: Mean squared weighted prediction error of the motors by the nominal model [1].
         misfit: Mean squared weighted prediction error that no candidate removes [1]: where a model leaves much more
             than noise, the prior of tolerated parameters weighs as much more.
+        line: What acts at one frequency, which is projected out of the errors of the motors; None for nothing.
     """
 
     record: Record
@@ -121,6 +123,7 @@ class FitData:
     initial_state_errors: InitialStateErrors | None = None
     nominal_level: float = 1.0
     misfit: float = 1.0
+    line: Line | None = None
 
     @property
     def counted(self) -> BoolArray:
@@ -140,7 +143,14 @@ class FitData:
         of_tool = 0 if self.tool is None else self.tool.position.size - self.tool.basis.shape[1]
         projected = 0 if self.initial_state_errors is None else self.initial_state_errors.number
         of_sensors = 0 if self.sensors is None else self.sensors.n_values
-        return int(np.isfinite(self.spread).sum()) + of_tool + of_sensors - projected
+        return int(self.values_of_motors.sum()) + of_tool + of_sensors - projected
+
+    @property
+    def values_of_motors(self) -> IntArray:
+        """Number of prediction errors of each motor that are used, less those that a line determines, shape (M,)."""
+        n = self.record.n_samples
+        of_line = 0 if self.line is None else self.line.number(n, self.record.sample_time)
+        return np.asarray(np.isfinite(self.spread).sum(axis=0) - of_line)
 
     @property
     def floor_error(self) -> float:
@@ -214,6 +224,10 @@ class FitData:
             residual = np.vstack([residual, self.sensors.weighted(errors)])
         if self.initial_state_errors is not None:
             residual = self.initial_state_errors.projected_out(residual, self.record.n_samples)
+        if self.line is not None:
+            n, M = self.record.position.shape
+            motors = residual[: M * n].reshape(M, n, -1)
+            self.line.projected_out(motors, self.record.sample_time, np.isfinite(self.spread).T)
         return residual
 
     def weighted(self, innovation: FloatArray) -> FloatArray:

@@ -22,7 +22,7 @@ from flexros.gap.fit.screening import directions_of, surroundings_of, switched_o
 from flexros.gap.fit.tolerance_takeover import with_takeover
 from flexros.gap.fit.unknown_numbers import UNCERTAIN
 from flexros.gap.prediction.compiled_plant import LANES, grouped
-from flexros.gap.search.harmonic_candidates import harmonic_candidates, neighbouring_orders
+from flexros.gap.search.harmonic_candidates import harmonic_candidates, harmonics_in_place, neighbouring_orders
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -155,6 +155,13 @@ class Search:
             return ()
         robot, settings = self.null.model.robot, self.settings.search
         found = harmonic_candidates(robot, self.data, fit.residual(self.data), fit.states(self.data), settings)
+        return tuple(candidate for candidate in found if self.competitors.contain(candidate))
+
+    def harmonics_in_place(self, fit: CandidateFit, replaced: Candidate) -> tuple[Candidate, ...]:
+        """List the candidates that may have the order of an effect of a fit in its place, in a simulated log."""
+        if self.data.record.imported or self.deadline.stops():
+            return ()
+        found = harmonics_in_place(fit, replaced, self.data, self.settings.search)
         return tuple(candidate for candidate in found if self.competitors.contain(candidate))
 
     def _known(self, candidate: Candidate) -> bool:
@@ -490,13 +497,13 @@ class Search:
         settings, n = self.settings.fit, self.data.n_values
         few = partial(self._fit, iterations=settings.joint_iterations, quick=True, rival=rival, finishing=finishing)
         fit = few(predictor, theta)
-        for _ in range(settings.final_iterations // settings.joint_iterations):
+        for further in reversed(range(settings.final_iterations // settings.joint_iterations)):
             stopped = self.deadline.stops_finishing() if finishing else self.deadline.stops()
             if fit.converged or stopped or not np.isfinite(fit.chi2):
                 break
             before = max(fit.chi2 - n, 0.0)
             fit = few(predictor, fit.theta)
-            if fit.chi2 - n > settings.still_falling * before:
+            if fit.chi2 - n > settings.still_falling * before or _hopeless(fit.chi2 - n, before, further, rival - n):
                 break
         return fit
 
@@ -567,6 +574,18 @@ class Search:
                 self.deadline.abandon()
                 raise
         return results
+
+
+def _hopeless(excess: float, before: float, further: int, rival: float) -> bool:
+    """Return whether a fit does not come near a better one although it falls twice as fast as in its last iterations.
+
+    Args:
+        excess: What it leaves above the noise [1].
+        before: What it left before the last iterations [1].
+        further: How many times as many iterations are left.
+        rival: What the better one leaves above the noise [1].
+    """
+    return before > 0 and excess * (excess / before) ** (2 * further) > max(rival, 0.0)
 
 
 def at_limits(fit: CandidateFit) -> list[tuple[Candidate, str]]:

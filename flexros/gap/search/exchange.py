@@ -116,17 +116,19 @@ def _replacements(
     """Yield effects with the candidates that may regain most of what is lost without them.
 
     Of those that torques show, only relative errors compete, with others at their motor: the regression takes a wrong
-    torque constant for an inertia.
+    torque constant for an inertia. In place of a harmonic of a simulated log the others of its order compete too.
     """
     surroundings = search.surroundings(fit)
     for candidate, rest in zip(fit.hypothesis, search.removals(fit, surroundings), strict=True):
         competing = directions
+        if candidate.effect.harmonics:
+            competing = [*directions, *search.directions(search.harmonics_in_place(fit, candidate), fit)]
         if candidate.name in search.base.names:
             competing = [one for one in directions if _alike(one.candidate, candidate)]
         if competing:
-            regained = search.settings.search.regained * (rest.least - fit.chi2)
-            additions = search.additions(competing, fit, rest)
-            yield candidate, [addition for addition in additions if addition.gain > regained]
+            numbers, additions = search.settings.search, search.additions(competing, fit, rest)
+            least = max(numbers.regained * (rest.least - fit.chi2), rest.least - numbers.within_reach * fit.chi2)
+            yield candidate, [addition for addition in additions if addition.gain > least]
 
 
 def _alike(one: Candidate, other: Candidate) -> bool:

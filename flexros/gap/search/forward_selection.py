@@ -13,6 +13,7 @@ from flexros.gap.search.curve_candidates import within_motion
 from flexros.gap.search.curves import curves_of, in_place_of_laws, with_curves
 from flexros.gap.search.elimination import reduced, with_asymmetry, with_dropped
 from flexros.gap.search.growth import extended, resumed, tidied, with_more
+from flexros.gap.search.lines import beside_line
 from flexros.gap.search.worth import compared, simplest, unique, worth
 
 if TYPE_CHECKING:
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.fit.screening import Directions
+    from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.search.candidate_fits import Search
     from flexros.gap.search.model_probability import ModelComparison
 
@@ -39,6 +41,7 @@ class Explanations:
         rivals: Fits with no more effects than the chosen one, and the null fit, by probability.
         probabilities: Their probabilities [1], shape (n_rivals,).
         detected: Whether an effect was detected.
+        beside: The log without the line that hid effects; None without one.
     """
 
     comparison: ModelComparison
@@ -46,6 +49,7 @@ class Explanations:
     rivals: tuple[CandidateFit, ...]
     probabilities: FloatArray
     detected: bool
+    beside: FitData | None = None
 
     @property
     def null(self) -> CandidateFit:
@@ -82,6 +86,9 @@ def explain(search: Search) -> Explanations:
     if not comparison.detected:
         return _explanations(search, comparison, null, detected=False)
     chosen = simplest(search, comparison, comparison.ranked(fits)[0], fits)
+    beside = beside_line(search, chosen, null)  # no effect removes it: before others imitate it
+    if beside is not None:
+        return explain(beside)
     if search.from_torques:
         chosen = reduced(search, chosen, fits, settings.removed_by_step)
         chosen = with_asymmetry(search, chosen, fits)
@@ -89,6 +96,9 @@ def explain(search: Search) -> Explanations:
         directions += search.directions(dropped, chosen)  # beside another effect they may be needed
     first = chosen
     chosen = extended(search, chosen, directions, fits)
+    beside = beside_line(search, chosen)
+    if beside is not None:
+        return explain(beside)
     if search.from_torques and chosen.names != first.names:
         chosen = with_dropped(search, chosen, fits)
     if len(chosen.hypothesis) > 1:
@@ -209,4 +219,11 @@ def _explanations(search: Search, comparison: ModelComparison, chosen: Candidate
     rivals = [comparison.null, *filter(rivals_with, small)]
     probabilities = comparison.probabilities(rivals)
     order = np.argsort(-probabilities, kind="stable")
-    return Explanations(comparison, chosen, tuple(rivals[index] for index in order), probabilities[order], detected)
+    return Explanations(
+        comparison,
+        chosen,
+        tuple(rivals[index] for index in order),
+        probabilities[order],
+        detected,
+        None if search.data.line is None else search.data,
+    )

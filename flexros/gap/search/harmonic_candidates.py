@@ -24,6 +24,14 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 
+FINE = 1e-3
+"""Step of the derivative to an order over the usual one [1] (chosen): the usual one, a thousandth of the order, turns
+the phase at the end of a motion of hundreds of rad of the rotor by more than a radian."""
+TURNS = 4
+"""Turns to each side by which a phase may move (chosen): it is that at position zero, where the motion may never be,
+and moves far with the order."""
+
+
 def harmonic_candidates(
     robot: Robot,
     data: FitData,
@@ -62,6 +70,39 @@ def harmonic_candidates(
                 free = _free(together, way.largest)
                 candidates.append(Candidate(effect, location, free, way.fixed, together=True))
     return tuple(candidates)
+
+
+def harmonics_in_place(
+    fit: CandidateFit, replaced: Candidate, data: FitData, settings: SearchSettings = SEARCH
+) -> tuple[Candidate, ...]:
+    """List the other effects with a harmonic at the motor of one of a fit, of its order, for the errors without it.
+
+    Which effect has the order of a rotor is found while much else is still missing, and may be wrong.
+
+    Args:
+        fit: The fit.
+        replaced: One of its effects, with a harmonic.
+        data: Log and weights.
+        settings: Settings of the search for orders.
+
+    Returns:
+        Candidates with one initial value each; none in place of an effect that has no order.
+    """
+    values = dict(zip(fit.hypothesis, fit.predictor.values(fit.theta), strict=True))[replaced]
+    if "order" not in values:  # where its parameters were pruned
+        return ()
+    robot = fit.predictor.robot
+    off = data.residuals(fit.predictor, fit.switched_off((replaced.name,))[:, None])[:, 0]
+    search = OrderSearch(robot, data, off, fit.states(data), data.pose, settings)
+    motor, found = robot.joint_names.index(replaced.location), []
+    for effect in effects().values():
+        if effect is replaced.effect or replaced.location not in effect().locations(robot):
+            continue
+        for way in effect.harmonics:
+            harmonic = search.fit(motor, way.entry, values["order"])
+            free = _free((harmonic,), way.largest)
+            found.append(Candidate(effect, replaced.location, free, way.fixed, together=True))
+    return tuple(found)
 
 
 def neighbouring_orders(fit: CandidateFit, data: FitData, rows: IntArray) -> FloatArray:
@@ -150,6 +191,6 @@ def _free(harmonics: Sequence[HarmonicFit], most: float) -> tuple[FreeParameter,
     high = min(max(amplitudes) * 1e4, most)
     return (
         FreeParameter("amplitude", min(amplitudes) * 1e-4, high, signed=False, starts=amplitudes),
-        FreeParameter("order", min(orders) / 1.5, max(orders) * 1.5, signed=False, starts=orders),
-        FreeParameter("phase", 0.0, 2 * np.pi, signed=True, starts=phases),
+        FreeParameter("order", min(orders) / 1.5, max(orders) * 1.5, signed=False, starts=orders, fine=FINE),
+        FreeParameter("phase", 0.0, TURNS * 2 * np.pi, signed=True, starts=phases, fine=1.0 / TURNS),
     )

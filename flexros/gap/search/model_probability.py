@@ -179,7 +179,7 @@ class ModelComparison:
         if difference < self.settings.matters * noise or difference > self.settings.decided * (noise + error):
             return error
         distance = self.distance(fit, reference) / self.n_values
-        return form_error(gap, plain=True, distance=distance, settings=self.settings)
+        return form_error(gap, plain=contrast.plain, distance=distance, settings=self.settings)
 
     def _least_level_of(self, names: frozenset[str]) -> float:
         """Return the level that some effects leave [1], or the least of parts of them that were fitted."""
@@ -200,8 +200,9 @@ class Contrast:
     Attributes:
         own: Names of the candidates that the other one lacks.
         plain: Whether the effects of all of these are plain, see `AbstractEffect.plain`.
-        between: Whether the other one has candidates of its own as well and all of both are plain, so that the distance
-            between the two predictions separates them.
+        between: Whether the other one has candidates of its own as well and all of both are plain, or all harmonics of
+            the same rotors, so that the distance between the two predictions separates them: what such a harmonic has
+            of other orders, it has wherever it enters.
     """
 
     own: frozenset[str]
@@ -214,20 +215,28 @@ def contrast_of(hypothesis: Hypothesis, other: Hypothesis) -> Contrast:
     own, others = names_of(hypothesis) - names_of(other), names_of(other) - names_of(hypothesis)
     plain = all(candidate.effect.plain for candidate in hypothesis if candidate.name in own)
     plain_others = all(candidate.effect.plain for candidate in other if candidate.name in others)
-    return Contrast(own, plain, bool(own and others) and plain and plain_others)
+    rotors, rotors_of_others = _rotors(hypothesis, own), _rotors(other, others)
+    alike = (plain and plain_others) or (rotors is not None and rotors == rotors_of_others)
+    return Contrast(own, plain, bool(own and others) and alike)
+
+
+def _rotors(hypothesis: Hypothesis, names: frozenset[str]) -> list[str] | None:
+    """List the motors of some candidates of an explanation; None where one of them is no harmonic of a rotor."""
+    chosen = [candidate for candidate in hypothesis if candidate.name in names]
+    return sorted(one.location for one in chosen) if all(one.effect.harmonics for one in chosen) else None
 
 
 def form_error(gap: float, *, plain: bool, distance: float | None = None, settings: RankingSettings = RANKING) -> float:
     """Return what the model-form errors of two explanations may change in the difference of their sums of squares.
 
-    F = eps G, a share of the gap. Where two plain effects do nearly the same, F = min(eps G, k^2 D / 2 + 2 a G): the
-    truth is on the line between their predictions, whose distance is D, at one end but for errors of k half lengths
-    along it and of the share a of the gap across it.
+    F = eps G, a share of the gap. Where two plain effects, or two harmonics of a rotor, do nearly the same,
+    F = min(eps G, k^2 D / 2 + 2 a G): the truth is on the line between their predictions, whose distance is D, at one
+    end but for errors of k half lengths along it and of the share a of the gap across it.
 
     Args:
         gap: Sum of squares that the effects close, G [1].
         plain: Whether all effects are plain.
-        distance: Sum of the squares by which the prediction errors of two plain explanations differ, D [1]; None for
+        distance: Sum of the squares by which the prediction errors of two such explanations differ, D [1]; None for
             others.
         settings: The shares eps and a, and k.
 

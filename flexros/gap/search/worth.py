@@ -107,7 +107,7 @@ def _at_one_motor(search: Search, comparison: ModelComparison, before: Candidate
         np.maximum(np.sum(fit.residual(search.data)[: M * n].reshape(M, n) ** 2, axis=1), 1e-300)
         for fit in (before, after)
     )
-    counted = np.isfinite(search.data.spread).sum(axis=0)
+    counted = search.data.values_of_motors
     removed = (first - second) / np.maximum(first - counted, 1e-12)
     gained = counted * np.log(first / second) + comparison.penalty(before) - comparison.penalty(after)
     return bool(np.any((removed > search.settings.search.removed_at_motor) & (gained > comparison.threshold)))

@@ -154,6 +154,13 @@ class SearchSettings(Settings):
         description="predicted gain from which a candidate is fitted in place of an effect, over what is lost without "
         "that effect [1]",
     )
+    within_reach: float = Field(
+        default=10.0,
+        gt=1,
+        description="sum of squares that linear theory predicts for such an exchange, over that of the explanation, up "
+        "to which it is fitted [1]: of two six-axis crowds those that were any better were predicted up to 3.2 "
+        "(development seeds)",
+    )
     indispensable: float = Field(
         default=0.9,
         gt=0,
@@ -220,6 +227,22 @@ class SearchSettings(Settings):
         description="level of the prediction errors, over that without them, up to which further effects are found "
         "within the floors that an explanation of a real machine may leave, as they are where the torques are known "
         "better than stated [1]",
+    )
+    line_width: float = Field(
+        default=2.0,
+        gt=0,
+        description="highest frequency at which amplitude and phase of the response to a line change, which a search "
+        "beside it leaves out [Hz] (chosen): the pose changes them, as fast as the robot moves",
+    )
+    line_share: float = Field(
+        default=0.5,
+        gt=0,
+        lt=1,
+        description="share of what is left that must be near a line, and of that in the line itself, for a search "
+        "beside it [1] (chosen)",
+    )
+    line_itself: float = Field(
+        default=0.125, gt=0, lt=1, description="distance from a line that counts as the line itself, over the width [1]"
     )
     tried_orders: int = Field(
         default=5, ge=1, description="orders of a rotor that are fitted: the most prominent and the largest, each"

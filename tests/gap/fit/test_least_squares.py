@@ -110,6 +110,7 @@ class TwoAlike:
     """Predictor and log of errors that two parameters change alike, the second by far less and then otherwise."""
 
     n_effect, bounds, tolerance = 2, (np.full(2, -1.0), np.full(2, 1.0)), Tolerance()
+    fineness = np.ones(2)
 
     misfit = 1.0
 
@@ -131,6 +132,7 @@ class CurvedValley:
     """Errors that are small along a curve only: predictor and log."""
 
     n_effect, bounds, tolerance = 2, (np.full(2, -10.0), np.full(2, 10.0)), Tolerance()
+    fineness = np.ones(2)
 
     misfit = 1.0
 

@@ -15,7 +15,7 @@ from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.least_squares import CandidateFit
 from flexros.gap.fit.null_fit import fit_null
-from flexros.gap.search.candidate_fits import Addition
+from flexros.gap.search.candidate_fits import Addition, _hopeless
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.search.worth import unique
 from flexros.gap.settings import SearchSettings
@@ -195,3 +195,16 @@ def test_work_that_breaks_off_ends_the_fits_that_still_run() -> None:
     with pytest.raises(KeyboardInterrupt):
         search.parallel("numbers", breaks, [1])
     assert search.deadline.of_fit(finishing=True)()
+
+
+@pytest.mark.parametrize(("excess", "further", "rival", "expected"), [
+    (100.0, 2, 1.0, False),  # a tenth of what was left before
+    (900.0, 2, 1.0, True),
+    (900.0, 2, np.inf, False),
+    (900.0, 0, 1000.0, False),
+    (-5.0, 2, -20.0, False),
+])  # fmt: skip
+def test_a_joint_fit_ends_that_does_not_fall_fast_enough(
+    excess: float, further: int, rival: float, expected: bool
+) -> None:
+    assert _hopeless(excess, 1000.0, further, rival) is expected

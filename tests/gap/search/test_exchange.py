@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from flexros.effects import effects
+from flexros.gap.candidates.candidate import Candidate
 from flexros.gap.search.exchange import _divisions, _replacements
 from flexros.gap.settings import DiagnosisSettings
 from tests.gap.diagnosis_logs import candidates_of
@@ -68,3 +70,46 @@ def test_relative_errors_that_torques_show_compete_with_others_at_their_motor(
     fit: Any = SimpleNamespace(hypothesis=(every[name],), chi2=10.0)
     found = {one.name: [each.candidate.name for each in more] for one, more in _replacements(search, fit, directions)}
     assert found == expected
+
+
+def exchanges(name: str, *gains: float, lost: float = 90.0, harmonics: tuple[str, ...] = ()) -> list[str]:
+    """Candidates that are fitted in place of an effect whose fit leaves 10, by their predicted gains."""
+    every = {**candidates_of(), **{one: harmonic(one) for one in (name, *harmonics) if one not in candidates_of()}}
+    names = ("torque_bias@motor_1", "torque_gain_error@motor_1", "stiffness_error@body_1.rz")
+    found = dict(zip((*names[: len(gains) - len(harmonics)], *harmonics), gains, strict=True))
+
+    def directions(candidates: Any, _: Any = None) -> Any:
+        return [SimpleNamespace(candidate=one) for one in candidates]
+
+    search: Any = SimpleNamespace(
+        settings=DiagnosisSettings(),
+        base=SimpleNamespace(names=frozenset()),
+        additions=lambda competing, *_: [
+            SimpleNamespace(candidate=one.candidate, gain=found[one.candidate.name]) for one in competing
+        ],
+        directions=directions,
+        harmonics_in_place=lambda *_: [every[one] for one in harmonics],
+        surroundings=lambda _: None,
+        removals=lambda *_: [SimpleNamespace(least=10.0 + lost)],
+    )
+    fit: Any = SimpleNamespace(hypothesis=(every[name],), chi2=10.0)
+    competing = directions([every[one] for one in found if one not in harmonics])
+    ((_, additions),) = _replacements(search, fit, competing)
+    return [one.candidate.name for one in additions]
+
+
+def harmonic(name: str) -> Candidate:
+    effect, _, location = name.partition("@")
+    return Candidate(effects()[effect], location, ())
+
+
+def test_only_candidates_that_may_come_near_an_explanation_are_fitted_in_place_of_its_effects() -> None:
+    """One regains less than half of what is lost; of a large loss nine tenths are far too little."""
+    assert exchanges("coulomb_friction@motor_1", 80.0, 40.0) == ["torque_bias@motor_1"]
+    assert exchanges("coulomb_friction@motor_1", 8999.0, 8000.0, lost=9000.0) == ["torque_bias@motor_1"]
+
+
+def test_the_other_harmonics_of_its_order_compete_with_a_harmonic() -> None:
+    error = "transmission_error@motor_1"
+    assert exchanges("torque_ripple@motor_1", 60.0, 80.0, harmonics=(error,)) == ["torque_bias@motor_1", error]
+    assert exchanges("coulomb_friction@motor_1", 60.0) == ["torque_bias@motor_1"]

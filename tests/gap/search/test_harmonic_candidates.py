@@ -9,7 +9,7 @@ import pytest
 
 from flexros.effects import effects
 from flexros.gap.candidates.candidate import Candidate
-from flexros.gap.fit.least_squares import CandidateFit, initial_values
+from flexros.gap.fit.least_squares import CandidateFit, initial_values, linearise
 from flexros.gap.prediction.predictor import LANES
 from flexros.gap.search.harmonic_candidates import neighbouring_orders
 from flexros.gap.search.harmonics import VALLEYS
@@ -77,6 +77,34 @@ def test_the_best_neighbour_of_a_wrong_order_has_the_wave_that_is_there(of_rippl
     assert best["order"] == pytest.approx(6.0, abs=valley / 10)
     assert best["amplitude"] == pytest.approx(0.02, rel=0.2)
     assert best["phase"] == pytest.approx(0.5, abs=0.3)
+
+
+def test_the_effects_of_an_order_are_listed_in_place_of_each_other() -> None:
+    """What has an order is found while much else is missing, and may be a ripple where a transmission error is."""
+    search = search_of("transmission_error@motor_1:amplitude=1e-4,order=6,phase=0.5")
+    ripple = next(one for one in search.harmonics(search.null.fit) if one.effect.name == "torque_ripple")
+    (wrong,) = search.singles(search.directions([ripple]))
+    order = wrong.predictor.values(wrong.theta)[0]["order"]
+    others = search.harmonics_in_place(wrong, ripple)
+    assert {one.effect.name for one in others} == {"transmission_error", "encoder_eccentricity"}
+    assert {one.free[1].starts for one in others} == {(order,)}
+    ((rest,), surroundings) = (search.removals(wrong, search.surroundings(wrong)), search.surroundings(wrong))
+    best, *_ = search.additions(search.directions(others, wrong), wrong, rest)
+    assert best.candidate.effect.name == "transmission_error"
+    assert rest.least - best.gain < surroundings.least
+
+
+def test_of_an_order_the_derivative_is_that_of_a_small_step(of_ripple: list[Candidate]) -> None:
+    """A thousandth of an order turns the phase at a rotor angle of hundreds of rad by more than a radian."""
+    (ripple,) = (one for one in of_ripple if one.effect.name == "torque_ripple" and not one.fixed)
+    predictor, data = predictor_of(ripple), search_of().data
+    far = 1e-3 * np.ptp(data.record.position)
+    theta = np.array(encoded(ripple, amplitude=0.02, order=6.0 / far, phase=0.5))
+    slope = linearise(predictor, data, theta).slopes[:, 1]
+    step = 1e-7
+    pair = np.stack([theta, theta], axis=-1) + step * np.array([[0, 0], [1, -1], [0, 0]])
+    first, second = data.residuals(predictor, pair).T
+    np.testing.assert_allclose(slope, (first - second) / (2 * step), atol=0.02 * np.abs(slope).max())
 
 
 def test_starts_keep_the_other_effects_and_phases_far_from_their_limits(of_ripple: list[Candidate]) -> None:

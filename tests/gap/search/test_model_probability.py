@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexros.gap.candidates.candidate import Candidate
+from flexros.effects import effects
+from flexros.gap.candidates.candidate import Candidate, FreeParameter
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.least_squares import CandidateFit
 from flexros.gap.search.model_probability import (
@@ -30,6 +31,14 @@ def fitted(level: float, *names: str) -> CandidateFit:
     """A fit that leaves a mean squared weighted error."""
     hypothesis = tuple(candidates_of()[name] for name in names)
     predictor = predictor_of(*hypothesis)
+    return CandidateFit(predictor, np.zeros(predictor.n_fitted), level * N)
+
+
+def harmonic(level: float, name: str) -> CandidateFit:
+    """A fit of a harmonic of the rotor."""
+    sizes = {"amplitude": 1e-3, "order": 6.0, "phase": 0.5}
+    free = tuple(FreeParameter(key, 1e-9, 10.0, key == "phase", (size,)) for key, size in sizes.items())
+    predictor = predictor_of(Candidate(effects()[name], "motor_1", free))
     return CandidateFit(predictor, np.zeros(predictor.n_fitted), level * N)
 
 
@@ -79,6 +88,18 @@ def test_of_plain_effects_that_do_nearly_the_same_what_parts_them_decides() -> N
     assert known.probabilities([delay, lag])[0] > 0.8
     far = replace(blurred, distance=lambda *_: 1e6)
     assert far.probabilities([delay, lag]) == pytest.approx(blurred.probabilities([delay, lag]))
+
+
+def test_of_two_harmonics_of_a_rotor_what_parts_them_decides() -> None:
+    """What a transmission error has of other orders, a ripple in its place would have as well."""
+    error, ripple = (harmonic(level, name) for level, name in ((1.0, "transmission_error"), (1.01, "torque_ripple")))
+    blurred = comparison(51.0, error, ripple)
+    known = replace(blurred, distance=lambda *_: 200.0)
+    assert blurred.probabilities([error, ripple])[0] < 0.6
+    assert known.probabilities([error, ripple])[0] > 0.9
+    other = comparison(51.0, error, fitted(1.01, COULOMB))
+    friction = replace(other, distance=lambda *_: 200.0).probabilities([error, other.fits[1]])
+    assert friction[0] < 0.6
 
 
 def test_the_distance_is_asked_for_only_where_it_decides() -> None:

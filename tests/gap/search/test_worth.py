@@ -124,7 +124,7 @@ def test_most_of_what_remains_at_one_of_several_motors_is_worth_it(quiet: float,
     for one, sums in ((rest, (400_000.0, 11_000.0)), (fit, (400_000.0, quiet))):
         one.residual = lambda _, sums=sums: np.repeat(np.sqrt(np.array(sums) / n), n)
     record = SimpleNamespace(imported=False, position=np.zeros((n, 2)))
-    data = SimpleNamespace(record=record, spread=np.ones((n, 2)))
+    data = SimpleNamespace(record=record, values_of_motors=np.array([n, n]))
     search: Any = SimpleNamespace(settings=DiagnosisSettings(), data=data)
     assert worth(search, ModelComparison(null, (rest, fit), 20_000), rest, fit, 0.4) is expected
 

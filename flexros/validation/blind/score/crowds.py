@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.validation.blind.plant.laws import OUTSIDE_LAWS
 from flexros.validation.blind.score.coverage import COMPARABLE, FittedSize
 from flexros.validation.blind.score.nested import same, same_place
 from flexros.validation.blind.score.statistics import Share, share
@@ -96,7 +95,7 @@ def crowds_of(answers: Sequence[Answer]) -> list[Answer]:
 
 def has_outside(one: Answer) -> bool:
     """Whether a cause outside the library is hidden."""
-    return any(hidden.effect in OUTSIDE_LAWS for hidden in one.truth.deviations)
+    return len(library_effects(one.truth)) < len(one.truth.deviations)
 
 
 def claimed(one: Answer) -> list[Cause]:

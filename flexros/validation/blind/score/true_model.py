@@ -18,8 +18,16 @@ if TYPE_CHECKING:
 
 
 def library_effects(truth: Truth) -> tuple[Deviation, ...]:
-    """List what is hidden of the effects library."""
-    return tuple(one for one in truth.deviations if one.effect in LIBRARY_LAWS)
+    """List what is hidden of the effects library: effects that it has, at places where it has them on the robot.
+
+    A base that gives under a robot whose first direction is rigid is outside it, as no name could be right.
+    """
+    robot = case_robot(truth.robot)
+    return tuple(
+        one
+        for one in truth.deviations
+        if one.effect in LIBRARY_LAWS and one.location in effects()[one.effect]().locations(robot)
+    )
 
 
 def true_model(truth: Truth, chosen: Sequence[Deviation] | None = None, robot: Robot | None = None) -> RobotWithEffects:

@@ -8,7 +8,10 @@ import pytest
 
 from flexros.effects import RobotWithEffects
 from flexros.validation.blind.deviation import Deviation
-from flexros.validation.blind.score.true_model import true_model
+from flexros.validation.blind.draw.case_robots import case_robot
+from flexros.validation.blind.draw.locations import places_of
+from flexros.validation.blind.plant.laws import LIBRARY_LAWS
+from flexros.validation.blind.score.true_model import library_effects, true_model
 from tests.validation.blind.cases import truth
 
 
@@ -43,3 +46,13 @@ def test_numbers_of_the_model_change_the_robot() -> None:
 
 def test_causes_outside_the_library_are_left_out() -> None:
     assert not model_of("cable", "motor_1", torque=1.0, angle=0.1, length=0.1).laws
+
+
+@pytest.mark.parametrize("robot", ["four_mass_linear", "four_mass", "elbow", "e12", "six_axis", "rigid_six_axis"])
+def test_what_is_hidden_is_of_the_library_where_the_library_has_it(robot: str) -> None:
+    """All places that are drawn, but the base of a robot whose first direction is rigid."""
+    places = [(effect, place) for effect in LIBRARY_LAWS for place in places_of(effect, case_robot(robot))]
+    hidden = tuple(Deviation(effect=effect, location=place, parameters={}) for effect, place in places)
+    known = library_effects(truth("crowd", robot=robot).model_copy(update={"deviations": hidden}))
+    outside = [("extra_mode", "base")] if robot == "rigid_six_axis" else []
+    assert [(one.effect, one.location) for one in hidden if one not in known] == outside
