@@ -219,7 +219,7 @@ def noise_of_positions(record: Record, measurement: Measurement) -> FloatArray:
     added = off_instants(record, measurement)
     if added is None:
         return measurement.deviation
-    return np.asarray(np.sqrt(measurement.deviation**2 + np.mean(added[record.valid] ** 2, axis=0)))
+    return np.asarray(np.sqrt(measurement.deviation**2 + np.median(added[record.valid] ** 2, axis=0)))
 
 
 def _amplification(whitening: FloatArray) -> float:
