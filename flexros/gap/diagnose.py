@@ -11,6 +11,7 @@ from flexros.errors import InputError
 from flexros.gap.answer.assemble import result_of
 from flexros.gap.answer.decision import findings_of
 from flexros.gap.answer.sensitivity import sensitivity_of
+from flexros.gap.answer.withdrawal import confirmed
 from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.deadline import Deadline
@@ -115,7 +116,8 @@ def diagnose(
     excess = None if settings.where is None or deadline.stops() else _where(null, prediction, settings)
 
     stages.begin("causes", 0.85)
-    explanations = explain(prepare_search(null, settings, stages.inner, deadline, base))
+    search = prepare_search(null, settings, stages.inner, deadline, base)
+    explanations = explain(search)
     shift = shift_of_explanation(explanations.chosen, null, settings)
     if shift and not deadline.stops():  # half a sample hid behind what the effects explain: all again with it
         return diagnose(
@@ -128,6 +130,8 @@ def diagnose(
             progress=progress,
             interrupted=interrupted,
         )
+
+    explanations, withdrawn = confirmed(search, explanations, held_data)
 
     stages.begin("answer", 0.95)
     sensitivity = sensitivity_of(explanations, null.data, model, unknown, settings.sensitivity, deadline.stops)
@@ -143,6 +147,7 @@ def diagnose(
         tolerance=tolerance,
         settings=settings.ranking,
         complete=deadline.partial is None,
+        withdrawn=withdrawn,
     )
     result = result_of(findings, prediction, excess, settings, stages, deadline)
 

@@ -103,8 +103,9 @@ def result_of(
     """
     explanations, model = findings.explanations, findings.model
     chosen, rival, errors = explanations.chosen, best_rival(explanations), _held_out_errors(findings)
-    verdict = verdict_of(findings, (errors.after or errors.before).mean, errors.with_tolerance)
-    patch = () if _worse(errors) else repair_of(findings)
+    worse = _worse(errors)
+    verdict = verdict_of(findings, (errors.after or errors.before).mean, errors.with_tolerance, worse=worse)
+    patch = () if worse else repair_of(findings)
     names, covariance = covariance_of(chosen, findings.data, findings.settings)
     tolerated = chosen.predictor.tolerance
     closed = _closed(errors.after, findings, errors) if patch else None
@@ -370,6 +371,11 @@ def _answer_warnings(findings: Findings, gap: GapNumbers, *, worse: bool) -> lis
             f"on held-out data the explanation closes only {100 * gap.closed_fraction:.0f} % of the gap: it may not "
             "hold beyond the fitted log"
         )
+    warnings += [
+        f"{name} explains a part of the fitted log, but the held-out log is predicted better without it: it was "
+        "withdrawn, and what it stood for is not known"
+        for name in findings.withdrawn
+    ]
     given = findings.as_given
     if explanations.detected and given.kept:
         warnings.append(
