@@ -203,6 +203,8 @@ def explanations_of(
     def rivals_with(fit: CandidateFit) -> bool:
         if fit is chosen:
             return True
+        if at_limits(fit) and not at_limits(chosen):
+            return False  # the chosen one was taken in its place, as what ended at a limit is no finding
         fewer = len(fit.hypothesis) < len(chosen.hypothesis)
         if most > PAIR and fewer and worth(search, comparison, fit, chosen, removed):
             return False  # the form error of the large effects of a crowd is no doubt about the small ones
