@@ -67,12 +67,12 @@ def diagnose(
     """Diagnose the gap between a recorded robot and its model.
 
     Where the gap shows is computed before any hypothesis, from the nominal model alone. Then candidate causes are
-    fitted and ranked on the fitted log, and checked on the held-out one.
+    fitted and ranked on the fitted log, and checked on the held-out one, which may withdraw some.
 
     Args:
         record: The log that effects are fitted to.
         robot: The nominal model: a robot, or one with effects that are known already.
-        holdout: Second log, read once at the end; default: the last third of the first.
+        holdout: Second log, which checks what was found and may withdraw effects; default: the last third of the first.
         log: The log that `holdout` was read from, or `record` where there is no second one. Where its provenance names
             reference and controller, the gap in closed loop is computed as well; default: it is not.
         tolerance: Relative tolerance of stiffness, inertia and damping [1]; default: those of the robot file.
