@@ -357,7 +357,8 @@ CASES = (
         "(https://github.com/kjyv/FloBaRoID), LGPL-3: fetched by `fetch_real_robots.py`. 200 Hz, 25 s per log, torques "
         "by the joint sensors, all signals low-passed without phase. Nominal: the URDF of the repository, with rough "
         "masses and viscous friction, tolerance 3 %, by `flexros import-urdf`, without its dry friction. Log 2 is the "
-        "same motion again, log 3 another one at twice the speed.",
+        "same motion again, log 3 another one at twice the speed. The fit by MuJoCo ends with armatures of 2 to 807 kg "
+        "m2, which predict so slow a motion by its speed alone: its shares say nothing of the robot.",
         folder="FloBaRoID",
         robot="model/kuka_lwr4.urdf",
         mapping="kuka_lwr4.yaml",
