@@ -177,7 +177,7 @@ def _go2(leg: str, place: str) -> Case:
         "in steps of 30 ms at first. Nominal: the leg in the MJCF of its authors by `flexros import-mjcf`, with the "
         "gains of their configuration (20 Nm/rad, 1.5 Nm s/rad) and without its dry friction of 0.2 Nm, tolerance 3 %. "
         "The instants of the file are even: the positions were taken about 1 ms rms off them. A single log: its last, "
-        "fastest third is not fitted.",
+        "fastest third is not fitted, but it decides what is withdrawn, which was one effect at each of the rear legs.",
         folder="sim2real-robot-identification",
         robot=f"{leg}.xml",
         mapping="go2_leg.yaml",
