@@ -11,6 +11,7 @@ from flexros.errors import InputError
 from flexros.gap.answer.assemble import result_of
 from flexros.gap.answer.decision import findings_of
 from flexros.gap.answer.sensitivity import sensitivity_of
+from flexros.gap.answer.withdrawal import confirmed
 from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.deadline import Deadline
@@ -45,6 +46,7 @@ if TYPE_CHECKING:
     from flexros.gap.prediction.predicted_log import PredictedLog
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.result import DiagnosisResult
+    from flexros.gap.search.candidate_fits import Search
     from flexros.gap.search.forward_selection import Explanations
     from flexros.gap.search.torque_start import TorqueStart
     from flexros.gap.where.find import Where
@@ -68,12 +70,12 @@ def diagnose(
     """Diagnose the gap between a recorded robot and its model.
 
     Where the gap shows is computed before any hypothesis, from the nominal model alone. Then candidate causes are
-    fitted and ranked on the fitted log, and checked on the held-out one.
+    fitted and ranked on the fitted log, and checked on the held-out one, which may withdraw some.
 
     Args:
         record: The log that effects are fitted to.
         robot: The nominal model: a robot, or one with effects that are known already.
-        holdout: Second log, read once at the end; default: the last third of the first.
+        holdout: Second log, which checks what was found and may withdraw effects; default: the last third of the first.
         log: The log that `holdout` was read from, or `record` where there is no second one. Where its provenance names
             reference and controller, the gap in closed loop is computed as well; default: it is not.
         tolerance: Relative tolerance of stiffness, inertia and damping [1]; default: those of the robot file.
@@ -118,7 +120,8 @@ class _Searched:
         unknown: Numbers that the model lacks, with their values by the log.
         prediction: What the nominal model predicts.
         excess: Where the gap shows; None where that was not computed.
-        explanations: The explanations.
+        search: The search.
+        explanations: What it found.
     """
 
     null: NullFit
@@ -126,6 +129,7 @@ class _Searched:
     unknown: UnknownNumbers
     prediction: PredictedLog
     excess: Where | None
+    search: Search
     explanations: Explanations
 
 
@@ -182,8 +186,8 @@ class _Task:
         excess = None if settings.where is None or deadline.stops() else _where(null, prediction, settings)
 
         stages.begin("causes", 0.85)
-        explanations = explain(prepare_search(null, settings, stages.inner, deadline, base))
-        return _Searched(null, held_data, unknown, prediction, excess, explanations)
+        search = prepare_search(null, settings, stages.inner, deadline, base)
+        return _Searched(null, held_data, unknown, prediction, excess, search, explain(search))
 
     def answered(self, found: _Searched, stages: Stages) -> DiagnosisResult:
         """Decide what the explanations say, and check them on the held-out log.
@@ -193,11 +197,10 @@ class _Task:
             stages: Progress of the diagnosis.
         """
         settings, deadline = self.settings, self.deadline
+        explanations, withdrawn = confirmed(found.search, found.explanations, found.held_data)
         stages.begin("answer", 0.95)
-        model, searched = found.null.model, found.explanations.beside or found.null.data
-        sensitivity = sensitivity_of(
-            found.explanations, searched, model, found.unknown, settings.sensitivity, deadline.stops
-        )
+        model, searched = found.null.model, explanations.beside or found.null.data
+        sensitivity = sensitivity_of(explanations, searched, model, found.unknown, settings.sensitivity, deadline.stops)
         findings = findings_of(
             model,
             searched,
@@ -210,6 +213,7 @@ class _Task:
             tolerance=self.tolerance,
             settings=settings.ranking,
             complete=deadline.partial is None,
+            withdrawn=withdrawn,
         )
         return result_of(findings, found.prediction, found.excess, settings, stages, deadline)
 

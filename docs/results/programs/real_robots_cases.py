@@ -39,6 +39,26 @@ _PANDA_FRICTION = (
     (0.240, 0.282),
 )
 """Coulomb friction of the seven joints: by least squares of the log, and published (Gaz 2019, supplement) [Nm]."""
+_LWR_COULOMB = (
+    (0.308, 0.611),
+    (0.131, 0.363),
+    (0.304, 0.491),
+    (0.289, 0.473),
+    (0.595, 1.007),
+    (0.132, 0.214),
+    (0.038, 0.168),
+)
+"""Coulomb friction of the seven joints by least squares of each log, and published: smallest and largest [Nm]."""
+_LWR_BY_HAND = (
+    (0.6107, 1.0690),
+    (0.3633, 0.9583),
+    (0.3040, 0.2233),
+    (0.4728, 0.6886),
+    (0.5950, 0.0650),
+    (0.1596, 0.2519),
+    (0.0379, 0.0759),
+)
+"""Coulomb and viscous friction of the seven joints as in the tutorial of its authors [Nm, Nm s/rad]."""
 _XMATE_COULOMB = (
     (0.872, 1.094),
     (0.248, 1.454),
@@ -74,7 +94,7 @@ def _go2(leg: str, place: str) -> Case:
         "in steps of 30 ms at first. Nominal: the leg in the MJCF of its authors by `flexros import-mjcf`, with the "
         "gains of their configuration (20 Nm/rad, 1.5 Nm s/rad) and without its dry friction of 0.2 Nm, tolerance 3 %. "
         "The instants of the file are even: the positions were taken about 1 ms rms off them. A single log: its last, "
-        "fastest third is not fitted.",
+        "fastest third is not fitted, but it decides what is withdrawn, which was one effect at each of the rear legs.",
         folder="sim2real-robot-identification",
         robot=f"{leg}.xml",
         mapping="go2_leg.yaml",
@@ -245,6 +265,31 @@ CASES = (
         by_hand=tuple(
             f"coulomb_friction@motor_{joint}:level={high}" for joint, (_, high) in enumerate(_PANDA_FRICTION, start=1)
         ),
+        fetched=True,
+    ),
+    Case(
+        name="lwr4",
+        title="Seven axes of a KUKA LWR4+",
+        about="Advanced Robotics, Istituto Italiano di Tecnologia, [github.com/kjyv/FloBaRoID]"
+        "(https://github.com/kjyv/FloBaRoID), LGPL-3: fetched by `fetch_real_robots.py`. 200 Hz, 25 s per log, torques "
+        "by the joint sensors, all signals low-passed without phase. Nominal: the URDF of the repository, with rough "
+        "masses and viscous friction, tolerance 3 %, by `flexros import-urdf`, without its dry friction. Log 2 is the "
+        "same motion again, log 3 another one at twice the speed. The fit by MuJoCo ends with armatures of 2 to 807 kg "
+        "m2, which predict so slow a motion by its speed alone: its shares say nothing of the robot.",
+        folder="FloBaRoID",
+        robot="model/kuka_lwr4.urdf",
+        mapping="kuka_lwr4.yaml",
+        fitted=("data/KUKA/HW/measurements_1.npz",),
+        further={f"measurements_{number}": (f"data/KUKA/HW/measurements_{number}.npz",) for number in (2, 3)},
+        known=tuple(_coulomb(joint, low, high) for joint, (low, high) in enumerate(_LWR_COULOMB, start=1)),
+        source="least squares of the torque of each log, with viscous friction and offsets beside it, and the tutorial "
+        "of the repository",
+        by_hand=tuple(
+            f"coulomb_friction@motor_{joint}:level={level}" for joint, (level, _) in enumerate(_LWR_BY_HAND, start=1)
+        ),
+        numbers_by_hand={
+            f"motor_{joint}.viscous_friction": viscous for joint, (_, viscous) in enumerate(_LWR_BY_HAND, start=1)
+        },
         fetched=True,
     ),
     Case(

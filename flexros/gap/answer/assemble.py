@@ -100,8 +100,9 @@ def result_of(
     """
     explanations, model = findings.explanations, findings.model
     chosen, rival, errors = explanations.chosen, best_rival(explanations), _held_out_errors(findings)
-    verdict = verdict_of(findings, (errors.after or errors.before).mean, errors.with_tolerance)
-    patch = () if _worse(errors) else repair_of(findings)
+    worse = _worse(errors)
+    verdict = verdict_of(findings, (errors.after or errors.before).mean, errors.with_tolerance, worse=worse)
+    patch = () if worse else repair_of(findings)
     names, covariance = covariance_of(chosen, findings.data, findings.settings)
     tolerated = chosen.predictor.tolerance
     closed = _closed(errors.after, findings, errors) if patch else None

@@ -51,6 +51,7 @@ class Findings:
         complete: Whether the search was complete, so that no known effect explains what is left.
         names_by_tolerance: Effects that are named with the stated, halved or doubled tolerances.
         elsewhere: Explanations that are the most probable ones with other tolerances.
+        withdrawn: Effects, effect@location, without which the held-out log is predicted better.
     """
 
     model: RobotWithEffects
@@ -67,6 +68,7 @@ class Findings:
     complete: bool = True
     names_by_tolerance: tuple[ToleranceSensitivity, ...] = ()
     elsewhere: tuple[CandidateFit, ...] = ()
+    withdrawn: tuple[str, ...] = ()
 
     @cached_property
     def as_given(self) -> GivenModel:
@@ -106,6 +108,7 @@ def findings_of(
     complete: bool = True,
     names_by_tolerance: tuple[ToleranceSensitivity, ...] = (),
     elsewhere: tuple[CandidateFit, ...] = (),
+    withdrawn: tuple[str, ...] = (),
 ) -> Findings:
     """Evaluate the nominal model and the chosen explanation on the held-out log; arguments as in `Findings`."""
     return Findings(
@@ -123,6 +126,7 @@ def findings_of(
         complete=complete,
         names_by_tolerance=names_by_tolerance,
         elsewhere=elsewhere,
+        withdrawn=withdrawn,
     )
 
 
@@ -144,7 +148,9 @@ def held_out_gain(fit: CandidateFit, findings: Findings) -> float:
     return findings.held_comparison.gain(held) if np.isfinite(held.chi2) else -np.inf
 
 
-def verdict_of(findings: Findings, left: float = 1.0, with_tolerance: float | None = None) -> Verdict:
+def verdict_of(
+    findings: Findings, left: float = 1.0, with_tolerance: float | None = None, *, worse: bool = False
+) -> Verdict:
     """Return the verdict.
 
     A curve names where something is, but no law: what it explains is explained in part at best. An explanation may be
@@ -155,6 +161,8 @@ def verdict_of(findings: Findings, left: float = 1.0, with_tolerance: float | No
         left: Mean squared prediction error 0.1 s ahead that the chosen explanation leaves in the held-out log, over its
             floor [1].
         with_tolerance: What torques that are off by their tolerance leave there [1]; None where they are exact.
+        worse: Whether the chosen explanation predicts that log worse 0.1 s ahead than the nominal model: then it is no
+            part of the truth, however certain it is in the fitted log.
     """
     explanations, comparison = findings.explanations, findings.explanations.comparison
     if not explanations.detected:
@@ -162,6 +170,8 @@ def verdict_of(findings: Findings, left: float = 1.0, with_tolerance: float | No
         if fitted.significant(explanations.chosen) or held_out_gap(findings):
             return "unknown_effect"
         return "explained" if findings.quantizations else "no_gap"
+    if worse and held_out_gap(findings):
+        return "unknown_effect"
     confirmed = findings.held_comparison.adequate(findings.held_chosen, elsewhere=True)
     lawful = not curves_of(explanations.chosen.hypothesis)
     if comparison.adequate(explanations.chosen) and confirmed and lawful:

@@ -44,6 +44,11 @@ def answer_warnings(findings: Findings, gap: GapNumbers, *, worse: bool) -> list
             f"on held-out data the explanation closes only {100 * gap.closed_fraction:.0f} % of the gap: it may not "
             "hold beyond the fitted log"
         )
+    warnings += [
+        f"{name} explains a part of the fitted log, but the held-out log is predicted better without it: it was "
+        "withdrawn, and what it stood for is not known"
+        for name in findings.withdrawn
+    ]
     given = findings.as_given
     if explanations.detected and given.kept:
         warnings.append(

@@ -386,9 +386,9 @@ def over_expected_floor(errors: AheadErrors, model: RobotWithEffects, data: FitD
     unknown = unknown_rounding(model, data.measurement)
     if not unknown:
         return errors
-    expected = np.array(data.gain.noise)
+    expected = np.array(data.measurement.deviation)
     for encoder in unknown:
         expected[encoder.motor] = model.robot.encoder_noise[encoder.motor]
     more = np.zeros_like(errors.floor)
-    more[: len(expected)] = expected**2 - data.gain.noise**2
+    more[: len(expected)] = expected**2 - data.measurement.deviation**2
     return errors.over(np.sqrt(errors.floor**2 + more))

@@ -11,7 +11,7 @@ from scipy.signal import lfilter
 
 from flexros.errors import InputError
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.noise.weights import measurement_of, spread_of
+from flexros.gap.noise.weights import measurement_of, noise_of_positions, spread_of
 from flexros.gap.prediction.compiled_plant import LANES
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.residuals.lost_commands import check_enough_left, lost_commands
@@ -301,8 +301,10 @@ def fit_data(
 
     tolerated = measurement.signal_tolerance * np.std(record.torque, axis=0) if measurement.signal_tolerance else None
 
+    noise = noise_of_positions(record, measurement)
+
     def gain_at(level: float) -> ObserverGain:
-        return observer_gain(robot, record.sample_time, level, measurement.deviation, pose, tolerated=tolerated)
+        return observer_gain(robot, record.sample_time, level, noise, pose, tolerated=tolerated)
 
     nominal = Predictor(model, (), Tolerance(), record.sample_time, measured_torque=record.measured_torque)
     state = robot.equilibrium(motor_position=record.position[0])

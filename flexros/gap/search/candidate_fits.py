@@ -12,6 +12,7 @@ import numpy as np
 from flexros.effects import effects
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.effects.kinds.tool_error import AbstractToolError
+from flexros.effects.servos import ServoStiffnessError
 from flexros.gap.candidates.candidate import list_candidates
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.estimates import placed_effects
@@ -25,7 +26,7 @@ from flexros.gap.prediction.compiled_plant import LANES, grouped
 from flexros.gap.search.harmonic_candidates import harmonic_candidates, harmonics_in_place, neighbouring_orders
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Collection, Sequence
 
     from numpy.typing import NDArray
 
@@ -380,6 +381,10 @@ class Search:
             if not limited:
                 break
             candidate, name = limited[0]
+            gain = _raised_gain(fit, [one.location for one, _ in limited])
+            if gain:
+                fit = self.without(fit, gain)
+                continue
             wide, shaped = candidate.widened(name), candidate.with_usual(name)
             if wide is not None:
                 fit = self.reshaped(fit, tuple(wide if one is candidate else one for one in fit.hypothesis))
@@ -595,6 +600,22 @@ def at_limits(fit: CandidateFit) -> list[tuple[Candidate, str]]:
         for candidate, values in zip(fit.hypothesis, fit.predictor.values(fit.theta))
         for name in sorted(candidate.at_limit(values))
     ]
+
+
+def _raised_gain(fit: CandidateFit, locations: Collection[str]) -> str:
+    """Return the name of a raised gain of a servo where other sizes at its motor ended at a limit; empty for none.
+
+    Positions determine gain, inertia and friction of a servo up to a common factor that gravity alone fixes, and the
+    ranges of friction are those of the torques by nominal gains. Sizes that ran there together with the gain are within
+    them again with the nominal gain; without the friction nothing would be.
+
+    Args:
+        fit: The fit.
+        locations: Where sizes ended at a limit.
+    """
+    values = zip(fit.hypothesis, fit.predictor.values(fit.theta), strict=True)
+    raised = {one.location: one.name for one, v in values if one.effect is ServoStiffnessError and v["relative"] > 0}
+    return next((raised[location] for location in locations if location in raised), "")
 
 
 def _best_starts(direction: Directions, surroundings: Surroundings, most: int = 2) -> IntArray:

@@ -84,7 +84,7 @@ def explain(search: Search) -> Explanations:
         fits = unique(search.singles([*directions, *search.directions(search.harmonics(null))]))
     comparison = compared(search, fits)
     if not comparison.detected:
-        return _explanations(search, comparison, null, detected=False)
+        return explanations_of(search, comparison, null, detected=False)
     chosen = simplest(search, comparison, comparison.ranked(fits)[0], fits)
     beside = beside_line(search, chosen, null)  # no effect removes it: before others imitate it
     if beside is not None:
@@ -111,7 +111,7 @@ def explain(search: Search) -> Explanations:
         chosen = _beside_curves(search, first, curved, directions, fits)
     comparison = compared(search, unique(fits))
     (chosen,) = (fit for fit in comparison.fits if fit.names == chosen.names)
-    return _pruned(search, _explanations(search, comparison, chosen, detected=True))
+    return _pruned(search, explanations_of(search, comparison, chosen, detected=True))
 
 
 def _beside_curves(
@@ -176,12 +176,12 @@ def _pruned(search: Search, explanations: Explanations) -> Explanations:
         chosen = _best_within_limits(search, reduced(search, chosen, fits, search.settings.search.removed), fits)
         chosen = search.within_limits(chosen)  # what was left out may have kept another one from its limit
     if not chosen.hypothesis:
-        return _explanations(search, compared(search, fits), search.null.fit, detected=False)
+        return explanations_of(search, compared(search, fits), search.null.fit, detected=False)
     comparison = compared(search, [*(fit for fit in fits if fit.names != chosen.names), chosen])
     if chosen.names != explanations.chosen.names:  # beside what was left out, another effect may have seemed better
         as_many = [fit for fit in comparison.fits if len(fit.hypothesis) == len(chosen.hypothesis)]
         chosen = comparison.ranked([fit for fit in as_many if not at_limits(fit)] or [chosen])[0]
-    return _explanations(search, comparison, chosen, detected=True)
+    return explanations_of(search, comparison, chosen, detected=True)
 
 
 def _best_within_limits(search: Search, chosen: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
@@ -202,7 +202,9 @@ def _best_within_limits(search: Search, chosen: CandidateFit, fits: list[Candida
     return reduced(search, search.within_limits(search.pruned(best)), fits, removed)
 
 
-def _explanations(search: Search, comparison: ModelComparison, chosen: CandidateFit, *, detected: bool) -> Explanations:
+def explanations_of(
+    search: Search, comparison: ModelComparison, chosen: CandidateFit, *, detected: bool
+) -> Explanations:
     """Distribute probability over all explanations with no more effects than the chosen one."""
     most = max(1, len(chosen.hypothesis))
     small = [fit for fit in comparison.fits if len(fit.hypothesis) <= most]
@@ -211,6 +213,8 @@ def _explanations(search: Search, comparison: ModelComparison, chosen: Candidate
     def rivals_with(fit: CandidateFit) -> bool:
         if fit is chosen:
             return True
+        if at_limits(fit) and not at_limits(chosen):
+            return False  # the chosen one was taken in its place, as what ended at a limit is no finding
         fewer = len(fit.hypothesis) < len(chosen.hypothesis)
         if most > PAIR and fewer and worth(search, comparison, fit, chosen, removed):
             return False  # the form error of the large effects of a crowd is no doubt about the small ones

@@ -88,6 +88,14 @@ class RankingSettings(Settings):
         ge=1,
         description="floors that an explanation may leave in the held-out log, or it is one in part [1]",
     )
+    withdrawn: float = Field(
+        default=0.03,
+        gt=0,
+        lt=1,
+        description="share of the gap in the held-out log by which predictions 0.1 s ahead must be better without an "
+        "effect of a measured log for it to be withdrawn [1]: of four legs of a quadruped robot those that spoiled "
+        "another log had 0.06 and 0.39, one that did not 0.01",
+    )
     confirmed_share: float = Field(
         default=0.2,
         gt=0,

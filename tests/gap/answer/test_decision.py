@@ -111,6 +111,12 @@ def test_an_explanation_that_does_not_hold_on_other_data_is_none() -> None:
     assert held_out_remainder(worse) > 1.0
 
 
+def test_an_explanation_that_predicts_other_data_worse_than_the_nominal_model_is_none() -> None:
+    found = findings(fitted(1.0, COULOMB), [], [1.0], TRUTH)
+    assert verdict_of(found) == "explained"
+    assert verdict_of(found, worse=True) == "unknown_effect"
+
+
 @pytest.mark.parametrize(("probabilities", "verdict"), [([0.6, 0.4], "ambiguous"), ([0.9, 0.1], "explained")])
 def test_rivals_within_a_factor_make_the_answer_ambiguous(probabilities: list[float], verdict: str) -> None:
     found = findings(fitted(1.0, COULOMB), [fitted(1.0, STIFFNESS)], probabilities, TRUTH)

@@ -10,7 +10,7 @@ import pytest
 
 from flexros.gap.noise import weights
 from flexros.gap.noise.encoder_noise import Noise
-from flexros.gap.noise.weights import Measurement, measurement_in, measurement_of, spread_of
+from flexros.gap.noise.weights import Measurement, measurement_in, measurement_of, noise_of_positions, spread_of
 from flexros.gap.settings import DiagnosisSettings
 from flexros.prediction.observer import observer_gain
 from tests.gap.diagnosis_logs import ROBOT, record_of
@@ -147,3 +147,26 @@ def test_a_robot_file_without_noise_takes_that_of_the_log() -> None:
     assert found.deviation[0] == pytest.approx(1e-4, rel=0.3)
     assert found.floor_error > 0
     assert any("declares no encoder noise" in text for text in found.warnings)
+
+
+def off_instants(usual: float) -> Measurement:
+    """Noise of which the instants add a multiple of that of the encoder at the usual speed of the log."""
+    once = weights.off_instants(record_of(), measurement(np.ones((1, 1)), jitter=1.0))
+    assert once is not None
+    return measurement(np.ones((1, 1)), jitter=usual * NOISE[0] / float(np.median(once)))
+
+
+@pytest.mark.parametrize(("usual", "noise"), [(2.0, 1.0), (5.0, np.hypot(1.0, 5.0))])
+def test_the_gain_allows_for_uneven_instants_where_these_dominate(usual: float, noise: float) -> None:
+    np.testing.assert_allclose(noise_of_positions(record_of(), off_instants(usual)), noise * NOISE)
+
+
+def test_a_gain_that_allows_for_uneven_instants_is_not_counted_twice() -> None:
+    """What noise leaves in the states is that of the gain, and each sample has its own noise by its speed."""
+    record, noisy = record_of(), off_instants(5.0)
+    gain = observer_gain(ROBOT, ROBOT.sample_time, 2e-4, noise_of_positions(record, noisy))
+    spread, added = spread_of(record, gain, noisy), weights.off_instants(record, noisy)
+    assert added is not None
+    rows = np.isfinite(spread[:, 0])
+    in_states = gain.spread**2 - gain.noise**2
+    np.testing.assert_allclose((spread**2)[rows], (in_states + NOISE**2 + added**2)[rows])

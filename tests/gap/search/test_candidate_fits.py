@@ -7,19 +7,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexros.effects import effects
+from flexros.effects import RobotWithEffects, effects
 from flexros.effects.kinds.tool_error import AbstractToolError
 from flexros.errors import InputError
 from flexros.gap.candidates.candidate import Candidate
 from flexros.gap.candidates.tolerance import Tolerance
+from flexros.gap.checked_log import checked_log
 from flexros.gap.deadline import Deadline
-from flexros.gap.fit.least_squares import CandidateFit
+from flexros.gap.fit.least_squares import CandidateFit, chi2_of
 from flexros.gap.fit.null_fit import fit_null
+from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.search.candidate_fits import Addition, _hopeless
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.search.worth import unique
-from flexros.gap.settings import SearchSettings
-from tests.gap.diagnosis_logs import MODEL, candidates_of, data_of, predictor_of, search_of
+from flexros.gap.settings import DiagnosisSettings, SearchSettings
+from tests.gap.diagnosis_logs import MODEL, candidates_of, data_of, predictor_of, search_of, settings_of
+from tests.gap.servo_logs import servo_log, servo_robot
 
 pytestmark = pytest.mark.slow
 
@@ -208,3 +211,18 @@ def test_a_joint_fit_ends_that_does_not_fall_fast_enough(
     excess: float, further: int, rival: float, expected: bool
 ) -> None:
     assert _hopeless(excess, 1000.0, further, rival) is expected
+
+
+def test_a_raised_gain_of_a_servo_goes_before_the_friction_that_it_took_to_its_limit() -> None:
+    """Positions determine gain, friction and inertia up to a factor, which runs until one of them is at its limit."""
+    record = checked_log(servo_log("coulomb_friction@motor_1:level=0.25"), servo_robot(), name="log")
+    model = RobotWithEffects(servo_robot(), ()).commanded_by(record.commands)
+    search = prepare_search(fit_null(fit_data(record, model, DiagnosisSettings()), model, Tolerance()), settings_of())
+    among = {one.name: one for one in search.candidates()}
+    friction, gain = among["coulomb_friction@motor_1"], among["servo_stiffness_error@motor_1"]
+    narrow = replace(friction, free=(replace(friction.free[0], high=0.4),))
+    predictor = search.null.predictor((narrow, gain))
+    theta = np.array([narrow.free[0].encode(0.4), gain.free[0].encode(0.6)])
+    found = search.within_limits(CandidateFit(predictor, theta, chi2_of(predictor, search.data, theta[:, None])[0]))
+    assert found.names == {friction.name}
+    assert found.predictor.values(found.theta)[0]["level"] == pytest.approx(0.25, rel=0.05)

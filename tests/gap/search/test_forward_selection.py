@@ -150,11 +150,24 @@ def test_rivals_are_no_richer_than_what_was_chosen() -> None:
     assert sum(not one.predictor.hypothesis for one in found.rivals) == 1
 
 
+def test_what_ended_at_a_limit_is_no_rival_of_what_did_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    search = search_of(FRICTION, among=SOME)
+    found = explain(search)
+    other = next(one for one in found.comparison.fits if one.names != found.chosen.names and one.hypothesis)
+    better = replace(other, chi2=0.9 * found.chosen.chi2)
+    comparison = compared(search, [found.chosen, better])
+    again = forward_selection.explanations_of(search, comparison, found.chosen, detected=True)
+    assert any(one is better for one in again.rivals)
+    monkeypatch.setattr(forward_selection, "at_limits", lambda fit: [1] if fit is better else [])
+    again = forward_selection.explanations_of(search, comparison, found.chosen, detected=True)
+    assert not any(one is better for one in again.rivals)
+
+
 def test_what_was_chosen_is_a_rival_also_where_less_explains_as_much(monkeypatch: pytest.MonkeyPatch) -> None:
     search = search_of(FRICTION, among=SOME)
     found = explain(search)
     monkeypatch.setattr(forward_selection, "simplest", lambda _search, comparison, *_: comparison.null)
-    again = forward_selection._explanations(search, found.comparison, found.chosen, detected=True)
+    again = forward_selection.explanations_of(search, found.comparison, found.chosen, detected=True)
     assert any(one is found.chosen for one in again.rivals)
 
 

@@ -50,6 +50,17 @@ def test_log_of_unknown_origin_is_told_both_causes(log: Log) -> None:
     assert any("one of 4 commands of a controller at 2000 Hz" in text and "time_offset" in text for text in texts)
 
 
+def test_of_measured_torques_no_command_was_left_out(log: Log) -> None:
+    thin = replace(
+        log, joint_states=every(log.joint_states, 4), joint_commands=every(log.joint_commands, 4), provenance={}
+    )
+    robot = load_robot("e12")
+    record = replace(read_record(thin, robot, name="thin"), measured_torque=True)
+    texts = [finding.text for finding in findings(record, robot)]
+    assert any("stamped too late" in text for text in texts)
+    assert not any("commands of a controller" in text for text in texts)
+
+
 def test_all_commands_beside_fewer_measurements_are_averaged(log: Log) -> None:
     robot = load_robot("e12")
     record = read_record(replace(log, joint_states=every(log.joint_states, 4)), robot, name="log")

@@ -1,6 +1,6 @@
 """Fetch public logs of robots: python docs/results/programs/measured/fetch_real_robots.py FOLDER [--from PATH]...
 
-The logs of eight public repositories, most of them without a licence for copies, are brought into FOLDER, at the
+The logs of nine public repositories, most of them without a licence for copies, are brought into FOLDER, at the
 commits below and with their checksums; they are not part of this repository. `--from` names a clone, a bare clone or a
 plain folder of one of them that is there already. What cannot be reached is skipped with its reason, and the exit code
 is then 1.
@@ -32,6 +32,10 @@ TIMEOUT = 30.0
 
 PANDA_LOG = "matlab/data/Exciting_Traj/Trajectory_1/rbt_log/exciting_traj"
 """Begin of the names of the files of the Panda: one value per line, seven of each sample."""
+
+
+LWR_LOG = "data/KUKA/HW/measurements"
+"""Begin of the names of the logs of the LWR4+."""
 
 
 TX40 = "examples/staubli_TX40"
@@ -116,6 +120,22 @@ REPOSITORIES = (
             f"{PANDA_LOG}_torques.txt": ("11fda32785bb29ce444e14e0f45f4893aab7142dc6ee29576d828ab154852f9c"),
             f"{PANDA_LOG}_time.txt": ("031063612f297011dc005ab29830903e36f4bfeba77bce59c0fbde13620fb20d"),
         },
+    ),
+    Repository(
+        "kjyv",
+        "FloBaRoID",
+        "4e2e5a2992f2175aa4e494c0d827590435a969a8",  # later ones have no more than pointers to the logs
+        {
+            f"{LWR_LOG}_1.npz": "55b94c07e86a75311a584cc945c4436e7a5dbeafd5f7378a53225a0dd820c1fd",
+            f"{LWR_LOG}_2.npz": "e15b6df10dd26ecdd3f870bf9a908184207db26f13ae34b9e96931ab9fa14de8",
+            f"{LWR_LOG}_3.npz": "4ca527bbac6d6f299e9478451c6b1f059672bf38859e218b0b37fc20bd783acd",
+        },
+    ),
+    Repository(
+        "kjyv",
+        "FloBaRoID",
+        "9c0680445e874947bac4056cd86ff9e26bdd7fcb",
+        {"model/kuka_lwr4.urdf": "8fd76631f12b38404812bc343e998cc9ca3af18d850856c5b050b39ab6fc62ad"},
     ),
     Repository(
         "thanhndv212",

@@ -1,0 +1,62 @@
+"""Effects that are withdrawn, as the held-out log is predicted better without them."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+from flexros.gap.answer.decision import on_held_out
+from flexros.gap.held_out.prediction_gap import errors_ahead, share_between
+from flexros.gap.search.forward_selection import explanations_of
+from flexros.gap.search.worth import compared, unique
+
+if TYPE_CHECKING:
+    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.residuals.fit_data import FitData
+    from flexros.gap.search.candidate_fits import Search
+    from flexros.gap.search.forward_selection import Explanations
+
+
+def confirmed(search: Search, explanations: Explanations, held: FitData) -> tuple[Explanations, tuple[str, ...]]:
+    """Withdraw effects without which the held-out log is predicted better, one after the other.
+
+    On a real machine no law has exactly the form of the library. A size that gains in the fitted log may make up for
+    that there, as a gain of a servo does for friction that depends on the position, and spoil what is predicted of
+    another motion. An effect is withdrawn where, with all others fitted again without it, the predictions 0.1 s ahead
+    are clearly better and by more than chance, and those of one sample are not worse. A simulated log has no such
+    errors of form.
+
+    Args:
+        search: The search.
+        explanations: All fits, and the chosen one.
+        held: The held-out log.
+
+    Returns:
+        The explanations, with one that has fewer effects chosen, and the effects that were withdrawn, effect@location.
+    """
+    chosen, fits = explanations.chosen, list(explanations.comparison.fits)
+    withdrawn: list[str] = []
+    while search.data.record.imported and len(chosen.hypothesis) > 1 and not search.deadline.stops():
+        better = _better_without(search, chosen, explanations.null, held)
+        if better is None:
+            break
+        withdrawn += chosen.names - better.names
+        fits.append(better)
+        chosen = better
+    if not withdrawn:
+        return explanations, ()
+    comparison = compared(search, unique([fit for fit in fits if fit.names != chosen.names or fit is chosen]))
+    return explanations_of(search, comparison, chosen, detected=True), tuple(withdrawn)
+
+
+def _better_without(search: Search, chosen: CandidateFit, null: CandidateFit, held: FitData) -> CandidateFit | None:
+    """Fit an explanation without the effect that spoils the predictions of the held-out log most; None without one."""
+    sample_time, before, after = held.record.sample_time, errors_ahead(null, held), errors_ahead(chosen, held)
+    without = search.parallel("effects on held-out data", partial(search.without, chosen), sorted(chosen.names))
+    squares, best, least = on_held_out(chosen, held).chi2, None, -search.settings.ranking.withdrawn
+    for fit in without:
+        share = share_between(before, errors_ahead(fit, held), after, sample_time)
+        spoils = share is not None and share.interval[1] < 0 and on_held_out(fit, held).chi2 <= squares
+        if spoils and share is not None and share.value <= least:
+            best, least = fit, share.value
+    return best

@@ -1,0 +1,67 @@
+"""Effects without which the held-out log is predicted better are withdrawn."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import pytest
+
+from flexros.gap.answer.withdrawal import confirmed
+from flexros.gap.candidates.tolerance import Tolerance
+from flexros.gap.fit.null_fit import fit_null
+from flexros.gap.residuals.fit_data import FitData, fit_data
+from flexros.gap.search.candidate_fits import Search
+from flexros.gap.search.forward_selection import Explanations, explanations_of
+from flexros.gap.search.prepare import prepare_search
+from flexros.gap.search.worth import compared
+from flexros.gap.settings import DiagnosisSettings
+from tests.gap.diagnosis_logs import MODEL, record_of, settings_of
+
+pytestmark = pytest.mark.slow
+
+FRICTION, SOFT = "coulomb_friction@motor_1", "stiffness_error@body_2.rz"
+BOTH = (f"{FRICTION}:level=0.05", f"{SOFT}:relative=-0.1")
+
+
+@cache
+def measured(*effects: str, seed: int = 1, imported: bool = True) -> FitData:
+    """A log with effects, as if it came from a real machine."""
+    record = replace(record_of(*effects, seed=seed), imported=imported)
+    return fit_data(record, MODEL, DiagnosisSettings())
+
+
+@cache
+def found(*, imported: bool = True) -> tuple[Search, Explanations]:
+    """Friction and a soft spring, fitted to a log that has both."""
+    null = fit_null(measured(*BOTH, imported=imported), MODEL, Tolerance())
+    search = prepare_search(null, settings_of("coulomb_friction", "stiffness_error"))
+    additions = search.additions(search.directions(search.candidates()), null.fit, search.surroundings(null.fit))
+    chosen = search.together(null.fit, [one for one in additions if one.candidate.name in (FRICTION, SOFT)])
+    return search, explanations_of(search, compared(search, [chosen]), chosen, detected=True)
+
+
+def test_an_effect_that_spoils_the_held_out_log_is_withdrawn() -> None:
+    explanations, withdrawn = confirmed(*found(), measured(BOTH[0], seed=2))
+    assert withdrawn == (SOFT,)
+    assert explanations.chosen.names == {FRICTION}
+    assert explanations.chosen in explanations.rivals
+
+
+def test_effects_that_hold_in_the_held_out_log_stay() -> None:
+    explanations, withdrawn = confirmed(*found(), measured(*BOTH, seed=2))
+    assert withdrawn == ()
+    assert explanations is found()[1]
+
+
+def test_the_last_effect_is_not_withdrawn() -> None:
+    """Where no effect holds, it is the verdict that says so."""
+    explanations, withdrawn = confirmed(*found(), measured("torque_bias@motor_1:level=0.1", seed=2))
+    assert len(withdrawn) == 1
+    assert len(explanations.chosen.hypothesis) == 1
+
+
+def test_effects_of_a_simulated_log_are_as_they_were_found() -> None:
+    explanations, withdrawn = confirmed(*found(imported=False), measured(BOTH[0], seed=2, imported=False))
+    assert withdrawn == ()
+    assert explanations is found(imported=False)[1]
