@@ -38,6 +38,7 @@ class CoulombFriction(AbstractDryFriction):
     name: ClassVar[str] = "coulomb_friction"
     stage: ClassVar[Stage] = "motor friction"
     size: ClassVar[str] = "level"
+    one_level: ClassVar[bool] = True
     unsaid: ClassVar[tuple[str, ...]] = ("stiffness", "damping")
     reduces: ClassVar[bool] = True
     signatures: ClassVar[tuple[str, ...]] = ("torque_over_speed", "torque_after_reversal")

@@ -39,6 +39,7 @@ class LoadDependentFriction(AbstractDryFriction):
     name: ClassVar[str] = "load_dependent_friction"
     stage: ClassVar[Stage] = "motor friction"
     size: ClassVar[str] = "share"
+    one_level: ClassVar[bool] = True
     needs_load: ClassVar[bool] = True
     signatures: ClassVar[tuple[str, ...]] = ("torque_over_speed", "torque_after_reversal")
     fingerprint: ClassVar[str] = (

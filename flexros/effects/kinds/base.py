@@ -69,6 +69,9 @@ class AbstractEffect(Settings, ABC):
     harmonics: ClassVar[tuple[HarmonicEntry, ...]] = ()
     """Where its harmonic of the rotor angle enters, for effects with an `order`, which a diagnosis finds in the
     prediction errors."""
+    one_level: ClassVar[bool] = False
+    """Whether it is dry friction that has one level at all speeds. How it sticks does not depend on what that level
+    follows, so that a diagnosis tells two such effects of a motor apart by the distance of their predictions."""
     unsaid: ClassVar[tuple[str, ...]] = ()
     """Parameters that a text names only where they are not at their defaults."""
     seeks_less: ClassVar[bool] = False

@@ -113,7 +113,8 @@ def regress_torque(
         settings: Settings of the regression.
 
     Returns:
-        The regression; None for a log in which no motor moves, or that is too short, and for links that bend.
+        The regression; None for a log in which no motor moves, or that is too short, for links that bend, and where
+        the motion of the arm behind its springs ran away from that of the motors.
     """
     settings = settings or TorqueStartSettings()
     robot, known = model.robot, _known_friction(model)
@@ -160,6 +161,8 @@ def regress_torque(
         position = decimate(bridged_motion(rows.record.position, rows.record.valid), rows.factor)[rows.counts]
         A = np.insert(A, [len(KINDS) * M] * len(BALANCE), _of_balance(position, balanced), axis=-1)
         lightest = np.concatenate([np.full(len(BALANCE), -np.inf), lightest])
+    if not (np.isfinite(A).all() and np.isfinite(b).all()):  # the arm behind its springs ran away from the log
+        return None
     solved = partial(
         _solved,
         robot=robot,

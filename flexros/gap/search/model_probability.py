@@ -201,8 +201,9 @@ class Contrast:
         own: Names of the candidates that the other one lacks.
         plain: Whether the effects of all of these are plain, see `AbstractEffect.plain`.
         between: Whether the other one has candidates of its own as well and all of both are plain, or all harmonics of
-            the same rotors, so that the distance between the two predictions separates them: what such a harmonic has
-            of other orders, it has wherever it enters.
+            the same rotors, or Coulomb and load-dependent friction of the same motors, so that the distance between the
+            two predictions separates them: what such a harmonic has of other orders, it has wherever it enters, and
+            how dry friction sticks does not depend on what its level follows.
     """
 
     own: frozenset[str]
@@ -216,7 +217,12 @@ def contrast_of(hypothesis: Hypothesis, other: Hypothesis) -> Contrast:
     plain = all(candidate.effect.plain for candidate in hypothesis if candidate.name in own)
     plain_others = all(candidate.effect.plain for candidate in other if candidate.name in others)
     rotors, rotors_of_others = _rotors(hypothesis, own), _rotors(other, others)
-    alike = (plain and plain_others) or (rotors is not None and rotors == rotors_of_others)
+    friction, friction_of_others = _one_level(hypothesis, own), _one_level(other, others)
+    alike = (
+        (plain and plain_others)
+        or (rotors is not None and rotors == rotors_of_others)
+        or (friction is not None and friction == friction_of_others)
+    )
     return Contrast(own, plain, bool(own and others) and alike)
 
 
@@ -226,10 +232,17 @@ def _rotors(hypothesis: Hypothesis, names: frozenset[str]) -> list[str] | None:
     return sorted(one.location for one in chosen) if all(one.effect.harmonics for one in chosen) else None
 
 
+def _one_level(hypothesis: Hypothesis, names: frozenset[str]) -> list[str] | None:
+    """List the motors of some candidates of an explanation; None where one is no dry friction of one level."""
+    chosen = [candidate for candidate in hypothesis if candidate.name in names]
+    return sorted(one.location for one in chosen) if all(one.effect.one_level for one in chosen) else None
+
+
 def form_error(gap: float, *, plain: bool, distance: float | None = None, settings: RankingSettings = RANKING) -> float:
     """Return what the model-form errors of two explanations may change in the difference of their sums of squares.
 
-    F = eps G, a share of the gap. Where two plain effects, or two harmonics of a rotor, do nearly the same,
+    F = eps G, a share of the gap. Where two plain effects, two harmonics of a rotor, or Coulomb and
+    load-dependent friction of a motor do nearly the same,
     F = min(eps G, k^2 D / 2 + 2 a G): the truth is on the line between their predictions, whose distance is D, at one
     end but for errors of k half lengths along it and of the share a of the gap across it.
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from flexros.effects import RobotWithEffects
@@ -25,6 +27,15 @@ def test_behind_springs_friction_shows_that_locked_springs_hide() -> None:
     assert found.left[0] < 0.3 * locked.left[0]
     assert found.coulomb_friction[0] > 0.1  # a first value: speeds are low-passed, so that viscous friction shares it
     assert locked.coulomb_friction[0] == 0.0
+
+
+def test_torques_that_ran_away_show_nothing() -> None:
+    data = data_of("coulomb_friction@motor_1:level=0.5", "viscous_friction@motor_1:coefficient=0.02")
+    taken = arm_torque(data, MODEL, Tolerance())
+    assert taken is not None
+    torque = taken.torque.copy()
+    torque[len(torque) // 2 :] = np.nan
+    assert regress_torque(data.record, MODEL, Tolerance(), replace(taken, torque=torque)) is None
 
 
 def test_slopes_are_the_derivatives_to_tolerated_deviations() -> None:

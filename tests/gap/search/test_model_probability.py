@@ -102,6 +102,18 @@ def test_of_two_harmonics_of_a_rotor_what_parts_them_decides() -> None:
     assert friction[0] < 0.6
 
 
+def test_of_two_dry_frictions_of_one_level_what_parts_them_decides() -> None:
+    """How dry friction sticks is no doubt about whether its level follows the load."""
+    share = FreeParameter("share", 1e-6, 1.0, False, (0.01,))
+    predictor = predictor_of(Candidate(effects()["load_dependent_friction"], "motor_1", (share,)))
+    load = CandidateFit(predictor, np.zeros(predictor.n_fitted), 1.01 * N)
+    coulomb = fitted(1.0, COULOMB)
+    blurred = comparison(51.0, coulomb, load)
+    known = replace(blurred, distance=lambda *_: 200.0)
+    assert blurred.probabilities([coulomb, load])[0] < 0.6
+    assert known.probabilities([coulomb, load])[0] > 0.9
+
+
 def test_the_distance_is_asked_for_only_where_it_decides() -> None:
     def distance(*_: CandidateFit) -> float:
         raise AssertionError("two predictions for nothing")
