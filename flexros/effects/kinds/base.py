@@ -72,6 +72,10 @@ class AbstractEffect(Settings, ABC):
     one_level: ClassVar[bool] = False
     """Whether it is dry friction that has one level at all speeds. How it sticks does not depend on what that level
     follows, so that a diagnosis tells two such effects of a motor apart by the distance of their predictions."""
+    common_factor: ClassVar[str] = ""
+    """Parameter up to which a log may determine the sizes of other effects at its motor; empty for none. Where those
+    end at a limit of their search while it is positive, the effect is left out first: without it they are within their
+    ranges again, without them nothing would be left."""
     unsaid: ClassVar[tuple[str, ...]] = ()
     """Parameters that a text names only where they are not at their defaults."""
     seeks_less: ClassVar[bool] = False

@@ -16,11 +16,13 @@ class ServoStiffnessError(AbstractRelativeError):
     """The proportional gain of a position loop scaled, torque constant included.
 
     It is sought in logs with position commands only. There it also represents an error of the torque constant, which
-    scales all torques of the servo alike.
+    scales all torques of the servo alike. Positions determine gain, inertia and friction up to a common factor, which
+    gravity alone fixes.
     """
 
     name: ClassVar[str] = "servo_stiffness_error"
     stage: ClassVar[Stage] = "actuator"
+    common_factor: ClassVar[str] = "relative"
     signatures: ClassVar[tuple[str, ...]] = ("effective_torque", "torque_over_position")
     fingerprint: ClassVar[str] = (
         "the motor follows its commanded position more or less stiffly: the errors are proportional to the distance "

@@ -79,6 +79,11 @@ class HeldOutErrors:
     null: AheadErrors
     with_tolerance: float | None = None
 
+    @property
+    def worse(self) -> bool:
+        """Whether the explanation predicts the held-out log worse than the nominal model: it repairs nothing."""
+        return self.after is not None and self.after.mean > self.nominal.mean
+
 
 def result_of(
     findings: Findings,
@@ -100,9 +105,8 @@ def result_of(
     """
     explanations, model = findings.explanations, findings.model
     chosen, rival, errors = explanations.chosen, best_rival(explanations), _held_out_errors(findings)
-    worse = _worse(errors)
-    verdict = verdict_of(findings, (errors.after or errors.before).mean, errors.with_tolerance, worse=worse)
-    patch = () if worse else repair_of(findings)
+    verdict = verdict_of(findings, (errors.after or errors.before).mean, errors.with_tolerance, worse=errors.worse)
+    patch = () if errors.worse else repair_of(findings)
     names, covariance = covariance_of(chosen, findings.data, findings.settings)
     tolerated = chosen.predictor.tolerance
     closed = _closed(errors.after, findings, errors) if patch else None
@@ -171,11 +175,6 @@ def _held_out_errors(findings: Findings) -> HeldOutErrors:
     )
 
 
-def _worse(errors: HeldOutErrors) -> bool:
-    """Return whether an explanation predicts the held-out log worse than the nominal model: it repairs nothing."""
-    return errors.after is not None and errors.after.mean > errors.nominal.mean
-
-
 def _diagnosis(
     findings: Findings,
     verdict: Verdict,
@@ -191,7 +190,7 @@ def _diagnosis(
     gap = gap_numbers(errors.before, errors.after, sample_time, errors.rival, errors.with_tolerance)
     whole = verdict != "no_gap"
     budget = budget_of(findings, errors.before, errors.after or errors.before) if whole else without_gap(findings)
-    warnings = (*of_records, *sensor_warnings(findings), *answer_warnings(findings, gap, worse=_worse(errors)))
+    warnings = (*of_records, *sensor_warnings(findings), *answer_warnings(findings, gap, worse=errors.worse))
     following = _next(findings, verdict, stages, deadline) if settings.next_experiment else None
     return Diagnosis(
         schema=2,

@@ -13,6 +13,7 @@ from flexros.gap.report.words import (
     named_at,
     share_words,
     signed_share_words,
+    whole_percent,
     with_std,
 )
 from flexros.gap.where.regimes import REGIMES
@@ -104,7 +105,7 @@ def _interval(interval: tuple[float, float] | None) -> str:
     """Write an interval in brackets; empty where its ends read the same."""
     if interval is None:
         return ""
-    low, high = (f"{round(100 * end)} %".replace("-", "\u2212") for end in interval)
+    low, high = map(whole_percent, interval)
     return "" if low == high else f" ({low} to {high})"
 
 

@@ -261,8 +261,16 @@ def closed_words(share: float) -> str:
         share: The share [1]; below zero where the repair makes it worse; values above 1, by chance, are written as 1.
     """
     share = min(share, 1.0)
-    text = f"{100 * share:.1f} %" if _NEARLY_ALL <= share < _ALL else f"{round(100 * share)} %"
-    return text.replace("-", "\u2212")
+    return f"{100 * share:.1f} %" if _NEARLY_ALL <= share < _ALL else whole_percent(share)
+
+
+def whole_percent(share: float) -> str:
+    """Write a share in whole per cent, e.g. "12 %", "−3 %".
+
+    Args:
+        share: The share [1].
+    """
+    return f"{round(100 * share)} %".replace("-", "\u2212")
 
 
 def floors_words(gap: GapNumbers) -> str:

@@ -12,7 +12,6 @@ import numpy as np
 from flexros.effects import effects
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.effects.kinds.tool_error import AbstractToolError
-from flexros.effects.servos import ServoStiffnessError
 from flexros.gap.candidates.candidate import list_candidates
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.estimates import placed_effects
@@ -381,9 +380,9 @@ class Search:
             if not limited:
                 break
             candidate, name = limited[0]
-            gain = _raised_gain(fit, [one.location for one, _ in limited])
-            if gain:
-                fit = self.without(fit, gain)
+            factor = _common_factor(fit, [one.location for one, _ in limited])
+            if factor:
+                fit = self.without(fit, factor)
                 continue
             wide, shaped = candidate.widened(name), candidate.with_usual(name)
             if wide is not None:
@@ -602,20 +601,16 @@ def at_limits(fit: CandidateFit) -> list[tuple[Candidate, str]]:
     ]
 
 
-def _raised_gain(fit: CandidateFit, locations: Collection[str]) -> str:
-    """Return the name of a raised gain of a servo where other sizes at its motor ended at a limit; empty for none.
-
-    Positions determine gain, inertia and friction of a servo up to a common factor that gravity alone fixes, and the
-    ranges of friction are those of the torques by nominal gains. Sizes that ran there together with the gain are within
-    them again with the nominal gain; without the friction nothing would be.
+def _common_factor(fit: CandidateFit, locations: Collection[str]) -> str:
+    """Return the name of an effect that may have taken others at its motor to a limit with it; empty for none.
 
     Args:
         fit: The fit.
         locations: Where sizes ended at a limit.
     """
     values = zip(fit.hypothesis, fit.predictor.values(fit.theta), strict=True)
-    raised = {one.location: one.name for one, v in values if one.effect is ServoStiffnessError and v["relative"] > 0}
-    return next((raised[location] for location in locations if location in raised), "")
+    factors = {one.location: one.name for one, v in values if v.get(one.effect.common_factor, 0.0) > 0}
+    return next((factors[location] for location in locations if location in factors), "")
 
 
 def _best_starts(direction: Directions, surroundings: Surroundings, most: int = 2) -> IntArray:
