@@ -67,6 +67,7 @@ class TorqueRegression:
         inertia: Added inertia of every motor [kg m2 or kg], shape (M,).
         viscous_friction: Added viscous friction of every motor [Nm s/rad or N s/m], shape (M,).
         coulomb_friction: Added Coulomb friction of every motor [Nm or N], shape (M,).
+        bias: Added constant torque of every motor [Nm or N], shape (M,).
         deviations: Tolerated deviations, in standard deviations [1], shape (n_tolerated,).
         left: Rest of the torque of every motor over that of the nominal model, rms [1], shape (M,).
         rest: Rest of the torque of every motor, rms [Nm or N], shape (M,).
@@ -78,6 +79,7 @@ class TorqueRegression:
     inertia: FloatArray
     viscous_friction: FloatArray
     coulomb_friction: FloatArray
+    bias: FloatArray
     deviations: FloatArray
     left: FloatArray
     rest: FloatArray
@@ -332,9 +334,9 @@ def _solved(
             break
     # a column acts on its own motor alone, so that the diagonal of each kind is all of it
     size: FloatArray = np.sqrt(np.mean(A**2, axis=0)) * np.abs(solution)
-    own = np.stack([np.diag(size[:, kind * M : (kind + 1) * M]) for kind in range(3)])
-    values = np.where((own > settings.least_share * left) & moving, solution[: 3 * M].reshape(3, M), 0.0)
-    inertias, viscous_friction, coulomb_friction = values
+    own = np.stack([np.diag(size[:, kind * M : (kind + 1) * M]) for kind in range(len(KINDS))])
+    values = np.where((own > settings.least_share * left) & moving, solution[: len(KINDS) * M].reshape(-1, M), 0.0)
+    inertias, viscous_friction, coulomb_friction, offsets = values
     shares = left / np.maximum(before, 1e-300)
     between, end = len(KINDS) * M, len(KINDS) * M + len(lightest)
     begin = between + (0 if balanced is None else len(BALANCE))
@@ -345,5 +347,5 @@ def _solved(
         stiffness = np.where((np.diag(size[:, begin:end]) > settings.least_share * left) & moving, stiffness, 0.0)
     deviations = solution[end:]
     return TorqueRegression(
-        inertias, viscous_friction, coulomb_friction, deviations, shares, left, load, stiffness, balance
+        inertias, viscous_friction, coulomb_friction, -offsets, deviations, shares, left, load, stiffness, balance
     )
