@@ -16,6 +16,7 @@ from flexros.gap.fit.arm_torque import arm_torque
 from flexros.gap.fit.least_squares import CandidateFit, chi2_of, fit
 from flexros.gap.fit.torque_delay import torque_delay
 from flexros.gap.fit.torque_regression import only_coulomb, regress_torque
+from flexros.gap.residuals.torque_errors import torque_errors
 from flexros.gap.search.model_probability import compare
 
 if TYPE_CHECKING:
@@ -125,7 +126,10 @@ def _balanced(
     delay: float,
     settings: TorqueStartSettings,
 ) -> TorqueRegression | None:
-    """Regress the torques, with a counterbalance at the motor at which it explains most, if that is much."""
+    """Regress the torques, with a counterbalance at the motor at which it explains most, if that is much.
+
+    Viscous friction that differs by direction passes for an offset: where it leaves less, there is none.
+    """
     regress = partial(regress_torque, record, model, tolerance, arm, delay=delay, settings=settings)
     best = plain = regress()
     if plain is None:
@@ -139,7 +143,8 @@ def _balanced(
             continue
         if plain.rest[motor] > factor * found.rest[motor]:
             best, factor = found, plain.rest[motor] / found.rest[motor]
-    return best
+    uneven = regress(balanced=next(iter(best.balance), None), uneven=True) if best.bias.any() else None
+    return best if uneven is None else replace(best, bias=np.where(uneven.rest < best.rest, 0.0, best.bias))
 
 
 def _servo_start(
@@ -159,6 +164,18 @@ def _servo_start(
             break
         best = left, TorqueStart(found, model, record, delay)
     return None if best is None else best[1]
+
+
+def with_torques(data: FitData, start: TorqueStart | None) -> FitData:
+    """Let the errors of the torques of a measured log count beside prediction errors, where no spring hides them.
+
+    Args:
+        data: Log and weights.
+        start: What its torques show; None for nothing.
+    """
+    if start is None or not data.record.imported or data.record.command is not None or start.robot.flexible_motors:
+        return data
+    return replace(data, torques=torque_errors(data.record, start.model, start.delay, start.regression.rest))
 
 
 def first_values(start: TorqueStart, null: NullFit, settings: DiagnosisSettings) -> CandidateFit | None:
