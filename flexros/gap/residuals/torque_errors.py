@@ -3,9 +3,10 @@
 A rigid arm that tracks a reference has prescribed accelerations, and what the model lacks shows in the torques: with
 the measured motion q, the torque that a hypothesis needs is
 
-    u = H(q, q', q'') pi + f(q, q'),
+    u = (H(q, q', q'') pi + f(q, q')) / g,
 
-with the standard parameters pi of the robot (Moberg 2007, eq. 4.11) and the torques f of laws at the motors. Errors of
+with the standard parameters pi of the robot (Moberg 2007, eq. 4.11), the torques f of laws at the motors and the gain g
+of the torque. Errors of
 predicted positions are these errors divided by the inertia, so that more inertia leaves less of any of them, and light
 joints outweigh all others. The errors of the torques do not have this fault, but they show neither delay nor springs.
 """
@@ -13,7 +14,7 @@ joints outweigh all others. The errors of the torques do not have this fault, bu
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property, lru_cache
 from typing import TYPE_CHECKING
 
 import casadi as ca
@@ -23,19 +24,22 @@ from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.effects.kinds.bristle_friction import AbstractBristleFriction
 from flexros.effects.kinds.dry_friction import AbstractDryFriction
 from flexros.effects.kinds.motor_law import AbstractMotorLaw, AbstractMotorTorque, MotorState
+from flexros.effects.torque_gain_error import TorqueGainError
 from flexros.gap.residuals.torque_rows import acting_torque, torque_rows
 from flexros.identify.rigid.motion_estimate import decimate
 from flexros.identify.rigid.standard_parameters import standard_parameters
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from flexros.arrays import BoolArray, FloatArray
     from flexros.effects import RobotWithEffects
     from flexros.gap.prediction.predictor import Predictor
     from flexros.record.record import Record
     from flexros.robot import Robot
 
-COUNTED_COULOMB = "coulomb_friction"
-"""Columns of Coulomb friction, which the laws of the model state."""
+KEPT = 512
+"""Torques of laws that are kept (chosen): those of the sets of parameters that a fit compares."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +49,8 @@ class TorqueErrors:
     Attributes:
         robot: The nominal robot.
         regressor: H, low-passed and decimated, shape (m, M, P).
-        torque: Torques in the same rows, less the friction of known laws [Nm or N], shape (m, M).
+        torque: Torques in the same rows [Nm or N], shape (m, M).
+        known: Friction of the laws of the nominal model in the same rows [Nm or N], shape (m, M).
         deviation: Standard deviation of an error [Nm or N], shape (M,).
         motion: Time [s], then positions, speeds and torques of all motors [SI], shape (1 + 3 M, n).
         factor: Decimation from the motion to the rows.
@@ -55,6 +60,7 @@ class TorqueErrors:
     robot: Robot
     regressor: FloatArray
     torque: FloatArray
+    known: FloatArray
     deviation: FloatArray
     motion: FloatArray
     factor: int
@@ -79,30 +85,35 @@ class TorqueErrors:
 
     def _of_one(self, predictor: Predictor, theta: FloatArray) -> FloatArray:
         values = np.array([one.nominal for one in standard_parameters(self.robot, numbers=predictor.numbers(theta))])
-        needed = self.regressor @ values
-        laws = np.zeros((self.motion.shape[1], self.robot.n_motors))
+        needed = self.regressor @ values + self.known
+        gains = np.ones(self.robot.n_motors)
         for candidate, numbers in zip(predictor.hypothesis, predictor.values(theta), strict=True):
             if issubclass(candidate.effect, AbstractMotorLaw) and candidate.location in self.robot.joint_names:
                 effect = candidate.placed(numbers).effect
                 assert isinstance(effect, AbstractMotorLaw)
                 motor = self.robot.joint_names.index(candidate.location)
-                laws[:, motor] += self._torque_of(effect, motor)
-        if laws.any():
-            needed = needed + decimate(laws, self.factor)[self.counts]
-        errors: FloatArray = ((self.torque - needed) / self.deviation).T.ravel()
+                needed[:, motor] += self._rows_of(type(effect), motor, tuple(effect.parameter_values.values()))
+                if isinstance(effect, TorqueGainError):
+                    gains[motor] += effect.relative
+        errors: FloatArray = ((self.torque - needed / gains) / self.deviation).T.ravel()
         return errors
 
-    def _torque_of(self, effect: AbstractMotorLaw, motor: int) -> FloatArray:
-        """Compute the torque that a motor needs against a law, at all samples [Nm or N], shape (n,)."""
-        function = _needed_torque(type(effect))
+    @cached_property
+    def _rows_of(self) -> Callable[[type[AbstractMotorLaw], int, tuple[float, ...]], FloatArray]:
+        """Function of the torque that a motor needs against a law, in the rows; of many sets few laws differ."""
+        return lru_cache(maxsize=KEPT)(self._law)
+
+    def _law(self, kind: type[AbstractMotorLaw], motor: int, numbers: tuple[float, ...]) -> FloatArray:
+        function = _needed_torque(kind)
         if function is None:
-            return np.zeros(self.motion.shape[1])
+            return np.zeros(len(self.torque))
         M = self.robot.n_motors
         time, position, speed, torque = self.motion[[0, 1 + motor, 1 + M + motor, 1 + 2 * M + motor]]
         viscous = self.robot.parameters[f"{self.robot.joint_names[motor]}.viscous_friction"].value
         state = np.stack([time, position, self.robot.rotor_turns[motor] * position, speed, torque])
-        values = [viscous, *effect.parameter_values.values()]
-        return np.asarray(function(state, np.array(values)), dtype=float).ravel()
+        needed = np.asarray(function(state, np.array([viscous, *numbers])), dtype=float).ravel()
+        in_rows: FloatArray = decimate(needed[:, None], self.factor)[self.counts, 0]
+        return in_rows
 
 
 def torque_errors(record: Record, model: RobotWithEffects, delay: float, deviation: FloatArray) -> TorqueErrors | None:
@@ -127,17 +138,17 @@ def torque_errors(record: Record, model: RobotWithEffects, delay: float, deviati
         robot=robot,
         regressor=np.concatenate([H for H, _ in rows.blocks()]),
         torque=rows.torque,
+        known=np.zeros_like(rows.torque),
         deviation=deviation,
         motion=np.vstack([time, motion.position.T, motion.velocity.T, torque.T]),
         factor=rows.factor,
         counts=rows.counts,
     )
-    known = np.zeros_like(torque)
     for law in model.laws:
         if isinstance(law.effect, CoulombFriction):
-            motor = robot.joint_names.index(law.location)
-            known[:, motor] += whole._torque_of(law.effect, motor)
-    return TorqueErrors(**{**vars(whole), "torque": rows.torque - decimate(known, rows.factor)[rows.counts]})
+            motor, numbers = robot.joint_names.index(law.location), tuple(law.effect.parameter_values.values())
+            whole.known[:, motor] += whole._rows_of(CoulombFriction, motor, numbers)
+    return whole
 
 
 @cache
@@ -154,18 +165,13 @@ def _needed_torque(kind: type[AbstractMotorLaw]) -> ca.Function | None:
     own = ca.vertcat(*[time] * timed, ca.SX.zeros(effect.n_states - timed))
     motor = MotorState(position, angle, speed, torque, own, numbers[0], torque)
     values = dict(zip(effect.parameter_values, ca.vertsplit(numbers[1:]), strict=True))
-    needed = ca.SX(0)
+    taken = []
     if isinstance(effect, AbstractDryFriction):
         levels = effect.levels(motor, values)
-        needed += ca.if_else(speed > 0, ca.fmax(levels.forward, 0), -ca.fmax(levels.backward, 0)) * ca.fabs(
-            ca.sign(speed)
-        )
+        against = ca.if_else(speed < 0, -ca.fmax(levels.backward, 0), ca.fmax(levels.forward, 0))
+        taken.append(ca.if_else(speed == 0, 0, against))
     if isinstance(effect, AbstractBristleFriction):
-        needed += ca.sign(speed) * effect.bristle(speed, values).level
+        taken.append(ca.sign(speed) * effect.bristle(speed, values).level)
     if isinstance(effect, AbstractMotorTorque):
-        needed -= effect.added(motor, values)
-    return (
-        ca.Function("needed", [state, numbers], [ca.densify(ca.SX(needed))])
-        if needed.n_dep() or not needed.is_zero()
-        else None
-    )
+        taken.append(-effect.added(motor, values))
+    return ca.Function("needed", [state, numbers], [ca.densify(ca.SX(sum(taken)))]) if taken else None

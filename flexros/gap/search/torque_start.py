@@ -131,9 +131,10 @@ def _balanced(
     Viscous friction that differs by direction passes for an offset: where it leaves less, there is none.
     """
     regress = partial(regress_torque, record, model, tolerance, arm, delay=delay, settings=settings)
-    best = plain = regress()
+    plain = regress()
     if plain is None:
         return None
+    best = plain
     factor = settings.balanced
     for location in Counterbalance().locations(model.robot):
         motor = model.robot.joint_names.index(location)
