@@ -158,7 +158,7 @@ def _needed_torque(kind: type[AbstractMotorLaw]) -> ca.Function | None:
     Its arguments are (time, position, angle of the rotor, speed, torque) and (nominal viscous friction, parameters of
     the law). Bristles count as bent; own states that are not functions of time as zero.
     """
-    effect = kind()
+    effect = kind.model_construct()
     state, numbers = ca.SX.sym("state", 5), ca.SX.sym("numbers", 1 + len(effect.parameter_values))
     time, position, angle, speed, torque = ca.vertsplit(state)
     timed = len(effect.states_of_time(0.0))
@@ -168,7 +168,7 @@ def _needed_torque(kind: type[AbstractMotorLaw]) -> ca.Function | None:
     taken = []
     if isinstance(effect, AbstractDryFriction):
         levels = effect.levels(motor, values)
-        against = ca.if_else(speed < 0, -ca.fmax(levels.backward, 0), ca.fmax(levels.forward, 0))
+        against = ca.if_else(speed < 0, -levels.backward, levels.forward)
         taken.append(ca.if_else(speed == 0, 0, against))
     if isinstance(effect, AbstractBristleFriction):
         taken.append(ca.sign(speed) * effect.bristle(speed, values).level)

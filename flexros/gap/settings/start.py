@@ -33,6 +33,12 @@ class TorqueStartSettings(Settings):
         gt=0,
         description="weight of all errors of the torques over that of all prediction errors [1] (chosen)",
     )
+    least_rest: float = Field(
+        default=0.1,
+        gt=0,
+        description="least standard deviation of an error of a torque, over the torque that counts as no gap [1] "
+        "(chosen)",
+    )
     longest_delay: int = Field(
         default=10, ge=0, description="longest delay of commands or torques that is tried [samples] (chosen)"
     )
