@@ -151,9 +151,9 @@ def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
         if candidate.name in search.base.names:
             clear, tolerated = search.settings.search.clear_in_torques, _tolerated(search, candidate)
             most = {one.name: one.high for one in candidate.free}
-            least = _tolerated_torque(search, candidate)
+            nothing = _tolerated_torque(search, candidate)
             worth_it = any(
-                abs(size.value) > max(clear * hypot(size.std, tolerated), least, NOTHING * most[name])
+                abs(size.value) > max(clear * hypot(size.std, tolerated), nothing, NOTHING * most[name])
                 for name, size in parameters.items()
             )
         else:
