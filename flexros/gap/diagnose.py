@@ -27,7 +27,7 @@ from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.search.forward_selection import explain
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.search.servo_start import fit_of_servos
-from flexros.gap.search.torque_start import base_fit, first_values, on_null, torque_start
+from flexros.gap.search.torque_start import base_fit, first_values, on_null, torque_start, with_torques
 from flexros.gap.settings import DiagnosisSettings
 from flexros.gap.where.find import where
 from flexros.identify.rigid.torque_timing import in_time
@@ -177,6 +177,7 @@ class _Task:
         measurement = measurement_in(held, model.robot, data.measurement, settings)
         held_data = fit_data(held, model, settings, measurement, data.level)
         start = torque_start(data, model, tolerated, settings)
+        data = with_torques(data, start)
         null, base = _first_fits(data, model, tolerated, start, settings, deadline)
         held_data = held_data.with_tool_frame_of(null.fit.predictor, null.fit.theta)
         prediction = prediction_of(null.fit, null.data)

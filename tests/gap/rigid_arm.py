@@ -55,6 +55,7 @@ def record_of_arm(
     load: float = 0.0,
     balance: tuple[float, float] = (0.0, 0.0),
     share: float = 0.0,
+    offset: float = 0.0,
 ) -> Record:
     """Compute the torques of that motion by inverse dynamics, with rotors and friction that the model lacks.
 
@@ -66,6 +67,7 @@ def record_of_arm(
         load: Mass and inertia of the last body beyond those of the model, relative to them.
         balance: Torques of a counterbalance at motor_1 at its positions 0 and 90 degrees [Nm].
         share: Friction of motor_1 per torque that its gear transmits [1].
+        offset: Of the torque of motor_1 [Nm].
     """
     q, v, a = motion()
     last = [name for name in arm().parameters if name.startswith(("body_2.mass", "body_2.inertia."))]
@@ -74,6 +76,7 @@ def record_of_arm(
     uneven = 1 + 0.5 * np.array([asymmetry, 0.0]) * np.sign(v)
     torque = rigid + INERTIA * a + VISCOUS * v * uneven + COULOMB * np.sign(v)
     torque[:, 0] += share * np.abs(rigid[:, 0]) * np.sign(v[:, 0])
+    torque[:, 0] += offset
     torque[:, 0] -= balance[0] * np.cos(q[:, 0]) + balance[1] * np.sin(q[:, 0])
     noise = 1e-6 * np.random.default_rng(seed).standard_normal(q.shape)
     held = 0.5 * (torque + np.vstack([torque[1:], torque[-1:]]))

@@ -141,18 +141,33 @@ def fit_covariance(fit: CandidateFit, data: FitData, form: RankingSettings | Non
     left = r[: M * n, None] if form is None else np.column_stack([r[: M * n], _form_errors(fit, data, r, form)])
     for motor in range(M):
         rows = slice(motor * n, (motor + 1) * n)
-        transform = np.fft.rfft(J[rows], axis=0)
-        power = np.array([smoothed(np.abs(np.fft.rfft(column)) ** 2) for column in left[rows].T]).sum(axis=0)
-        spectrum = power / max(int(np.isfinite(data.spread[:, motor]).sum()), 1)
-        weight = np.full(len(spectrum), 2.0)
-        weight[0] = 1.0
-        weight[-1] = 1.0 if n % 2 == 0 else 2.0
-        meat += np.real(np.conj(transform).T @ (transform * (weight * spectrum)[:, None])) / n
-    meat += J[M * n :].T @ J[M * n :]
+        meat += _coloured(J[rows], left[rows], int(np.isfinite(data.spread[:, motor]).sum()))
+    end = len(r) - (0 if data.torques is None else data.torques.size)
+    meat += J[M * n : end].T @ J[M * n : end]
+    for begin in range(end, len(r), (len(r) - end) // M or 1):
+        rows = slice(begin, begin + (len(r) - end) // M)
+        meat += _coloured(J[rows], r[rows, None], rows.stop - rows.start)
     inverse = np.linalg.pinv(line.information)
     covariance: FloatArray = inverse @ meat @ inverse
     # where an unlikely fit nearly diverges, the spectrum overflows
     return covariance if np.all(np.isfinite(covariance)) else np.asarray(inverse)
+
+
+def _coloured(J: FloatArray, left: FloatArray, used: int) -> FloatArray:
+    """Return the covariance of J'r for errors r with the spectrum of what is left, `used` of them not zero.
+
+    Args:
+        J: Derivatives of the errors of one motor, shape (n, n_fitted).
+        left: What is left of them, in columns that add in power, shape (n, k).
+        used: Number of errors that are used.
+    """
+    transform = np.fft.rfft(J, axis=0)
+    power = np.array([smoothed(np.abs(np.fft.rfft(column)) ** 2) for column in left.T]).sum(axis=0)
+    spectrum = power / max(used, 1)
+    weight = np.full(len(spectrum), 2.0)
+    weight[0] = 1.0
+    weight[-1] = 1.0 if len(J) % 2 == 0 else 2.0
+    return np.asarray(np.real(np.conj(transform).T @ (transform * (weight * spectrum)[:, None])) / len(J))
 
 
 def _form_errors(fit: CandidateFit, data: FitData, residual: FloatArray, form: RankingSettings) -> FloatArray:

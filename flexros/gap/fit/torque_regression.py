@@ -9,7 +9,7 @@ that the model lacks.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Literal
 
@@ -18,18 +18,13 @@ from scipy.optimize import lsq_linear
 
 from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.effects.left_out.tool_load import ENTRIES, last_moved
-from flexros.errors import InputError
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.prediction.predictor import FARTHEST
+from flexros.gap.residuals.torque_rows import acting_torque, torque_rows
 from flexros.gap.settings import TorqueStartSettings
 from flexros.identify.rigid.motion_estimate import decimate
-from flexros.identify.rigid.record import torque_as_it_acts
-from flexros.identify.rigid.regression_rows import RegressionRows
-from flexros.identify.rigid.regressor import RigidRegressor
 from flexros.identify.rigid.standard_parameters import standard_parameters
 from flexros.record.missing_samples import bridged_motion
-from flexros.record.servo_torque import servo_parts
-from flexros.record.smoothing import motion_cutoff
 from flexros.robot.parameters import INERTIA_COMPONENTS
 
 if TYPE_CHECKING:
@@ -49,8 +44,6 @@ KINDS = ("inertia", "viscous_friction", "coulomb_friction", "torque_offset")
 """Columns of every motor."""
 UNSEEN = 1e-9
 """Norm of a column, over the largest one, below which rounding alone is left of it [1]."""
-FEWEST = 2
-"""Fewest samples after decimation, over the columns of a motor [1] (chosen)."""
 Load = Literal["none", "body", "point"]
 """Load that the last body that moves may carry: none, a share of itself, or a mass at a point."""
 LOAD = ("mass", "first_moment.x", "first_moment.y", "first_moment.z")
@@ -67,6 +60,7 @@ class TorqueRegression:
         inertia: Added inertia of every motor [kg m2 or kg], shape (M,).
         viscous_friction: Added viscous friction of every motor [Nm s/rad or N s/m], shape (M,).
         coulomb_friction: Added Coulomb friction of every motor [Nm or N], shape (M,).
+        bias: Added constant torque of every motor [Nm or N], shape (M,).
         deviations: Tolerated deviations, in standard deviations [1], shape (n_tolerated,).
         left: Rest of the torque of every motor over that of the nominal model, rms [1], shape (M,).
         rest: Rest of the torque of every motor, rms [Nm or N], shape (M,).
@@ -78,6 +72,7 @@ class TorqueRegression:
     inertia: FloatArray
     viscous_friction: FloatArray
     coulomb_friction: FloatArray
+    bias: FloatArray
     deviations: FloatArray
     left: FloatArray
     rest: FloatArray
@@ -95,6 +90,7 @@ def regress_torque(
     load: Load = "none",
     delay: float = 0.0,
     balanced: int | None = None,
+    uneven: bool = False,
     settings: TorqueStartSettings | None = None,
 ) -> TorqueRegression | None:
     """Regress the torques of a log on friction, motor inertias and tolerated parameters of the bodies.
@@ -110,6 +106,7 @@ def regress_torque(
             of the servos, whose stiffness may be wrong too.
         balanced: Index of a motor with a further torque over its own position, such as that of a spring or a gas
             cylinder that carries the weight of the arm; its first harmonic is free. None for none.
+        uneven: Whether viscous friction that differs by direction stands for the offset of every motor.
         settings: Settings of the regression.
 
     Returns:
@@ -118,14 +115,11 @@ def regress_torque(
     """
     settings = settings or TorqueStartSettings()
     robot, known = model.robot, _known_friction(model)
-    try:
-        regressor = RigidRegressor(robot)
-        acting = _acting(record, robot, delay + (model.added_delay if record.measured_torque else robot.delay))
-        rows = _rows(record, regressor, acting)
-    except InputError:
-        return None
+    acting = acting_torque(record, model, delay)
+    rows = torque_rows(record, robot, acting)
     if rows is None:
         return None
+    regressor = rows.regressor
     names = [parameter.name for parameter in regressor.parameters]
     nominal = np.array([parameter.nominal for parameter in regressor.parameters])
     M = robot.n_motors
@@ -150,6 +144,9 @@ def regress_torque(
         b = b - decimate(arm.torque[begin:], factor)[rows.counts]
         slopes = decimate(arm.slopes[begin:].reshape(rows.record.n_samples, -1), factor)[rows.counts]
         A = np.concatenate([A, slopes.reshape(*b.shape, -1)], axis=-1)
+    if uneven:
+        speeds = decimate(np.abs(rows.motion.velocity), rows.factor)[rows.counts]
+        A[:, :, KINDS.index("torque_offset") * M : len(KINDS) * M] = speeds[:, :, None] * np.eye(M)
     lightest = np.where([name == "mass" for name in LOAD], 0.0, -np.inf)[: {"none": 0, "body": 1, "point": 4}[load]]
     if record.command is not None:
         springs = decimate(acting.springs[acting.begin :], rows.factor)[rows.counts]
@@ -230,39 +227,6 @@ def only_coulomb(model: RobotWithEffects) -> bool:
     return all(isinstance(law.effect, CoulombFriction) and law.effect.asymmetry == 0 for law in model.laws)
 
 
-@dataclass(frozen=True, eq=False)
-class _Acting:
-    """Torques as they act: their mean over one sample around each position.
-
-    Attributes:
-        torque: The torques [Nm or N], shape (n, M).
-        begin: First sample around which commands acted throughout.
-        springs: The part of the stiffness of servos [Nm or N], shape (n, M); zeros without them.
-    """
-
-    torque: FloatArray
-    begin: int
-    springs: FloatArray
-
-
-def _acting(record: Record, robot: Robot, delay: float) -> _Acting:
-    if record.command is None:
-        torque, begin = torque_as_it_acts(record, delay)
-        return _Acting(torque, begin, np.zeros_like(torque))
-    command, begin = torque_as_it_acts(replace(record, torque=record.command), delay)
-    parts = servo_parts(robot, command, bridged_motion(record.position, record.valid), record.sample_time)
-    return _Acting(parts.torque, begin, parts.spring)
-
-
-def _rows(record: Record, regressor: RigidRegressor, acting: _Acting) -> RegressionRows | None:
-    """Filter and decimate a log; None where no motor moves or too few rows are left."""
-    begin = acting.begin
-    part, every = record.part(begin, record.n_samples), tuple(range(len(regressor.parameters)))
-    rows = RegressionRows.of_record(part, acting.torque[begin:], motion_cutoff(record.sample_time), regressor, every)
-    enough = len(rows.torque) >= FEWEST * len(KINDS)  # each has an equation for every motor
-    return rows if enough and rows.motion.moving.any() else None
-
-
 def _of_load(names: list[str], body: str) -> FloatArray:
     """Return which regression parameters are the numbers of a load on a body and its inertia, shape (P, 10)."""
     numbers = (*LOAD, *(f"inertia_at_joint.{entry}" for entry in INERTIA_COMPONENTS))
@@ -332,9 +296,10 @@ def _solved(
             break
     # a column acts on its own motor alone, so that the diagonal of each kind is all of it
     size: FloatArray = np.sqrt(np.mean(A**2, axis=0)) * np.abs(solution)
-    own = np.stack([np.diag(size[:, kind * M : (kind + 1) * M]) for kind in range(3)])
-    values = np.where((own > settings.least_share * left) & moving, solution[: 3 * M].reshape(3, M), 0.0)
-    inertias, viscous_friction, coulomb_friction = values
+    own = np.stack([np.diag(size[:, kind * M : (kind + 1) * M]) for kind in range(len(KINDS))])
+    least = np.where([kind == "torque_offset" for kind in KINDS], settings.least_bias, settings.least_share)[:, None]
+    values = np.where((own > least * left) & moving, solution[: len(KINDS) * M].reshape(-1, M), 0.0)
+    inertias, viscous_friction, coulomb_friction, offsets = values
     shares = left / np.maximum(before, 1e-300)
     between, end = len(KINDS) * M, len(KINDS) * M + len(lightest)
     begin = between + (0 if balanced is None else len(BALANCE))
@@ -345,5 +310,5 @@ def _solved(
         stiffness = np.where((np.diag(size[:, begin:end]) > settings.least_share * left) & moving, stiffness, 0.0)
     deviations = solution[end:]
     return TorqueRegression(
-        inertias, viscous_friction, coulomb_friction, deviations, shares, left, load, stiffness, balance
+        inertias, viscous_friction, coulomb_friction, -offsets, deviations, shares, left, load, stiffness, balance
     )

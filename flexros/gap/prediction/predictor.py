@@ -260,6 +260,14 @@ class Predictor:
             acting[:, motor] = 0.5 * (driving[after, motor] + driving[before, motor])
         return acting
 
+    def numbers(self, theta: FloatArray) -> dict[str, float]:
+        """Return the numbers of the robot that the hypothesis or its tolerance may change, by name [SI].
+
+        Args:
+            theta: Encoded parameters, shape (n_fitted,).
+        """
+        return dict(zip(self.plant.robot_names, self._column(theta).tolist()))
+
     def _column(self, theta: FloatArray) -> FloatArray:
         """Return the parameters of the plant for one set of encoded parameters."""
         values = self.values(theta)

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from flexros.gap.residuals.line import Line
     from flexros.gap.residuals.sensor_data import SensorData
     from flexros.gap.residuals.tool_data import ToolData
+    from flexros.gap.residuals.torque_errors import TorqueErrors
     from flexros.gap.settings import DiagnosisSettings
     from flexros.prediction.observer import ObserverGain
     from flexros.record.record import Record
@@ -106,6 +107,7 @@ class FitData:
         misfit: Mean squared weighted prediction error that no candidate removes [1]: where a model leaves much more
             than noise, the prior of tolerated parameters weighs as much more.
         line: What acts at one frequency, which is projected out of the errors of the motors; None for nothing.
+        torques: Errors of the torques of a measured log, which count as well; None where they tell no more.
     """
 
     record: Record
@@ -124,6 +126,7 @@ class FitData:
     nominal_level: float = 1.0
     misfit: float = 1.0
     line: Line | None = None
+    torques: TorqueErrors | None = None
 
     @property
     def counted(self) -> BoolArray:
@@ -139,6 +142,13 @@ class FitData:
 
     @property
     def n_values(self) -> int:
+        """Number of independent prediction errors that are used, and as many more as the torques count for."""
+        return self._predicted + (
+            0 if self.torques is None else round(self.settings.torque_start.weight * self._predicted)
+        )
+
+    @property
+    def _predicted(self) -> int:
         """Number of independent prediction errors that are used."""
         of_tool = 0 if self.tool is None else self.tool.position.size - self.tool.basis.shape[1]
         projected = 0 if self.initial_state_errors is None else self.initial_state_errors.number
@@ -163,7 +173,19 @@ class FitData:
         """Which of the weighted prediction errors are used, in their order, shape (n_residuals,)."""
         of_tool = np.ones(0 if self.tool is None else self.tool.position.size, dtype=bool)
         of_sensors = np.zeros(0, dtype=bool) if self.sensors is None else self.sensors.used
-        return np.concatenate([np.isfinite(self.spread).T.ravel(), of_tool, of_sensors])
+        of_torques = np.ones(0 if self.torques is None else self.torques.size, dtype=bool)
+        return np.concatenate([np.isfinite(self.spread).T.ravel(), of_tool, of_sensors, of_torques])
+
+    @property
+    def torque_weight(self) -> float:
+        """Weight of an error of the torques: all of them count as much as the prediction errors do [1].
+
+        What a regression leaves of a torque is its standard deviation, so that the errors at the best explanation have
+        the size 1 where prediction errors have the misfit.
+        """
+        assert self.torques is not None
+        share = self.settings.torque_start.weight * self._predicted / self.torques.size
+        return float(np.sqrt(self.misfit * share))
 
     @property
     def negligible(self) -> float:
@@ -209,7 +231,8 @@ class FitData:
 
         Returns:
             Weighted prediction errors, each of variance 1 without a gap: motors one after the other, then the tool,
-            then further sensors one after the other, shape (M n + 3 m_tool + m_sensors, sets).
+            then further sensors one after the other, and last the errors of the torques, motors one after the other,
+            shape (M n + 3 m_tool + m_sensors + M m_torque, sets).
         """
         samples = None if self.tool is None else self.tool.samples
         prediction = self.predict(predictor, thetas, pose_samples=samples, record_states=self.sensors is not None)
@@ -228,6 +251,8 @@ class FitData:
             n, M = self.record.position.shape
             motors = residual[: M * n].reshape(M, n, -1)
             self.line.projected_out(motors, self.record.sample_time, np.isfinite(self.spread).T)
+        if self.torques is not None:
+            residual = np.vstack([residual, self.torque_weight * self.torques.errors(predictor, thetas)])
         return residual
 
     def weighted(self, innovation: FloatArray) -> FloatArray:

@@ -7,7 +7,10 @@ from functools import partial
 from math import hypot, log, log1p
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from flexros.effects.kinds.relative_error import AbstractRelativeError
+from flexros.effects.torque_bias import TorqueBias
 from flexros.gap.fit.estimates import parameters_of
 from flexros.gap.search.worth import compared, strains, unique, worth
 
@@ -148,8 +151,9 @@ def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
         if candidate.name in search.base.names:
             clear, tolerated = search.settings.search.clear_in_torques, _tolerated(search, candidate)
             most = {one.name: one.high for one in candidate.free}
+            nothing = _tolerated_torque(search, candidate)
             worth_it = any(
-                abs(size.value) > max(clear * hypot(size.std, tolerated), NOTHING * most[name])
+                abs(size.value) > max(clear * hypot(size.std, tolerated), nothing, NOTHING * most[name])
                 for name, size in parameters.items()
             )
         else:
@@ -173,6 +177,14 @@ def _tolerated(search: Search, candidate: Candidate) -> float:
     deviations = dict(zip(tolerance.names, tolerance.deviations, strict=True))
     changed = candidate.effect().scaled(robot, candidate.location)
     return max((deviations.get(name, 0.0) for name in changed), default=0.0)
+
+
+def _tolerated_torque(search: Search, candidate: Candidate) -> float:
+    """Return the constant torque at a motor that counts as no gap [Nm or N]; 0 of other effects."""
+    if candidate.effect is not TorqueBias:
+        return 0.0
+    data, motor = search.data, search.null.model.robot.joint_names.index(candidate.location)
+    return float(data.measurement.signal_tolerance * np.std(data.record.torque[:, motor]))
 
 
 def _all_at_once(search: Search) -> bool:

@@ -16,6 +16,7 @@ from flexros.gap.fit.arm_torque import arm_torque
 from flexros.gap.fit.least_squares import CandidateFit, chi2_of, fit
 from flexros.gap.fit.torque_delay import torque_delay
 from flexros.gap.fit.torque_regression import only_coulomb, regress_torque
+from flexros.gap.residuals.torque_errors import torque_errors
 from flexros.gap.search.model_probability import compare
 
 if TYPE_CHECKING:
@@ -65,6 +66,7 @@ class TorqueStart:
             inertia = float(found.inertia[motor])
             values["viscous_friction", name] = float(found.viscous_friction[motor])
             values["coulomb_friction", name] = float(found.coulomb_friction[motor])
+            values["torque_bias", name] = float(found.bias[motor])
             values["motor_inertia_error", name] = inertia / nominal if nominal > 0 else 0.0
             values["servo_stiffness_error", name] = float(found.servo_stiffness[motor])
         values["delay", "all"] = self.delay
@@ -112,6 +114,9 @@ def torque_start(
         arm = arm_torque(data, model, tolerance)
         delay = torque_delay(record, model, tolerance, settings.torque_start)
         regression = _balanced(record, model, tolerance, arm, delay, settings.torque_start)
+        if regression is not None:
+            clear = np.abs(regression.bias) > _tolerated(data)
+            regression = replace(regression, bias=np.where(clear, regression.bias, 0.0))
         start = None if regression is None else TorqueStart(regression, model, record, delay)
     return start if start is not None and start.hypothesis() else None
 
@@ -124,11 +129,15 @@ def _balanced(
     delay: float,
     settings: TorqueStartSettings,
 ) -> TorqueRegression | None:
-    """Regress the torques, with a counterbalance at the motor at which it explains most, if that is much."""
+    """Regress the torques, with a counterbalance at the motor at which it explains most, if that is much.
+
+    Viscous friction that differs by direction passes for an offset: where it leaves less, there is none.
+    """
     regress = partial(regress_torque, record, model, tolerance, arm, delay=delay, settings=settings)
-    best = plain = regress()
+    plain = regress()
     if plain is None:
         return None
+    best = plain
     factor = settings.balanced
     for location in Counterbalance().locations(model.robot):
         motor = model.robot.joint_names.index(location)
@@ -138,7 +147,8 @@ def _balanced(
             continue
         if plain.rest[motor] > factor * found.rest[motor]:
             best, factor = found, plain.rest[motor] / found.rest[motor]
-    return best
+    uneven = regress(balanced=next(iter(best.balance), None), uneven=True) if best.bias.any() else None
+    return best if uneven is None else replace(best, bias=np.where(uneven.rest < best.rest, 0.0, best.bias))
 
 
 def _servo_start(
@@ -158,6 +168,27 @@ def _servo_start(
             break
         best = left, TorqueStart(found, model, record, delay)
     return None if best is None else best[1]
+
+
+def _tolerated(data: FitData) -> FloatArray:
+    """Return the torques that count as no gap [Nm or N], shape (M,)."""
+    return np.asarray(data.measurement.signal_tolerance * np.std(data.record.torque, axis=0))
+
+
+def with_torques(data: FitData, start: TorqueStart | None) -> FitData:
+    """Let the errors of the torques of a measured log count beside prediction errors, where no spring hides them.
+
+    Their deviation is what the regression leaves, but no less than a part of the tolerance of the torques.
+
+    Args:
+        data: Log and weights.
+        start: What its torques show; None for nothing.
+    """
+    if start is None or not data.record.imported or data.record.command is not None or start.robot.flexible_motors:
+        return data
+    least = data.settings.torque_start.least_rest * _tolerated(data)
+    deviation = np.maximum(start.regression.rest, least)
+    return replace(data, torques=torque_errors(data.record, start.model, start.delay, deviation))
 
 
 def first_values(start: TorqueStart, null: NullFit, settings: DiagnosisSettings) -> CandidateFit | None:

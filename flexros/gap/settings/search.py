@@ -221,7 +221,7 @@ class SearchSettings(Settings):
         "effect must free to be part of an explanation of a real machine, however little it removes [1]",
     )
     within_floor: float = Field(
-        default=0.5,
+        default=0.4,
         gt=0,
         lt=1,
         description="level of the prediction errors, over that without them, up to which further effects are found "

@@ -22,6 +22,23 @@ class TorqueStartSettings(Settings):
         lt=1,
         description="largest share of a nominal rotor inertia or servo stiffness that is taken away [1] (chosen)",
     )
+    least_bias: float = Field(
+        default=0.5,
+        ge=0,
+        description="the same for a constant torque [1] (chosen): less may be a wrong weight or uneven friction. 1.5 "
+        "to 4 on two arms whose joint torque sensors have offsets, up to 0.3 on a UR10e",
+    )
+    weight: float = Field(
+        default=1.0,
+        gt=0,
+        description="weight of all errors of the torques over that of all prediction errors [1] (chosen)",
+    )
+    least_rest: float = Field(
+        default=0.1,
+        gt=0,
+        description="least standard deviation of an error of a torque, over the torque that counts as no gap [1] "
+        "(chosen)",
+    )
     longest_delay: int = Field(
         default=10, ge=0, description="longest delay of commands or torques that is tried [samples] (chosen)"
     )

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +13,8 @@ from flexros.robot.parameters import INERTIA_COMPONENTS
 from flexros.robot.quantity import unit_of
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
     from flexros.arrays import FloatArray
     from flexros.robot import Robot
 
@@ -43,7 +47,9 @@ class StandardParameter:
     nominal: float
 
 
-def standard_parameters(robot: Robot, asymmetric: bool = False) -> tuple[StandardParameter, ...]:
+def standard_parameters(
+    robot: Robot, asymmetric: bool = False, *, numbers: Mapping[str, float] = MappingProxyType({})
+) -> tuple[StandardParameter, ...]:
     """List the parameters of a robot, from base to tool.
 
     The inertial parameters of a body are its inertia at the joint L = I + m (c'c E - c c'), its first moment m c and
@@ -53,34 +59,40 @@ def standard_parameters(robot: Robot, asymmetric: bool = False) -> tuple[Standar
     Args:
         robot: The robot, all gears and elastic directions locked.
         asymmetric: Friction by direction of motion.
+        numbers: Values of the robot in place of its own, by name of the parameter [SI].
 
     Returns:
         Parameters: first the bodies, each followed by the inertia of its motor, then the friction of all motors, then
         that of bodies where the robot file gives one.
     """
     parameters: list[StandardParameter] = []
-    motor = 0
+    value, motor = partial(_value, robot, numbers), 0
     for index, body in enumerate(robot.spec.bodies):
         name = f"body_{index + 1}"
-        parameters += _of_body(robot, name)
+        parameters += _of_body(name, value)
         for axis, direction in body.directions.items():
             if direction.motor is not None:
                 motor += 1
                 unit = unit_of("inertia", axis.startswith("r"))
-                value = robot.parameters[f"motor_{motor}.inertia"].value
+                inertia = value(f"motor_{motor}.inertia")
                 parameters.append(
-                    StandardParameter(f"motor_{motor}.inertia", f"inertia of motor_{motor} at the arm", unit, value)
+                    StandardParameter(f"motor_{motor}.inertia", f"inertia of motor_{motor} at the arm", unit, inertia)
                 )
     for index in range(robot.n_motors):
-        parameters += _friction(robot, index, asymmetric)
-    return (*parameters, *_body_friction(robot))
+        parameters += _friction(robot, index, asymmetric, value)
+    return (*parameters, *_body_friction(robot, value))
 
 
-def _of_body(robot: Robot, name: str) -> list[StandardParameter]:
-    parameters = robot.parameters
-    mass = parameters[f"{name}.mass"].value
-    center = np.array([parameters[f"{name}.center_of_mass.{axis}"].value for axis in "xyz"])
-    inertia = {entry: parameters[f"{name}.inertia.{entry}"].value for entry in INERTIA_COMPONENTS}
+def _value(robot: Robot, numbers: Mapping[str, float], name: str) -> float:
+    """Return the value of a parameter [SI]."""
+    given = numbers.get(name)
+    return robot.parameters[name].value if given is None else given
+
+
+def _of_body(name: str, value: Callable[[str], float]) -> list[StandardParameter]:
+    mass = value(f"{name}.mass")
+    center = np.array([value(f"{name}.center_of_mass.{axis}") for axis in "xyz"])
+    inertia = {entry: value(f"{name}.inertia.{entry}") for entry in INERTIA_COMPONENTS}
     at_joint = inertia_at_joint(inertia, mass, center)
     moment = mass * center
     return [
@@ -100,24 +112,24 @@ def _of_body(robot: Robot, name: str) -> list[StandardParameter]:
     ]
 
 
-def _body_friction(robot: Robot) -> list[StandardParameter]:
+def _body_friction(robot: Robot, value: Callable[[str], float]) -> list[StandardParameter]:
     """Friction against the absolute rotation of bodies, of those bodies for which the robot file gives it."""
     names = [f"body_{index + 1}" for index in range(len(robot.spec.bodies))]
-    values = {name: robot.parameters[f"{name}.viscous_friction"].value for name in names}
+    values = {name: value(f"{name}.viscous_friction") for name in names}
     return [
         StandardParameter(
-            f"{name}.viscous_friction", f"friction against the absolute rotation of {name}", "Nm s/rad", value
+            f"{name}.viscous_friction", f"friction against the absolute rotation of {name}", "Nm s/rad", friction
         )
-        for name, value in values.items()
-        if value
+        for name, friction in values.items()
+        if robot.parameters[f"{name}.viscous_friction"].value
     ]
 
 
-def _friction(robot: Robot, index: int, asymmetric: bool) -> list[StandardParameter]:
+def _friction(robot: Robot, index: int, asymmetric: bool, value: Callable[[str], float]) -> list[StandardParameter]:
     motor = robot.motors[index]
     name = motor.name
     units = {"viscous": motor.unit("damping"), "coulomb": motor.torque_unit}
-    viscous = robot.parameters[f"{name}.viscous_friction"].value
+    viscous = value(f"{name}.viscous_friction")
     parameters = []
     for kind in ASYMMETRIC_FRICTION if asymmetric else FRICTION:
         first, _, rest = kind.partition("_")

@@ -14,6 +14,7 @@ import yaml
 from flexros.effects import PlacedLaw, RobotWithEffects, effects, parse_effect, place_effects
 from flexros.effects.kinds.base import Stage
 from flexros.effects.kinds.motor_law import AbstractMotorTorque, MotorState
+from flexros.effects.torque_bias import TorqueBias
 from flexros.effects.torque_drift import TorqueDrift
 from flexros.gap.diagnose import diagnose
 from flexros.gap.result import DiagnosisResult
@@ -167,7 +168,8 @@ def test_load_over_time_is_that_of_the_log_and_keeps_its_last_value() -> None:
     (drift,) = [one.effect for one in found.patch if isinstance(one.effect, TorqueDrift)]
     assert drift.begin < 0.5
     assert drift.end == pytest.approx(2 / 3 * N * T, abs=0.02)
-    fitted = [getattr(drift, f"torque_{number}") for number in range(1, 7)]
+    constant = sum(one.effect.level for one in found.patch if isinstance(one.effect, TorqueBias))
+    fitted = [constant + getattr(drift, f"torque_{number}") for number in range(1, 7)]
     time = np.linspace(drift.begin, drift.end, 6)
     true = 1.5 * np.exp(-(((time - 6) / 5) ** 2))
     np.testing.assert_allclose(fitted, true, atol=0.15)  # the true one is curved between the knots

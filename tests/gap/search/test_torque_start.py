@@ -18,9 +18,10 @@ from flexros.gap.fit.null_fit import NullFit, fit_null
 from flexros.gap.fit.unknown_numbers import unknown_numbers
 from flexros.gap.residuals.fit_data import FitData, fit_data
 from flexros.gap.result import DiagnosisResult
-from flexros.gap.search.torque_start import TorqueStart, base_fit, first_values, torque_start
+from flexros.gap.search.torque_start import TorqueStart, base_fit, first_values, torque_start, with_torques
 from flexros.gap.settings import DiagnosisSettings, SearchSettings
-from flexros.robot import Robot, robot_from_data
+from flexros.record.record import Record
+from flexros.robot import Robot, load_robot, robot_from_data
 from tests.gap.rigid_arm import ARM, COULOMB, INERTIA, VISCOUS, arm, record_of_arm
 
 FRICTION = {f"{effect}@motor_{motor}" for effect in ("coulomb_friction", "viscous_friction") for motor in (1, 2)}
@@ -199,14 +200,15 @@ def test_search_begins_with_a_counterbalance_that_torques_show() -> None:
 
 
 def test_small_torque_over_the_position_is_no_counterbalance() -> None:
-    assert {one.name for one, _ in start_with((0.2, 0.0)).hypothesis()} == FRICTION
+    assert {one.name for one, _ in start_with((0.2, 0.0)).hypothesis()} <= FRICTION | {"torque_bias@motor_1"}
 
 
 @pytest.mark.slow
 def test_counterbalance_is_named_with_its_size() -> None:
     settings = DiagnosisSettings(where=None, next_experiment=None)
     log, held = (record_of_arm(imported=True, seed=seed, balance=(40.0, -15.0)) for seed in (5, 6))
-    found = diagnose(log, arm(), holdout=held, settings=settings)
+    known = arm().with_values({"motor_1.inertia": INERTIA[0], "motor_2.inertia": INERTIA[1]})
+    found = diagnose(log, known, holdout=held, settings=settings)
     causes = {f"{one.effect}@{one.location}": one for one in found.diagnosis.causes}
     assert found.diagnosis.verdict == "explained"
     assert set(causes) == {*FRICTION, "counterbalance@motor_1"}
@@ -214,3 +216,38 @@ def test_counterbalance_is_named_with_its_size() -> None:
     for name, size in (("cosine", 40.0), ("sine", -15.0)):
         assert sizes[name].std is not None
         assert abs(sizes[name].value - size) < 3 * sizes[name].std < 0.3 * abs(size)
+
+
+def test_an_offset_of_the_torques_begins_the_search() -> None:
+    """Without it, friction and bodies would stand for it."""
+    found = torque_start_of(record_of_arm(imported=True, offset=3.0))
+    assert found.regression.bias[0] == pytest.approx(-3.0, rel=0.05)
+    assert found.regression.bias[1] == 0.0
+    assert "torque_bias@motor_1" in {candidate.name for candidate, _ in found.hypothesis()}
+
+
+def test_viscous_friction_that_differs_by_direction_is_no_offset() -> None:
+    found = torque_start_of(record_of_arm(imported=True, asymmetry=0.8))
+    assert not found.regression.bias.any()
+
+
+def torque_start_of(record: Record) -> TorqueStart:
+    model = RobotWithEffects(arm(), ())
+    model = unknown_numbers(record, model, tolerance_of(model.robot, {})).given_to(model)
+    found = torque_start(
+        fit_data(record, model, DiagnosisSettings()), model, tolerance_of(model.robot, {}), DiagnosisSettings()
+    )
+    assert found is not None
+    return found
+
+
+def test_torques_count_beside_predictions_on_a_rigid_machine_alone() -> None:
+    data = prepared()[0]
+    assert with_torques(data, start()).torques is not None
+    assert with_torques(data, None).torques is None
+    simulated = replace(data, record=replace(data.record, imported=False))
+    assert with_torques(simulated, start()).torques is None
+    commanded = replace(data, record=replace(data.record, command=data.record.position))
+    assert with_torques(commanded, start()).torques is None
+    behind_springs = replace(start(), model=RobotWithEffects(load_robot("elbow"), ()))
+    assert with_torques(data, behind_springs).torques is None

@@ -1,0 +1,177 @@
+"""Errors of the torques of a measured log, beside those of predicted positions.
+
+A rigid arm that tracks a reference has prescribed accelerations, and what the model lacks shows in the torques: with
+the measured motion q, the torque that a hypothesis needs is
+
+    u = (H(q, q', q'') pi + f(q, q')) / g,
+
+with the standard parameters pi of the robot (Moberg 2007, eq. 4.11), the torques f of laws at the motors and the gain g
+of the torque. Errors of
+predicted positions are these errors divided by the inertia, so that more inertia leaves less of any of them, and light
+joints outweigh all others. The errors of the torques do not have this fault, but they show neither delay nor springs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache, cached_property, lru_cache
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+
+from flexros.effects.friction.coulomb_friction import CoulombFriction
+from flexros.effects.kinds.bristle_friction import AbstractBristleFriction
+from flexros.effects.kinds.dry_friction import AbstractDryFriction
+from flexros.effects.kinds.motor_law import AbstractMotorLaw, AbstractMotorTorque, MotorState
+from flexros.effects.torque_gain_error import TorqueGainError
+from flexros.gap.residuals.torque_rows import acting_torque, torque_rows
+from flexros.identify.rigid.motion_estimate import decimate
+from flexros.identify.rigid.standard_parameters import standard_parameters
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from flexros.arrays import BoolArray, FloatArray
+    from flexros.effects import RobotWithEffects
+    from flexros.gap.prediction.predictor import Predictor
+    from flexros.record.record import Record
+    from flexros.robot import Robot
+
+KEPT = 512
+"""Torques of laws that are kept (chosen): those of the sets of parameters that a fit compares."""
+
+
+@dataclass(frozen=True, eq=False)
+class TorqueErrors:
+    """What the torques of a log need of a hypothesis.
+
+    Attributes:
+        robot: The nominal robot.
+        regressor: H, low-passed and decimated, shape (m, M, P).
+        torque: Torques in the same rows [Nm or N], shape (m, M).
+        known: Friction of the laws of the nominal model in the same rows [Nm or N], shape (m, M).
+        deviation: Standard deviation of an error [Nm or N], shape (M,).
+        motion: Time [s], then positions, speeds and torques of all motors [SI], shape (1 + 3 M, n).
+        factor: Decimation from the motion to the rows.
+        counts: Decimated rows that count, shape (n_decimated,).
+    """
+
+    robot: Robot
+    regressor: FloatArray
+    torque: FloatArray
+    known: FloatArray
+    deviation: FloatArray
+    motion: FloatArray
+    factor: int
+    counts: BoolArray
+
+    @property
+    def size(self) -> int:
+        """Number of errors."""
+        return int(self.torque.size)
+
+    def errors(self, predictor: Predictor, thetas: FloatArray) -> FloatArray:
+        """Compute the errors of a hypothesis over their standard deviation.
+
+        Args:
+            predictor: The hypothesis.
+            thetas: Parameters, shape (n_fitted, sets).
+
+        Returns:
+            Errors, motors one after the other, shape (M m, sets).
+        """
+        return np.stack([self._of_one(predictor, theta) for theta in thetas.T], axis=-1)
+
+    def _of_one(self, predictor: Predictor, theta: FloatArray) -> FloatArray:
+        values = np.array([one.nominal for one in standard_parameters(self.robot, numbers=predictor.numbers(theta))])
+        needed = self.regressor @ values + self.known
+        gains = np.ones(self.robot.n_motors)
+        for candidate, numbers in zip(predictor.hypothesis, predictor.values(theta), strict=True):
+            if issubclass(candidate.effect, AbstractMotorLaw) and candidate.location in self.robot.joint_names:
+                effect = candidate.placed(numbers).effect
+                assert isinstance(effect, AbstractMotorLaw)
+                motor = self.robot.joint_names.index(candidate.location)
+                needed[:, motor] += self._rows_of(type(effect), motor, tuple(effect.parameter_values.values()))
+                if isinstance(effect, TorqueGainError):
+                    gains[motor] += effect.relative
+        errors: FloatArray = ((self.torque - needed / gains) / self.deviation).T.ravel()
+        return errors
+
+    @cached_property
+    def _rows_of(self) -> Callable[[type[AbstractMotorLaw], int, tuple[float, ...]], FloatArray]:
+        """Function of the torque that a motor needs against a law, in the rows; of many sets few laws differ."""
+        return lru_cache(maxsize=KEPT)(self._law)
+
+    def _law(self, kind: type[AbstractMotorLaw], motor: int, numbers: tuple[float, ...]) -> FloatArray:
+        function = _needed_torque(kind)
+        if function is None:
+            return np.zeros(len(self.torque))
+        M = self.robot.n_motors
+        time, position, speed, torque = self.motion[[0, 1 + motor, 1 + M + motor, 1 + 2 * M + motor]]
+        viscous = self.robot.parameters[f"{self.robot.joint_names[motor]}.viscous_friction"].value
+        state = np.stack([time, position, self.robot.rotor_turns[motor] * position, speed, torque])
+        needed = np.asarray(function(state, np.array([viscous, *numbers])), dtype=float).ravel()
+        in_rows: FloatArray = decimate(needed[:, None], self.factor)[self.counts, 0]
+        return in_rows
+
+
+def torque_errors(record: Record, model: RobotWithEffects, delay: float, deviation: FloatArray) -> TorqueErrors | None:
+    """Prepare the errors of the torques of a log.
+
+    Args:
+        record: The log, of a robot without springs, with torques.
+        model: The nominal model, with no laws but Coulomb friction.
+        delay: Delay of the torques beyond that of the model [s].
+        deviation: Standard deviation of an error of each motor [Nm or N], shape (M,).
+
+    Returns:
+        The errors; None where no motor moves or the log is too short.
+    """
+    acting = acting_torque(record, model, delay)
+    rows = torque_rows(record, model.robot, acting)
+    if rows is None:
+        return None
+    torque, motion, robot = acting.torque[acting.begin :], rows.motion, model.robot
+    time = rows.record.begin + record.sample_time * np.arange(len(torque))
+    whole = TorqueErrors(
+        robot=robot,
+        regressor=np.concatenate([H for H, _ in rows.blocks()]),
+        torque=rows.torque,
+        known=np.zeros_like(rows.torque),
+        deviation=deviation,
+        motion=np.vstack([time, motion.position.T, motion.velocity.T, torque.T]),
+        factor=rows.factor,
+        counts=rows.counts,
+    )
+    for law in model.laws:
+        if isinstance(law.effect, CoulombFriction):
+            motor, numbers = robot.joint_names.index(law.location), tuple(law.effect.parameter_values.values())
+            whole.known[:, motor] += whole._rows_of(CoulombFriction, motor, numbers)
+    return whole
+
+
+@cache
+def _needed_torque(kind: type[AbstractMotorLaw]) -> ca.Function | None:
+    """Build the torque that a law takes from a motor in a given motion; None for one between command and motor.
+
+    Its arguments are (time, position, angle of the rotor, speed, torque) and (nominal viscous friction, parameters of
+    the law). Bristles count as bent; own states that are not functions of time as zero.
+    """
+    effect = kind.model_construct()
+    state, numbers = ca.SX.sym("state", 5), ca.SX.sym("numbers", 1 + len(effect.parameter_values))
+    time, position, angle, speed, torque = ca.vertsplit(state)
+    timed = len(effect.states_of_time(0.0))
+    own = ca.vertcat(*[time] * timed, ca.SX.zeros(effect.n_states - timed))
+    motor = MotorState(position, angle, speed, torque, own, numbers[0], torque)
+    values = dict(zip(effect.parameter_values, ca.vertsplit(numbers[1:]), strict=True))
+    taken = []
+    if isinstance(effect, AbstractDryFriction):
+        levels = effect.levels(motor, values)
+        against = ca.if_else(speed < 0, -levels.backward, levels.forward)
+        taken.append(ca.if_else(speed == 0, 0, against))
+    if isinstance(effect, AbstractBristleFriction):
+        taken.append(ca.sign(speed) * effect.bristle(speed, values).level)
+    if isinstance(effect, AbstractMotorTorque):
+        taken.append(-effect.added(motor, values))
+    return ca.Function("needed", [state, numbers], [ca.densify(ca.SX(sum(taken)))]) if taken else None

@@ -1,0 +1,175 @@
+"""Errors of the torques of a measured log under a hypothesis."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from flexros.arrays import FloatArray
+from flexros.effects import RobotWithEffects, place_effects
+from flexros.effects.torque_gain_error import TorqueGainError
+from flexros.gap.candidates.candidate import Candidate, list_candidates
+from flexros.gap.candidates.scales import scales_of_motors
+from flexros.gap.candidates.tolerance import Tolerance, tolerance_of
+from flexros.gap.fit.estimates import covariance_of
+from flexros.gap.fit.least_squares import fit
+from flexros.gap.prediction.predictor import Predictor
+from flexros.gap.residuals.fit_data import FitData, fit_data
+from flexros.gap.residuals.torque_errors import TorqueErrors, torque_errors
+from flexros.gap.settings import DiagnosisSettings
+from flexros.robot import Robot
+from tests.gap.rigid_arm import COULOMB, INERTIA, VISCOUS, T, arm, motion, record_of_arm
+
+DEVIATION = np.array([0.1, 0.05])
+VALUES = {
+    "coulomb_friction": {"level": COULOMB},
+    "viscous_friction": {"coefficient": VISCOUS},
+}
+
+
+def with_rotors(factor: float = 1.0) -> Robot:
+    return arm().with_values({f"motor_{k + 1}.inertia": factor * value for k, value in enumerate(INERTIA)})
+
+
+@cache
+def errors_of(offset: float = 0.0) -> TorqueErrors:
+    found = torque_errors(record_of_arm(imported=True, offset=offset), model(), 0.0, DEVIATION)
+    assert found is not None
+    return found
+
+
+def model() -> RobotWithEffects:
+    return RobotWithEffects(with_rotors(), ())
+
+
+@cache
+def candidates() -> dict[str, Candidate]:
+    scales = scales_of_motors(with_rotors(), record_of_arm(imported=True))
+    return {one.name: one for one in list_candidates(with_rotors(), scales, measured=True)}
+
+
+def predictor_of(
+    values: dict[str, dict[str, float]], tolerance: Tolerance | None = None
+) -> tuple[Predictor, FloatArray]:
+    """Return the predictor of effects at motors with some of their parameters free, and these, encoded."""
+    chosen = []
+    for name, numbers in values.items():
+        one = candidates()[name]
+        chosen.append(replace(one, free=tuple(free for free in one.free if free.name in numbers)))
+    theta = [free.encode(values[one.name][free.name]) for one in chosen for free in one.free]
+    tolerance = tolerance or Tolerance()
+    predictor = Predictor(model(), tuple(chosen), tolerance, T, measured_torque=True)
+    return predictor, np.array([*theta, *([0.0] * tolerance.n_free)])[:, None]
+
+
+def friction() -> dict[str, dict[str, float]]:
+    return {
+        f"{effect}@motor_{k + 1}": {name: float(numbers[k]) for name, numbers in parameters.items()}
+        for effect, parameters in VALUES.items()
+        for k in range(2)
+    }
+
+
+def size_of(values: dict[str, dict[str, float]], of: TorqueErrors | None = None) -> FloatArray:
+    """Return the rms of the errors of each motor [Nm]."""
+    errors = (of or errors_of()).errors(*predictor_of(values))
+    return np.asarray(DEVIATION * np.sqrt(np.mean(errors.reshape(2, -1) ** 2, axis=1)))
+
+
+def test_the_true_friction_leaves_nearly_nothing() -> None:
+    torque = np.std(record_of_arm(imported=True).torque, axis=0)
+    assert np.all(size_of(friction()) < 0.01 * torque)
+    assert np.all(size_of({}) > 0.1 * torque)
+
+
+def test_each_error_is_of_its_own_motor_over_its_deviation() -> None:
+    only_second = {name: numbers for name, numbers in friction().items() if name.endswith("motor_2")}
+    first, second = size_of(only_second)
+    assert second == pytest.approx(size_of(friction())[1])
+    assert first == pytest.approx(size_of({})[0])
+
+
+def test_more_inertia_leaves_more() -> None:
+    """It leaves less of the errors of predicted positions, whatever their cause."""
+    heavy = {**friction(), "motor_inertia_error@motor_1": {"relative": 3.0}}
+    expected = 3.0 * INERTIA[0] * np.sqrt(np.mean(motion()[2, :, 0] ** 2))
+    assert size_of(heavy)[0] == pytest.approx(expected, rel=0.1)
+
+
+@pytest.mark.parametrize(("name", "numbers", "torque"), [
+    ("torque_bias@motor_1", {"level": 2.0}, lambda q, v: np.full_like(q, -2.0)),
+    ("viscous_friction@motor_1", {"coefficient": 1.0, "asymmetry": 0.5}, lambda q, v: v + 0.25 * np.abs(v)),
+    ("presliding_friction@motor_1", {"level": 3.0, "stiffness": 1e4, "damping": 1.0}, lambda q, v: 3.0 * np.sign(v)),
+])  # fmt: skip
+def test_each_law_takes_its_torque(name: str, numbers: dict[str, float], torque: object) -> None:
+    """The errors differ by the torque of the law along the motion, at the samples of the rows."""
+    assert callable(torque)
+    of = errors_of()
+    without, with_law = (of.errors(*predictor_of(values)).reshape(2, -1) for values in ({}, {name: numbers}))
+    q, v = motion()[0, :, 0], motion()[1, :, 0]
+    expected = torque(q, v)
+    taken = DEVIATION[0] * (without[0] - with_law[0])
+    assert np.std(taken) == pytest.approx(np.std(expected), rel=0.05, abs=0.02)
+    assert np.mean(taken) == pytest.approx(np.mean(expected), abs=0.05)
+    np.testing.assert_allclose(with_law[1], without[1], atol=1e-9)
+
+
+def test_a_gain_divides_the_torque_that_is_needed() -> None:
+    """The errors stay those of the torque that is commanded: a small gain does not make them small."""
+    of, (predictor, theta) = errors_of(), predictor_of({"torque_gain_error@motor_1": {"relative": 1.0}})
+    needed = of.torque - DEVIATION * of.errors(*predictor_of({})).reshape(2, -1).T
+    expected = (of.torque - needed / [2.0, 1.0]) / DEVIATION
+    assert predictor.hypothesis[0].effect is TorqueGainError
+    np.testing.assert_allclose(of.errors(predictor, theta)[:, 0], expected.T.ravel())
+
+
+def test_friction_that_the_model_states_is_known() -> None:
+    coulomb = [candidates()[name].placed(numbers) for name, numbers in friction().items() if name.startswith("coulomb")]
+    stated = torque_errors(record_of_arm(imported=True), place_effects(with_rotors(), coulomb), 0.0, DEVIATION)
+    assert stated is not None
+    rest = {name: numbers for name, numbers in friction().items() if name.startswith("viscous")}
+    np.testing.assert_allclose(size_of(rest, stated), size_of(friction()))
+
+
+def test_a_log_without_motion_has_none() -> None:
+    still = replace(record_of_arm(imported=True), position=np.zeros((4000, 2)))
+    assert torque_errors(still, model(), 0.0, DEVIATION) is None
+
+
+@cache
+def weighed() -> FitData:
+    data = fit_data(record_of_arm(imported=True), model(), DiagnosisSettings())
+    return replace(data, torques=errors_of())
+
+
+def test_all_errors_of_the_torques_count_as_much_as_the_prediction_errors() -> None:
+    data, plain = weighed(), replace(weighed(), torques=None)
+    assert data.n_values == 2 * plain.n_values
+    predictor, theta = predictor_of({})
+    residual = data.residuals(predictor, theta)[:, 0]
+    np.testing.assert_array_equal(residual[: -errors_of().size], plain.residuals(predictor, theta)[:, 0])
+    errors = errors_of().errors(predictor, theta)[:, 0]
+    assert np.sum(residual[-errors_of().size :] ** 2) == pytest.approx(np.mean(errors**2) * plain.n_values)
+    assert len(data.used) == len(residual)
+
+
+def test_where_a_model_leaves_more_the_errors_of_the_torques_weigh_as_much_more() -> None:
+    assert replace(weighed(), misfit=9.0).torque_weight == pytest.approx(3 * weighed().torque_weight)
+
+
+def test_deviations_of_parameters_allow_for_the_spectrum_of_what_is_left_of_the_torques() -> None:
+    """Torques with a slow error tell less than their number says."""
+    values, tolerance = friction(), tolerance_of(with_rotors(), {})
+    deviations = []
+    for size in (0.0, 1.0):
+        slow = size * np.sin(2 * np.pi * 0.4 * T * np.arange(len(errors_of().torque)))
+        wrong = replace(errors_of(), torque=errors_of().torque + slow[:, None] * DEVIATION)
+        data = replace(weighed(), torques=wrong)
+        predictor, theta = predictor_of(values, tolerance)
+        fitted = fit(predictor, data, theta[:, 0], 4)
+        names, covariance = covariance_of(fitted, data)
+        deviations.append(np.sqrt(covariance[names.index("coulomb_friction@motor_1.level")][0]))
+    assert deviations[1] > 1.5 * deviations[0]
