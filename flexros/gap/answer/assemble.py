@@ -151,7 +151,8 @@ def _explanation(fit: CandidateFit, findings: Findings, fitted: PredictedLog | N
 def _held_out_errors(findings: Findings) -> HeldOutErrors:
     """Predict the held-out log with each model that the answer compares, once."""
     explanations, held = findings.explanations, findings.held
-    null, rival = explanations.null, best_rival(explanations)
+    null, rival = findings.as_given.nominal, best_rival(explanations)
+    rival = null if rival is explanations.null else rival
     repaired = explanations.detected or bool(findings.quantizations)
     compared = (
         (explanations.chosen, *rivals_of(explanations, findings.settings, findings.elsewhere))

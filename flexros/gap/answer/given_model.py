@@ -11,6 +11,7 @@ import numpy as np
 from flexros.effects.left_out.rotor_inertia import RotorInertia
 from flexros.effects.left_out.tool_load import ToolLoad
 from flexros.gap.fit.least_squares import fit
+from flexros.gap.fit.null_fit import predicting_best
 from flexros.gap.held_out.prediction_gap import HORIZON, errors_ahead
 from flexros.gap.prediction.predictor import Predictor
 
@@ -52,6 +53,11 @@ class GivenModel:
         unknown, tolerated = self.findings.unknown, self.findings.explanations.null.predictor.tolerance.names
         rotors = {f"{RotorInertia.name}@{motor}" for motor in unknown.inertias if f"{motor}.inertia" in tolerated}
         return frozenset(rotors if unknown.load is None else {*rotors, f"{ToolLoad.name}@tool"})
+
+    @cached_property
+    def nominal(self) -> CandidateFit:
+        """The model with all these numbers and without any effect, as it predicts best."""
+        return predicting_best(self.findings.explanations.null, self.findings.data)
 
     def model(self, numbers: Collection[str]) -> RobotWithEffects:
         """Return it with some of these numbers."""
@@ -103,7 +109,7 @@ class GivenModel:
 
     def fitted(self, numbers: Collection[str]) -> CandidateFit:
         """Return it with some of these numbers and without any effect, its tolerated deviations fitted to the log."""
-        key, null, data = frozenset(numbers), self.findings.explanations.null, self.findings.data
+        key, null, data = frozenset(numbers), self.nominal, replace(self.findings.data, torques=None)
         if key == self.lacking:
             return null
         if key not in self._fits:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from flexros.gap.answer.decision import Findings
     from flexros.gap.held_out.prediction_gap import AheadErrors
     from flexros.gap.prediction.predictor import Predictor
+    from flexros.gap.residuals.fit_data import FitData
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +66,11 @@ class PartialRepairs:
     def kept(self) -> frozenset[str]:
         """Those of the numbers with which the gap begins."""
         return self.findings.as_given.kept
+
+    @cached_property
+    def _data(self) -> FitData:
+        """The log, of which predicted positions alone count: their errors ahead are the gap."""
+        return replace(self.findings.data, torques=None)
 
     def prepare(self, parts: Iterable[Collection[str]]) -> None:
         """Compute the errors with several parts of the effects, names effect@location, at the same time."""
@@ -114,7 +120,7 @@ class PartialRepairs:
         Each effect adds its change to the deviations of the nominal model, all together those of the explanation; then
         they are improved by a step with the slopes of the nominal model.
         """
-        chosen, data, predictor = self.findings.explanations.chosen, self.findings.data, base.predictor
+        chosen, data, predictor = self.findings.explanations.chosen, self._data, base.predictor
         n = chosen.predictor.n_effect
         sets = np.stack([chosen.switched_off(chosen.names - part) for part in parts], axis=-1)
         if n == len(sets):
@@ -131,14 +137,14 @@ class PartialRepairs:
 
     def _step(self, residuals: FloatArray, deviations: FloatArray) -> FloatArray:
         """Return by how much less some deviations fit best by linear theory, shape (n_tolerated, sets)."""
-        misfit = self.findings.data.misfit
+        misfit = self._data.misfit
         information = self._slopes.T @ self._slopes + misfit * np.eye(len(deviations))
         gradient = self._slopes.T @ residuals + misfit * deviations
         step: FloatArray = np.asarray(np.linalg.solve(information, np.nan_to_num(gradient)), dtype=float)
         return step
 
     def _prior(self, deviations: FloatArray) -> FloatArray:
-        penalty: FloatArray = self.findings.data.misfit * np.sum(deviations**2, axis=0)
+        penalty: FloatArray = self._data.misfit * np.sum(deviations**2, axis=0)
         return penalty
 
     @cached_property
@@ -147,8 +153,7 @@ class PartialRepairs:
 
         By linear theory; what is missing to the deviations of the explanation is added in proportion.
         """
-        explanations, data = self.findings.explanations, self.findings.data
-        chosen, null = explanations.chosen, explanations.null
+        chosen, data, null = self.findings.explanations.chosen, self._data, self.findings.as_given.nominal
         names, changes = sorted(chosen.names), []
         nominal = null.residual(data)
         for begin in range(0, len(names), LANES):
@@ -165,5 +170,5 @@ class PartialRepairs:
     @cached_property
     def _slopes(self) -> FloatArray:
         """Derivatives of the weighted prediction errors to the tolerated deviations, shape (n_values, n_tolerated)."""
-        null = self.findings.explanations.null
-        return linearise(null.predictor, self.findings.data, null.theta).slopes
+        null = self.findings.as_given.nominal
+        return linearise(null.predictor, self._data, null.theta).slopes

@@ -6,6 +6,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from flexros.gap.answer.decision import on_held_out
+from flexros.gap.fit.null_fit import predicting_best
 from flexros.gap.held_out.prediction_gap import errors_ahead, share_between
 from flexros.gap.search.forward_selection import explanations_of
 from flexros.gap.search.worth import compared, unique
@@ -51,7 +52,8 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> tupl
 
 def _better_without(search: Search, chosen: CandidateFit, null: CandidateFit, held: FitData) -> CandidateFit | None:
     """Fit an explanation without the effect that spoils the predictions of the held-out log most; None without one."""
-    sample_time, before, after = held.record.sample_time, errors_ahead(null, held), errors_ahead(chosen, held)
+    sample_time, after = held.record.sample_time, errors_ahead(chosen, held)
+    before = errors_ahead(predicting_best(null, search.data), held)
     without = search.parallel("effects on held-out data", partial(search.without, chosen), sorted(chosen.names))
     squares, best, least = on_held_out(chosen, held).chi2, None, -search.settings.ranking.withdrawn
     for fit in without:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -84,6 +84,23 @@ def fit_null(
         data = data.with_tool_frame_of(predictor, null.theta)
         null = fit(predictor, data, null.theta, settings.null_iterations, enough=enough, settings=settings)
     return NullFit(model, data, null)
+
+
+def predicting_best(null: CandidateFit, data: FitData) -> CandidateFit:
+    """Fit the tolerated deviations of the nominal model to predicted positions alone, whatever torques that takes.
+
+    The gap before a repair is that of the nominal model at its best, as `flexros gap` measures it. Where errors of the
+    torques count, friction that it lacks would pull its parameters away from there.
+
+    Args:
+        null: The nominal model, fitted to all errors.
+        data: Log and weights.
+    """
+    if data.torques is None:
+        return null
+    settings, data = data.settings.fit, replace(data, torques=None)
+    enough = max(settings.enough, data.negligible)
+    return fit(null.predictor, data, null.theta, settings.final_iterations, enough=enough, settings=settings)
 
 
 def _predictor(

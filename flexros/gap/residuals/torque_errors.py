@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
     from flexros.effects import RobotWithEffects
     from flexros.gap.prediction.predictor import Predictor
+    from flexros.identify.rigid.motion_estimate import MotionEstimate
     from flexros.record.record import Record
     from flexros.robot import Robot
 
@@ -49,10 +50,13 @@ class TorqueErrors:
     Attributes:
         robot: The nominal robot.
         regressor: H, low-passed and decimated, shape (m, M, P).
-        torque: Torques in the same rows [Nm or N], shape (m, M).
+        torque: Torques in the same rows, after the delay [Nm or N], shape (m, M).
+        rate: Their rates of change [Nm/s or N/s], shape (m, M).
+        delay: Delay of the torques beyond that of the model [s]; that of a hypothesis is near it.
         known: Friction of the laws of the nominal model in the same rows [Nm or N], shape (m, M).
         deviation: Standard deviation of an error [Nm or N], shape (M,).
-        motion: Time [s], then positions, speeds and torques of all motors [SI], shape (1 + 3 M, n).
+        motion: Time [s], then positions, speeds, torques and torques in the gears of all motors [SI], shape
+            (1 + 4 M, n).
         factor: Decimation from the motion to the rows.
         counts: Decimated rows that count, shape (n_decimated,).
     """
@@ -60,6 +64,8 @@ class TorqueErrors:
     robot: Robot
     regressor: FloatArray
     torque: FloatArray
+    rate: FloatArray
+    delay: float
     known: FloatArray
     deviation: FloatArray
     motion: FloatArray
@@ -84,18 +90,22 @@ class TorqueErrors:
         return np.stack([self._of_one(predictor, theta) for theta in thetas.T], axis=-1)
 
     def _of_one(self, predictor: Predictor, theta: FloatArray) -> FloatArray:
-        values = np.array([one.nominal for one in standard_parameters(self.robot, numbers=predictor.numbers(theta))])
+        numbers = predictor.numbers(theta)
+        values = np.array([one.nominal for one in standard_parameters(predictor.robot, numbers=numbers)])
         needed = self.regressor @ values + self.known
-        gains = np.ones(self.robot.n_motors)
-        for candidate, numbers in zip(predictor.hypothesis, predictor.values(theta), strict=True):
+        gains, late = np.ones(self.robot.n_motors), np.full(self.robot.n_motors, -self.delay)
+        for candidate, sizes in zip(predictor.hypothesis, predictor.values(theta), strict=True):
+            if candidate.effect.delays_commands:
+                late += [sizes["time"] * (candidate.location in ("all", name)) for name in self.robot.joint_names]
             if issubclass(candidate.effect, AbstractMotorLaw) and candidate.location in self.robot.joint_names:
-                effect = candidate.placed(numbers).effect
+                effect = candidate.placed(sizes).effect
                 assert isinstance(effect, AbstractMotorLaw)
                 motor = self.robot.joint_names.index(candidate.location)
                 needed[:, motor] += self._rows_of(type(effect), motor, tuple(effect.parameter_values.values()))
                 if isinstance(effect, TorqueGainError):
                     gains[motor] += effect.relative
-        errors: FloatArray = ((self.torque - needed / gains) / self.deviation).T.ravel()
+        torque = self.torque - late * self.rate
+        errors: FloatArray = ((torque - needed / gains) / self.deviation).T.ravel()
         return errors
 
     @cached_property
@@ -108,9 +118,9 @@ class TorqueErrors:
         if function is None:
             return np.zeros(len(self.torque))
         M = self.robot.n_motors
-        time, position, speed, torque = self.motion[[0, 1 + motor, 1 + M + motor, 1 + 2 * M + motor]]
+        time, position, speed, torque, load = self.motion[[0, *(1 + kind * M + motor for kind in range(4))]]
         viscous = self.robot.parameters[f"{self.robot.joint_names[motor]}.viscous_friction"].value
-        state = np.stack([time, position, self.robot.rotor_turns[motor] * position, speed, torque])
+        state = np.stack([time, position, self.robot.rotor_turns[motor] * position, speed, torque, load])
         needed = np.asarray(function(state, np.array([viscous, *numbers])), dtype=float).ravel()
         in_rows: FloatArray = decimate(needed[:, None], self.factor)[self.counts, 0]
         return in_rows
@@ -138,9 +148,11 @@ def torque_errors(record: Record, model: RobotWithEffects, delay: float, deviati
         robot=robot,
         regressor=np.concatenate([H for H, _ in rows.blocks()]),
         torque=rows.torque,
+        rate=decimate(np.gradient(torque, record.sample_time, axis=0), rows.factor)[rows.counts],
+        delay=delay,
         known=np.zeros_like(rows.torque),
         deviation=deviation,
-        motion=np.vstack([time, motion.position.T, motion.velocity.T, torque.T]),
+        motion=np.vstack([time, motion.position.T, motion.velocity.T, torque.T, _in_gears(robot, motion)]),
         factor=rows.factor,
         counts=rows.counts,
     )
@@ -151,19 +163,28 @@ def torque_errors(record: Record, model: RobotWithEffects, delay: float, deviati
     return whole
 
 
+def _in_gears(robot: Robot, motion: MotionEstimate) -> FloatArray:
+    """Return the torques that the gears of a robot transmit to its arm in a motion [Nm or N], shape (M, n)."""
+    arm = robot.arm_from_gears(np.eye(robot.n_motors))
+    q, v, a = ((row @ arm).T for row in (motion.position, motion.velocity, motion.acceleration))
+    model = robot.model
+    torque = model.arm_inverse_dynamics(q, v, a, model.parameter_values)
+    return np.asarray(torque, dtype=float)[list(robot.gear_rows)]
+
+
 @cache
 def _needed_torque(kind: type[AbstractMotorLaw]) -> ca.Function | None:
     """Build the torque that a law takes from a motor in a given motion; None for one between command and motor.
 
-    Its arguments are (time, position, angle of the rotor, speed, torque) and (nominal viscous friction, parameters of
-    the law). Bristles count as bent; own states that are not functions of time as zero.
+    Its arguments are (time, position, angle of the rotor, speed, torque, torque in the gear) and (nominal viscous
+    friction, parameters of the law). Bristles count as bent; own states that are not functions of time as zero.
     """
     effect = kind.model_construct()
-    state, numbers = ca.SX.sym("state", 5), ca.SX.sym("numbers", 1 + len(effect.parameter_values))
-    time, position, angle, speed, torque = ca.vertsplit(state)
+    state, numbers = ca.SX.sym("state", 6), ca.SX.sym("numbers", 1 + len(effect.parameter_values))
+    time, position, angle, speed, torque, load = ca.vertsplit(state)
     timed = len(effect.states_of_time(0.0))
     own = ca.vertcat(*[time] * timed, ca.SX.zeros(effect.n_states - timed))
-    motor = MotorState(position, angle, speed, torque, own, numbers[0], torque)
+    motor = MotorState(position, angle, speed, torque, own, numbers[0], load)
     values = dict(zip(effect.parameter_values, ca.vertsplit(numbers[1:]), strict=True))
     taken = []
     if isinstance(effect, AbstractDryFriction):

@@ -126,6 +126,18 @@ def test_a_gain_divides_the_torque_that_is_needed() -> None:
     np.testing.assert_allclose(of.errors(predictor, theta)[:, 0], expected.T.ravel())
 
 
+def test_a_delay_of_the_hypothesis_moves_the_torques() -> None:
+    """Prepared with the delay of two samples, or with none and moved there."""
+    prepared = torque_errors(record_of_arm(imported=True), model(), 2 * T, DEVIATION)
+    assert prepared is not None
+    values = {**friction(), "delay@all": {"time": 2 * T}}
+    skipped = len(errors_of().torque) - len(prepared.torque)
+    exact, moved = (of.errors(*predictor_of(values)).reshape(2, -1) for of in (prepared, errors_of()))
+    stays = errors_of().errors(*predictor_of(friction())).reshape(2, -1)
+    difference, size = (np.sqrt(np.mean((one[:, skipped:] - exact) ** 2)) for one in (moved, stays))
+    assert difference < 0.2 * size
+
+
 def test_friction_that_the_model_states_is_known() -> None:
     coulomb = [candidates()[name].placed(numbers) for name, numbers in friction().items() if name.startswith("coulomb")]
     stated = torque_errors(record_of_arm(imported=True), place_effects(with_rotors(), coulomb), 0.0, DEVIATION)
