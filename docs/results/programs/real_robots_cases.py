@@ -275,7 +275,8 @@ CASES = (
         "by the joint sensors, all signals low-passed without phase. Nominal: the URDF of the repository, with rough "
         "masses and viscous friction, tolerance 3 %, by `flexros import-urdf`, without its dry friction. Log 2 is the "
         "same motion again, log 3 another one at twice the speed. The fit by MuJoCo ends with armatures of 2 to 807 kg "
-        "m2, which predict so slow a motion by its speed alone: its shares say nothing of the robot.",
+        "m2, which predict so slow a motion by its speed alone: its shares say nothing of the robot. That errors and "
+        "offsets of torques count was developed on this log and on that of the xMate.",
         folder="FloBaRoID",
         robot="model/kuka_lwr4.urdf",
         mapping="kuka_lwr4.yaml",
@@ -317,8 +318,9 @@ CASES = (
         about="[github.com/NKU-ZiXuan/xMate7p_dyn_ident](https://github.com/NKU-ZiXuan/xMate7p_dyn_ident), CC BY-NC-SA "
         "4.0: fetched by `fetch_real_robots.py`. 50 Hz, three logs of 20 s. Nominal: its URDF, without friction and "
         "rotors, tolerance 3 %; by least squares the real arm has first moments about 1.3 times as large. With all "
-        "tolerances free, predictions 0.1 s ahead determine the Coulomb friction of joints 1, 2, 3 and 5 to 0.3, 2.3, "
-        "1 and 0.4 Nm only (standard deviations), so it is not named; the torques determine it better.",
+        "tolerances free, predictions alone determine the Coulomb friction of joints 1, 2, 3 and 5 to 0.3, 2.3, 1 and "
+        "0.4 Nm only (standard deviations). That errors and offsets of torques count was developed on this log and on "
+        "that of the LWR4+.",
         folder="xMate7p_dyn_ident",
         robot="data/robotparams/XM7p/urdf/XM7p.urdf",
         mapping="xmate7p.yaml",

@@ -6,9 +6,9 @@ the measured motion q, the torque that a hypothesis needs is
     u = (H(q, q', q'') pi + f(q, q')) / g,
 
 with the standard parameters pi of the robot (Moberg 2007, eq. 4.11), the torques f of laws at the motors and the gain g
-of the torque. Errors of
-predicted positions are these errors divided by the inertia, so that more inertia leaves less of any of them, and light
-joints outweigh all others. The errors of the torques do not have this fault, but they show neither delay nor springs.
+of the torque. Errors of predicted positions are these errors divided by the inertia, so that more inertia leaves less
+of any of them, and light joints outweigh all others. The errors of the torques do not have this fault, but they show no
+springs, and of a delay only that it moves the torques.
 """
 
 from __future__ import annotations

@@ -66,7 +66,7 @@ class TorqueStart:
             inertia = float(found.inertia[motor])
             values["viscous_friction", name] = float(found.viscous_friction[motor])
             values["coulomb_friction", name] = float(found.coulomb_friction[motor])
-            values["torque_bias", name] = float(found.bias[motor])
+            values["torque_bias", name] = float(found.bias[motor]) if self.record.command is None else 0.0
             values["motor_inertia_error", name] = inertia / nominal if nominal > 0 else 0.0
             values["servo_stiffness_error", name] = float(found.servo_stiffness[motor])
         values["delay", "all"] = self.delay
