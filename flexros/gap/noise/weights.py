@@ -63,6 +63,14 @@ class Measurement:
     signal_tolerance: float
     warnings: tuple[str, ...]
 
+    def tolerated_torque(self, record: Record) -> FloatArray:
+        """Return the torques of a log that count as no gap [Nm or N], shape (M,).
+
+        Args:
+            record: The log.
+        """
+        return np.asarray(self.signal_tolerance * np.std(record.torque, axis=0))
+
 
 def measurement_of(record: Record, robot: Robot, settings: DiagnosisSettings) -> Measurement:
     """Measure noise, quantization and jitter of the encoders.

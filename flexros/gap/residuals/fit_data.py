@@ -143,9 +143,8 @@ class FitData:
     @property
     def n_values(self) -> int:
         """Number of independent prediction errors that are used, and as many more as the torques count for."""
-        return self._predicted + (
-            0 if self.torques is None else round(self.settings.torque_start.weight * self._predicted)
-        )
+        further = 0.0 if self.torques is None else self.settings.torque_start.weight
+        return round((1.0 + further) * self._predicted)
 
     @property
     def _predicted(self) -> int:
@@ -324,7 +323,7 @@ def fit_data(
     pose = robot.equilibrium(motor_position=np.median(record.position, axis=0))[: robot.n_arm]
     measurement = measurement_of(record, robot, settings) if measurement is None else measurement
 
-    tolerated = measurement.signal_tolerance * np.std(record.torque, axis=0) if measurement.signal_tolerance else None
+    tolerated = measurement.tolerated_torque(record) if measurement.signal_tolerance else None
 
     noise = noise_of_positions(record, measurement)
 

@@ -118,7 +118,7 @@ class TorqueErrors:
         if function is None:
             return np.zeros(len(self.torque))
         M = self.robot.n_motors
-        time, position, speed, torque, load = self.motion[[0, *(1 + kind * M + motor for kind in range(4))]]
+        time, position, speed, torque, load = self.motion[[0, *(1 + row * M + motor for row in range(4))]]
         viscous = self.robot.parameters[f"{self.robot.joint_names[motor]}.viscous_friction"].value
         state = np.stack([time, position, self.robot.rotor_turns[motor] * position, speed, torque, load])
         needed = np.asarray(function(state, np.array([viscous, *numbers])), dtype=float).ravel()

@@ -7,8 +7,6 @@ from functools import partial
 from math import hypot, log, log1p
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from flexros.effects.kinds.relative_error import AbstractRelativeError
 from flexros.effects.torque_bias import TorqueBias
 from flexros.gap.fit.estimates import parameters_of
@@ -184,7 +182,7 @@ def _tolerated_torque(search: Search, candidate: Candidate) -> float:
     if candidate.effect is not TorqueBias:
         return 0.0
     data, motor = search.data, search.null.model.robot.joint_names.index(candidate.location)
-    return float(data.measurement.signal_tolerance * np.std(data.record.torque[:, motor]))
+    return float(data.measurement.tolerated_torque(data.record)[motor])
 
 
 def _all_at_once(search: Search) -> bool:

@@ -115,7 +115,7 @@ def torque_start(
         delay = torque_delay(record, model, tolerance, settings.torque_start)
         regression = _balanced(record, model, tolerance, arm, delay, settings.torque_start)
         if regression is not None:
-            clear = np.abs(regression.bias) > _tolerated(data)
+            clear = np.abs(regression.bias) > data.measurement.tolerated_torque(record)
             regression = replace(regression, bias=np.where(clear, regression.bias, 0.0))
         start = None if regression is None else TorqueStart(regression, model, record, delay)
     return start if start is not None and start.hypothesis() else None
@@ -170,11 +170,6 @@ def _servo_start(
     return None if best is None else best[1]
 
 
-def _tolerated(data: FitData) -> FloatArray:
-    """Return the torques that count as no gap [Nm or N], shape (M,)."""
-    return np.asarray(data.measurement.signal_tolerance * np.std(data.record.torque, axis=0))
-
-
 def with_torques(data: FitData, start: TorqueStart | None) -> FitData:
     """Let the errors of the torques of a measured log count beside prediction errors, where no spring hides them.
 
@@ -186,7 +181,7 @@ def with_torques(data: FitData, start: TorqueStart | None) -> FitData:
     """
     if start is None or not data.record.imported or data.record.command is not None or start.robot.flexible_motors:
         return data
-    least = data.settings.torque_start.least_rest * _tolerated(data)
+    least = data.settings.torque_start.least_rest * data.measurement.tolerated_torque(data.record)
     deviation = np.maximum(start.regression.rest, least)
     return replace(data, torques=torque_errors(data.record, start.model, start.delay, deviation))
 
