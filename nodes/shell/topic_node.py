@@ -13,6 +13,7 @@ from std_srvs.srv import Trigger
 
 from flexros.errors import FlexrosError, InputError
 from flexros.logs.cdr_cursor import MessageError
+from flexros_nodes.protocol.process.interruption import uninterruptible
 from flexros_nodes.shell.parameter_node import AbstractParameterNode
 from flexros_nodes.shell.topic_interface import message_class, overriding_options, qos_profile, topic
 
@@ -61,6 +62,7 @@ class AbstractTopicNode(AbstractParameterNode):
     def end(self, error: FlexrosError | None = None) -> None:
         """End the node, because of an error if there is one."""
 
+    @uninterruptible()
     def announce(self, name: str) -> Publisher:
         """Create the publisher of a topic; it accepts messages or their bytes."""
         row = topic(name)
@@ -74,6 +76,7 @@ class AbstractTopicNode(AbstractParameterNode):
         self.on_close(partial(self.destroy_publisher, publisher))
         return publisher
 
+    @uninterruptible()
     def listen(self, name: str, callback: Callable[[bytes], None], *, recorder: bool = False) -> Subscription:
         """Subscribe to a topic.
 
@@ -154,6 +157,7 @@ class AbstractTopicNode(AbstractParameterNode):
         """Register a callback that releases a resource when the node is cleaned up."""
         self._resources.append(destroy)
 
+    @uninterruptible()
     def offer(self, name: str, answer: Callable[[], Answer]) -> None:
         """Offer a service std_srvs/srv/Trigger in the namespace of the node; refused unless the node is active."""
 

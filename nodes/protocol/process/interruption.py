@@ -68,6 +68,17 @@ class Interruption:
         if self._requested:
             raise KeyboardInterrupt
 
+    @contextmanager
+    def waiting(self) -> Iterator[None]:
+        """Within `raising`, let a request to terminate wait for the end of the block."""
+        raises, self._raises = self._raises, 0
+        try:
+            yield
+        finally:
+            self._raises = raises
+        if raises and self._requested:
+            raise KeyboardInterrupt
+
 
 _present: Interruption | None = None
 
@@ -78,6 +89,17 @@ def interruptible() -> AbstractContextManager[None]:
     For work of seconds that polls no flag and has nothing to lose: the preparation of a run.
     """
     return nullcontext() if _present is None else _present.raising()
+
+
+@contextmanager
+def uninterruptible() -> Iterator[None]:
+    """Within `interruptible`, let SIGINT and SIGTERM wait for the end of the block.
+
+    For short foreign code that must not be left half done: rclpy cannot destroy a subscription whose events it has not
+    registered yet.
+    """
+    with nullcontext() if _present is None else _present.waiting():
+        yield
 
 
 @contextmanager

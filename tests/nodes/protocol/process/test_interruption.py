@@ -20,10 +20,18 @@ from flexros.scenario.scenario import load_scenario
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 
+from rclpy.node import Node
+from rclpy.waitable import Waitable
+
 from flexros_nodes.bringup import composed
 from flexros_nodes.bringup.run import run_scenario
 from flexros_nodes.feedforward import FeedforwardNode
-from flexros_nodes.protocol.process.interruption import PARTNER_ENDED, interruptible, interruption
+from flexros_nodes.protocol.process.interruption import (
+    PARTNER_ENDED,
+    interruptible,
+    interruption,
+    uninterruptible,
+)
 from tests.segments import left_ports
 
 CHECKOUT = Path(__file__).parents[4]
@@ -160,6 +168,21 @@ def test_request_raises_only_where_work_is_interruptible() -> None:
         pass
 
 
+def test_request_waits_for_the_end_of_work_that_must_not_be_left_half_done() -> None:
+    done: list[int] = []
+
+    @uninterruptible()
+    def work() -> None:
+        signal.raise_signal(signal.SIGTERM)
+        done.append(1)
+
+    with interruption(), pytest.raises(KeyboardInterrupt), interruptible():
+        work()
+    with interruption():
+        work()  # nothing is interruptible here: the loop polls the flag
+    assert done == [1, 1]
+
+
 @pytest.mark.parametrize("after", [lambda: float("no number"), lambda: None])
 def test_request_that_foreign_code_swallows_still_ends_the_work(after: Callable[[], object]) -> None:
     """CasADi lost a KeyboardInterrupt and returned None; a node then reported an internal error."""
@@ -215,6 +238,20 @@ def test_run_interrupted_before_its_first_sample_reports_it(tmp_path: Path, monk
     summary = run_scenario("circle_dae", tmp_path / "log")
     assert (summary.exit_code, summary.message) == (130, "interrupted; the log holds no samples")
     assert (tmp_path / "log" / "log_0.mcap").read_bytes().endswith(b"\x89MCAP0\r\n")
+
+
+@pytest.mark.usefixtures("ros_domain")
+def test_run_interrupted_while_a_node_subscribes_is_closed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """rclpy cannot destroy a node with a subscription that is half made: the run ended with its traceback."""
+    add = Node.add_waitable
+
+    def interrupted(node: Node, waitable: Waitable) -> None:
+        if list(node.subscriptions):
+            signal.raise_signal(signal.SIGTERM)
+        add(node, waitable)
+
+    monkeypatch.setattr(Node, "add_waitable", interrupted)
+    assert run_scenario("circle_dae", tmp_path / "log").exit_code == 130
 
 
 def test_thread_leaves_signals_alone() -> None:
