@@ -114,16 +114,34 @@ class TorqueErrors:
         return lru_cache(maxsize=KEPT)(self._law)
 
     def _law(self, kind: type[AbstractMotorLaw], motor: int, numbers: tuple[float, ...]) -> FloatArray:
-        function = _needed_torque(kind)
-        if function is None:
+        needed = _needed_torque(kind)
+        if needed is None:
             return np.zeros(len(self.torque))
+        if needed.parts is None:
+            return self._along_motion(needed.torque, motor, numbers)[:, 0]
+        torque: FloatArray = self._parts_of(kind, motor) @ np.asarray(needed.monomials(numbers)).ravel()
+        return torque
+
+    @cached_property
+    def _parts_of(self) -> Callable[[type[AbstractMotorLaw], int], FloatArray]:
+        """Function of the parts of a law that is a polynomial of its parameters, in the rows."""
+
+        def parts(kind: type[AbstractMotorLaw], motor: int) -> FloatArray:
+            needed = _needed_torque(kind)
+            assert needed is not None
+            assert needed.parts is not None
+            return self._along_motion(needed.parts, motor, (0.0,) * needed.monomials.size1_in(0))
+
+        return cache(parts)
+
+    def _along_motion(self, function: ca.Function, motor: int, numbers: tuple[float, ...]) -> FloatArray:
+        """Evaluate outputs of a law at a motor along the measured motion, in the rows, shape (m, outputs)."""
         M = self.robot.n_motors
         time, position, speed, torque, load = self.motion[[0, *(1 + row * M + motor for row in range(4))]]
         viscous = self.robot.parameters[f"{self.robot.joint_names[motor]}.viscous_friction"].value
         state = np.stack([time, position, self.robot.rotor_turns[motor] * position, speed, torque, load])
-        needed = np.asarray(function(state, np.array([viscous, *numbers])), dtype=float).ravel()
-        in_rows: FloatArray = decimate(needed[:, None], self.factor)[self.counts, 0]
-        return in_rows
+        values = np.asarray(function(state, np.array([viscous, *numbers])), dtype=float).T
+        return decimate(values, self.factor)[self.counts]
 
 
 def torque_errors(record: Record, model: RobotWithEffects, delay: float, deviation: FloatArray) -> TorqueErrors | None:
@@ -172,12 +190,30 @@ def _in_gears(robot: Robot, motion: MotionEstimate) -> FloatArray:
     return np.asarray(torque, dtype=float)[list(robot.gear_rows)]
 
 
-@cache
-def _needed_torque(kind: type[AbstractMotorLaw]) -> ca.Function | None:
-    """Build the torque that a law takes from a motor in a given motion; None for one between command and motor.
+@dataclass(frozen=True)
+class _Needed:
+    """Functions of the torque that a law takes from a motor in a given motion.
 
-    Its arguments are (time, position, angle of the rotor, speed, torque, torque in the gear) and (nominal viscous
-    friction, parameters of the law). Bristles count as bent; own states that are not functions of time as zero.
+    Their arguments are (time, position, angle of the rotor, speed, torque, torque in the gear) and (nominal viscous
+    friction, parameters of the law).
+
+    Attributes:
+        torque: The torque.
+        parts: Where it is a polynomial of second degree in the parameters: the torque per unit of each monomial. A fit
+            asks for them once, and not for each set of parameters.
+        monomials: The monomials of the parameters of the law.
+    """
+
+    torque: ca.Function
+    parts: ca.Function | None
+    monomials: ca.Function
+
+
+@cache
+def _needed_torque(kind: type[AbstractMotorLaw]) -> _Needed | None:
+    """Build the torque that a law takes from a motor; None for one between command and motor.
+
+    Bristles count as bent; own states that are not functions of time as zero.
     """
     effect = kind.model_construct()
     state, numbers = ca.SX.sym("state", 6), ca.SX.sym("numbers", 1 + len(effect.parameter_values))
@@ -195,4 +231,15 @@ def _needed_torque(kind: type[AbstractMotorLaw]) -> ca.Function | None:
         taken.append(ca.sign(speed) * effect.bristle(speed, values).level)
     if isinstance(effect, AbstractMotorTorque):
         taken.append(-effect.added(motor, values))
-    return ca.Function("needed", [state, numbers], [ca.densify(ca.SX(sum(taken)))]) if taken else None
+    if not taken:
+        return None
+    torque, own_numbers = ca.SX(sum(taken)), numbers[1:]
+    curvature, slope = ca.hessian(torque, own_numbers)
+    pairs = [(j, k) for k in range(own_numbers.numel()) for j in range(k + 1) if not curvature[j, k].is_zero()]
+    products = [own_numbers[j] * own_numbers[k] / (1 + (j == k)) for j, k in pairs]
+    parts = ca.vertcat(torque, slope, *(curvature[j, k] for j, k in pairs))
+    return _Needed(
+        ca.Function("needed", [state, numbers], [ca.densify(torque)]),
+        ca.Function("parts", [state, numbers], [ca.densify(parts)]) if ca.is_quadratic(torque, own_numbers) else None,
+        ca.Function("monomials", [own_numbers], [ca.densify(ca.vertcat(1, own_numbers, *products))]),
+    )

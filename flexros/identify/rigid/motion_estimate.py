@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -118,9 +119,14 @@ def decimate(values: FloatArray, factor: int) -> FloatArray:
     if factor == 1:
         return values
     rows = (len(values) - _LENGTH * factor - 1) // factor + 1
-    response = firwin(_LENGTH * factor + 1, _PASS / factor)
-    kept: FloatArray = upfirdn(response, values, down=factor, axis=0)[_LENGTH : _LENGTH + rows]
+    kept: FloatArray = upfirdn(_low_pass(factor), values, down=factor, axis=0)[_LENGTH : _LENGTH + rows]
     return kept
+
+
+@cache
+def _low_pass(factor: int) -> FloatArray:
+    """Return the response of the low-pass of a decimation, shape (_LENGTH factor + 1,)."""
+    return np.asarray(firwin(_LENGTH * factor + 1, _PASS / factor))
 
 
 def edge(factor: int) -> int:

@@ -101,6 +101,7 @@ def test_more_inertia_leaves_more() -> None:
 
 @pytest.mark.parametrize(("name", "numbers", "torque"), [
     ("torque_bias@motor_1", {"level": 2.0}, lambda q, v: np.full_like(q, -2.0)),
+    ("coulomb_friction@motor_1", {"level": 2.0}, lambda q, v: 2.0 * np.sign(v)),
     ("viscous_friction@motor_1", {"coefficient": 1.0, "asymmetry": 0.5}, lambda q, v: v + 0.25 * np.abs(v)),
     ("presliding_friction@motor_1", {"level": 3.0, "stiffness": 1e4, "damping": 1.0}, lambda q, v: 3.0 * np.sign(v)),
 ])  # fmt: skip
