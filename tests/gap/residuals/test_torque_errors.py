@@ -10,7 +10,12 @@ import pytest
 
 from flexros.arrays import FloatArray
 from flexros.effects import RobotWithEffects, place_effects
+from flexros.effects.kinds.bristle_friction import AbstractBristleFriction
+from flexros.effects.kinds.dry_friction import AbstractDryFriction
+from flexros.effects.kinds.motor_law import AbstractMotorTorque
 from flexros.effects.torque_gain_error import TorqueGainError
+from flexros.feedforward.compensation.motors import with_motor_laws
+from flexros.feedforward.motion import Motion
 from flexros.gap.candidates.candidate import Candidate, list_candidates
 from flexros.gap.candidates.scales import scales_of_motors
 from flexros.gap.candidates.tolerance import Tolerance, tolerance_of
@@ -20,6 +25,7 @@ from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.residuals.fit_data import FitData, fit_data
 from flexros.gap.residuals.torque_errors import TorqueErrors, torque_errors
 from flexros.gap.settings import DiagnosisSettings
+from flexros.identify.rigid.motion_estimate import decimate
 from flexros.robot import Robot
 from tests.gap.rigid_arm import COULOMB, INERTIA, VISCOUS, T, arm, motion, record_of_arm
 
@@ -49,6 +55,11 @@ def model() -> RobotWithEffects:
 def candidates() -> dict[str, Candidate]:
     scales = scales_of_motors(with_rotors(), record_of_arm(imported=True))
     return {one.name: one for one in list_candidates(with_rotors(), scales, measured=True)}
+
+
+def takes_torque(candidate: Candidate) -> bool:
+    """Return whether it is a torque at a motor in its motion."""
+    return issubclass(candidate.effect, AbstractDryFriction | AbstractBristleFriction | AbstractMotorTorque)
 
 
 def predictor_of(
@@ -116,6 +127,25 @@ def test_each_law_takes_its_torque(name: str, numbers: dict[str, float], torque:
     assert np.std(taken) == pytest.approx(np.std(expected), rel=0.05, abs=0.02)
     assert np.mean(taken) == pytest.approx(np.mean(expected), abs=0.05)
     np.testing.assert_allclose(with_law[1], without[1], atol=1e-9)
+
+
+@pytest.mark.parametrize("name", sorted(name for name, one in candidates().items() if takes_torque(one)))
+def test_each_law_takes_the_torque_that_the_feedforward_adds(name: str) -> None:
+    """Two evaluations of the same laws: one for many sets of parameters, one with smoothed signs and own states."""
+    of, robot, candidate = errors_of(), with_rotors(), candidates()[name]
+    sizes = {free.name: float(np.sqrt(free.low * free.high)) for free in candidate.free}
+    # bristles count as bent, and the sign is smoothed below a thousandth of the largest speed
+    sizes |= {free.name: free.high for free in candidate.free if free.name in ("stiffness", "velocity")}
+    position, velocity, torque, load = of.motion[1:].reshape(4, 2, -1).swapaxes(1, 2)
+    own = INERTIA * np.gradient(velocity, T, axis=0)
+    planned = Motion(position, position, velocity, torque, load + own, np.zeros_like(torque))
+    placed = place_effects(robot, [candidate.placed(sizes)]).laws
+    added = with_motor_laws(planned, robot, placed, T).torque - torque
+    motor = robot.joint_names.index(candidate.location)
+    expected = decimate(added, of.factor)[of.counts, motor]
+    without, with_law = (of.errors(*predictor_of(values)).reshape(2, -1)[motor] for values in ({}, {name: sizes}))
+    difference = DEVIATION[motor] * (without - with_law) - expected
+    assert np.linalg.norm(difference) < 0.05 * np.linalg.norm(expected)
 
 
 def test_a_gain_divides_the_torque_that_is_needed() -> None:
