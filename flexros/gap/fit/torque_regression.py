@@ -245,8 +245,8 @@ def _tolerated(robot: Robot, tolerance: Tolerance, nominal: FloatArray) -> Float
     """Return how the regression parameters change per standard deviation of each tolerated one, shape (P, k)."""
     changes = np.zeros((len(nominal), len(tolerance.names)))
     for column, (name, deviation) in enumerate(zip(tolerance.names, tolerance.deviations, strict=True)):
-        moved = robot.with_values({name: robot.parameters[name].value * (1 + STEP)})
-        values = np.array([parameter.nominal for parameter in standard_parameters(moved)])
+        moved = standard_parameters(robot, numbers={name: robot.parameters[name].value * (1 + STEP)})
+        values = np.array([parameter.nominal for parameter in moved])
         changes[:, column] = (values - nominal) / STEP * deviation
     return changes
 
