@@ -11,9 +11,9 @@ from flexros.gap.report.words import (
     capital,
     clear_words,
     named_at,
+    share_interval_words,
     share_words,
     signed_share_words,
-    whole_percent,
     with_std,
 )
 from flexros.gap.where.regimes import REGIMES
@@ -94,19 +94,11 @@ def _shares(diagnosis: Diagnosis) -> TextTable:
         for share in (share for share in budget if share.joint == joint):
             size = sizes.get((share.effect or "", share.location), "")
             name = named_at(joint, share.effect, share.location) if share.effect else f"all {share.cause_class}"
-            first = _share(share.share_first) + _interval(share.interval)
-            last = _share(share.share_last) + _interval(share.interval_last)
+            first = _share(share.share_first) + share_interval_words(share.interval)
+            last = _share(share.share_last) + share_interval_words(share.interval_last)
             rows.append((capital(name), size, first, last))
     caption = "Shares of the gap, with 95 % intervals."
     return TextTable(("Effect", "size", "added first", "removed last"), tuple(rows), caption, left=2)
-
-
-def _interval(interval: tuple[float, float] | None) -> str:
-    """Write an interval in brackets; empty where its ends read the same."""
-    if interval is None:
-        return ""
-    low, high = map(whole_percent, interval)
-    return "" if low == high else f" ({low} to {high})"
 
 
 def _share(share: float | None) -> str:

@@ -11,7 +11,7 @@ from flexros.gap.where.regimes import REGIMES
 from flexros.report.number_text import number
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from flexros.gap.result import RankedCandidate
     from flexros.gap.schema import BudgetShare, Cause, CauseParameter, EffectLocation, Excess, GapNumbers
@@ -290,9 +290,22 @@ def interval_words(interval: tuple[float, float] | None) -> str:
     Args:
         interval: Its ends [1]; None for none.
     """
+    return _between(interval, closed_words)
+
+
+def share_interval_words(interval: tuple[float, float] | None) -> str:
+    """Write the interval of a share of the gap in brackets, with a leading blank; empty where its ends read the same.
+
+    Args:
+        interval: Its ends [1], not written out beyond a factor of ten, as of a fit that strays; None for none.
+    """
+    return _between(interval, lambda end: whole_percent(end) if abs(end) <= MOST_SHARE else signed_share_words(end))
+
+
+def _between(interval: tuple[float, float] | None, words: Callable[[float], str]) -> str:
     if interval is None:
         return ""
-    low, high = map(closed_words, interval)
+    low, high = map(words, interval)
     return "" if low == high else f" ({low} to {high})"
 
 

@@ -15,6 +15,7 @@ from flexros.gap.report.words import (
     location_words,
     p_value_words,
     parameter_words,
+    share_interval_words,
     share_words,
     signed_share_words,
     where_words,
@@ -103,6 +104,9 @@ def test_shares_of_a_fit_that_strays_are_no_rows_of_digits() -> None:
         "over \u22121000 %",
         "+950 %",
     ]
+    assert share_interval_words((1.9e28, 3.5e28)) == ""
+    assert share_interval_words((0.5, 4e24)) == " (50 % to over +1000 %)"
+    assert share_interval_words((-0.02, 1.2)) == " (\u22122 % to 120 %)"
 
 
 def test_lists_read_as_sentences() -> None:
