@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -61,12 +62,9 @@ def stacked(
         subplot_titles=list(titles),
     )
     dress(figure, total, (72, 16, _TOP, _BOTTOM), 13, 1 + 26 / (height * rows))
-    for axes in (figure.update_xaxes, figure.update_yaxes):
-        axes(ticklen=4, title_standoff=8)
-    figure.update_annotations(font={"size": 13, "color": INK}, xanchor="left", x=0)
-    if columns > 1:
-        for index, note in enumerate(figure.layout.annotations):
-            note.x = figure.layout[f"xaxis{index + 1 if index else ''}"].domain[0]
+    for index, note in enumerate(figure.layout.annotations):
+        left = figure.layout[f"xaxis{index + 1 if index else ''}"].domain[0] if columns > 1 else 0
+        note.update(font={"size": 13, "color": INK}, xanchor="left", x=left)
     return figure
 
 
@@ -82,27 +80,39 @@ def dress(figure: go.Figure, height: int, margins: tuple[int, int, int, int], fo
     """
     left, right, top, bottom = margins
     figure.update_layout(
-        template=go.layout.Template(),
+        template=_style(font),
         height=height,
         margin={"l": left, "r": right, "t": top, "b": bottom},
-        font={"family": FONT, "size": font, "color": INK},
         paper_bgcolor="#ffffff",
         plot_bgcolor="#ffffff",
-        legend={"orientation": "h", "x": 0, "xanchor": "left", "y": legend, "yanchor": "bottom"},
-        hoverlabel={"font": {"family": FONT, "size": 12}},
-        hovermode="closest",
+        legend={"y": legend},
     )
-    for axes in (figure.update_xaxes, figure.update_yaxes):
-        axes(
-            showgrid=True,
-            gridcolor=GRID,
-            zeroline=False,
-            linecolor="#8b949e",
-            showline=True,
-            ticks="outside",
-            tickcolor="#8b949e",
-            title_font={"size": font, "color": MUTED},
-        )
+
+
+@cache
+def _style(font: int) -> go.layout.Template:
+    """Return the style of all panels with texts of a size [px]."""
+    axes = {
+        "showgrid": True,
+        "gridcolor": GRID,
+        "zeroline": False,
+        "linecolor": "#8b949e",
+        "showline": True,
+        "ticks": "outside",
+        "ticklen": 4,
+        "tickcolor": "#8b949e",
+        "title": {"font": {"size": font, "color": MUTED}, "standoff": 8},
+    }
+    return go.layout.Template(
+        layout={
+            "font": {"family": FONT, "size": font, "color": INK},
+            "legend": {"orientation": "h", "x": 0, "xanchor": "left", "yanchor": "bottom"},
+            "hoverlabel": {"font": {"family": FONT, "size": 12}},
+            "hovermode": "closest",
+            "xaxis": axes,
+            "yaxis": axes,
+        }
+    )
 
 
 def space(height: int) -> go.Figure:
