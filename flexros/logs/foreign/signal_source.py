@@ -26,6 +26,10 @@ BAG_SUFFIXES = (".mcap", ".db3")
 """Suffixes of a ROS 2 bag; a folder of such files is read like one file."""
 
 
+ROS_1 = ".bag"
+"""Suffix of a bag of ROS 1, which is not read."""
+
+
 @dataclass(frozen=True, eq=False)
 class Signal:
     """Numbers of one column.
@@ -115,12 +119,17 @@ def open_source(path: Path) -> AbstractSignalSource:
         InputError: There is no such file, or its format is not known.
     """
     if not path.exists():
-        raise InputError(f"there is no file {path}; give the path of a CSV, MATLAB or NumPy file, or of a ROS 2 bag")
+        raise InputError(f"there is no file {path}; give the path of a CSV, MATLAB, NumPy or JSON file, or of a ROS 2 bag")
     suffix = BAG_SUFFIXES[0] if path.is_dir() else path.suffix.lower()
     kinds = members("flexros.logs.foreign.sources", AbstractSignalSource, "format")  # type: ignore[type-abstract]
     for kind in kinds.values():
         if suffix in kind.suffixes:
             return kind(path)
+    if suffix == ROS_1:
+        raise InputError(
+            f"{path} is a bag of ROS 1; convert it to ROS 2: pip install rosbags, then rosbags-convert --src {path} "
+            f"--dst {path.with_suffix('')}"
+        )
     known = ", ".join(f"{suffix} ({kind.format})" for kind in kinds.values() for suffix in kind.suffixes)
     raise InputError(f"{path} ends with '{path.suffix}', but allowed are {known}; convert the file")
 

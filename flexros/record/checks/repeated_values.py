@@ -62,15 +62,17 @@ def comes_to_rest(values: FloatArray, begin: int, length: int, slow: float) -> b
     before = values[max(0, begin - BESIDE) : begin]
     after = values[begin + length : begin + length + BESIDE]
     change = float(np.abs(np.concatenate([before, after]) - values[begin]).max(initial=0.0))
-    return change <= max(slow, STEPS * _resolution_beside(values, begin, length))
+    near = min(max(length, 2 * BESIDE), NEAR)  # of a joint that turns faster, samples farther away differ
+    resolution = max(_resolution_beside(values, begin, length, beside) for beside in (near, NEAR))
+    return change <= max(slow, STEPS * resolution)
 
 
-def _resolution_beside(values: FloatArray, begin: int, length: int) -> float:
+def _resolution_beside(values: FloatArray, begin: int, length: int, beside: int) -> float:
     """Return the usual change beside a stretch where many samples repeat the one before; 0 where they do not.
 
     Numbers that a recorder rounds to some digits have no common step, and a sum of two encoders has none either.
     """
-    sides = values[max(0, begin - NEAR) : begin], values[begin + length : begin + length + NEAR]
+    sides = values[max(0, begin - beside) : begin], values[begin + length : begin + length + beside]
     changes = np.abs(np.concatenate([np.diff(side)[side[1:] != values[begin]] for side in sides]))
     moved = changes[changes > 0]
     return float(np.median(moved)) if len(moved) and len(moved) < (1 - REPEATED) * len(changes) else 0.0
