@@ -12,6 +12,6 @@ from flexros.record.checks.repeated_values import comes_to_rest
 def test_turning_point_in_numbers_of_six_digits_is_rest(cut: float, rests: bool) -> None:
     """Beside the turning point values repeat too, but a few samples away from it they do no more."""
     t = np.arange(-300, 301)
-    values = np.maximum(np.round(-0.5 + 1e-8 * t**2, 6), -0.5 + cut)
+    values = np.maximum(np.round(-0.5 + 2e-8 * t**2, 6), -0.5 + cut)
     first, *_, last = np.flatnonzero(values == values.min())
     assert comes_to_rest(values, int(first), int(last - first + 1), 0.0) is rests
