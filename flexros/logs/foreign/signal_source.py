@@ -119,7 +119,9 @@ def open_source(path: Path) -> AbstractSignalSource:
         InputError: There is no such file, or its format is not known.
     """
     if not path.exists():
-        raise InputError(f"there is no file {path}; give the path of a CSV, MATLAB, NumPy or JSON file, or of a ROS 2 bag")
+        raise InputError(
+            f"there is no file {path}; give the path of a CSV, MATLAB, NumPy or JSON file, or of a ROS 2 bag"
+        )
     suffix = BAG_SUFFIXES[0] if path.is_dir() else path.suffix.lower()
     kinds = members("flexros.logs.foreign.sources", AbstractSignalSource, "format")  # type: ignore[type-abstract]
     for kind in kinds.values():

@@ -26,7 +26,16 @@ def test_unknown_format(tmp_path: Path) -> None:
     file = tmp_path / "log.xlsx"
     file.write_text("")
     with pytest.raises(
-        InputError, match=r"ends with '.xlsx', but allowed are \.mat \(MATLAB\), \.npz \(NumPy archive\)"
+        InputError, match=r"ends with '.xlsx', but allowed are .*\.mat \(MATLAB\), \.npz \(NumPy archive\)"
+    ):
+        open_source(file)
+
+
+def test_bag_of_ros_1_is_told_how_to_convert(tmp_path: Path) -> None:
+    file = tmp_path / "run.bag"
+    file.write_bytes(b"#ROSBAG V2.0\n")
+    with pytest.raises(
+        InputError, match=r"is a bag of ROS 1; convert it .* rosbags-convert --src .*run\.bag --dst .*run$"
     ):
         open_source(file)
 

@@ -43,6 +43,7 @@ def test_slow_motion_whose_weight_the_model_has_is_not_foreign(tmp_path: Path, w
     record = Record("log", 2e-3, position, torque, np.ones(len(t), dtype=bool), measured_torque=True, imported=True)
     assert bool(OtherRobot().look(CheckedRecord(record, robot))) == told
 
+
 @pytest.mark.slow
 def test_torque_that_has_nothing_to_do_with_the_motion_is_told(found, healthy) -> None:
     record = healthy("e12")

@@ -35,7 +35,7 @@ class JsonFile(AbstractColumns):
     def __init__(self, path: Path) -> None:
         if (size := path.stat().st_size) > LARGEST_JSON:
             raise InputError(
-                f"{path} has {size} bytes, allowed are {LARGEST_JSON} for a JSON file; give it as CSV or as NumPy archive"
+                f"{path} has {size} bytes, allowed are {LARGEST_JSON} for a JSON file; give it as CSV or NumPy archive"
             )
         try:
             content = _content(path)

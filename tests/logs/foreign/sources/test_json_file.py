@@ -28,7 +28,9 @@ def test_list_of_samples(tmp_path: Path) -> None:
 
 
 def test_arrays_by_name(tmp_path: Path) -> None:
-    opened = JsonFile(_written(tmp_path / "log.json", {"rate": 50, "log": {"t": [0, 1, 2], "q": [[1, 2, 3], [4, 5, 6]]}}))
+    opened = JsonFile(
+        _written(tmp_path / "log.json", {"rate": 50, "log": {"t": [0, 1, 2], "q": [[1, 2, 3], [4, 5, 6]]}})
+    )
     assert opened.names == ("log.t", "log.q[0]", "log.q[1]")
     np.testing.assert_array_equal(opened.read(["log.q[1]"])["log.q[1]"].values, [4, 5, 6])
 
