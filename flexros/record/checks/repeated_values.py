@@ -59,12 +59,14 @@ def comes_to_rest(values: FloatArray, begin: int, length: int, slow: float) -> b
         length: Number of its samples.
         slow: Change of `slow_change` [rad or m].
     """
-    before = values[max(0, begin - BESIDE) : begin]
-    after = values[begin + length : begin + length + BESIDE]
-    change = float(np.abs(np.concatenate([before, after]) - values[begin]).max(initial=0.0))
+    before = values[max(0, begin - BESIDE) : begin] - values[begin]
+    after = values[begin + length : begin + length + BESIDE] - values[begin]
     near = min(max(length, 2 * BESIDE), NEAR)  # of a joint that turns faster, samples farther away differ
     resolution = max(_resolution_beside(values, begin, length, beside) for beside in (near, NEAR))
-    return change <= max(slow, STEPS * resolution)
+    slow = max(slow, STEPS * resolution)
+    if len(after) == BESIDE and abs(after[0]) <= abs(after[1] - after[0]):
+        after = after[:0]  # it breaks free of its friction: what it leaves fast, it came to slowly
+    return float(np.abs(np.concatenate([before, after])).max(initial=0.0)) <= slow
 
 
 def _resolution_beside(values: FloatArray, begin: int, length: int, beside: int) -> float:

@@ -1,6 +1,6 @@
 """Fetch public logs of robots: python docs/results/programs/measured/fetch_real_robots.py FOLDER [--from PATH]...
 
-The logs of nine public repositories, most of them without a licence for copies, are brought into FOLDER, at the
+The logs of eleven public repositories, most of them without a licence for copies, are brought into FOLDER, at the
 commits below and with their checksums; they are not part of this repository. `--from` names a clone, a bare clone or a
 plain folder of one of them that is there already. What cannot be reached is skipped with its reason, and the exit code
 is then 1.
@@ -52,6 +52,14 @@ SERVO = "src/sysid/dataset"
 
 SERVO_PAUSE = 2.0
 """Time between two of its experiments in the assembled logs [s]: the servo returns to its middle, unrecorded."""
+
+
+GEN3 = "pyDynaMapp/data/kinova"
+"""Folder of the logs of the Gen3, a table each."""
+
+
+WAM = "pest_2dof_nogravity/wam_data"
+"""Folder of the log of the WAM."""
 
 
 @dataclass(frozen=True)
@@ -194,6 +202,36 @@ REPOSITORIES = (
         {
             LOG: "f22b1625f331b724e84ebdae5b0679168307364ad93a1d9c3d9cf1620f38efb0",
             MODEL: "e66b59d1096b5b2004b6bc36bfcfc35480cd1e0c92ec68fc896ef8c0661e5b71",
+        },
+    ),
+    Repository(
+        "wissem01chiha",
+        "dynamic-identification",
+        "00dc27c7357b84b6c6ff7d56e9ce299428dec637",  # later ones have no logs
+        {
+            f"{GEN3}/validation_data/opti_traj_testing1.csv": (
+                "0c9229ae8882a43fb1aac59c1b527a0942a99dcb0fe2aed77e948091fe8bf274"
+            ),
+            f"{GEN3}/validation_data/opti_traj_testing2.csv": (
+                "e8e27ef2f4943a3a5b3632c319731473747507e58a512b29adde48a9d4769440"
+            ),
+            f"{GEN3}/identification_data/RecordTrajectory_quadratic.csv": (
+                "82b68faf7b12f73f83e82acb6b6660b5cae28c702058f58269c87718f7ee9ed7"
+            ),
+        },
+    ),
+    Repository(
+        "wissem01chiha",
+        "dynamic-identification",
+        "44f47d5640d89c7b97e584bb10163c4a2b3ced00",
+        {"robots/kinovaGen3.urdf": ("09748ecfb4a0cf543066346a64a24b9edb46207103a68047fd26241c1320fbc3")},
+    ),
+    Repository(
+        "amir-noohian",
+        "dynamics-estimation",
+        "855e9e5c0811f3a3716612741bc33c02574aabea",
+        {
+            f"{WAM}/state_4.json": ("eccb05e00cb6178170369f0ef14ccf66c8fbbb5f7aff859295da0c0ff62951c5"),
         },
     ),
 )
