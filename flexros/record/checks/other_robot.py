@@ -52,7 +52,7 @@ class OtherRobot(AbstractCheck):
             text = (
                 f"the torque of {_named(checked, missing)} is less than {MISSING:.0%} of what the bodies of robot "
                 f"{checked.robot.name} need for this motion: it was not measured there, weight was subtracted, its "
-                "unit is another one, or it is another robot; predictions run away there and hide causes at other motors"
+                "unit is another one, or it is another robot; predictions run away there and hide other causes"
             )
             findings.append(Finding(text, hopeless=False, of_model=True))
         foreign = _named(checked, unlike & ~missing & (agreement < MOSTLY))
