@@ -116,7 +116,7 @@ def open_source(path: Path) -> AbstractSignalSource:
         The source of its signals.
 
     Raises:
-        InputError: There is no such file, or its format is not known.
+        InputError: There is no such file, its format is not known, or it holds no numbers.
     """
     if not path.exists():
         raise InputError(
@@ -126,7 +126,13 @@ def open_source(path: Path) -> AbstractSignalSource:
     kinds = members("flexros.logs.foreign.sources", AbstractSignalSource, "format")  # type: ignore[type-abstract]
     for kind in kinds.values():
         if suffix in kind.suffixes:
-            return kind(path)
+            source = kind(path)
+            if isinstance(source, AbstractColumns) and not source.names:
+                raise InputError(
+                    f"{path} holds no vector or matrix of numbers; cell arrays, objects and texts are not read: save "
+                    "each signal as a plain array"
+                )
+            return source
     if suffix == ROS_1:
         raise InputError(
             f"{path} is a bag of ROS 1; convert it to ROS 2: pip install rosbags, then rosbags-convert --src {path} "

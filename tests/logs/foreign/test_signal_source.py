@@ -40,6 +40,18 @@ def test_bag_of_ros_1_is_told_how_to_convert(tmp_path: Path) -> None:
         open_source(file)
 
 
+def test_file_without_arrays_of_numbers_is_refused(tmp_path: Path) -> None:
+    from scipy.io import savemat
+
+    cells = np.empty(2, dtype=object)
+    cells[:] = [np.arange(3.0), np.arange(4.0)]
+    savemat(tmp_path / "pieces.mat", {"q": cells, "dt": 0.001})
+    with pytest.raises(
+        InputError, match="holds no vector or matrix of numbers; cell arrays, objects and texts are not"
+    ):
+        open_source(tmp_path / "pieces.mat")
+
+
 def test_matrices_and_structures_are_columns() -> None:
     matrix = np.arange(6.0).reshape(3, 2)
     columns = flatten({"a": {"q": matrix, "gain": 3.0}, "text": "x", "row": np.ones((1, 4)), "c": np.ones(3) * 1j})
