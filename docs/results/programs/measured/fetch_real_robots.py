@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import hashlib
+import itertools
 import json
 import math
 import subprocess
@@ -52,6 +53,14 @@ SERVO = "src/sysid/dataset"
 
 SERVO_PAUSE = 2.0
 """Time between two of its experiments in the assembled logs [s]: the servo returns to its middle, unrecorded."""
+
+
+TIAGO = "examples/tiago/data/identification/dynamic"
+"""Folder of the files of the arm of TIAGo: positions and currents of the motors, in a table each."""
+
+
+TIAGO_PARTS = (921, 3921, 6791)
+"""Rows between which the arm moves, as in the example, divided in two [1]."""
 
 
 GEN3 = "pyDynaMapp/data/kinova"
@@ -153,6 +162,8 @@ REPOSITORIES = (
             f"{TX40}/data/curr_data.csv": ("f4592f4ba4db42f5d7625688986be25b575ca34d0504b27979ca6b0276bd3af9"),
             f"{TX40}/data/pos_read_data.csv": ("5cc1cecc1024ef0e331d0caba06f689456ab789ec3f1e904599c0a8be5c27bc8"),
             f"{TX40}/urdf/tx40_mdh_modified.urdf": ("3d00cbd46279c915d594b1bb4610dbac78d1e99ed27f95de70984bde13486074"),
+            f"{TIAGO}/tiago_position.csv": "4297a60d434ee89f1f424ad0da8ec65bc00072ac57eb06b94966c0819fc2786d",
+            f"{TIAGO}/tiago_effort.csv": "12c635987705efade603426a600f5b315add7f580c720a4b84609dadb9d0a2e9",
         },
     ),
     Repository(
@@ -313,6 +324,27 @@ def assemble_tx40(folder: Path) -> None:
     part.replace(part.with_name("tx40.csv"))
 
 
+def assemble_tiago(folder: Path) -> None:
+    """Write the two halves of the log of TIAGo's arm, where it is there.
+
+    Args:
+        folder: The folder of the files of all repositories.
+    """
+    here = folder / "figaroh-examples"
+    tables = [here / TIAGO / f"tiago_{name}.csv" for name in ("position", "effort")]
+    if not all(file.is_file() for file in tables):
+        return
+    written = {}
+    for table in tables:
+        names, *rows = table.read_text().splitlines()
+        for number, part in enumerate(itertools.pairwise(TIAGO_PARTS), start=1):
+            written[f"{table.stem}_{number}.csv"] = "\n".join((names, *rows[slice(*part)])) + "\n"
+    for name, content in written.items():
+        part = here / f".{name}.part"
+        part.write_text(content)
+        part.replace(part.with_name(name))
+
+
 def assemble_servo(folder: Path) -> None:
     """Put the experiments of the hobby servo into CSV files, every other one into each, where they are there.
 
@@ -391,6 +423,7 @@ def main() -> int:
     skipped = fetch(given.folder, given.sources)
     assemble_panda(given.folder)
     assemble_tx40(given.folder)
+    assemble_tiago(given.folder)
     assemble_servo(given.folder)
     assemble_go2(given.folder)
     for reason in skipped:
