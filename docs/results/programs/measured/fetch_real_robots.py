@@ -337,8 +337,8 @@ def assemble_tiago(folder: Path) -> None:
     written = {}
     for table in tables:
         names, *rows = table.read_text().splitlines()
-        for number, part in enumerate(itertools.pairwise(TIAGO_PARTS), start=1):
-            written[f"{table.stem}_{number}.csv"] = "\n".join((names, *rows[slice(*part)])) + "\n"
+        for number, rows_of_part in enumerate(itertools.pairwise(TIAGO_PARTS), start=1):
+            written[f"{table.stem}_{number}.csv"] = "\n".join((names, *rows[slice(*rows_of_part)])) + "\n"
     for name, content in written.items():
         part = here / f".{name}.part"
         part.write_text(content)
