@@ -12,6 +12,8 @@ MOST_NODES = 200_000
 """Values in a YAML file with aliases expanded [1]; nested aliases multiply."""
 DEEPEST_NODE = 60
 """Levels of lists and mappings in a YAML file [1]."""
+LARGEST_JSON = 200 * 2**20
+"""Log as JSON [byte]: reading takes some 10 times as much memory."""
 LARGEST_URDF = 10 * 2**20
 """URDF, MJCF or SDF file [byte]; meshes are files of their own."""
 LARGEST_MESH = 100 * 2**20

@@ -15,7 +15,7 @@ from flexros.atomic_file import write_result
 from flexros.cli.output import console, print_json, say, suggest
 from flexros.cli.progress import progress_bar, progress_shown
 from flexros.errors import InputError
-from flexros.logs.foreign.signal_source import BAG_SUFFIXES
+from flexros.logs.foreign.signal_source import BAG_SUFFIXES, ROS_1, open_source
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -36,7 +36,8 @@ def import_log(
         metavar="MAPPING|BAG",
     ),
     file: list[Path] = typer.Argument(
-        None, help="CSV, MATLAB (.mat), NumPy (.npz) files or ROS 2 bags that hold the columns of MAPPING together."
+        None,
+        help="CSV, MATLAB (.mat), NumPy (.npz), JSON files or ROS 2 bags that hold the columns of MAPPING together.",
     ),
     out: Path = typer.Option(
         None, "--out", help="Folder of the log (rosbag2) to write; without it the mapping of a BAG is proposed alone."
@@ -85,6 +86,8 @@ def _is_bag(name: str) -> bool:
 def _refuse_what_bags_need(mapping: str, file: list[Path], out: Path, model: str, proposed: Path) -> None:
     """Refuse arguments that do not go with a mapping of the user."""
     if not file:
+        if Path(mapping).suffix == ROS_1:
+            open_source(Path(mapping))
         if Path(mapping).exists() and Path(mapping).suffix not in (".yaml", ".yml"):
             raise InputError(
                 f"{mapping} is no ROS 2 bag (folder, .mcap or .db3), and columns of other files have no usual "

@@ -30,7 +30,7 @@ from flexros.robot.parameters import INERTIA_COMPONENTS
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from flexros.arrays import BoolArray, FloatArray
+    from flexros.arrays import BoolArray, FloatArray, IntArray
     from flexros.effects import RobotWithEffects
     from flexros.gap.fit.arm_torque import ArmTorque
     from flexros.record.record import Record
@@ -42,6 +42,8 @@ STEP = 1e-6
 """Relative step of the derivatives of the regression parameters to those of the robot [1]."""
 KINDS = ("inertia", "viscous_friction", "coulomb_friction", "torque_offset")
 """Columns of every motor."""
+ONE_WAY = 0.96
+"""Mean direction of a motion from which it is in one direction only [1] (chosen): less than 2 % of it is back."""
 UNSEEN = 1e-9
 """Norm of a column, over the largest one, below which rounding alone is left of it [1]."""
 Load = Literal["none", "body", "point"]
@@ -147,6 +149,8 @@ def regress_torque(
     if uneven:
         speeds = decimate(np.abs(rows.motion.velocity), rows.factor)[rows.counts]
         A[:, :, KINDS.index("torque_offset") * M : len(KINDS) * M] = speeds[:, :, None] * np.eye(M)
+    for motor in _one_way(A, M):
+        A[:, motor, KINDS.index("torque_offset") * M + motor] = 0.0
     lightest = np.where([name == "mass" for name in LOAD], 0.0, -np.inf)[: {"none": 0, "body": 1, "point": 4}[load]]
     if record.command is not None:
         springs = decimate(acting.springs[acting.begin :], rows.factor)[rows.counts]
@@ -172,6 +176,17 @@ def regress_torque(
     if load == "point":
         return _with_point(A, b, solved, settings.farthest_load)
     return solved(A, b, tolerated=len(tolerance.names))
+
+
+def _one_way(A: FloatArray, n_motors: int) -> IntArray:
+    """List the motors that turn in one direction only.
+
+    Coulomb friction is a constant torque there, and friction that differs by direction is viscous. As every motor has
+    friction, it is the friction.
+    """
+    first = KINDS.index("coulomb_friction") * n_motors
+    friction = np.einsum("nmm->nm", A[:, :, first : first + n_motors])
+    return np.flatnonzero(np.abs(friction.sum(axis=0)) > ONE_WAY * np.abs(friction).sum(axis=0))
 
 
 def _of_balance(position: FloatArray, motor: int) -> FloatArray:

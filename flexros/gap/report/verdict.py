@@ -19,6 +19,7 @@ from flexros.gap.report.words import (
     share_words,
     shows,
     where_words,
+    with_std,
 )
 from flexros.gap.schema import NEXT_EXPERIMENT
 from flexros.report.number_text import number
@@ -131,7 +132,12 @@ def _partly(diagnosis: Diagnosis) -> str:
 def _lacking(diagnosis: Diagnosis) -> str:
     """Say which numbers the model lacks that the repair has; empty where it has no share of the gap for that."""
     rows = [one for one in diagnosis.budget if one.effect in _LACKED]
-    return f"The model lacked {first_few([budget_words(one) for one in rows])}." if rows else ""
+    found = {one.name: one for one in diagnosis.model_numbers}
+    texts = []
+    for row in rows:
+        size = found.get(f"{row.effect}.mass" if row.effect == ToolLoad.name else f"{row.location}.inertia")
+        texts.append(budget_words(row) + (f", {with_std(size.value, size.std, size.unit)}" if size else ""))
+    return f"The model lacked {first_few(texts)}." if rows else ""
 
 
 def _ambiguous(diagnosis: Diagnosis) -> str:

@@ -65,7 +65,7 @@ def import_log(mapping: LogMapping, files: Sequence[Path]) -> Log:
 
     Args:
         mapping: Quantity and unit of every column.
-        files: CSV, MATLAB or NumPy files, or ROS 2 bags: .mcap or .db3 files or rosbag2 folders.
+        files: CSV, MATLAB, NumPy or JSON files, or ROS 2 bags: .mcap or .db3 files or rosbag2 folders.
 
     Returns:
         The log; its provenance names mapping, files and their hashes.

@@ -26,6 +26,10 @@ BAG_SUFFIXES = (".mcap", ".db3")
 """Suffixes of a ROS 2 bag; a folder of such files is read like one file."""
 
 
+ROS_1 = ".bag"
+"""Suffix of a bag of ROS 1, which is not read."""
+
+
 @dataclass(frozen=True, eq=False)
 class Signal:
     """Numbers of one column.
@@ -112,15 +116,28 @@ def open_source(path: Path) -> AbstractSignalSource:
         The source of its signals.
 
     Raises:
-        InputError: There is no such file, or its format is not known.
+        InputError: There is no such file, its format is not known, or it holds no numbers.
     """
     if not path.exists():
-        raise InputError(f"there is no file {path}; give the path of a CSV, MATLAB or NumPy file, or of a ROS 2 bag")
+        raise InputError(
+            f"there is no file {path}; give the path of a CSV, MATLAB, NumPy or JSON file, or of a ROS 2 bag"
+        )
     suffix = BAG_SUFFIXES[0] if path.is_dir() else path.suffix.lower()
     kinds = members("flexros.logs.foreign.sources", AbstractSignalSource, "format")  # type: ignore[type-abstract]
     for kind in kinds.values():
         if suffix in kind.suffixes:
-            return kind(path)
+            source = kind(path)
+            if isinstance(source, AbstractColumns) and not source.names:
+                raise InputError(
+                    f"{path} holds no vector or matrix of numbers; cell arrays, objects and texts are not read: save "
+                    "each signal as a plain array"
+                )
+            return source
+    if suffix == ROS_1:
+        raise InputError(
+            f"{path} is a bag of ROS 1; convert it to ROS 2: pip install rosbags, then rosbags-convert --src {path} "
+            f"--dst {path.with_suffix('')}"
+        )
     known = ", ".join(f"{suffix} ({kind.format})" for kind in kinds.values() for suffix in kind.suffixes)
     raise InputError(f"{path} ends with '{path.suffix}', but allowed are {known}; convert the file")
 

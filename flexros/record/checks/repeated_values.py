@@ -59,18 +59,22 @@ def comes_to_rest(values: FloatArray, begin: int, length: int, slow: float) -> b
         length: Number of its samples.
         slow: Change of `slow_change` [rad or m].
     """
-    before = values[max(0, begin - BESIDE) : begin]
-    after = values[begin + length : begin + length + BESIDE]
-    change = float(np.abs(np.concatenate([before, after]) - values[begin]).max(initial=0.0))
-    return change <= max(slow, STEPS * _resolution_beside(values, begin, length))
+    before = values[max(0, begin - BESIDE) : begin] - values[begin]
+    after = values[begin + length : begin + length + BESIDE] - values[begin]
+    near = min(max(length, 2 * BESIDE), NEAR)  # of a joint that turns faster, samples farther away differ
+    resolution = max(_resolution_beside(values, begin, length, beside) for beside in (near, NEAR))
+    slow = max(slow, STEPS * resolution)
+    if len(after) == BESIDE and abs(after[0]) <= abs(after[1] - after[0]):
+        after = after[:0]  # it breaks free of its friction: what it leaves fast, it came to slowly
+    return float(np.abs(np.concatenate([before, after])).max(initial=0.0)) <= slow
 
 
-def _resolution_beside(values: FloatArray, begin: int, length: int) -> float:
+def _resolution_beside(values: FloatArray, begin: int, length: int, beside: int) -> float:
     """Return the usual change beside a stretch where many samples repeat the one before; 0 where they do not.
 
     Numbers that a recorder rounds to some digits have no common step, and a sum of two encoders has none either.
     """
-    sides = values[max(0, begin - NEAR) : begin], values[begin + length : begin + length + NEAR]
+    sides = values[max(0, begin - beside) : begin], values[begin + length : begin + length + beside]
     changes = np.abs(np.concatenate([np.diff(side)[side[1:] != values[begin]] for side in sides]))
     moved = changes[changes > 0]
     return float(np.median(moved)) if len(moved) and len(moved) < (1 - REPEATED) * len(changes) else 0.0

@@ -15,7 +15,7 @@ from flexros.gap.fit.torque_regression import regress_torque
 from flexros.gap.fit.unknown_numbers import UNCERTAIN, UNCERTAIN_LOAD, _load_beside, unknown_numbers
 from flexros.gap.settings import TorqueStartSettings
 from flexros.record.record import Record
-from tests.gap.rigid_arm import COULOMB, INERTIA, VISCOUS, T, arm, record_of_arm
+from tests.gap.rigid_arm import COULOMB, INERTIA, VISCOUS, T, arm, motion, record_of_arm
 from tests.ur5e import ur5e, ur5e_record
 
 
@@ -34,6 +34,21 @@ def test_a_body_that_is_heavier_within_tolerance_is_a_deviation_not_friction() -
     assert found is not None
     assert found.deviations[0] == pytest.approx(np.log(1.1) / 0.05, rel=0.1)
     np.testing.assert_allclose(found.coulomb_friction, COULOMB, rtol=0.05)
+
+
+def test_constant_torque_of_a_motor_that_turns_in_one_direction_is_its_friction() -> None:
+    """The other motor turns back: its friction and offset are both known."""
+    record = record_of_arm()
+    forward = replace(record, valid=motion()[1, :, 0] > 0)
+    model, tolerance = RobotWithEffects(arm(), ()), tolerance_of(arm(), {})
+    found = regress_torque(forward, model, tolerance)
+    assert found is not None
+    np.testing.assert_allclose(found.coulomb_friction, COULOMB, rtol=0.1)
+    np.testing.assert_array_equal(found.bias, 0)
+    shifted = regress_torque(record_of_arm(offset=3.0), model, tolerance)
+    assert shifted is not None
+    assert shifted.bias[0] == pytest.approx(-3.0, rel=0.02)
+    assert shifted.coulomb_friction[0] == pytest.approx(COULOMB[0], rel=0.03)
 
 
 def test_a_log_without_motion_shows_nothing() -> None:

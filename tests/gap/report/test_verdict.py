@@ -10,7 +10,7 @@ from flexros.gap.report.terminal import gap_line
 from flexros.gap.report.verdict import partial_sentence, reported_causes, verdict_sentence
 from flexros.gap.report.words import cause_words
 from flexros.gap.result import DiagnosisResult
-from flexros.gap.schema import NEXT_EXPERIMENT, BudgetShare, Diagnosis, EffectLocation, Partial
+from flexros.gap.schema import NEXT_EXPERIMENT, BudgetShare, Diagnosis, EffectLocation, ModelNumber, Partial
 
 Diagnosed = Callable[[str], DiagnosisResult]
 
@@ -21,6 +21,23 @@ def test_a_gap_that_is_explained_names_cause_size_and_what_it_closes(diagnosed: 
         "data the repaired model closes 99.7 % of the gap (98.7 % to 99.9 %): 38.2 before, 1.12 after, "
         "1 without any gap."
     )
+
+
+def test_sizes_of_what_the_model_lacks_are_stated(diagnosed: Diagnosed) -> None:
+    values = {"class": "model numbers", "share_first": None, "share_last": 0.1, "interval": None}
+    rows = (
+        {**values, "joint": "motor_1", "location": "motor_1", "effect": "rotor_inertia"},
+        {**values, "joint": "tool", "location": "tool", "effect": "tool_load"},
+    )
+    numbers = (
+        ModelNumber(location="motor_1", name="motor_1.inertia", nominal=0, value=0.81, std=0.024, unit="kg m2"),
+        ModelNumber(location="tool", name="tool_load.mass", nominal=0, value=0.74, std=0.2, unit="kg"),
+    )
+    given = {"budget": tuple(BudgetShare.model_validate(row) for row in rows), "model_numbers": numbers}
+    text = verdict_sentence(diagnosed("explained").diagnosis.model_copy(update=given))
+    assert (
+        "The model lacked rotor inertia at motor_1, 0.810 kg m2 (±0.024) and tool load at the tool, 0.74 kg (±0.20)."
+    ) in text
 
 
 def test_no_gap_names_the_floor(diagnosed: Diagnosed) -> None:

@@ -26,9 +26,30 @@ def test_unknown_format(tmp_path: Path) -> None:
     file = tmp_path / "log.xlsx"
     file.write_text("")
     with pytest.raises(
-        InputError, match=r"ends with '.xlsx', but allowed are \.mat \(MATLAB\), \.npz \(NumPy archive\)"
+        InputError, match=r"ends with '.xlsx', but allowed are .*\.mat \(MATLAB\), \.npz \(NumPy archive\)"
     ):
         open_source(file)
+
+
+def test_bag_of_ros_1_is_told_how_to_convert(tmp_path: Path) -> None:
+    file = tmp_path / "run.bag"
+    file.write_bytes(b"#ROSBAG V2.0\n")
+    with pytest.raises(
+        InputError, match=r"is a bag of ROS 1; convert it .* rosbags-convert --src .*run\.bag --dst .*run$"
+    ):
+        open_source(file)
+
+
+def test_file_without_arrays_of_numbers_is_refused(tmp_path: Path) -> None:
+    from scipy.io import savemat
+
+    cells = np.empty(2, dtype=object)
+    cells[:] = [np.arange(3.0), np.arange(4.0)]
+    savemat(tmp_path / "pieces.mat", {"q": cells, "dt": 0.001})
+    with pytest.raises(
+        InputError, match="holds no vector or matrix of numbers; cell arrays, objects and texts are not"
+    ):
+        open_source(tmp_path / "pieces.mat")
 
 
 def test_matrices_and_structures_are_columns() -> None:

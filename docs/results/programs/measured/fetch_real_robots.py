@@ -1,6 +1,6 @@
 """Fetch public logs of robots: python docs/results/programs/measured/fetch_real_robots.py FOLDER [--from PATH]...
 
-The logs of nine public repositories, most of them without a licence for copies, are brought into FOLDER, at the
+The logs of eleven public repositories, most of them without a licence for copies, are brought into FOLDER, at the
 commits below and with their checksums; they are not part of this repository. `--from` names a clone, a bare clone or a
 plain folder of one of them that is there already. What cannot be reached is skipped with its reason, and the exit code
 is then 1.
@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import hashlib
+import itertools
 import json
 import math
 import subprocess
@@ -52,6 +53,22 @@ SERVO = "src/sysid/dataset"
 
 SERVO_PAUSE = 2.0
 """Time between two of its experiments in the assembled logs [s]: the servo returns to its middle, unrecorded."""
+
+
+TIAGO = "examples/tiago/data/identification/dynamic"
+"""Folder of the files of the arm of TIAGo: positions and currents of the motors, in a table each."""
+
+
+TIAGO_PARTS = (921, 3921, 6791)
+"""Rows between which the arm moves, as in the example, divided in two [1]."""
+
+
+GEN3 = "pyDynaMapp/data/kinova"
+"""Folder of the logs of the Gen3, a table each."""
+
+
+WAM = "pest_2dof_nogravity/wam_data"
+"""Folder of the log of the WAM."""
 
 
 @dataclass(frozen=True)
@@ -145,6 +162,8 @@ REPOSITORIES = (
             f"{TX40}/data/curr_data.csv": ("f4592f4ba4db42f5d7625688986be25b575ca34d0504b27979ca6b0276bd3af9"),
             f"{TX40}/data/pos_read_data.csv": ("5cc1cecc1024ef0e331d0caba06f689456ab789ec3f1e904599c0a8be5c27bc8"),
             f"{TX40}/urdf/tx40_mdh_modified.urdf": ("3d00cbd46279c915d594b1bb4610dbac78d1e99ed27f95de70984bde13486074"),
+            f"{TIAGO}/tiago_position.csv": "4297a60d434ee89f1f424ad0da8ec65bc00072ac57eb06b94966c0819fc2786d",
+            f"{TIAGO}/tiago_effort.csv": "12c635987705efade603426a600f5b315add7f580c720a4b84609dadb9d0a2e9",
         },
     ),
     Repository(
@@ -194,6 +213,36 @@ REPOSITORIES = (
         {
             LOG: "f22b1625f331b724e84ebdae5b0679168307364ad93a1d9c3d9cf1620f38efb0",
             MODEL: "e66b59d1096b5b2004b6bc36bfcfc35480cd1e0c92ec68fc896ef8c0661e5b71",
+        },
+    ),
+    Repository(
+        "wissem01chiha",
+        "dynamic-identification",
+        "00dc27c7357b84b6c6ff7d56e9ce299428dec637",  # later ones have no logs
+        {
+            f"{GEN3}/validation_data/opti_traj_testing1.csv": (
+                "0c9229ae8882a43fb1aac59c1b527a0942a99dcb0fe2aed77e948091fe8bf274"
+            ),
+            f"{GEN3}/validation_data/opti_traj_testing2.csv": (
+                "e8e27ef2f4943a3a5b3632c319731473747507e58a512b29adde48a9d4769440"
+            ),
+            f"{GEN3}/identification_data/RecordTrajectory_quadratic.csv": (
+                "82b68faf7b12f73f83e82acb6b6660b5cae28c702058f58269c87718f7ee9ed7"
+            ),
+        },
+    ),
+    Repository(
+        "wissem01chiha",
+        "dynamic-identification",
+        "44f47d5640d89c7b97e584bb10163c4a2b3ced00",
+        {"robots/kinovaGen3.urdf": ("09748ecfb4a0cf543066346a64a24b9edb46207103a68047fd26241c1320fbc3")},
+    ),
+    Repository(
+        "amir-noohian",
+        "dynamics-estimation",
+        "855e9e5c0811f3a3716612741bc33c02574aabea",
+        {
+            f"{WAM}/state_4.json": ("eccb05e00cb6178170369f0ef14ccf66c8fbbb5f7aff859295da0c0ff62951c5"),
         },
     ),
 )
@@ -275,6 +324,27 @@ def assemble_tx40(folder: Path) -> None:
     part.replace(part.with_name("tx40.csv"))
 
 
+def assemble_tiago(folder: Path) -> None:
+    """Write the two halves of the log of TIAGo's arm, where it is there.
+
+    Args:
+        folder: The folder of the files of all repositories.
+    """
+    here = folder / "figaroh-examples"
+    tables = [here / TIAGO / f"tiago_{name}.csv" for name in ("position", "effort")]
+    if not all(file.is_file() for file in tables):
+        return
+    written = {}
+    for table in tables:
+        names, *rows = table.read_text().splitlines()
+        for number, rows_of_part in enumerate(itertools.pairwise(TIAGO_PARTS), start=1):
+            written[f"{table.stem}_{number}.csv"] = "\n".join((names, *rows[slice(*rows_of_part)])) + "\n"
+    for name, content in written.items():
+        part = here / f".{name}.part"
+        part.write_text(content)
+        part.replace(part.with_name(name))
+
+
 def assemble_servo(folder: Path) -> None:
     """Put the experiments of the hobby servo into CSV files, every other one into each, where they are there.
 
@@ -353,6 +423,7 @@ def main() -> int:
     skipped = fetch(given.folder, given.sources)
     assemble_panda(given.folder)
     assemble_tx40(given.folder)
+    assemble_tiago(given.folder)
     assemble_servo(given.folder)
     assemble_go2(given.folder)
     for reason in skipped:
