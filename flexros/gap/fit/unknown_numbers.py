@@ -13,6 +13,7 @@ from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.left_out.rotor_inertia import RotorInertia
 from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_moved
 from flexros.gap.candidates.tolerance import Tolerance
+from flexros.gap.fit.balanced_torques import regress_balanced
 from flexros.gap.fit.torque_delay import torque_delay
 from flexros.gap.fit.torque_regression import Load, only_coulomb, regress_torque
 from flexros.gap.settings import TorqueStartSettings
@@ -165,13 +166,14 @@ def unknown_numbers(
     viscous = {name: robot.parameters[f"{name}.viscous_friction"].value for name in robot.joint_names}
     delay = torque_delay(record, model, tolerance, settings)
     regress = partial(regress_torque, record, model, delay=delay, settings=settings)
-    regression = regress(tolerance)
+    regression = regress_balanced(record, model, tolerance, delay=delay, settings=settings)
     if regression is None:
         return UnknownNumbers(needed)
     loaded, load = _load(regress, robot, tolerance, len(lacking), settings)
     regression = loaded or regression
     found = dict(zip(robot.joint_names, regression.inertia.tolist(), strict=True))
-    rotors = {name: found[name] for name in lacking if found[name] > settings.least_rotor * of_bodies[name]}
+    least = _least_rotors(robot, of_bodies, regression, settings)
+    rotors = {name: found[name] for name in lacking if found[name] > least[name]}
     changes = dict(zip(robot.joint_names, regression.viscous_friction.tolist(), strict=True))
     left = {name: viscous[name] + changes[name] for name in lacking} if needed else {}
     placeholders = {name: viscous[name] for name, value in left.items() if value < PLACEHOLDER * viscous[name]}
@@ -179,6 +181,27 @@ def unknown_numbers(
     inertias = {name: max(needed.get(name, 0.0), rotors.get(name, 0.0)) for name in (needed | rotors)}
     bare = robot.parameters[f"{last_moved(robot)}.mass"].value if load else 0.0
     return UnknownNumbers(inertias, load, bare, placeholders)
+
+
+def _least_rotors(
+    robot: Robot, of_bodies: Mapping[str, float], regression: TorqueRegression, settings: TorqueStartSettings
+) -> dict[str, float]:
+    """Return the inertias from which motors have rotors that a robot file lacks, by name [kg m2 or kg].
+
+    What is large beside the bodies is no error of these. Less may be one, so that it must be clear beside all errors
+    that the tolerance of the bodies allows for; else it would go into bodies, friction and counterbalance.
+
+    Args:
+        robot: The nominal robot.
+        of_bodies: Inertia of the bodies that each motor moves, by name [kg m2 or kg].
+        regression: The regression that shows the rotors.
+        settings: Settings of the regressions.
+    """
+    clear = dict(zip(robot.joint_names, settings.clear_rotor * regression.inertia_deviation, strict=True))
+    return {
+        name: min(settings.least_rotor * bodies, max(clear[name], settings.least_clear_rotor * bodies))
+        for name, bodies in of_bodies.items()
+    }
 
 
 def _inertias_to_step(

@@ -64,8 +64,20 @@ class TorqueStartSettings(Settings):
     least_rotor: float = Field(
         default=0.2,
         ge=0,
-        description="inertia of a rotor, over that of the bodies it moves, from which the robot file lacks it [1] "
-        "(chosen); less may be in that of the bodies, as for a drive whose one mass is that of all its parts",
+        description="inertia of a rotor, over that of the bodies it moves, from which the robot file lacks it in any "
+        "case [1] (chosen); less may be in that of the bodies, as for a drive whose one mass is that of all its parts",
+    )
+    clear_rotor: float = Field(
+        default=3.0,
+        ge=0,
+        description="smaller inertia of a rotor, over its standard deviation with bodies within their tolerance, from "
+        "which the robot file lacks it [1] (chosen)",
+    )
+    least_clear_rotor: float = Field(
+        default=0.03,
+        ge=0,
+        description="the same over that of the bodies it moves [1] (chosen): bodies that are stated without tolerance "
+        "are not known better",
     )
     least_stepped_rotor: float = Field(
         default=0.1,
