@@ -51,16 +51,30 @@ class UnknownNumbers:
         load: Load that the file leaves out; None for none.
         bare: Mass of the body that carries it, as in the file [kg].
         placeholders: Viscous friction in the file by motor, where it stands for none [Nm s/rad or N s/m].
+        rough: Tolerance of masses, centres of mass and inertias of the bodies where they are off by more than that of
+            the file allows for [1]; zero where they are not.
     """
 
     inertias: Mapping[str, float] = field(default_factory=dict)
     load: ToolLoad | None = None
     bare: float = 0.0
     placeholders: Mapping[str, float] = field(default_factory=dict)
+    rough: float = 0.0
 
     @property
     def warnings(self) -> tuple[str, ...]:
         """What of the robot file was not used."""
+        found = []
+        if self.rough:
+            found.append(
+                "masses, centres of mass and inertias of the robot file are off by more than their tolerance: "
+                f"{100 * self.rough:g} % are allowed for instead, so the gap is that of a model with better ones, "
+                "which the patch does not hold; `flexros identify rigid` finds them"
+            )
+        return (*found, *self._placeholder_warnings)
+
+    @property
+    def _placeholder_warnings(self) -> tuple[str, ...]:
         if not self.placeholders:
             return ()
         names = ", ".join(f"{name} ({value:g})" for name, value in self.placeholders.items())
@@ -76,7 +90,7 @@ class UnknownNumbers:
         bare = self.load is not None and parameters[f"{last_moved(model.robot)}.mass"].value == self.bare
         repaired = {law.location for law in model.laws if isinstance(law.effect, ViscousFriction)}
         placeholders = {name: value for name, value in self.placeholders.items() if name not in repaired}
-        return UnknownNumbers(lacked, self.load if bare else None, self.bare, placeholders)
+        return UnknownNumbers(lacked, self.load if bare else None, self.bare, placeholders, self.rough)
 
     def given_to(self, model: RobotWithEffects) -> RobotWithEffects:
         """Return a model that lacks these numbers with them."""
@@ -93,7 +107,8 @@ class UnknownNumbers:
             robot: The robot.
         """
         own = {f"{name}.inertia" for name in self.inertias}
-        return frozenset(own | set(self._of_load(robot)))
+        bodies = {name for name in robot.parameters if self.rough and is_inertial(name)}
+        return frozenset(own | set(self._of_load(robot)) | bodies)
 
     def tolerated(self, tolerance: Tolerance, robot: Robot) -> Tolerance:
         """Return a tolerance in which these numbers are uncertain.
@@ -104,8 +119,9 @@ class UnknownNumbers:
         """
         uncertain = dict.fromkeys((f"{name}.inertia" for name in self.inertias), UNCERTAIN)
         uncertain |= dict.fromkeys(self._of_load(robot), UNCERTAIN_LOAD)
-        pairs = zip(tolerance.names, tolerance.deviations, strict=True)
-        return replace(tolerance, deviations=tuple(uncertain.get(name, deviation) for name, deviation in pairs))
+        bodies = with_rough_bodies(tolerance, self.rough)
+        pairs = zip(bodies.names, bodies.deviations, strict=True)
+        return replace(bodies, deviations=tuple(uncertain.get(name, deviation) for name, deviation in pairs))
 
     def fitted(self, fit: CandidateFit) -> tuple[PlacedEffect, ...]:
         """Return the numbers of a fit as effects on the model that lacks them."""
@@ -142,6 +158,27 @@ class UnknownNumbers:
         return ToolLoad(mass=float(carried), x=x, y=y, z=z)
 
 
+def is_inertial(name: str) -> bool:
+    """Return whether a parameter is the mass, a part of the centre of mass or of the inertia of a body.
+
+    Args:
+        name: Name of the parameter, e.g. "body_2.center_of_mass.x".
+    """
+    body, _, number = name.partition(".")
+    return body.startswith("body_") and number.partition(".")[0] in ("mass", "center_of_mass", "inertia")
+
+
+def with_rough_bodies(tolerance: Tolerance, rough: float) -> Tolerance:
+    """Return a tolerance in which the inertial numbers of bodies deviate by at least some share.
+
+    Args:
+        tolerance: The tolerance.
+        rough: The share [1].
+    """
+    pairs = zip(tolerance.names, tolerance.deviations, strict=True)
+    return replace(tolerance, deviations=tuple(max(deviation, rough * is_inertial(name)) for name, deviation in pairs))
+
+
 def unknown_numbers(
     record: Record, model: RobotWithEffects, tolerance: Tolerance, settings: TorqueStartSettings | None = None
 ) -> UnknownNumbers:
@@ -169,8 +206,15 @@ def unknown_numbers(
     regression = regress_balanced(record, model, tolerance, delay=delay, settings=settings)
     if regression is None:
         return UnknownNumbers(needed)
+    wide = with_rough_bodies(tolerance, settings.rough_bodies)
+    of_rough = regress_balanced(record, model, wide, delay=delay, settings=settings) if wide != tolerance else None
+    if of_rough is not None and not _bodies_are_off(of_rough, regression, regress, settings):
+        of_rough = None
     loaded, load = _load(regress, robot, tolerance, len(lacking), settings)
-    regression = loaded or regression
+    if loaded is not None and of_rough is not None:  # what explains more stands for both
+        loaded, load, of_rough = (loaded, load, None) if _rest(loaded) < _rest(of_rough) else (None, None, of_rough)
+    rough = 0.0 if of_rough is None else settings.rough_bodies
+    regression = loaded or of_rough or regression
     found = dict(zip(robot.joint_names, regression.inertia.tolist(), strict=True))
     least = _least_rotors(robot, of_bodies, regression, settings)
     rotors = {name: found[name] for name in lacking if found[name] > least[name]}
@@ -180,7 +224,27 @@ def unknown_numbers(
     needed = {name: value for name, value in needed.items() if name not in placeholders}
     inertias = {name: max(needed.get(name, 0.0), rotors.get(name, 0.0)) for name in (needed | rotors)}
     bare = robot.parameters[f"{last_moved(robot)}.mass"].value if load else 0.0
-    return UnknownNumbers(inertias, load, bare, placeholders)
+    return UnknownNumbers(inertias, load, bare, placeholders, rough)
+
+
+def _bodies_are_off(
+    wide: TorqueRegression, within: TorqueRegression, regress: Regress, settings: TorqueStartSettings
+) -> bool:
+    """Return whether errors of the bodies far beyond their tolerance explain torques that nothing else does.
+
+    Held within it, friction, offsets, rotors or a load would stand for them. A last body that alone is wrong is a
+    payload error.
+
+    Args:
+        wide: The regression with bodies that are known roughly.
+        within: The same with bodies within their tolerance.
+        regress: The regression of the log, of a tolerance and a load.
+        settings: Settings of the regressions.
+    """
+    if not _explains(wide, within, settings):
+        return False
+    payload = regress(Tolerance(), load="body")
+    return payload is None or _explains(wide, payload, settings)
 
 
 def _least_rotors(

@@ -107,6 +107,13 @@ class TorqueStartSettings(Settings):
         "above 1000 on an arm whose tool is 7 % of its mass. So the others are not left with more where one motor has "
         "no torque, as where it is not driven: a load that takes the weight of its body away explains that",
     )
+    rough_bodies: float = Field(
+        default=0.15,
+        gt=0,
+        description="tolerance of masses, centres of mass and inertias of bodies, relative, where they explain by far "
+        "more of the torques than within that of the robot file (`explained_by_load`) [1] (chosen): such files have "
+        "rough numbers, or those of another version",
+    )
     relieved: float = Field(
         default=1.5,
         ge=1,
