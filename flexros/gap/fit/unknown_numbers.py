@@ -90,7 +90,7 @@ class UnknownNumbers:
         bare = self.load is not None and parameters[f"{last_moved(model.robot)}.mass"].value == self.bare
         repaired = {law.location for law in model.laws if isinstance(law.effect, ViscousFriction)}
         placeholders = {name: value for name, value in self.placeholders.items() if name not in repaired}
-        return UnknownNumbers(lacked, self.load if bare else None, self.bare, placeholders, self.rough)
+        return UnknownNumbers(lacked, self.load if bare else None, self.bare, placeholders)
 
     def given_to(self, model: RobotWithEffects) -> RobotWithEffects:
         """Return a model that lacks these numbers with them."""
@@ -180,7 +180,12 @@ def with_rough_bodies(tolerance: Tolerance, rough: float) -> Tolerance:
 
 
 def unknown_numbers(
-    record: Record, model: RobotWithEffects, tolerance: Tolerance, settings: TorqueStartSettings | None = None
+    record: Record,
+    model: RobotWithEffects,
+    tolerance: Tolerance,
+    settings: TorqueStartSettings | None = None,
+    *,
+    as_stated: bool = False,
 ) -> UnknownNumbers:
     """Estimate the rotor inertias that a model lacks and a load, from a log that this program has not simulated.
 
@@ -189,6 +194,8 @@ def unknown_numbers(
         model: The nominal model.
         tolerance: Parameters of the robot that may deviate.
         settings: Settings of the regressions.
+        as_stated: Whether bodies deviate within this tolerance whatever the torques show, so that gaps of different
+            logs can be compared.
     """
     settings = settings or TorqueStartSettings()
     robot = model.robot
@@ -207,8 +214,10 @@ def unknown_numbers(
     if regression is None:
         return UnknownNumbers(needed)
     wide = with_rough_bodies(tolerance, settings.rough_bodies)
-    of_rough = regress_balanced(record, model, wide, delay=delay, settings=settings) if wide != tolerance else None
-    if of_rough is not None and not _bodies_are_off(of_rough, regression, regress, settings):
+    of_rough = None
+    if wide != tolerance and not as_stated:
+        of_rough = regress_balanced(record, model, wide, delay=delay, settings=settings)
+    if of_rough is not None and not _bodies_are_off(of_rough, regression, regress, record, settings):
         of_rough = None
     loaded, load = _load(regress, robot, tolerance, len(lacking), settings)
     if loaded is not None and of_rough is not None:  # what explains more stands for both
@@ -228,23 +237,32 @@ def unknown_numbers(
 
 
 def _bodies_are_off(
-    wide: TorqueRegression, within: TorqueRegression, regress: Regress, settings: TorqueStartSettings
+    wide: TorqueRegression,
+    within: TorqueRegression,
+    regress: Regress,
+    record: Record,
+    settings: TorqueStartSettings,
 ) -> bool:
     """Return whether errors of the bodies far beyond their tolerance explain torques that nothing else does.
 
     Held within it, friction, offsets, rotors or a load would stand for them. A last body that alone is wrong is a
-    payload error.
+    payload error. That a motor has no torque, as where it is not driven, is explained by bodies without weight.
 
     Args:
         wide: The regression with bodies that are known roughly.
         within: The same with bodies within their tolerance.
         regress: The regression of the log, of a tolerance and a load.
+        record: The log.
         settings: Settings of the regressions.
     """
-    if not _explains(wide, within, settings):
+    error = within.rest / np.maximum(within.left, 1e-300)
+    torque = np.sqrt(np.nanmean(record.torque**2, axis=0))
+    driven = torque > settings.least_share * error
+    found = replace(wide, left=np.where(driven, wide.left, within.left))
+    if not _explains(found, within, settings):
         return False
     payload = regress(Tolerance(), load="body")
-    return payload is None or _explains(wide, payload, settings)
+    return payload is None or _explains(found, payload, settings)
 
 
 def _least_rotors(
