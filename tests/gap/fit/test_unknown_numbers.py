@@ -13,7 +13,8 @@ from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.kinds.base import PlacedEffect
 from flexros.gap.candidates.tolerance import Tolerance, tolerance_of
 from flexros.gap.diagnose import diagnose
-from flexros.gap.fit.unknown_numbers import STEPS, UnknownNumbers, unknown_numbers
+from flexros.gap.fit.torque_regression import regress_torque
+from flexros.gap.fit.unknown_numbers import STEPS, UnknownNumbers, _bodies_are_off, unknown_numbers
 from flexros.gap.measure_gap import measure_gap
 from flexros.gap.settings import DiagnosisSettings, TorqueStartSettings
 from flexros.prediction.integration_step import stops_too_fast
@@ -91,13 +92,16 @@ def test_bodies_that_are_far_off_are_allowed_for() -> None:
     assert not unknown_numbers(record, RobotWithEffects(arm(), ()), exact).rough
 
 
-def test_a_motor_that_is_not_driven_does_not_make_bodies_rough() -> None:
+@pytest.mark.parametrize("driven", [False, True])
+def test_a_motor_that_is_not_driven_does_not_make_bodies_rough(*, driven: bool) -> None:
     """Bodies without weight would explain that it has no torque."""
     record = record_of_arm(imported=True)
-    passive = replace(record, torque=record.torque * [1.0, 0.0])
-    tolerance = tolerance_of(arm(), {})
-    exact = replace(tolerance, deviations=(0.01,) * len(tolerance.names))
-    assert not unknown_numbers(passive, RobotWithEffects(arm(), ()), exact).rough
+    found = regress_torque(record, RobotWithEffects(arm(), ()), tolerance_of(arm(), {}))
+    assert found is not None
+    within = replace(found, left=np.array([0.5, 1.0]), rest=np.array([1.0, 3.0]))
+    wide = replace(within, left=np.array([0.4, 1e-5]))
+    record = replace(record, torque=record.torque * [1.0, driven])
+    assert _bodies_are_off(wide, within, lambda *_, **__: within, record, TorqueStartSettings()) is driven
 
 
 def test_a_heavier_last_body_does_not_make_all_bodies_rough() -> None:
