@@ -101,10 +101,8 @@ def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit
     Of effects at the same motor that do much the same, such as Coulomb and viscous friction, each seems needless beside
     the others. So of those that torques show one at a motor is left out at a time, unless the time is over. Behind
     springs all go at once and compete again later: friction may drown there in the error of a spring, and one of its
-    terms would stand for that. What is not clear itself stays where another one at its motor would not be clear
-    without it: in slow motions Coulomb friction is clear beside a viscous coefficient that is fitted, and not beside a
-    rough one of the robot file. Where numbers of the model go far out of tolerance without several further effects,
-    each is tried alone: one that is needed does not keep the others.
+    terms would stand for that. Where numbers of the model go far out of tolerance without several further effects, each
+    is tried alone: one that is needed does not keep the others.
 
     Args:
         search: The search.
@@ -114,8 +112,7 @@ def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit
     """
     kept: set[str] = set()
     alone = False
-    unclear = _unclear(search, fit, removed)
-    while needless := _needless(search, [one for one in unclear if one.name not in kept]):
+    while needless := [name for name in _needless(search, fit, removed) if name not in kept]:
         tried = needless[:1] if alone else needless
         fits.append(search.without(fit, *tried))
         further = set(tried) - search.base.names
@@ -125,42 +122,14 @@ def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit
             kept |= further if len(further) == 1 else set()
             alone = len(further) > 1 or alone
             continue
-        left = _unclear(search, fits[-1], removed)
-        needed = set() if _all_at_once(search) else _needed_by_others(search, tried, unclear, left)
-        if needed:
-            kept |= needed
-            continue
-        fit, unclear = fits[-1], left
+        fit = fits[-1]
         if _all_at_once(search) and not alone:
             break
     return fit
 
 
-def _needed_by_others(
-    search: Search, tried: Sequence[str], before: Sequence[Candidate], after: Sequence[Candidate]
-) -> set[str]:
-    """Return the effects that were left out, and without which one of the torques at their motor is not clear any more.
-
-    Args:
-        search: The search.
-        tried: The effects that were left out.
-        before: Those that were not clear beside them.
-        after: Those that are not clear without them.
-    """
-    clear = search.base.names - {one.name for one in before}
-    spoiled = {one.location for one in after if one.name in clear}
-    return {name for name in tried if name.partition("@")[2] in spoiled}
-
-
-def _needless(search: Search, unclear: Sequence[Candidate]) -> list[str]:
-    """List what is left out of the effects that seem needless, one of each motor while there is time."""
-    if _all_at_once(search):
-        return [one.name for one in unclear]
-    return list({one.location: one.name for one in reversed(unclear)}.values())  # the least one of a motor comes last
-
-
-def _unclear(search: Search, fit: CandidateFit, removed: float) -> list[Candidate]:
-    """List effects that are not worth their parameters by linear theory, those that remove least first.
+def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
+    """List effects that are not worth their parameters by linear theory, one of each motor while there is time.
 
     Effects that torques show are worth it where their size is clearly not zero: at a joint that moves little or carries
     little they remove a small part of the gap of all joints, and are as real as at the others.
@@ -189,7 +158,10 @@ def _unclear(search: Search, fit: CandidateFit, removed: float) -> list[Candidat
             worth_it = worth(search, comparison, before, after, removed)
         if least < max(without) and not worth_it:
             needless.append((least, candidate))
-    return [candidate for _, candidate in sorted(needless, key=lambda pair: pair[0])]
+    if _all_at_once(search):
+        return [candidate.name for _, candidate in sorted(needless, key=lambda pair: pair[0])]
+    first = {one.location: one.name for _, one in sorted(needless, key=lambda pair: -pair[0])}  # the least one is last
+    return list(first.values())
 
 
 def _tolerated(search: Search, candidate: Candidate) -> float:

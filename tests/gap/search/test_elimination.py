@@ -16,7 +16,6 @@ from flexros.gap.settings import DiagnosisSettings
 
 INERTIA, STIFFNESS = "motor_inertia_error@motor_1", "stiffness_error@body_2.ry"
 COULOMB, VISCOUS, BIAS = "coulomb_friction@motor_1", "viscous_friction@motor_1", "torque_bias@motor_2"
-OTHER = "coulomb_friction@motor_2"
 N = 1000
 
 
@@ -96,9 +95,9 @@ def plain_rules(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_of_two_effects_that_do_much_the_same_the_better_one_stays() -> None:
-    base = (COULOMB, VISCOUS, OTHER)
-    rest = frozenset({COULOMB, OTHER})
-    search: Any = Search({rest: 2010.0}, {COULOMB: 20.0, VISCOUS: 10.0, OTHER: 500.0}, base)
+    base = (COULOMB, VISCOUS, "coulomb_friction@motor_2")
+    rest = frozenset({COULOMB, "coulomb_friction@motor_2"})
+    search: Any = Search({rest: 2010.0}, {COULOMB: 20.0, VISCOUS: 10.0, "coulomb_friction@motor_2": 500.0}, base)
     fits: list[Any] = []
     assert elimination.reduced(search, Fit(base, 2000.0), fits, 0.2).names == rest  # type: ignore[arg-type]
     assert len(fits) == 1
@@ -120,15 +119,15 @@ def test_an_effect_that_gains_nothing_is_left_out_wherever_the_floor_is(chi2: fl
 
 
 def test_without_time_all_that_seems_needless_is_left_out_at_once() -> None:
-    base = (COULOMB, VISCOUS, OTHER)
+    base = (COULOMB, VISCOUS, "coulomb_friction@motor_2")
     search: Any = Search(
-        {frozenset({OTHER}): 2400.0},
-        {COULOMB: 20.0, VISCOUS: 10.0, OTHER: 500.0},
+        {frozenset({"coulomb_friction@motor_2"}): 2400.0},
+        {COULOMB: 20.0, VISCOUS: 10.0, "coulomb_friction@motor_2": 500.0},
         base,
     )
     search.deadline = over()
     found = elimination.reduced(search, Fit(base, 2000.0), [], 0.2)  # type: ignore[arg-type]
-    assert found.names == {OTHER}
+    assert found.names == {"coulomb_friction@motor_2"}
 
 
 def test_an_effect_of_size_zero_is_left_out_though_its_deviation_is_small(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -145,27 +144,6 @@ def test_behind_springs_all_that_seems_needless_is_left_out_at_once() -> None:
     search.null.model.robot.n_coordinates = 4
     found = elimination.reduced(search, Fit((COULOMB, VISCOUS, BIAS), 2000.0), [], 0.2)  # type: ignore[arg-type]
     assert found.names == {BIAS}
-
-
-@pytest.mark.parametrize("beside", [0.1, 0.4], ids=["clear in any case", "clear beside the other"])
-def test_what_makes_another_effect_clear_stays(beside: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    """In slow motions Coulomb friction is clear beside a viscous coefficient that is fitted, and not without."""
-
-    def sizes(fit: Fit, _: Any) -> list[dict[str, Any]]:
-        coulomb = SimpleNamespace(value=1.0 if VISCOUS in fit.names else 5.0 * (0.5 - beside), std=0.3)
-        known = {
-            COULOMB: coulomb,
-            VISCOUS: SimpleNamespace(value=-0.5, std=0.3),
-            OTHER: SimpleNamespace(value=1, std=0),
-        }
-        return [{"size": known[name]} for name in fit.kept]
-
-    monkeypatch.setattr(elimination, "parameters_of", sizes)
-    base = (COULOMB, VISCOUS, OTHER)
-    without = {frozenset(names): 2000.0 for names in ((COULOMB, OTHER), (OTHER,))}
-    search: Any = Search(without, {COULOMB: 90.0, VISCOUS: 10.0, OTHER: 900.0}, base)
-    found = elimination.reduced(search, Fit(base, 2000.0), [], 0.2)  # type: ignore[arg-type]
-    assert found.names == ({COULOMB, OTHER} if beside == 0.1 else set(base))
 
 
 @pytest.mark.parametrize(("size", "kept"), [(0.05, False), (0.07, True), (-0.05, False), (-0.07, True)])
