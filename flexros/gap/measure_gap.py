@@ -108,7 +108,8 @@ def measure_gap(
     model = model.commanded_by(record.commands)
     record = with_torque_in_time_behind_springs(record, model.robot, settings)
     record = most_informative(record, settings.most_values)
-    unknown = unknown_numbers(record, model, tolerance_of(model.robot, tolerance or {}), settings.torque_start)
+    stated = tolerance_of(model.robot, tolerance or {})
+    unknown = unknown_numbers(record, model, stated, settings.torque_start, as_stated=True)
     record = replace(record, warnings=(*record.warnings, *unknown.warnings))
     data = fit_data(record, unknown.given_to(model), settings)
     null, before = _fitted(model, unknown, data, tolerance or {}, settings), None

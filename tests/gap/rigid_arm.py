@@ -56,6 +56,7 @@ def record_of_arm(
     balance: tuple[float, float] = (0.0, 0.0),
     share: float = 0.0,
     offset: float = 0.0,
+    rotors: tuple[float, float] | None = None,
 ) -> Record:
     """Compute the torques of that motion by inverse dynamics, with rotors and friction that the model lacks.
 
@@ -68,13 +69,14 @@ def record_of_arm(
         balance: Torques of a counterbalance at motor_1 at its positions 0 and 90 degrees [Nm].
         share: Friction of motor_1 per torque that its gear transmits [1].
         offset: Of the torque of motor_1 [Nm].
+        rotors: Inertias of the rotors [kg m2]; None for `INERTIA`.
     """
     q, v, a = motion()
     last = [name for name in arm().parameters if name.startswith(("body_2.mass", "body_2.inertia."))]
     model = arm().with_values({name: (1 + load) * arm().parameters[name].value for name in last}).model
     rigid = np.array([model.arm_inverse_dynamics(*row, model.parameter_values).full().ravel() for row in zip(q, v, a)])
     uneven = 1 + 0.5 * np.array([asymmetry, 0.0]) * np.sign(v)
-    torque = rigid + INERTIA * a + VISCOUS * v * uneven + COULOMB * np.sign(v)
+    torque = rigid + (INERTIA if rotors is None else np.array(rotors)) * a + VISCOUS * v * uneven + COULOMB * np.sign(v)
     torque[:, 0] += share * np.abs(rigid[:, 0]) * np.sign(v[:, 0])
     torque[:, 0] += offset
     torque[:, 0] -= balance[0] * np.cos(q[:, 0]) + balance[1] * np.sin(q[:, 0])

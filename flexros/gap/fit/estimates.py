@@ -141,19 +141,19 @@ def fit_covariance(fit: CandidateFit, data: FitData, form: RankingSettings | Non
     left = r[: M * n, None] if form is None else np.column_stack([r[: M * n], _form_errors(fit, data, r, form)])
     for motor in range(M):
         rows = slice(motor * n, (motor + 1) * n)
-        meat += _coloured(J[rows], left[rows], int(np.isfinite(data.spread[:, motor]).sum()))
+        meat += coloured(J[rows], left[rows], int(np.isfinite(data.spread[:, motor]).sum()))
     end = len(r) - (0 if data.torques is None else data.torques.size)
     meat += J[M * n : end].T @ J[M * n : end]
     for begin in range(end, len(r), (len(r) - end) // M or 1):
         rows = slice(begin, begin + (len(r) - end) // M)
-        meat += _coloured(J[rows], r[rows, None], rows.stop - rows.start)
+        meat += coloured(J[rows], r[rows, None], rows.stop - rows.start)
     inverse = np.linalg.pinv(line.information)
     covariance: FloatArray = inverse @ meat @ inverse
     # where an unlikely fit nearly diverges, the spectrum overflows
     return covariance if np.all(np.isfinite(covariance)) else np.asarray(inverse)
 
 
-def _coloured(J: FloatArray, left: FloatArray, used: int) -> FloatArray:
+def coloured(J: FloatArray, left: FloatArray, used: int) -> FloatArray:
     """Return the covariance of J'r for errors r with the spectrum of what is left, `used` of them not zero.
 
     Args:

@@ -19,6 +19,7 @@ from scipy.optimize import lsq_linear
 from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.effects.left_out.tool_load import ENTRIES, last_moved
 from flexros.gap.candidates.tolerance import Tolerance
+from flexros.gap.fit.estimates import coloured
 from flexros.gap.prediction.predictor import FARTHEST
 from flexros.gap.residuals.torque_rows import acting_torque, torque_rows
 from flexros.gap.settings import TorqueStartSettings
@@ -69,6 +70,8 @@ class TorqueRegression:
         load: Mass [kg] and first moment [kg m] of a load on the last body that moves, shape (4,); zeros without one.
         servo_stiffness: Relative error of the stiffness of every servo [1], shape (M,); zeros where torques are known.
         balance: Numbers of a counterbalance [Nm], shape (2,), by the index of its motor; empty without one.
+        inertia_deviation: Standard deviation of the added inertias [kg m2 or kg], shape (M,): of coloured errors, and
+            of what bodies within their tolerance have in common with rotors; infinite where it is none.
     """
 
     inertia: FloatArray
@@ -81,6 +84,7 @@ class TorqueRegression:
     load: FloatArray
     servo_stiffness: FloatArray
     balance: Mapping[int, FloatArray] = field(default_factory=dict)
+    inertia_deviation: FloatArray = field(default_factory=partial(np.zeros, 0))
 
 
 def regress_torque(
@@ -304,7 +308,8 @@ def _solved(
         # the triangular factor has the same solution and few rows
         root: FloatArray = np.asarray(np.linalg.qr(np.column_stack([matrix, right]), mode="r"))
         bounds = (np.minimum(low * scale, -1e-12), np.maximum(high * scale, 1e-12))
-        solution = lsq_linear(root[:, :k], root[:, k], bounds=bounds, method="bvls").x / scale
+        solved = lsq_linear(root[:, :k], root[:, k], bounds=bounds, method="bvls")
+        solution = solved.x / scale
         rest = np.sqrt(np.mean((b - A @ solution) ** 2, axis=0))
         used, left = left, np.maximum(rest, 1e-6 * np.maximum(before, 1e-300))
         if np.allclose(left, used, rtol=1e-3):
@@ -323,7 +328,42 @@ def _solved(
     load, stiffness = (np.zeros(len(LOAD)), found) if servos else (found, np.zeros(M))
     if servos:
         stiffness = np.where((np.diag(size[:, begin:end]) > settings.least_share * left) & moving, stiffness, 0.0)
-    deviations = solution[end:]
+    free = (solved.active_mask == 0) & np.any(rows != 0, axis=0)
+    covariance = _covariance(A / left[:, None], (b - A @ solution) / left, prior, free)
+    uncertain = np.where(free[:M], np.sqrt(np.maximum(np.diag(covariance)[:M], 0.0)), np.inf)
     return TorqueRegression(
-        inertias, viscous_friction, coulomb_friction, -offsets, deviations, shares, left, load, stiffness, balance
+        inertias,
+        viscous_friction,
+        coulomb_friction,
+        -offsets,
+        solution[end:],
+        shares,
+        left,
+        load,
+        stiffness,
+        balance,
+        uncertain,
     )
+
+
+def _covariance(A: FloatArray, errors: FloatArray, prior: FloatArray, free: BoolArray) -> FloatArray:
+    """Return the covariance of a solution, with errors of the colour of what is left (White 1980), shape (k, k).
+
+    Args:
+        A: Columns over what is left at each motor [1], shape (n, M, k).
+        errors: What is left, over the same [1], shape (n, M).
+        prior: Root of the information of the prior, shape (k_tolerated, k).
+        free: Columns whose number is not at a bound, shape (k,); the others do not vary.
+    """
+    A, prior = A[:, :, free], prior[:, free]
+    of_prior = prior.T @ prior
+    information, meat = of_prior.copy(), of_prior.copy()
+    for motor in range(A.shape[1]):
+        J = A[:, motor]
+        information += J.T @ J
+        meat += coloured(J, errors[:, [motor]], len(J))
+    scale = 1 / np.sqrt(np.maximum(np.diag(information), 1e-300))
+    inverse = np.linalg.pinv(information * np.outer(scale, scale), hermitian=True) * np.outer(scale, scale)
+    covariance: FloatArray = np.zeros((len(free), len(free)))
+    covariance[np.ix_(free, free)] = inverse @ meat @ inverse
+    return covariance

@@ -13,6 +13,7 @@ from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.left_out.rotor_inertia import RotorInertia
 from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_moved
 from flexros.gap.candidates.tolerance import Tolerance
+from flexros.gap.fit.balanced_torques import regress_balanced
 from flexros.gap.fit.torque_delay import torque_delay
 from flexros.gap.fit.torque_regression import Load, only_coulomb, regress_torque
 from flexros.gap.settings import TorqueStartSettings
@@ -50,16 +51,30 @@ class UnknownNumbers:
         load: Load that the file leaves out; None for none.
         bare: Mass of the body that carries it, as in the file [kg].
         placeholders: Viscous friction in the file by motor, where it stands for none [Nm s/rad or N s/m].
+        rough: Tolerance of masses, centres of mass and inertias of the bodies where they are off by more than that of
+            the file allows for [1]; zero where they are not.
     """
 
     inertias: Mapping[str, float] = field(default_factory=dict)
     load: ToolLoad | None = None
     bare: float = 0.0
     placeholders: Mapping[str, float] = field(default_factory=dict)
+    rough: float = 0.0
 
     @property
     def warnings(self) -> tuple[str, ...]:
         """What of the robot file was not used."""
+        found = []
+        if self.rough:
+            found.append(
+                "masses, centres of mass and inertias of the robot file are off by more than their tolerance: "
+                f"{100 * self.rough:g} % are allowed for instead, so the gap is that of a model with better ones, "
+                "which the patch does not hold; `flexros identify rigid` finds them"
+            )
+        return (*found, *self._placeholder_warnings)
+
+    @property
+    def _placeholder_warnings(self) -> tuple[str, ...]:
         if not self.placeholders:
             return ()
         names = ", ".join(f"{name} ({value:g})" for name, value in self.placeholders.items())
@@ -92,7 +107,8 @@ class UnknownNumbers:
             robot: The robot.
         """
         own = {f"{name}.inertia" for name in self.inertias}
-        return frozenset(own | set(self._of_load(robot)))
+        bodies = {name for name in robot.parameters if self.rough and is_inertial(name)}
+        return frozenset(own | set(self._of_load(robot)) | bodies)
 
     def tolerated(self, tolerance: Tolerance, robot: Robot) -> Tolerance:
         """Return a tolerance in which these numbers are uncertain.
@@ -103,8 +119,9 @@ class UnknownNumbers:
         """
         uncertain = dict.fromkeys((f"{name}.inertia" for name in self.inertias), UNCERTAIN)
         uncertain |= dict.fromkeys(self._of_load(robot), UNCERTAIN_LOAD)
-        pairs = zip(tolerance.names, tolerance.deviations, strict=True)
-        return replace(tolerance, deviations=tuple(uncertain.get(name, deviation) for name, deviation in pairs))
+        bodies = with_rough_bodies(tolerance, self.rough)
+        pairs = zip(bodies.names, bodies.deviations, strict=True)
+        return replace(bodies, deviations=tuple(uncertain.get(name, deviation) for name, deviation in pairs))
 
     def fitted(self, fit: CandidateFit) -> tuple[PlacedEffect, ...]:
         """Return the numbers of a fit as effects on the model that lacks them."""
@@ -141,8 +158,34 @@ class UnknownNumbers:
         return ToolLoad(mass=float(carried), x=x, y=y, z=z)
 
 
+def is_inertial(name: str) -> bool:
+    """Return whether a parameter is the mass, a part of the centre of mass or of the inertia of a body.
+
+    Args:
+        name: Name of the parameter, e.g. "body_2.center_of_mass.x".
+    """
+    body, _, number = name.partition(".")
+    return body.startswith("body_") and number.partition(".")[0] in ("mass", "center_of_mass", "inertia")
+
+
+def with_rough_bodies(tolerance: Tolerance, rough: float) -> Tolerance:
+    """Return a tolerance in which the inertial numbers of bodies deviate by at least some share.
+
+    Args:
+        tolerance: The tolerance.
+        rough: The share [1].
+    """
+    pairs = zip(tolerance.names, tolerance.deviations, strict=True)
+    return replace(tolerance, deviations=tuple(max(deviation, rough * is_inertial(name)) for name, deviation in pairs))
+
+
 def unknown_numbers(
-    record: Record, model: RobotWithEffects, tolerance: Tolerance, settings: TorqueStartSettings | None = None
+    record: Record,
+    model: RobotWithEffects,
+    tolerance: Tolerance,
+    settings: TorqueStartSettings | None = None,
+    *,
+    as_stated: bool = False,
 ) -> UnknownNumbers:
     """Estimate the rotor inertias that a model lacks and a load, from a log that this program has not simulated.
 
@@ -151,6 +194,8 @@ def unknown_numbers(
         model: The nominal model.
         tolerance: Parameters of the robot that may deviate.
         settings: Settings of the regressions.
+        as_stated: Whether bodies deviate within this tolerance whatever the torques show, so that gaps of different
+            logs can be compared.
     """
     settings = settings or TorqueStartSettings()
     robot = model.robot
@@ -165,20 +210,80 @@ def unknown_numbers(
     viscous = {name: robot.parameters[f"{name}.viscous_friction"].value for name in robot.joint_names}
     delay = torque_delay(record, model, tolerance, settings)
     regress = partial(regress_torque, record, model, delay=delay, settings=settings)
-    regression = regress(tolerance)
+    regression = regress_balanced(record, model, tolerance, delay=delay, settings=settings)
     if regression is None:
         return UnknownNumbers(needed)
+    wide = with_rough_bodies(tolerance, settings.rough_bodies)
+    of_rough = None
+    if wide != tolerance and not as_stated and not robot.flexible_motors:  # what springs leave is no error of bodies
+        of_rough = regress_balanced(record, model, wide, delay=delay, settings=settings)
+    if of_rough is not None and not _bodies_are_off(of_rough, regression, regress, record, settings):
+        of_rough = None
     loaded, load = _load(regress, robot, tolerance, len(lacking), settings)
-    regression = loaded or regression
+    if loaded is not None and of_rough is not None:  # what explains more stands for both
+        loaded, load, of_rough = (loaded, load, None) if _rest(loaded) < _rest(of_rough) else (None, None, of_rough)
+    rough = 0.0 if of_rough is None else settings.rough_bodies
+    regression = loaded or of_rough or regression
     found = dict(zip(robot.joint_names, regression.inertia.tolist(), strict=True))
-    rotors = {name: found[name] for name in lacking if found[name] > settings.least_rotor * of_bodies[name]}
+    least = _least_rotors(robot, of_bodies, regression, settings)
+    rotors = {name: found[name] for name in lacking if found[name] > least[name]}
     changes = dict(zip(robot.joint_names, regression.viscous_friction.tolist(), strict=True))
     left = {name: viscous[name] + changes[name] for name in lacking} if needed else {}
     placeholders = {name: viscous[name] for name, value in left.items() if value < PLACEHOLDER * viscous[name]}
     needed = {name: value for name, value in needed.items() if name not in placeholders}
     inertias = {name: max(needed.get(name, 0.0), rotors.get(name, 0.0)) for name in (needed | rotors)}
     bare = robot.parameters[f"{last_moved(robot)}.mass"].value if load else 0.0
-    return UnknownNumbers(inertias, load, bare, placeholders)
+    return UnknownNumbers(inertias, load, bare, placeholders, rough)
+
+
+def _bodies_are_off(
+    wide: TorqueRegression,
+    within: TorqueRegression,
+    regress: Regress,
+    record: Record,
+    settings: TorqueStartSettings,
+) -> bool:
+    """Return whether errors of the bodies far beyond their tolerance explain torques that nothing else does.
+
+    Held within it, friction, offsets, rotors or a load would stand for them. A last body that alone is wrong is a
+    payload error. That a motor has no torque, as where it is not driven, is explained by bodies without weight.
+
+    Args:
+        wide: The regression with bodies that are known roughly.
+        within: The same with bodies within their tolerance.
+        regress: The regression of the log, of a tolerance and a load.
+        record: The log.
+        settings: Settings of the regressions.
+    """
+    error = within.rest / np.maximum(within.left, 1e-300)
+    torque = np.sqrt(np.nanmean(record.torque**2, axis=0))
+    driven = torque > settings.least_share * error
+    found = replace(wide, left=np.where(driven, wide.left, within.left))
+    if not _explains(found, within, settings):
+        return False
+    payload = regress(Tolerance(), load="body")
+    return payload is None or _explains(found, payload, settings)
+
+
+def _least_rotors(
+    robot: Robot, of_bodies: Mapping[str, float], regression: TorqueRegression, settings: TorqueStartSettings
+) -> dict[str, float]:
+    """Return the inertias from which motors have rotors that a robot file lacks, by name [kg m2 or kg].
+
+    What is large beside the bodies is no error of these. Less may be one, so that it must be clear beside all errors
+    that the tolerance of the bodies allows for; else it would go into bodies, friction and counterbalance.
+
+    Args:
+        robot: The nominal robot.
+        of_bodies: Inertia of the bodies that each motor moves, by name [kg m2 or kg].
+        regression: The regression that shows the rotors.
+        settings: Settings of the regressions.
+    """
+    clear = dict(zip(robot.joint_names, settings.clear_rotor * regression.inertia_deviation, strict=True))
+    return {
+        name: min(settings.least_rotor * bodies, max(clear[name], settings.least_clear_rotor * bodies))
+        for name, bodies in of_bodies.items()
+    }
 
 
 def _inertias_to_step(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +12,7 @@ from flexros.gap.candidates.candidate import Candidate, free_parameter, list_can
 from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.scales import scales_of_motors
 from flexros.gap.fit.arm_torque import arm_torque
+from flexros.gap.fit.balanced_torques import regress_balanced
 from flexros.gap.fit.least_squares import CandidateFit, chi2_of, fit
 from flexros.gap.fit.torque_delay import torque_delay
 from flexros.gap.fit.torque_regression import only_coulomb, regress_torque
@@ -129,25 +129,17 @@ def _balanced(
     delay: float,
     settings: TorqueStartSettings,
 ) -> TorqueRegression | None:
-    """Regress the torques, with a counterbalance at the motor at which it explains most, if that is much.
+    """Regress the torques, beside a counterbalance where there is one.
 
     Viscous friction that differs by direction passes for an offset: where it leaves less, there is none.
     """
-    regress = partial(regress_torque, record, model, tolerance, arm, delay=delay, settings=settings)
-    plain = regress()
-    if plain is None:
-        return None
-    best = plain
-    factor = settings.balanced
-    for location in Counterbalance().locations(model.robot):
-        motor = model.robot.joint_names.index(location)
-        found = regress(balanced=motor)
-        least = settings.carried * np.nanmax(np.abs(record.torque[:, motor]))
-        if found is None or np.linalg.norm(found.balance[motor]) < least:
-            continue
-        if plain.rest[motor] > factor * found.rest[motor]:
-            best, factor = found, plain.rest[motor] / found.rest[motor]
-    uneven = regress(balanced=next(iter(best.balance), None), uneven=True) if best.bias.any() else None
+    best = regress_balanced(record, model, tolerance, arm, delay=delay, settings=settings)
+    if best is None or not best.bias.any():
+        return best
+    balanced = next(iter(best.balance), None)
+    uneven = regress_torque(
+        record, model, tolerance, arm, delay=delay, balanced=balanced, uneven=True, settings=settings
+    )
     return best if uneven is None else replace(best, bias=np.where(uneven.rest < best.rest, 0.0, best.bias))
 
 

@@ -64,8 +64,20 @@ class TorqueStartSettings(Settings):
     least_rotor: float = Field(
         default=0.2,
         ge=0,
-        description="inertia of a rotor, over that of the bodies it moves, from which the robot file lacks it [1] "
-        "(chosen); less may be in that of the bodies, as for a drive whose one mass is that of all its parts",
+        description="inertia of a rotor, over that of the bodies it moves, from which the robot file lacks it in any "
+        "case [1] (chosen); less may be in that of the bodies, as for a drive whose one mass is that of all its parts",
+    )
+    clear_rotor: float = Field(
+        default=3.0,
+        ge=0,
+        description="smaller inertia of a rotor, over its standard deviation with bodies within their tolerance, from "
+        "which the robot file lacks it [1] (chosen)",
+    )
+    least_clear_rotor: float = Field(
+        default=0.03,
+        ge=0,
+        description="the same over that of the bodies it moves [1] (chosen): bodies that are stated without tolerance "
+        "are not known better",
     )
     least_stepped_rotor: float = Field(
         default=0.1,
@@ -94,6 +106,13 @@ class TorqueStartSettings(Settings):
         "no larger than this, from which the robot file lacks it [1] (chosen): 1.6 on a UR10e that carries nothing, "
         "above 1000 on an arm whose tool is 7 % of its mass. So the others are not left with more where one motor has "
         "no torque, as where it is not driven: a load that takes the weight of its body away explains that",
+    )
+    rough_bodies: float = Field(
+        default=0.15,
+        gt=0,
+        description="tolerance of masses, centres of mass and inertias of bodies, relative, where they explain by far "
+        "more of the torques than within that of the robot file (`explained_by_load`) [1] (chosen): such files have "
+        "rough numbers, or those of another version",
     )
     relieved: float = Field(
         default=1.5,

@@ -11,11 +11,12 @@ import pytest
 from flexros.effects import RobotWithEffects
 from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.kinds.base import PlacedEffect
-from flexros.gap.candidates.tolerance import Tolerance
+from flexros.gap.candidates.tolerance import Tolerance, tolerance_of
 from flexros.gap.diagnose import diagnose
-from flexros.gap.fit.unknown_numbers import STEPS, UnknownNumbers, unknown_numbers
+from flexros.gap.fit.torque_regression import regress_torque
+from flexros.gap.fit.unknown_numbers import STEPS, UnknownNumbers, _bodies_are_off, unknown_numbers
 from flexros.gap.measure_gap import measure_gap
-from flexros.gap.settings import DiagnosisSettings
+from flexros.gap.settings import DiagnosisSettings, TorqueStartSettings
 from flexros.prediction.integration_step import stops_too_fast
 from flexros.record.record import Record
 from flexros.robot import Robot
@@ -65,6 +66,48 @@ def test_friction_that_torques_show_stays_and_can_be_stepped() -> None:
     given = found.given_to(RobotWithEffects(damped(), ())).robot
     assert given.parameters["motor_1.viscous_friction"].value == FILE
     assert not stops_too_fast(given, T, STEPS)
+
+
+ROUGH = {"body_1.mass": 8.0, "body_1.center_of_mass.x": 0.24, "body_2.mass": 2.5, "body_2.center_of_mass.x": 0.22}
+"""Numbers of the bodies in a file that is a third off."""
+
+
+def test_bodies_that_are_far_off_are_allowed_for() -> None:
+    """Held within the tolerance of the file, a load and another rotor stand for them."""
+    record = record_of_arm(imported=True)
+    file = RobotWithEffects(arm().with_values(ROUGH), ())
+    exact = tolerance_of(file.robot, {})
+    exact = replace(exact, deviations=(0.01,) * len(exact.names))
+    found = unknown_numbers(record, file, exact)
+    assert found.rough == TorqueStartSettings().rough_bodies
+    assert found.load is None
+    np.testing.assert_allclose(list(found.inertias.values()), INERTIA, rtol=0.1)
+    assert "are off by more than their tolerance: 15 %" in found.warnings[0]
+    tolerated = found.tolerated(exact, file.robot)
+    deviations = dict(zip(tolerated.names, tolerated.deviations, strict=True))
+    assert deviations["body_2.mass"] == found.rough
+    assert deviations["body_2.length.x"] == 0.01
+    assert not unknown_numbers(record, file, exact, as_stated=True).rough
+    assert "body_2.mass" in found.names(file.robot)
+    assert not unknown_numbers(record, RobotWithEffects(arm(), ()), exact).rough
+
+
+@pytest.mark.parametrize("driven", [False, True])
+def test_a_motor_that_is_not_driven_does_not_make_bodies_rough(*, driven: bool) -> None:
+    """Bodies without weight would explain that it has no torque."""
+    record = record_of_arm(imported=True)
+    found = regress_torque(record, RobotWithEffects(arm(), ()), tolerance_of(arm(), {}))
+    assert found is not None
+    within = replace(found, left=np.array([0.5, 1.0]), rest=np.array([1.0, 3.0]))
+    wide = replace(within, left=np.array([0.4, 1e-5]))
+    record = replace(record, torque=record.torque * [1.0, driven])
+    assert _bodies_are_off(wide, within, lambda *_, **__: within, record, TorqueStartSettings()) is driven
+
+
+def test_a_heavier_last_body_does_not_make_all_bodies_rough() -> None:
+    """That is a payload error."""
+    heavy = record_of_arm(imported=True, load=1.0)
+    assert not unknown_numbers(heavy, RobotWithEffects(arm(), ()), tolerance_of(arm(), {})).rough
 
 
 @pytest.mark.slow
