@@ -34,9 +34,7 @@ def test_unknown_format(tmp_path: Path) -> None:
 def test_bag_of_ros_1_is_told_how_to_convert(tmp_path: Path) -> None:
     file = tmp_path / "run.bag"
     file.write_bytes(b"#ROSBAG V2.0\n")
-    with pytest.raises(
-        InputError, match=r"is a bag of ROS 1; convert it .* rosbags-convert --src .*run\.bag --dst .*run$"
-    ):
+    with pytest.raises(InputError, match=r"run\.bag is a bag of ROS 1; convert it .* rosbags-convert"):
         open_source(file)
 
 
