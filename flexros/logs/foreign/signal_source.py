@@ -135,8 +135,8 @@ def open_source(path: Path) -> AbstractSignalSource:
             return source
     if suffix == ROS_1:
         raise InputError(
-            f"{path} is a bag of ROS 1; convert it to one of ROS 2 by the command rosbags-convert of the package rosbags "
-            "('pip install rosbags')"
+            f"{path} is a bag of ROS 1; convert it to one of ROS 2 by the command rosbags-convert of the package "
+            "rosbags ('pip install rosbags')"
         )
     known = ", ".join(f"{suffix} ({kind.format})" for kind in kinds.values() for suffix in kind.suffixes)
     raise InputError(f"{path} ends with '{path.suffix}', but allowed are {known}; convert the file")
