@@ -75,7 +75,7 @@ def corrected(
     ]
     comparison, level = _compared(search, fit, exchanges, fits)
     divisions = _divisions(search, fit, directions)
-    divided = search.parallel("effects divided", lambda one: search.together(fit, one[1], without=one[0]), divisions)
+    divided = search.parallel("effects divided", lambda one: search.together(fit, one[1], without=(one[0],)), divisions)
     divided = search.visible(divided)
     fits += divided
     best = max([*level, *divided], key=comparison.score, default=fit)
@@ -146,7 +146,7 @@ def _compared(
     def exchange(pair: tuple[Candidate, Addition]) -> CandidateFit:
         candidate, addition = pair
         plant = plants[addition.candidate]
-        return search.together(fit, [addition], without=candidate.name, plant=plant, rival=fit.chi2)
+        return search.together(fit, [addition], without=(candidate.name,), plant=plant, rival=fit.chi2)
 
     fits += search.visible(search.parallel("effects exchanged", exchange, exchanges))
     comparison = compared(search, unique(fits))

@@ -9,6 +9,7 @@ import numpy as np
 from flexros.gap.search.bristles import with_bristles
 from flexros.gap.search.elimination import reduced
 from flexros.gap.search.exchange import corrected, exchanged
+from flexros.gap.search.regrouping import regrouped
 from flexros.gap.search.worth import compared, incomplete, more_than_chance, simple_first, unique, worth
 
 if TYPE_CHECKING:
@@ -64,7 +65,7 @@ def tidied(
     removed = search.settings.search.removed
     fits.append(search.completed(chosen))
     chosen = reduced(search, fits[-1], fits, _removed(search, fits[-1], removed))
-    other = exchanged(search, chosen, directions, fits)
+    other = regrouped(search, exchanged(search, chosen, directions, fits), directions, fits)
     if other.names != chosen.names:  # what made up for an effect of wrong form is needless now
         other = reduced(search, other, fits, _removed(search, other, removed))
     return other

@@ -32,6 +32,13 @@ class FitSettings(Settings):
         description="fall of the mean squared prediction error below which a fit ends on a real machine, whose floor "
         "is a tolerance [1]",
     )
+    enough_of_rest: float = Field(
+        default=1e-4,
+        ge=0,
+        description="fall of the sum of squares below which a fit to a simulated log ends, over what it leaves above "
+        "the floor [1] (chosen): decisions ask for a tenth of that. A tenth of this share for fits that are carried to "
+        "their end",
+    )
     hope: float = Field(
         default=10.0,
         gt=0,
