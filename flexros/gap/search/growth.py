@@ -32,6 +32,7 @@ def extended(
         fits: All fits so far; new ones are appended.
     """
     settings = search.settings.search
+    seen = {chosen.names}
     for _ in range(settings.rounds_after_torques if search.torques_decide else settings.rounds):
         chosen = with_bristles(search, chosen, fits)
         comparison = compared(search, unique(fits))
@@ -53,8 +54,9 @@ def extended(
         other = corrected(search, chosen, directions, fits)
         if other is not chosen:
             chosen = reduced(search, other, fits, _removed(search, other, settings.removed_by_step))
-        if chosen.names == before.names:
-            break
+        if chosen.names == before.names or chosen.names in seen:
+            break  # what a step adds, the next ones leave out again: the search would go round in a circle
+        seen.add(chosen.names)
     return chosen
 
 
