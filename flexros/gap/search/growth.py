@@ -51,7 +51,9 @@ def extended(
         ):
             break
         before, chosen = chosen, reduced(search, grown, fits, _removed(search, grown, settings.removed_by_step))
-        other = corrected(search, chosen, directions, fits)
+        other = chosen
+        if incomplete(search, compared(search, unique(fits)), chosen):  # else nothing is imitated; the end looks again
+            other = corrected(search, chosen, directions, fits)
         if other is not chosen:
             chosen = reduced(search, other, fits, _removed(search, other, settings.removed_by_step))
         if chosen.names == before.names or chosen.names in seen:
