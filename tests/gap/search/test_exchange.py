@@ -110,9 +110,9 @@ def test_a_law_that_contains_an_effect_is_fitted_in_its_place_where_something_is
     monkeypatch.setattr("flexros.gap.search.exchange.compared", lambda *_: None)
     monkeypatch.setattr("flexros.gap.search.exchange.incomplete", lambda *_: left)
     found = exchanges(
-        "coulomb_friction@motor_1", 80.0, 80.0, names=("stribeck_friction@motor_1", "torque_bias@motor_1")
+        "coulomb_friction@motor_1", 80.0, 80.0, names=("presliding_friction@motor_1", "torque_bias@motor_1")
     )
-    assert found == ["stribeck_friction@motor_1"] * left + ["torque_bias@motor_1"]
+    assert found == ["presliding_friction@motor_1"] * left + ["torque_bias@motor_1"]
 
 
 def harmonic(name: str) -> Candidate:
