@@ -171,6 +171,7 @@ def fit(
     iterations: int = 12,
     *,
     tolerance_slopes: FloatArray | None = None,
+    first_slopes: FloatArray | None = None,
     enough: float | None = None,
     rival: float = np.inf,
     share: float = 0.0,
@@ -191,6 +192,7 @@ def fit(
         iterations: Most iterations.
         tolerance_slopes: Derivatives of the weighted prediction errors to the tolerated deviations, held fixed, which
             saves most of the work, shape (n_values, n_tolerated); None to compute them anew in each iteration.
+        first_slopes: The same for the first iteration alone: further ones use them while sums fall as predicted.
         enough: Fall of the sum of squares below which the fit ends [1]; default: that of the settings.
         rival: Sum of squares of a better fit: this one ends where it has no hope to come near it.
         share: Fall below which the fit ends as well, over what is left above the floor [1]: where the hypothesis lacks
@@ -201,7 +203,8 @@ def fit(
     least = settings.enough if enough is None else enough
     theta = np.clip(np.array(start, dtype=float), *predictor.bounds)
     chi2, information, converged, done = np.inf, np.zeros((0, 0)), False, 0
-    slopes, many = tolerance_slopes, predictor.tolerance.n_free >= LANES
+    slopes = first_slopes if tolerance_slopes is None else tolerance_slopes
+    many = predictor.tolerance.n_free >= LANES
     while done < iterations:
         done += 1
         line = linearise(predictor, data, theta, slopes)
@@ -227,9 +230,10 @@ def fit(
                 best_theta, chi2 = trials[:, best], float(sums[best])
             if before - chi2 > (KEPT * predicted if done > STRAIGHT else limit):
                 break
-        if tolerance_slopes is None and many:
+        if tolerance_slopes is None:
             # of many tolerated deviations the slopes change little: those of the last step serve while they do
-            slopes = line.slopes[:, predictor.n_effect :] if before - chi2 > max(LASTING * predicted, limit) else None
+            lasting = many and before - chi2 > max(LASTING * predicted, limit)
+            slopes = line.slopes[:, predictor.n_effect :] if lasting else None
         del line, trials  # slopes are the largest arrays of a fit
         theta = best_theta
         if before - chi2 < limit and exact:

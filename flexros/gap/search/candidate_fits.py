@@ -23,6 +23,7 @@ from flexros.gap.fit.tolerance_takeover import with_takeover
 from flexros.gap.fit.unknown_numbers import UNCERTAIN
 from flexros.gap.prediction.compiled_plant import LANES, grouped
 from flexros.gap.search.harmonic_candidates import harmonic_candidates, harmonics_in_place, neighbouring_orders
+from flexros.gap.search.model_probability import compare
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping, Sequence
@@ -326,8 +327,12 @@ class Search:
         rival: float = np.inf,
         finishing: bool = False,
     ) -> CandidateFit:
-        """Fit, quickly with the tolerance slopes of the nominal model or exactly with its own."""
-        settings = self.settings.fit
+        """Fit, quickly from the tolerance slopes of the nominal model on or exactly with its own.
+
+        Those of a simulated log serve for the first step alone: the nominal model may lack so much that its tolerated
+        deviations are at their limits, and with slopes from there a fit seems to end far from its minimum.
+        """
+        settings, simulated = self.settings.fit, not self.data.record.imported
         slopes, enough = (self.tolerance_slopes, settings.enough) if quick else (None, settings.exactly)
         share = settings.enough_of_rest * (1.0 if quick else 0.1)
         return fit_candidate(
@@ -335,10 +340,11 @@ class Search:
             self.data,
             start,
             iterations,
-            tolerance_slopes=slopes,
+            tolerance_slopes=None if simulated else slopes,
+            first_slopes=slopes if simulated else None,
             enough=max(enough, self.data.negligible),
             rival=rival,
-            share=0.0 if self.data.record.imported else share,
+            share=share if simulated else 0.0,
             settings=settings,
             stop=self.deadline.of_fit(finishing=finishing),
         )
@@ -369,8 +375,13 @@ class Search:
     def _continued(self, fit: CandidateFit, rival: float, *, finishing: bool = False) -> CandidateFit:
         """Carry a fit to its end, from the best order of a rotor near its own."""
         fit = self._near_best_order(fit)
-        iterations = self.settings.fit.final_iterations
-        return self._fit(fit.predictor, fit.theta, iterations, rival=rival, finishing=finishing)
+        return self._fit(fit.predictor, fit.theta, self._most_iterations, rival=rival, finishing=finishing)
+
+    @property
+    def _most_iterations(self) -> int:
+        """Iterations of fits that are carried to their end."""
+        settings, tolerated = self.settings.fit, self.null.fit.predictor.tolerance.n_free
+        return settings.valley_iterations if tolerated and not self.data.record.imported else settings.final_iterations
 
     def _near_best_order(self, fit: CandidateFit) -> CandidateFit:
         """Fit again from the best orders of a rotor near that of a fit."""
@@ -562,11 +573,21 @@ class Search:
 
     def _final(self, predictor: Predictor, theta: FloatArray) -> CandidateFit:
         """Fit to the end."""
-        return self._fit(predictor, theta, self.settings.fit.final_iterations, finishing=True)
+        return self._fit(predictor, theta, self._most_iterations, finishing=True)
 
     def completed(self, fit: CandidateFit) -> CandidateFit:
-        """Carry a fit to its end, with a plant of its own laws alone."""
-        return self._continued(replace(fit, predictor=self.null.predictor(fit.hypothesis)), np.inf, finishing=True)
+        """Carry a fit to its end, with a plant of its own laws alone.
+
+        Tolerated deviations that made up for missing effects may stay far out of tolerance once these are found. Such
+        a fit to a simulated log is also tried from the nominal numbers.
+        """
+        fit = self._continued(replace(fit, predictor=self.null.predictor(fit.hypothesis)), np.inf, finishing=True)
+        beyond = compare(self.data, self.null.fit, settings=self.settings.ranking).beyond_tolerance(fit)
+        if self.data.record.imported or not beyond or self.deadline.stops():
+            return fit
+        nominal = fit.theta.copy()
+        nominal[fit.predictor.n_effect :] = 0.0
+        return best_of([fit, self._fit(fit.predictor, nominal, self._most_iterations, rival=fit.chi2, finishing=True)])
 
     def finished(self, fits: Sequence[CandidateFit]) -> list[CandidateFit]:
         """Carry the best fits to their end, and leave out those that are no more than a simpler one."""

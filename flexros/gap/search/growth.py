@@ -69,10 +69,12 @@ def tidied(
     removed = search.settings.search.removed
     fits.append(search.completed(chosen))
     chosen = reduced(search, fits[-1], fits, _removed(search, fits[-1], removed))
-    other = regrouped(search, exchanged(search, chosen, directions, fits), directions, fits)
-    if other.names != chosen.names:  # what made up for an effect of wrong form is needless now
-        other = reduced(search, other, fits, _removed(search, other, removed))
-    return other
+    for step in (regrouped, exchanged):  # sets first: exchanges of single effects of a wrong set take long
+        other = step(search, chosen, directions, fits)
+        if other.names != chosen.names:  # what made up for an effect of wrong form is needless now
+            other = reduced(search, other, fits, _removed(search, other, removed))
+        chosen = other
+    return chosen
 
 
 def resumed(

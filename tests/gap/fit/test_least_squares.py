@@ -165,6 +165,28 @@ def test_a_fit_that_leaves_much_ends_where_its_steps_hardly_lower_that() -> None
     assert short.chi2 - whole.chi2 < 0.2 * whole.chi2
 
 
+class Tolerated:
+    """Errors of an effect and of one tolerated deviation, which is half a standard deviation: predictor and log."""
+
+    n_effect, bounds, tolerance = 1, (np.full(2, -5.0), np.full(2, 5.0)), Tolerance(("stiffness",), (0.03,))
+    fineness = np.ones(2)
+
+    misfit, settings = 1.0, DiagnosisSettings(threads=1)
+
+    def residuals(self, _: object, thetas: FloatArray) -> FloatArray:
+        noise, own, tolerated = np.random.default_rng(0).normal(size=(3, 1000, 1))
+        return np.asarray(noise + 100 * own * (thetas[0] - 0.2) + 100 * tolerated * (thetas[1] - 0.5))
+
+
+def test_slopes_from_elsewhere_that_are_wrong_serve_for_one_step_alone() -> None:
+    both, wrong = Tolerated(), -100 * np.random.default_rng(0).normal(size=(3, 1000, 1))[2]
+    predictor, data = cast("Predictor", both), cast("FitData", both)
+    held = fit(predictor, data, np.zeros(2), 20, tolerance_slopes=wrong)
+    first = fit(predictor, data, np.zeros(2), 20, first_slopes=wrong)
+    assert held.chi2 > 100 * first.chi2
+    np.testing.assert_allclose(first.theta, [0.2, 0.5], atol=0.01)
+
+
 class Lines:
     """Predictor and log of errors that are linear in fifteen parameters; counts the predictions."""
 

@@ -114,6 +114,26 @@ def test_candidates_are_looked_at_with_longer_steps_which_change_their_gains_lit
         np.testing.assert_allclose(around.gains(again.changes)[0], around.gains(one.changes)[0], rtol=0.02)
 
 
+def test_a_fit_that_stays_far_out_of_tolerance_is_tried_from_the_nominal_numbers(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    search = search_of(FRICTION, tolerance=Tolerance(("body_2.rz.stiffness",), (0.03,)))
+    friction = candidates_of()[SOME[0]]
+    far = np.array([friction.free[0].encode(0.05), 4.5])
+    stuck = CandidateFit(search.null.predictor((friction,)), far, search.null.fit.chi2)
+    monkeypatch.setattr(Search, "_continued", lambda *_, **__: stuck)
+    found = search.completed(stuck)
+    assert found.chi2 / search.data.n_values == pytest.approx(1.0, abs=0.05)
+    assert abs(found.deviations[0]) < 1.0
+
+
+@pytest.mark.parametrize(("tolerance", "expected"), [(None, 20), (Tolerance(("body_2.rz.stiffness",), (0.03,)), 60)])
+def test_fits_beside_tolerated_numbers_are_carried_on_along_their_valleys(
+    tolerance: Tolerance | None, expected: int
+) -> None:
+    assert search_of(FRICTION, tolerance=tolerance)._most_iterations == expected
+
+
 def test_a_second_initial_value_without_hope_to_reach_the_first_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
     rivals: list[float] = []
     quick = Search._quick
