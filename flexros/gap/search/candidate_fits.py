@@ -333,7 +333,9 @@ class Search:
         deviations are at their limits, and with slopes from there a fit seems to end far from its minimum.
         """
         settings, simulated = self.settings.fit, not self.data.record.imported
-        slopes, enough = (self.tolerance_slopes, settings.enough) if quick else (None, settings.exactly)
+        slopes = self.tolerance_slopes if quick else None
+        loose = quick or (simulated and self.tolerance_slopes is not None)  # tolerances decide how well sizes are known
+        enough = settings.enough if loose else settings.exactly
         share = settings.enough_of_rest * (1.0 if quick else 0.1)
         return fit_candidate(
             predictor,
@@ -379,9 +381,12 @@ class Search:
 
     @property
     def _most_iterations(self) -> int:
-        """Iterations of fits that are carried to their end."""
+        """Iterations of fits that are carried to their end; many tolerated numbers allow for fewer further ones."""
         settings, tolerated = self.settings.fit, self.null.fit.predictor.tolerance.n_free
-        return settings.valley_iterations if tolerated and not self.data.record.imported else settings.final_iterations
+        if not tolerated or self.data.record.imported:
+            return settings.final_iterations
+        passes = tolerated // LANES + 3  # of derivatives with some effects, and of steps
+        return max(settings.final_iterations, settings.valley_passes // passes)
 
     def _near_best_order(self, fit: CandidateFit) -> CandidateFit:
         """Fit again from the best orders of a rotor near that of a fit."""

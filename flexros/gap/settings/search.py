@@ -56,11 +56,11 @@ class FitSettings(Settings):
         description="excess over the floor after so many iterations, over that before, up to which they go on [1]",
     )
     final_iterations: int = Field(default=20, ge=1, description="iterations of the fits that are finished")
-    valley_iterations: int = Field(
-        default=60,
+    valley_passes: int = Field(
+        default=180,
         ge=1,
-        description="the same for simulated logs beside a nominal model with tolerances, which make long valleys "
-        "(chosen)",
+        description="predictions by which these fits may go on in simulated logs beside a nominal model with "
+        "tolerances, which make long valleys [1] (chosen)",
     )
 
 
