@@ -76,3 +76,39 @@ def test_nothing_is_added_to_an_explanation_that_leaves_nothing_once_it_is_carri
     found = growth.extended(search, first, [], [])
     assert found.converged
     assert not steps
+
+
+@pytest.mark.parametrize(("left", "expected"), [(True, 1), (False, 0)])
+def test_effects_are_corrected_only_while_something_is_left(
+    left: bool, expected: int, steps: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    called: list[Any] = []
+
+    def corrected(_search: Any, one: Any, *_: Any) -> Any:
+        called.append(one)
+        return one
+
+    monkeypatch.setattr(growth, "corrected", corrected)
+    monkeypatch.setattr(growth, "reduced", lambda _search, one, *_: one)
+    monkeypatch.setattr(growth, "incomplete", lambda *_: not steps or (left and not called))
+    found = growth.extended(search_that_never_ends(), fit("first"), [], [])
+    assert found.names == {"first", "second"}
+    assert len(called) == expected
+
+
+def test_small_changes_are_regrouped_before_single_effects_are_exchanged(
+    steps: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen: list[frozenset[str]] = []
+
+    def exchanged(_search: Any, one: Any, *_: Any) -> Any:
+        seen.append(one.names)
+        return one
+
+    monkeypatch.setattr(growth, "reduced", lambda _search, one, *_: one)
+    monkeypatch.setattr(growth, "regrouped", lambda *_: fit("load"))
+    monkeypatch.setattr(growth, "exchanged", exchanged)
+    search = search_that_never_ends()
+    search.completed = lambda one: one
+    assert growth.tidied(search, fit("inertia", "spring"), [], []).names == {"load"}
+    assert seen == [frozenset({"load"})]
