@@ -44,8 +44,6 @@ def extended(
         if quick and not search.data.record.imported:
             chosen = search.completed(chosen)  # what a fit in a long valley leaves is no effect that is missing
             fits.append(chosen)
-            if not incomplete(search, compared(search, unique(fits)), chosen):
-                break
         grown = with_more(search, chosen, directions, fits)
         comparison = compared(search, unique(fits))
         if grown is None or not worth(

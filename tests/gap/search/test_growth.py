@@ -66,18 +66,6 @@ def test_a_search_that_comes_back_to_a_set_of_effects_ends(steps: list[str], mon
     assert len(steps) == 2
 
 
-def test_nothing_is_added_to_an_explanation_that_leaves_nothing_once_it_is_carried_to_its_end(
-    steps: list[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    search, first = search_that_never_ends(), fit("first")
-    first.converged = False
-    search.completed = lambda _: fit("first")
-    monkeypatch.setattr(growth, "incomplete", lambda _search, _comparison, one: not one.converged)
-    found = growth.extended(search, first, [], [])
-    assert found.converged
-    assert not steps
-
-
 @pytest.mark.parametrize(("left", "expected"), [(True, 1), (False, 0)])
 def test_effects_are_corrected_only_while_something_is_left(
     left: bool, expected: int, steps: list[str], monkeypatch: pytest.MonkeyPatch
