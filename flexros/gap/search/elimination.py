@@ -27,8 +27,8 @@ NOTHING = 1e-3
 sharply known."""
 
 STRAINED = 4
-"""The least needed effects that are tried at the end beside numbers out of tolerance, whatever linear theory says
-(chosen)."""
+"""The least needed effects that are tried beside numbers out of tolerance, whatever linear theory says (chosen): an
+imitation that stays attracts others."""
 
 TRIED = 2
 """Effects without which an explanation is fitted at once (chosen): two that do the same compete."""
@@ -67,8 +67,7 @@ def reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed
         if not search.data.record.imported and compared(search, [fit]).beyond_tolerance(fit):
             # numbers of the model that an imitation drew out of tolerance go far without it: linear theory sees no end
             least = sorted((rise, one.name) for one, rise in zip(fit.hypothesis, lost, strict=True))
-            most = STRAINED if removed >= settings.removed else TRIED
-            doubtful = [*doubtful, *(pair for pair in least[:most] if pair not in doubtful)]
+            doubtful = [*doubtful, *(pair for pair in least[:STRAINED] if pair not in doubtful)]
         rest = _without_one(search, fit, [name for _, name in sorted(doubtful)], fits, removed)
         if rest is None:
             break
