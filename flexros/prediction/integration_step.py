@@ -25,19 +25,23 @@ MOST = 64
 TURN, TURN_OF_MANY = 0.2, 0.4
 """Largest step times the largest eigenvalue [rad], and where a sample has `FAST` steps or more: the error of a step is
 its fifth power over 120 (chosen). A motion as fast as that shows little in the samples."""
+ROUGH_TURN = 1.0
+"""The same where only the change of a prediction counts, and an error of a percent of it is none (chosen)."""
 
 
-def substeps(robot: Robot, sample_time: float, *, fast: bool = False) -> int:
+def substeps(robot: Robot, sample_time: float, *, fast: bool = False, rough: bool = False) -> int:
     """Return the Runge-Kutta steps per sample.
 
     Args:
         robot: The robot.
         sample_time: Time between two samples [s].
         fast: Whether effects have states that may be faster than the robot.
+        rough: Whether the difference of two predictions with these steps is all that counts.
     """
     fastest = _fastest(robot)
     exact = max(TURN, min(TURN_OF_MANY, fastest * sample_time / FAST)) / fastest
-    step = max(SHORTEST, sample_time / FAST) if fast else min(max(exact, SHORTEST), LONGEST)
+    exact, longest = (ROUGH_TURN / fastest, max(LONGEST, sample_time)) if rough else (exact, LONGEST)
+    step = max(SHORTEST, sample_time / FAST) if fast else min(max(exact, SHORTEST), longest)
     step = min(step, max(STABLE / fastest, sample_time / MOST))
     return max(1, int(np.ceil(sample_time / step - 1e-9)))
 

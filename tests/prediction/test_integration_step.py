@@ -30,6 +30,15 @@ def test_the_fastest_motion_of_a_robot_decides(name: str, sample_time: float, st
     assert substeps(load_robot(name), sample_time) == steps
 
 
+@pytest.mark.parametrize(("name", "sample_time", "steps"), [
+    ("six_axis", 0.004, 2),
+    ("six_axis", 5e-4, 1),
+    ("elbow", 0.004, 1),
+])  # fmt: skip
+def test_where_only_changes_count_steps_are_up_to_a_radian_long(name: str, sample_time: float, steps: int) -> None:
+    assert substeps(load_robot(name), sample_time, rough=True) == steps
+
+
 def test_effects_with_fast_states_get_at_most_five_steps_in_a_sample() -> None:
     assert substeps(load_robot("emps"), 2e-3, fast=True) == 4
     assert substeps(load_robot("emps"), 0.02, fast=True) == 5

@@ -171,8 +171,10 @@ def fit(
     iterations: int = 12,
     *,
     tolerance_slopes: FloatArray | None = None,
+    first_slopes: FloatArray | None = None,
     enough: float | None = None,
     rival: float = np.inf,
+    share: float = 0.0,
     settings: FitSettings = FIT,
     stop: Callable[[], bool] | None = None,
 ) -> CandidateFit:
@@ -190,20 +192,25 @@ def fit(
         iterations: Most iterations.
         tolerance_slopes: Derivatives of the weighted prediction errors to the tolerated deviations, held fixed, which
             saves most of the work, shape (n_values, n_tolerated); None to compute them anew in each iteration.
+        first_slopes: The same for the first iteration alone: further ones use them while sums fall as predicted.
         enough: Fall of the sum of squares below which the fit ends [1]; default: that of the settings.
         rival: Sum of squares of a better fit: this one ends where it has no hope to come near it.
+        share: Fall below which the fit ends as well, over what is left above the floor [1]: where the hypothesis lacks
+            much, steps shorten by a constant factor, and a fall of less than one would take dozens of them.
         settings: Limits of steps and of the end.
         stop: Asked after each iteration; True ends the fit where it is.
     """
-    limit = settings.enough if enough is None else enough
+    least = settings.enough if enough is None else enough
     theta = np.clip(np.array(start, dtype=float), *predictor.bounds)
     chi2, information, converged, done = np.inf, np.zeros((0, 0)), False, 0
-    slopes, many = tolerance_slopes, predictor.tolerance.n_free >= LANES
+    slopes = first_slopes if tolerance_slopes is None else tolerance_slopes
+    many = predictor.tolerance.n_free >= LANES
     while done < iterations:
         done += 1
         line = linearise(predictor, data, theta, slopes)
         exact = slopes is tolerance_slopes
         chi2, information = line.chi2, line.information
+        limit = max(least, share * (chi2 - data.n_values)) if share else least
         if not np.isfinite(chi2) or not len(theta):
             break
         predicted = _predicted_fall(line, may_move(predictor, theta, line))
@@ -223,9 +230,10 @@ def fit(
                 best_theta, chi2 = trials[:, best], float(sums[best])
             if before - chi2 > (KEPT * predicted if done > STRAIGHT else limit):
                 break
-        if tolerance_slopes is None and many:
+        if tolerance_slopes is None:
             # of many tolerated deviations the slopes change little: those of the last step serve while they do
-            slopes = line.slopes[:, predictor.n_effect :] if before - chi2 > max(LASTING * predicted, limit) else None
+            lasting = many and before - chi2 > max(LASTING * predicted, limit)
+            slopes = line.slopes[:, predictor.n_effect :] if lasting else None
         del line, trials  # slopes are the largest arrays of a fit
         theta = best_theta
         if before - chi2 < limit and exact:
@@ -270,23 +278,26 @@ def linearise(
     _, high = predictor.bounds
     steps = STEP * predictor.fineness
     steps = np.where(theta + steps > high, -steps, steps)
-    groups = [range(begin, min(begin + LANES - 1, P)) for begin in range(0, max(P, 1), LANES - 1)]
+    # the first lane of the first pass has the parameters themselves, all others a step: lanes yield the same bits
+    begins = [-1, *range(LANES - 1, P, LANES)]
+    groups = [range(begin, min(begin + LANES, P)) for begin in begins]
 
-    def differences(group: range) -> tuple[FloatArray, FloatArray]:
-        sets = np.repeat(theta[:, None], len(group) + 1, axis=1)
-        for lane, index in enumerate(group, 1):
-            sets[index, lane] += steps[index]
-        residual = data.residuals(predictor, sets)
-        slopes = (residual[:, 1:] - residual[:, :1]) / steps[list(group)]
-        return residual[:, 0].copy(), np.where(np.abs(slopes) < DIVERGED, slopes, 0.0)
+    def stepped(group: range) -> FloatArray:
+        sets = np.repeat(theta[:, None], len(group), axis=1)
+        for lane, index in enumerate(group):
+            if index >= 0:
+                sets[index, lane] += steps[index]
+        return data.residuals(predictor, sets)[:, : len(group)]
 
     with ThreadPoolExecutor(data.settings.cores if len(groups) > 1 else 1) as pool:
-        for number, (group, (residual, slopes)) in enumerate(zip(groups, pool.map(differences, groups), strict=True)):
-            if number == 0:
-                base, J = residual, np.empty((len(residual), len(theta)), order="F")
+        for group, residual in zip(groups, pool.map(stepped, groups), strict=True):
+            if group[0] < 0:
+                base, J = residual[:, 0].copy(), np.empty((len(residual), len(theta)), order="F")
                 if tolerance_slopes is not None:
                     J[:, P:] = tolerance_slopes
-            J[:, list(group)] = slopes
+                group, residual = group[1:], residual[:, 1:]
+            slopes = (residual - base[:, None]) / steps[list(group)]
+            J[:, list(group)] = np.where(np.abs(slopes) < DIVERGED, slopes, 0.0)
     prior = np.zeros(len(theta))
     prior[predictor.n_effect :] = data.misfit
     chi2 = float(_sums(predictor, data, base[:, None], theta[:, None])[0])

@@ -45,11 +45,23 @@ class NullFit:
         """
         return _predictor(self.data, self.model, hypothesis, self.fit.predictor.tolerance, plant)
 
-    def plant(self, candidates: Sequence[Candidate]) -> CompiledPlant:
-        """Compile a plant for all hypotheses that contain no other candidates than these."""
+    def plant(self, candidates: Sequence[Candidate], *, rough: bool = False, steps: int | None = None) -> CompiledPlant:
+        """Compile a plant for all hypotheses that contain no other candidates than these.
+
+        Args:
+            candidates: The candidates.
+            rough: Whether its predictions are compared with each other alone, see `CompiledPlant`.
+            steps: Integration steps per sample; None: as many as needed.
+        """
         tolerance, record = self.fit.predictor.tolerance, self.data.record
         return CompiledPlant(
-            self.model, candidates, tolerance, record.sample_time, measured_torque=record.measured_torque
+            self.model,
+            candidates,
+            tolerance,
+            record.sample_time,
+            measured_torque=record.measured_torque,
+            rough=rough,
+            steps=steps,
         )
 
 
@@ -74,15 +86,16 @@ def fit_null(
     """
     predictor = _predictor(data, model, (), tolerance)
     enough = max(settings.enough, data.negligible)
+    share = 0.0 if data.record.imported else settings.enough_of_rest
     first = np.zeros(predictor.n_fitted) if start is None else start
     if len(tolerance.names) >= LANES:
         slopes = linearise(predictor, data, first).slopes
         tolerance = tolerance.informed(slopes.T @ slopes / data.misfit)
         predictor, first = _predictor(data, model, (), tolerance), tolerance.along(first)
-    null = fit(predictor, data, first, settings.null_iterations, enough=enough, settings=settings)
+    null = fit(predictor, data, first, settings.null_iterations, enough=enough, share=share, settings=settings)
     if data.tool is not None and predictor.n_fitted:
         data = data.with_tool_frame_of(predictor, null.theta)
-        null = fit(predictor, data, null.theta, settings.null_iterations, enough=enough, settings=settings)
+        null = fit(predictor, data, null.theta, settings.null_iterations, enough=enough, share=share, settings=settings)
     return NullFit(model, data, null)
 
 

@@ -7,6 +7,7 @@ candidate alone.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from flexros.gap.fit.least_squares import may_move
 from flexros.gap.prediction.compiled_plant import LANES
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
 
 IMITATED = 1e-6
 """Share of a direction, in single precision, that rounding leaves where the fitted parameters imitate it [1]."""
+BEAM = 30
+"""Sets of directions of each size that grow further (chosen)."""
 HUGE = 1e15
 """Largest change of a weighted prediction error; beyond it a prediction has diverged [1]."""
 
@@ -148,6 +151,44 @@ class Surroundings:
             if left > kept * own[index] and along > 0 and along**2 / left > kept * slope[index] ** 2 / own[index]:
                 selected.append(int(index))
         return selected
+
+    def best_sets(self, changes: NDArray[Any], most: int, known: Sequence[int] = ()) -> list[tuple[int, ...]]:
+        """Find the sets of directions that lower the sum of squares most together, one of every size.
+
+        All pairs are compared; larger sets are the best ones of the size before with one direction more, or parts of a
+        known one.
+
+        Args:
+            changes: Changes of the prediction errors, shape (n_rows, k).
+            most: Largest size [1].
+            known: Directions of a set that is good already.
+
+        Returns:
+            Indices of the directions of each set, the smallest set first.
+        """
+        changes = changes.astype(float)
+        slope = self._slope(changes)
+        shared = self.weight * self.slopes.T @ changes
+        curvature = self.weight * changes.T @ changes - shared.T @ self._refitted(shared)
+        raw = self.weight * np.einsum("ij,ij->j", changes, changes)
+        seen = np.diag(curvature) > IMITATED * raw
+        scale = np.sqrt(np.where(seen, np.diag(curvature), 1.0))
+        alike, slope = curvature / np.outer(scale, scale), slope / scale
+
+        def gain(members: tuple[int, ...]) -> float:
+            rows = np.ix_(members, members)
+            return float(slope[list(members)] @ np.linalg.lstsq(alike[rows], slope[list(members)], rcond=1e-6)[0])
+
+        every = [int(one) for one in np.flatnonzero(seen)]
+        found: list[tuple[int, ...]] = []
+        before: list[tuple[int, ...]] = [()]
+        for size in range(1, min(most, len(every)) + 1):
+            sets = {tuple(sorted((*one, other))) for one in before for other in every if other not in one}
+            sets |= set(combinations(sorted(set(known) & set(every)), size))
+            ranked = sorted(sets, key=lambda one: -gain(one))
+            before = ranked if size == 1 else ranked[:BEAM]
+            found.append(ranked[0])
+        return found
 
     def without(self, columns: BoolArray, change: FloatArray) -> Surroundings:
         """Return the same fit with some parameters at values that switch their effect off.

@@ -43,6 +43,8 @@ class CompiledPlant:
         tolerance: Parameters of the robot that may deviate.
         sample_time: Time between two samples [s].
         measured_torque: Whether the torques of the log were measured at the motors, after the nominal delay.
+        rough: Whether it takes as few steps per sample as serve to compare its predictions with each other.
+        steps: Integration steps per sample; None: as many as the robot and the candidates need.
 
     Attributes:
         robot: The nominal robot.
@@ -50,6 +52,7 @@ class CompiledPlant:
         robot_names: Names of the robot parameters that may change.
         model: The plant.
         delay: Delay of the torques of the log [s]; one per motor if effects delay single motors.
+        steps: Integration steps per sample.
         loop: The predictor of constant gain around it.
     """
 
@@ -61,6 +64,8 @@ class CompiledPlant:
         sample_time: float,
         *,
         measured_torque: bool = False,
+        rough: bool = False,
+        steps: int | None = None,
     ) -> None:
         self.robot = model.robot
         self.laws = tuple(one for one in candidates if is_law(one))
@@ -72,11 +77,13 @@ class CompiledPlant:
         self.model = PlantModel(self.robot, (*_felt(model.laws), *laws), names)
         self.delay = self.model.delay_from(model.added_delay if measured_torque else self.robot.delay)
         known = [law for law in model.laws if law.effect.n_states]
+        fast = bool(known or any(map(_own_states, self.laws)))
+        self.steps = substeps(self.robot, sample_time, fast=fast, rough=rough) if steps is None else steps
         self.loop = PredictionLoop(
             self.model.functions(feed_through(self.robot.n_motors)),
             sample_time=sample_time,
             delay=self.delay,
-            substeps=substeps(self.robot, sample_time, fast=bool(known or any(map(_own_states, self.laws)))),
+            substeps=self.steps,
             lanes=LANES,
         )
         self._sensors: dict[tuple[tuple[str, int], ...], tuple[FunctionOverSamples, bool]] = {}

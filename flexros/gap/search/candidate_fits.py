@@ -23,9 +23,10 @@ from flexros.gap.fit.tolerance_takeover import with_takeover
 from flexros.gap.fit.unknown_numbers import UNCERTAIN
 from flexros.gap.prediction.compiled_plant import LANES, grouped
 from flexros.gap.search.harmonic_candidates import harmonic_candidates, harmonics_in_place, neighbouring_orders
+from flexros.gap.search.model_probability import compare
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Sequence
+    from collections.abc import Callable, Collection, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -40,6 +41,8 @@ if TYPE_CHECKING:
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.settings import DiagnosisSettings
 
+REMEMBERED = 2
+"""Explanations whose linearisation is kept (chosen): each has the size of some predictions."""
 SMALLEST = 1e-12
 """Size over an initial one below which an effect does nothing [1]."""
 Item = TypeVar("Item")
@@ -84,6 +87,21 @@ class Addition:
 
 
 @dataclass(frozen=True, eq=False)
+class _Around:
+    """A fit, linearised.
+
+    Attributes:
+        fit: The fit.
+        surroundings: The same on the rows of the search.
+        removals: The same without each of its effects; empty until they are asked for.
+    """
+
+    fit: CandidateFit
+    surroundings: Surroundings
+    removals: list[Surroundings] = field(default_factory=list)
+
+
+@dataclass(frozen=True, eq=False)
 class Search:
     """The common ground of all fits of candidates to one log.
 
@@ -115,6 +133,7 @@ class Search:
     threads: int
     progress: Callable[[str, float], None] | None = None
     deadline: Deadline = field(default_factory=Deadline)
+    _linearised: list[_Around] = field(init=False, default_factory=list)
 
     @property
     def data(self) -> FitData:
@@ -178,6 +197,9 @@ class Search:
     def directions(self, candidates: Sequence[Candidate], fit: CandidateFit | None = None) -> list[Directions]:
         """Predict the log with every initial value of the candidates that a fit lacks.
 
+        What counts is the change of a prediction, so that long integration steps serve: of a simulated log, the fit is
+        predicted with the same steps.
+
         Args:
             candidates: The candidates.
             fit: The fit; default: the base.
@@ -185,26 +207,38 @@ class Search:
         around = self.base if fit is None else fit
         residual = self.base_residual if fit is None else fit.residual(self.data)
         new = [candidate for candidate in candidates if candidate.name not in around.names]
-        plants = self.plants(around, new)
-        work = partial(self._directions, around, residual)
+        simulated = not self.data.record.imported
+        plants = self.plants(around, new, rough=simulated)
+        own = around.predictor.plant.steps
+        residuals = {own: residual}
+        for steps in {plant.steps for plant in plants.values()} - {own} if simulated else ():
+            again = self.null.predictor(around.hypothesis, self.null.plant(around.hypothesis, steps=steps))
+            residuals[steps] = self.data.residuals(again, around.theta[:, None])[:, 0]
+        work = partial(self._directions, around, residuals)
         return self.parallel("candidates", work, [(one, plants[one]) for one in new])
 
-    def plants(self, fit: CandidateFit, candidates: Sequence[Candidate]) -> dict[Candidate, CompiledPlant]:
+    def plants(
+        self, fit: CandidateFit, candidates: Sequence[Candidate], *, rough: bool = False
+    ) -> dict[Candidate, CompiledPlant]:
         """Compile plants of a fit with each of some candidates, several candidates at a time.
 
         Args:
             fit: The fit.
             candidates: The candidates.
+            rough: Whether their predictions are compared with each other alone, see `CompiledPlant`.
         """
         groups = grouped(tuple(dict.fromkeys(candidates)), self.settings.search.compiled)
         with ThreadPoolExecutor(self.threads) as pool:
-            plants = list(pool.map(lambda group: self.null.plant((*fit.hypothesis, *group)), groups))
+            plants = list(pool.map(lambda group: self.null.plant((*fit.hypothesis, *group), rough=rough), groups))
         return {one: plant for group, plant in zip(groups, plants, strict=True) for one in group}
 
-    def _directions(self, fit: CandidateFit, residual: FloatArray, pair: tuple[Candidate, CompiledPlant]) -> Directions:
+    def _directions(
+        self, fit: CandidateFit, residuals: Mapping[int, FloatArray], pair: tuple[Candidate, CompiledPlant]
+    ) -> Directions:
         candidate, plant = pair
         own = starts_of((candidate,), self.settings.fit.most_starts if fit is self.null.fit else LANES)
         predictor = self.null.predictor((*fit.hypothesis, candidate), plant)
+        residual = residuals.get(predictor.plant.steps, residuals[fit.predictor.plant.steps])
         return directions_of(predictor, self.data, fit.theta, own, residual, self.rows, self.deadline.stops)
 
     def singles(self, directions: Sequence[Directions]) -> list[CandidateFit]:
@@ -267,20 +301,21 @@ class Search:
         settled = best.converged and best.iterations <= self.settings.search.settled
         if len(order) < 2 or settled or self.deadline.stops():
             return best
-        return best_of([best, self._while_steep(predictor, starts[:, order[1]], sums[order[1]])])
+        rival = np.inf if self.data.record.imported else best.chi2
+        return best_of([best, self._while_steep(predictor, starts[:, order[1]], sums[order[1]], rival)])
 
-    def _while_steep(self, predictor: Predictor, start: FloatArray, chi2: float) -> CandidateFit:
+    def _while_steep(self, predictor: Predictor, start: FloatArray, chi2: float, rival: float = np.inf) -> CandidateFit:
         """Fit for a few iterations, and on while the sum of squares falls steeply, as its minimum is still unknown."""
-        fit = self._quick(predictor, start)
+        fit = self._quick(predictor, start, rival)
         for _ in range(self.settings.fit.final_iterations // self.settings.fit.first_iterations):
             if fit.converged or not fit.chi2 < self.settings.search.steep * chi2 or self.deadline.stops():
                 break
-            chi2, fit = fit.chi2, self._quick(predictor, fit.theta)
+            chi2, fit = fit.chi2, self._quick(predictor, fit.theta, rival)
         return fit
 
-    def _quick(self, predictor: Predictor, start: FloatArray) -> CandidateFit:
+    def _quick(self, predictor: Predictor, start: FloatArray, rival: float = np.inf) -> CandidateFit:
         """Fit for a few iterations, with the tolerance slopes of the nominal model."""
-        return self._fit(predictor, start, self.settings.fit.first_iterations, quick=True)
+        return self._fit(predictor, start, self.settings.fit.first_iterations, quick=True, rival=rival)
 
     def _fit(
         self,
@@ -292,17 +327,26 @@ class Search:
         rival: float = np.inf,
         finishing: bool = False,
     ) -> CandidateFit:
-        """Fit, quickly with the tolerance slopes of the nominal model or exactly with its own."""
-        settings = self.settings.fit
-        slopes, enough = (self.tolerance_slopes, settings.enough) if quick else (None, settings.exactly)
+        """Fit, quickly from the tolerance slopes of the nominal model on or exactly with its own.
+
+        Those of a simulated log serve for the first step alone: the nominal model may lack so much that its tolerated
+        deviations are at their limits, and with slopes from there a fit seems to end far from its minimum.
+        """
+        settings, simulated = self.settings.fit, not self.data.record.imported
+        slopes = self.tolerance_slopes if quick else None
+        loose = quick or (simulated and self.tolerance_slopes is not None)  # tolerances decide how well sizes are known
+        enough = settings.enough if loose else settings.exactly
+        share = settings.enough_of_rest * (1.0 if quick else 0.1)
         return fit_candidate(
             predictor,
             self.data,
             start,
             iterations,
-            tolerance_slopes=slopes,
+            tolerance_slopes=None if simulated else slopes,
+            first_slopes=slopes if simulated else None,
             enough=max(enough, self.data.negligible),
             rival=rival,
+            share=share if simulated else 0.0,
             settings=settings,
             stop=self.deadline.of_fit(finishing=finishing),
         )
@@ -333,8 +377,16 @@ class Search:
     def _continued(self, fit: CandidateFit, rival: float, *, finishing: bool = False) -> CandidateFit:
         """Carry a fit to its end, from the best order of a rotor near its own."""
         fit = self._near_best_order(fit)
-        iterations = self.settings.fit.final_iterations
-        return self._fit(fit.predictor, fit.theta, iterations, rival=rival, finishing=finishing)
+        return self._fit(fit.predictor, fit.theta, self._most_iterations, rival=rival, finishing=finishing)
+
+    @property
+    def _most_iterations(self) -> int:
+        """Iterations of fits that are carried to their end; many tolerated numbers allow for fewer further ones."""
+        settings, tolerated = self.settings.fit, self.null.fit.predictor.tolerance.n_free
+        if not tolerated or self.data.record.imported:
+            return settings.final_iterations
+        passes = tolerated // LANES + 3  # of derivatives with some effects, and of steps
+        return max(settings.final_iterations, settings.valley_passes // passes)
 
     def _near_best_order(self, fit: CandidateFit) -> CandidateFit:
         """Fit again from the best orders of a rotor near that of a fit."""
@@ -397,9 +449,16 @@ class Search:
         return fit
 
     def surroundings(self, fit: CandidateFit) -> Surroundings:
-        """Linearise a fit on the rows of the search."""
-        line = linearise(fit.predictor, self.data, fit.theta)
-        return surroundings_of(fit, line, self.rows, self.data.misfit)
+        """Linearise a fit on the rows of the search.
+
+        Steps that look at the same explanation one after the other share the result: elimination, growth, exchange.
+        """
+        known = next((one for one in self._linearised if one.fit is fit), None)
+        if known is None:
+            line = linearise(fit.predictor, self.data, fit.theta)
+            known = _Around(fit, surroundings_of(fit, line, self.rows, self.data.misfit))
+            self._linearised[:] = [known, *self._linearised[: REMEMBERED - 1]]
+        return known.surroundings
 
     def misfit(self, directions: Sequence[Directions]) -> float:
         """Estimate the mean squared error that is left when all candidates are fitted together, by linear theory [1].
@@ -432,18 +491,24 @@ class Search:
         return sorted(additions, key=lambda addition: -addition.gain)
 
     def removals(self, fit: CandidateFit, surroundings: Surroundings) -> list[Surroundings]:
-        """Linearise a fit without each of its effects."""
+        """Linearise a fit without each of its effects; results are shared like those of `surroundings`."""
+        known = next((one for one in self._linearised if one.surroundings is surroundings), None)
+        if known is not None and known.removals:
+            return known.removals
         changes = switched_off(fit, self.data, fit.residual(self.data), self.rows)
-        return [
+        removals = [
             surroundings.without(fit.columns((candidate.name,)), change)
             for candidate, change in zip(fit.hypothesis, changes.T, strict=True)
         ]
+        if known is not None:
+            known.removals[:] = removals
+        return removals
 
     def together(
         self,
         fit: CandidateFit,
         additions: Sequence[Addition],
-        without: str = "",
+        without: Collection[str] = (),
         plant: CompiledPlant | None = None,
         rival: float = np.inf,
     ) -> CandidateFit:
@@ -452,12 +517,12 @@ class Search:
         Args:
             fit: The explanation.
             additions: The candidates.
-            without: Name of one of its own candidates that they replace, effect@location; empty for none.
+            without: Names of those of its own candidates that they replace, effect@location.
             plant: A plant that may hold all of them already.
             rival: Sum of squares of a better fit: this one ends where it has no hope to come near it.
         """
-        rest = tuple(candidate for candidate in fit.hypothesis if candidate.name != without)
-        own = fit.theta[: fit.predictor.n_effect][~fit.columns((without,))[: fit.predictor.n_effect]]
+        rest = tuple(candidate for candidate in fit.hypothesis if candidate.name not in without)
+        own = fit.theta[: fit.predictor.n_effect][~fit.columns(without)[: fit.predictor.n_effect]]
         replaced = np.any([addition.replaced for addition in additions], axis=0)
         deviations = fit.predictor.tolerance.without(fit.deviations, replaced)
         theta = np.concatenate([own, *(addition.start for addition in additions), deviations])
@@ -513,11 +578,21 @@ class Search:
 
     def _final(self, predictor: Predictor, theta: FloatArray) -> CandidateFit:
         """Fit to the end."""
-        return self._fit(predictor, theta, self.settings.fit.final_iterations, finishing=True)
+        return self._fit(predictor, theta, self._most_iterations, finishing=True)
 
     def completed(self, fit: CandidateFit) -> CandidateFit:
-        """Carry a fit to its end, with a plant of its own laws alone."""
-        return self._continued(replace(fit, predictor=self.null.predictor(fit.hypothesis)), np.inf, finishing=True)
+        """Carry a fit to its end, with a plant of its own laws alone.
+
+        Tolerated deviations that made up for missing effects may stay far out of tolerance once these are found. Such
+        a fit to a simulated log is also tried from the nominal numbers.
+        """
+        fit = self._continued(replace(fit, predictor=self.null.predictor(fit.hypothesis)), np.inf, finishing=True)
+        beyond = compare(self.data, self.null.fit, settings=self.settings.ranking).beyond_tolerance(fit)
+        if self.data.record.imported or not beyond or self.deadline.stops():
+            return fit
+        nominal = fit.theta.copy()
+        nominal[fit.predictor.n_effect :] = 0.0
+        return best_of([fit, self._fit(fit.predictor, nominal, self._most_iterations, rival=fit.chi2, finishing=True)])
 
     def finished(self, fits: Sequence[CandidateFit]) -> list[CandidateFit]:
         """Carry the best fits to their end, and leave out those that are no more than a simpler one."""

@@ -26,6 +26,10 @@ NOTHING = 1e-3
 """Size over the largest one of its search below which an effect is none [1] (chosen): one of size zero seems to be
 sharply known."""
 
+STRAINED = 4
+"""The least needed effects that are tried beside numbers out of tolerance, whatever linear theory says (chosen): an
+imitation that stays attracts others."""
+
 TRIED = 2
 """Effects without which an explanation is fitted at once (chosen): two that do the same compete."""
 
@@ -34,7 +38,8 @@ def reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed
     """Leave out the effects without which hardly more is left, one after the other.
 
     Effects that are indispensable by linear theory are not tried, and those that seem least needed by it come first. An
-    effect that gains less than its parameters cost is tried also where nothing is left above the floor.
+    effect that gains less than its parameters cost is tried also where nothing is left above the floor, and so are the
+    least needed ones of an explanation of a simulated log that draws numbers of the model out of tolerance.
     Without time for fits, and of the crowd of effects that torques show, all are left out at once that are needless by
     linear theory.
 
@@ -59,6 +64,10 @@ def reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed
             for one, rise in zip(fit.hypothesis, lost, strict=True)
             if rise < certain * (rise + left) or _gains_nothing(search, fit, one, rise)
         ]
+        if not search.data.record.imported and compared(search, [fit]).beyond_tolerance(fit):
+            # numbers of the model that an imitation drew out of tolerance go far without it: linear theory sees no end
+            least = sorted((rise, one.name) for one, rise in zip(fit.hypothesis, lost, strict=True))
+            doubtful = [*doubtful, *(pair for pair in least[:STRAINED] if pair not in doubtful)]
         rest = _without_one(search, fit, [name for _, name in sorted(doubtful)], fits, removed)
         if rest is None:
             break

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.search.worth import compared, simplest, unique
+from flexros.gap.candidates.candidate import simpler
+from flexros.gap.search.worth import compared, incomplete, simplest, unique
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -75,7 +76,7 @@ def corrected(
     ]
     comparison, level = _compared(search, fit, exchanges, fits)
     divisions = _divisions(search, fit, directions)
-    divided = search.parallel("effects divided", lambda one: search.together(fit, one[1], without=one[0]), divisions)
+    divided = search.parallel("effects divided", lambda one: search.together(fit, one[1], without=(one[0],)), divisions)
     divided = search.visible(divided)
     fits += divided
     best = max([*level, *divided], key=comparison.score, default=fit)
@@ -117,6 +118,7 @@ def _replacements(
 
     Of those that torques show, only relative errors compete, with others at their motor: the regression takes a wrong
     torque constant for an inertia. In place of a harmonic of a simulated log the others of its order compete too.
+    Where nothing is left, a law that contains the effect only adds parameters, and its fit takes the longest of all.
     """
     surroundings = search.surroundings(fit)
     for candidate, rest in zip(fit.hypothesis, search.removals(fit, surroundings), strict=True):
@@ -128,7 +130,10 @@ def _replacements(
         if competing:
             numbers, additions = search.settings.search, search.additions(competing, fit, rest)
             least = max(numbers.regained * (rest.least - fit.chi2), rest.least - numbers.within_reach * fit.chi2)
-            yield candidate, [addition for addition in additions if addition.gain > least]
+            additions = [addition for addition in additions if addition.gain > least]
+            other = [addition for addition in additions if candidate.name not in simpler(addition.candidate)]
+            nothing_left = len(other) < len(additions) and not incomplete(search, compared(search, [fit]), fit)
+            yield candidate, other if nothing_left else additions
 
 
 def _alike(one: Candidate, other: Candidate) -> bool:
@@ -146,7 +151,7 @@ def _compared(
     def exchange(pair: tuple[Candidate, Addition]) -> CandidateFit:
         candidate, addition = pair
         plant = plants[addition.candidate]
-        return search.together(fit, [addition], without=candidate.name, plant=plant, rival=fit.chi2)
+        return search.together(fit, [addition], without=(candidate.name,), plant=plant, rival=fit.chi2)
 
     fits += search.visible(search.parallel("effects exchanged", exchange, exchanges))
     comparison = compared(search, unique(fits))

@@ -202,6 +202,25 @@ def _best_within_limits(search: Search, chosen: CandidateFit, fits: list[Candida
     return reduced(search, search.within_limits(search.pruned(best)), fits, removed)
 
 
+def _left_behind(search: Search, comparison: ModelComparison, fit: CandidateFit, chosen: CandidateFit) -> bool:
+    """Return whether a fit is one that the search of a simulated log went on from, and no doubt about its end.
+
+    Exchanges of single effects are fitted around the chosen explanation, and the form of the effects is the doubt
+    about these. A fit with two and more other effects comes from the way there. Where it leaves clearly more, the share
+    of the gap of all its effects that their form may miss would make it as probable.
+
+    Args:
+        search: The search.
+        comparison: All fits.
+        fit: A fit with as many effects as the chosen one.
+        chosen: The chosen explanation.
+    """
+    if search.data.record.imported or len(chosen.names - fit.names) < PAIR:
+        return False
+    clearly = comparison.level(fit) - comparison.level(chosen) > search.settings.search.little
+    return clearly and worth(search, comparison, fit, chosen, search.settings.search.removed)
+
+
 def explanations_of(
     search: Search, comparison: ModelComparison, chosen: CandidateFit, *, detected: bool
 ) -> Explanations:
@@ -218,6 +237,8 @@ def explanations_of(
         fewer = len(fit.hypothesis) < len(chosen.hypothesis)
         if most > PAIR and fewer and worth(search, comparison, fit, chosen, removed):
             return False  # the form error of the large effects of a crowd is no doubt about the small ones
+        if most > PAIR and not fewer and _left_behind(search, comparison, fit, chosen):
+            return False
         return simplest(search, comparison, fit, small) is fit
 
     rivals = [comparison.null, *filter(rivals_with, small)]

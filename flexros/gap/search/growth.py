@@ -9,6 +9,7 @@ import numpy as np
 from flexros.gap.search.bristles import with_bristles
 from flexros.gap.search.elimination import reduced
 from flexros.gap.search.exchange import corrected, exchanged
+from flexros.gap.search.regrouping import regrouped
 from flexros.gap.search.worth import compared, incomplete, more_than_chance, simple_first, unique, worth
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ def extended(
         fits: All fits so far; new ones are appended.
     """
     settings = search.settings.search
+    seen = {chosen.names}
     for _ in range(settings.rounds_after_torques if search.torques_decide else settings.rounds):
         chosen = with_bristles(search, chosen, fits)
         comparison = compared(search, unique(fits))
@@ -49,11 +51,14 @@ def extended(
         ):
             break
         before, chosen = chosen, reduced(search, grown, fits, _removed(search, grown, settings.removed_by_step))
-        other = corrected(search, chosen, directions, fits)
+        other = chosen
+        if incomplete(search, compared(search, unique(fits)), chosen):  # else nothing is imitated; the end looks again
+            other = corrected(search, chosen, directions, fits)
         if other is not chosen:
             chosen = reduced(search, other, fits, _removed(search, other, settings.removed_by_step))
-        if chosen.names == before.names:
-            break
+        if chosen.names == before.names or chosen.names in seen:
+            break  # what a step adds, the next ones leave out again: the search would go round in a circle
+        seen.add(chosen.names)
     return chosen
 
 
@@ -64,10 +69,12 @@ def tidied(
     removed = search.settings.search.removed
     fits.append(search.completed(chosen))
     chosen = reduced(search, fits[-1], fits, _removed(search, fits[-1], removed))
-    other = exchanged(search, chosen, directions, fits)
-    if other.names != chosen.names:  # what made up for an effect of wrong form is needless now
-        other = reduced(search, other, fits, _removed(search, other, removed))
-    return other
+    for step in (regrouped, exchanged):  # sets first: exchanges of single effects of a wrong set take long
+        other = step(search, chosen, directions, fits)
+        if other.names != chosen.names:  # what made up for an effect of wrong form is needless now
+            other = reduced(search, other, fits, _removed(search, other, removed))
+        chosen = other
+    return chosen
 
 
 def resumed(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
-from scipy.fft import next_fast_len
+from scipy.fft import fft, ifft, next_fast_len
 from scipy.linalg import expm
 from scipy.ndimage import median_filter
 from scipy.signal import find_peaks, lfilter
@@ -35,6 +35,10 @@ FEWEST_MEASURED = 2.0
 with fewer it is like a torque over the angle that no law explains, as of a cable."""
 PADDING = 4
 """Spacing of the orders: so many times finer than their resolution [1]."""
+MANY = 24
+"""Filters of single modes, one per motor, from which one convolution with their sum takes less time [1] (chosen)."""
+KEPT = 4
+"""Responses of entries that are kept for such convolutions: those of one motor [1]."""
 
 
 @dataclass(frozen=True)
@@ -86,6 +90,7 @@ class OrderSearch:
         A, _, measurement, _ = self._linear.matrices()
         correct = np.eye(len(A)) - data.gain.gain @ measurement[: robot.n_motors]
         self._stiffenings: dict[int, FloatArray | float] = {}
+        self._spectra: dict[bytes, ComplexArray] = {}
         self._eigenvalues, self._modes = np.linalg.eig(expm(A * data.record.sample_time) @ correct)
 
     def search(self, motor: int, entry: Entry, most: int = 2) -> tuple[HarmonicFit, ...]:
@@ -143,9 +148,8 @@ class OrderSearch:
             order: Periods per turn of the rotor [1].
         """
         angle, factor = self._angle(motor), self._factor(motor, entry)
-        source = self._source(motor, entry)
-        columns = [self._forward(source, function(order * angle) * factor) for function in (np.sin, np.cos)]
-        X = np.stack([self._weighted(column) for column in columns], axis=-1)
+        errors = self._forward(self._source(motor, entry), np.exp(1j * order * angle) * factor)
+        X = self.data.weighted(np.stack([errors.imag, errors.real], axis=-1))
         r = self._residual.T.ravel()
         solution, *_ = np.linalg.lstsq(X.T @ X, X.T @ r, rcond=None)
         gain = float(solution @ (X.T @ r))
@@ -207,8 +211,25 @@ class OrderSearch:
         readout: ComplexArray = C @ self._modes
         return readout
 
-    def _forward(self, source: tuple[FloatArray, FloatArray], disturbance: FloatArray) -> FloatArray:
-        """Compute the prediction errors of a disturbance, shape (n, M)."""
+    def _forward(self, source: tuple[FloatArray, FloatArray], disturbance: ComplexArray) -> ComplexArray:
+        """Compute the prediction errors of a disturbance, of real and imaginary part apart, shape (n, M)."""
+        n, M = self._residual.shape
+        if len(self._upper) * M < MANY:
+            parts = [self._filtered(source, part) for part in (disturbance.real, disturbance.imag)]
+            return parts[0] + 1j * parts[1]
+        key = source[0].tobytes() + source[1].tobytes()
+        if key not in self._spectra:
+            while len(self._spectra) >= KEPT:
+                self._spectra.pop(next(iter(self._spectra)))
+            impulse = np.zeros(n)
+            impulse[0] = 1.0
+            self._spectra[key] = fft(self._filtered(source, impulse), next_fast_len(2 * n), axis=0)
+        spectrum = self._spectra[key]
+        errors: ComplexArray = ifft(spectrum * fft(disturbance, len(spectrum))[:, None], axis=0)[:n]
+        return errors
+
+    def _filtered(self, source: tuple[FloatArray, FloatArray], disturbance: FloatArray) -> FloatArray:
+        """Compute the prediction errors of a disturbance mode by mode, shape (n, M)."""
         column, through = source
         entered = np.linalg.solve(self._modes, column.astype(complex))
         errors = np.outer(through, disturbance)
@@ -231,9 +252,6 @@ class OrderSearch:
             seen = lfilter([0.0, 1.0], [1.0, -self._eigenvalues[mode]], weighted @ self._readout[:, mode])
             result = result + weight * (seen * entered[mode]).real
         return result[::-1]
-
-    def _weighted(self, errors: FloatArray) -> FloatArray:
-        return self.data.weighted(errors[:, :, None])[:, 0]
 
 
 def _with_mean_stiffness(robot: Robot, states: FloatArray) -> Robot:

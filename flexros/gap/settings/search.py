@@ -32,6 +32,13 @@ class FitSettings(Settings):
         description="fall of the mean squared prediction error below which a fit ends on a real machine, whose floor "
         "is a tolerance [1]",
     )
+    enough_of_rest: float = Field(
+        default=1e-4,
+        ge=0,
+        description="fall of the sum of squares below which a fit to a simulated log ends, over what it leaves above "
+        "the floor [1] (chosen): decisions ask for a tenth of that. A tenth of this share for fits that are carried to "
+        "their end",
+    )
     hope: float = Field(
         default=10.0,
         gt=0,
@@ -49,6 +56,12 @@ class FitSettings(Settings):
         description="excess over the floor after so many iterations, over that before, up to which they go on [1]",
     )
     final_iterations: int = Field(default=20, ge=1, description="iterations of the fits that are finished")
+    valley_passes: int = Field(
+        default=180,
+        ge=1,
+        description="predictions by which these fits may go on in simulated logs beside a nominal model with "
+        "tolerances, which make long valleys [1] (chosen)",
+    )
 
 
 class SearchSettings(Settings):

@@ -12,8 +12,10 @@ from flexros.arrays import FloatArray
 from flexros.gap.candidates.candidate import FreeParameter
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.least_squares import FIT, CandidateFit, best_of, chi2_of, fit, initial_values, linearise
+from flexros.gap.prediction.compiled_plant import LANES
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.residuals.fit_data import FitData
+from flexros.gap.settings import DiagnosisSettings
 from tests.gap.diagnosis_logs import candidates_of, data_of, encoded, predictor_of
 
 pytestmark = pytest.mark.slow
@@ -134,7 +136,7 @@ class CurvedValley:
     n_effect, bounds, tolerance = 2, (np.full(2, -10.0), np.full(2, 10.0)), Tolerance()
     fineness = np.ones(2)
 
-    misfit = 1.0
+    misfit, n_values = 1.0, 0
 
     def residuals(self, _: object, thetas: FloatArray) -> FloatArray:
         noise, across, along = np.random.default_rng(0).normal(size=(3, 1000, 1))
@@ -152,6 +154,63 @@ def test_steps_follow_a_curved_valley(monkeypatch: pytest.MonkeyPatch) -> None:
     np.testing.assert_allclose(bent.theta, [3.0, 9.0], rtol=0.05)
     monkeypatch.setattr("flexros.gap.fit.least_squares.KEPT", 0.0)
     assert bent.iterations < 0.5 * fitted().iterations
+
+
+def test_a_fit_that_leaves_much_ends_where_its_steps_hardly_lower_that() -> None:
+    valley = CurvedValley()
+    predictor, data = cast("Predictor", valley), cast("FitData", valley)
+    whole, short = (fit(predictor, data, np.zeros(2), 40, share=share) for share in (0.0, 0.02))
+    assert short.converged
+    assert short.iterations < whole.iterations
+    assert short.chi2 - whole.chi2 < 0.2 * whole.chi2
+
+
+class Tolerated:
+    """Errors of an effect and of one tolerated deviation, which is half a standard deviation: predictor and log."""
+
+    n_effect, bounds, tolerance = 1, (np.full(2, -5.0), np.full(2, 5.0)), Tolerance(("stiffness",), (0.03,))
+    fineness = np.ones(2)
+
+    misfit, settings = 1.0, DiagnosisSettings(threads=1)
+
+    def residuals(self, _: object, thetas: FloatArray) -> FloatArray:
+        noise, own, tolerated = np.random.default_rng(0).normal(size=(3, 1000, 1))
+        return np.asarray(noise + 100 * own * (thetas[0] - 0.2) + 100 * tolerated * (thetas[1] - 0.5))
+
+
+def test_slopes_from_elsewhere_that_are_wrong_serve_for_one_step_alone() -> None:
+    both, wrong = Tolerated(), -100 * np.random.default_rng(0).normal(size=(3, 1000, 1))[2]
+    predictor, data = cast("Predictor", both), cast("FitData", both)
+    held = fit(predictor, data, np.zeros(2), 20, tolerance_slopes=wrong)
+    first = fit(predictor, data, np.zeros(2), 20, first_slopes=wrong)
+    assert held.chi2 > 100 * first.chi2
+    np.testing.assert_allclose(first.theta, [0.2, 0.5], atol=0.01)
+
+
+class Lines:
+    """Predictor and log of errors that are linear in fifteen parameters; counts the predictions."""
+
+    n_effect, bounds, tolerance = 15, (np.full(15, -1.0), np.full(15, 1.0)), Tolerance()
+    fineness = np.ones(15)
+
+    misfit, settings = 1.0, DiagnosisSettings(threads=1)
+
+    def __init__(self) -> None:
+        self.passes = 0
+
+    def residuals(self, _: object, thetas: FloatArray) -> FloatArray:
+        assert thetas.shape[1] <= LANES
+        self.passes += 1
+        slopes = np.random.default_rng(1).normal(size=(50, 15))
+        return np.asarray(1.0 + slopes @ thetas)
+
+
+def test_every_lane_of_a_prediction_but_one_makes_a_derivative() -> None:
+    lines = Lines()
+    found = linearise(cast("Predictor", lines), cast("FitData", lines), np.zeros(15))
+    np.testing.assert_allclose(found.slopes, np.random.default_rng(1).normal(size=(50, 15)), atol=1e-9)
+    np.testing.assert_array_equal(found.residual, np.ones(50))
+    assert lines.passes == 2  # of eight lanes each
 
 
 def test_what_is_tolerated_takes_up_a_deviation_at_its_price() -> None:

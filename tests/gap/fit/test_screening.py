@@ -80,3 +80,26 @@ def test_a_candidate_gains_what_a_pinned_tolerance_cannot(deviation: float, held
     removed = float(residual @ residual - (residual + 9.9 * slope) @ (residual + 9.9 * slope))
     assert unscaled == pytest.approx(removed) if held else unscaled < 0.1 * removed
     assert scaled > 0.9 * removed if held else scaled < 0.1 * removed
+
+
+def test_the_best_set_of_two_directions_is_found_where_each_imitator_gains_more_than_one_of_them() -> None:
+    rng = np.random.default_rng(2)
+    first, second, third, noise = rng.normal(size=(4, 500))
+    residual = noise - 3 * first - 3 * second
+    changes = np.stack([first + second + 0.3 * third, first, second, first - third, second - third], axis=-1)
+    around = Surroundings(residual, np.zeros((500, 0)), np.zeros(0), np.zeros(0), 1.0)
+    assert int(np.argmax(around.gains(changes)[0])) == 0
+    assert around.best_sets(changes, 2) == [(0,), (1, 2)]
+    assert around.left(changes[:, (1, 2)]) < around.left(changes[:, (0, 3)])
+
+
+def test_a_part_of_a_known_set_counts_although_no_smaller_one_leads_to_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("flexros.gap.fit.screening.BEAM", 1)
+    rng = np.random.default_rng(3)
+    parts = rng.normal(size=(6, 500))
+    whole = parts[:3].sum(axis=0)
+    decoys = [whole + parts[3], whole - parts[3] + parts[4]]
+    changes = np.stack([*parts[:3], *decoys, parts[5]], axis=-1)
+    around = Surroundings(-whole, np.zeros((500, 0)), np.zeros(0), np.zeros(0), 1.0)
+    assert around.best_sets(changes, 3)[-1] != (0, 1, 2)
+    assert around.best_sets(changes, 3, (0, 1, 2, 5))[-1] == (0, 1, 2)

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flexros.arrays import FloatArray
 from flexros.effects import RobotWithEffects, effects
 from flexros.effects.kinds.tool_error import AbstractToolError
 from flexros.errors import InputError
@@ -16,11 +17,14 @@ from flexros.gap.checked_log import checked_log
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.least_squares import CandidateFit, chi2_of
 from flexros.gap.fit.null_fit import fit_null
-from flexros.gap.residuals.fit_data import fit_data
-from flexros.gap.search.candidate_fits import Addition, _hopeless
+from flexros.gap.prediction.predictor import Predictor
+from flexros.gap.residuals.fit_data import FitData, fit_data
+from flexros.gap.search.candidate_fits import Addition, Search, _hopeless
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.search.worth import unique
 from flexros.gap.settings import DiagnosisSettings, SearchSettings
+from flexros.prediction.integration_step import substeps
+from flexros.robot import load_robot
 from tests.gap.diagnosis_logs import MODEL, candidates_of, data_of, predictor_of, search_of, settings_of
 from tests.gap.servo_logs import servo_log, servo_robot
 
@@ -82,6 +86,67 @@ def test_the_second_of_two_effects_is_found_in_addition_to_the_first_which_is_no
     best = search.together(singles[0], additions[:1])
     assert best.names == set(SOME[:2])
     assert best.chi2 / search.data.n_values == pytest.approx(1.0, abs=5 * np.sqrt(2 / search.data.n_values))
+
+
+def test_steps_that_look_at_one_explanation_share_what_is_linear_about_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    search = search_of(FRICTION)
+    (friction,) = search.singles(search.directions([candidates_of()[SOME[0]]]))
+    around = search.surroundings(friction)
+    removals = search.removals(friction, around)
+    monkeypatch.setattr(FitData, "residuals", lambda *_: pytest.fail("predicted again"))
+    assert search.surroundings(friction) is around
+    assert search.removals(friction, around) == removals
+
+
+def test_candidates_are_looked_at_with_longer_steps_which_change_their_gains_little() -> None:
+    robot = load_robot("six_axis")
+    assert substeps(robot, 0.004, rough=True) < 0.5 * substeps(robot, 0.004)
+    search = search_of(FRICTION)
+    names = ("viscous_friction@motor_1", "stiffness_error@body_2.rz", "payload_error@tool")
+    among = [candidates_of()[name] for name in names]
+    around = search.surroundings(search.null.fit)
+    exact = search.directions(among)
+    plant = search.null.plant(among, steps=2)
+    residual = search.data.residuals(search.null.predictor((), search.null.plant((), steps=2)), np.zeros((0, 1)))[:, 0]
+    steps = search.null.fit.predictor.plant.steps
+    for one in exact:
+        again = search._directions(search.null.fit, {steps: residual, plant.steps: residual}, (one.candidate, plant))
+        np.testing.assert_allclose(around.gains(again.changes)[0], around.gains(one.changes)[0], rtol=0.02)
+
+
+def test_a_fit_that_stays_far_out_of_tolerance_is_tried_from_the_nominal_numbers(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    search = search_of(FRICTION, tolerance=Tolerance(("body_2.rz.stiffness",), (0.03,)))
+    friction = candidates_of()[SOME[0]]
+    far = np.array([friction.free[0].encode(0.05), 4.5])
+    stuck = CandidateFit(search.null.predictor((friction,)), far, search.null.fit.chi2)
+    monkeypatch.setattr(Search, "_continued", lambda *_, **__: stuck)
+    found = search.completed(stuck)
+    assert found.chi2 / search.data.n_values == pytest.approx(1.0, abs=0.05)
+    assert abs(found.deviations[0]) < 1.0
+
+
+@pytest.mark.parametrize(("tolerance", "expected"), [(None, 20), (Tolerance(("body_2.rz.stiffness",), (0.03,)), 60)])
+def test_fits_beside_tolerated_numbers_are_carried_on_along_their_valleys(
+    tolerance: Tolerance | None, expected: int
+) -> None:
+    assert search_of(FRICTION, tolerance=tolerance)._most_iterations == expected
+
+
+def test_a_second_initial_value_without_hope_to_reach_the_first_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    rivals: list[float] = []
+    quick = Search._quick
+
+    def recorded(search: Search, predictor: Predictor, start: FloatArray, rival: float = np.inf) -> CandidateFit:
+        rivals.append(rival)
+        return quick(search, predictor, start, rival)
+
+    monkeypatch.setattr(Search, "_quick", recorded)
+    search = search_of(FRICTION)
+    search._from_grid(predictor_of(candidates_of()["delay@all"]), np.array([[-9.0, -6.0]]))
+    assert rivals[0] == np.inf
+    assert np.isfinite(rivals[-1])
 
 
 @pytest.mark.parametrize(

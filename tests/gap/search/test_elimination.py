@@ -91,7 +91,9 @@ def plain_rules(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(elimination, "parameters_of", sizes)
     monkeypatch.setattr(elimination, "worth", worth)
     monkeypatch.setattr(elimination, "unique", list)
-    monkeypatch.setattr(elimination, "compared", lambda *_: SimpleNamespace(threshold=6.0))
+    monkeypatch.setattr(
+        elimination, "compared", lambda *_: SimpleNamespace(threshold=6.0, beyond_tolerance=lambda _: False)
+    )
 
 
 def test_of_two_effects_that_do_much_the_same_the_better_one_stays() -> None:
@@ -116,6 +118,23 @@ def test_an_effect_that_gains_nothing_is_left_out_wherever_the_floor_is(chi2: fl
     search: Any = Search({frozenset({COULOMB}): chi2 + 0.1}, {COULOMB: 900.0, BIAS: 0.1}, ())
     search.torques_decide, search.data.record.imported = False, imported
     assert elimination.reduced(search, Fit((COULOMB, BIAS), chi2), [], 0.2).names == {COULOMB}  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("strained", "imported", "expected"), [
+    (True, False, {COULOMB}),
+    (False, False, {COULOMB, BIAS}),
+    (True, True, {COULOMB, BIAS}),
+])  # fmt: skip
+def test_beside_numbers_out_of_tolerance_effects_that_seem_needed_are_tried_as_well(
+    strained: bool, imported: bool, expected: set[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without an imitation the numbers go back to their tolerances, which linear theory does not see."""
+    found = SimpleNamespace(threshold=6.0, beyond_tolerance=lambda _: strained)
+    monkeypatch.setattr(elimination, "compared", lambda *_: found)
+    search: Any = Search({frozenset({COULOMB}): 990.0, frozenset({BIAS}): 5000.0}, {COULOMB: 9000.0, BIAS: 900.0}, ())
+    search.torques_decide, search.data.record.imported = False, imported
+    every = Fit((COULOMB, BIAS), 1000.0)
+    assert elimination.reduced(search, every, [], 0.2).names == expected  # type: ignore[arg-type]
 
 
 def test_without_time_all_that_seems_needless_is_left_out_at_once() -> None:

@@ -72,10 +72,15 @@ def test_relative_errors_that_torques_show_compete_with_others_at_their_motor(
     assert found == expected
 
 
-def exchanges(name: str, *gains: float, lost: float = 90.0, harmonics: tuple[str, ...] = ()) -> list[str]:
+def exchanges(
+    name: str,
+    *gains: float,
+    lost: float = 90.0,
+    harmonics: tuple[str, ...] = (),
+    names: tuple[str, ...] = ("torque_bias@motor_1", "torque_gain_error@motor_1", "stiffness_error@body_1.rz"),
+) -> list[str]:
     """Candidates that are fitted in place of an effect whose fit leaves 10, by their predicted gains."""
     every = {**candidates_of(), **{one: harmonic(one) for one in (name, *harmonics) if one not in candidates_of()}}
-    names = ("torque_bias@motor_1", "torque_gain_error@motor_1", "stiffness_error@body_1.rz")
     found = dict(zip((*names[: len(gains) - len(harmonics)], *harmonics), gains, strict=True))
 
     def directions(candidates: Any, _: Any = None) -> Any:
@@ -96,6 +101,18 @@ def exchanges(name: str, *gains: float, lost: float = 90.0, harmonics: tuple[str
     competing = directions([every[one] for one in found if one not in harmonics])
     ((_, additions),) = _replacements(search, fit, competing)
     return [one.candidate.name for one in additions]
+
+
+@pytest.mark.parametrize("left", [False, True])
+def test_a_law_that_contains_an_effect_is_fitted_in_its_place_where_something_is_left(
+    left: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("flexros.gap.search.exchange.compared", lambda *_: None)
+    monkeypatch.setattr("flexros.gap.search.exchange.incomplete", lambda *_: left)
+    found = exchanges(
+        "coulomb_friction@motor_1", 80.0, 80.0, names=("presliding_friction@motor_1", "torque_bias@motor_1")
+    )
+    assert found == ["presliding_friction@motor_1"] * left + ["torque_bias@motor_1"]
 
 
 def harmonic(name: str) -> Candidate:

@@ -163,6 +163,21 @@ def test_what_ended_at_a_limit_is_no_rival_of_what_did_not(monkeypatch: pytest.M
     assert not any(one is better for one in again.rivals)
 
 
+@pytest.mark.parametrize(("others", "expected"), [(1, True), (2, False)])
+def test_a_fit_with_two_other_effects_that_leaves_clearly_more_is_no_rival_of_a_crowd(
+    others: int, expected: bool
+) -> None:
+    search = search_of(*(FRICTION, SOFT, "torque_bias@motor_1:level=0.02"), among=(*SOME, "damping_error"))
+    chosen = explain(search).chosen
+    assert len(chosen.names) == 3
+    further = [one for one in search.candidates() if one.name not in chosen.names][:others]
+    predictor = search.null.predictor((*chosen.hypothesis[: 3 - others], *further))
+    behind = replace(chosen, predictor=predictor, theta=np.zeros(predictor.n_fitted), chi2=1.5 * chosen.chi2)
+    comparison = compared(search, [chosen, behind])
+    found = forward_selection.explanations_of(search, comparison, chosen, detected=True)
+    assert any(one is behind for one in found.rivals) == expected
+
+
 def test_what_was_chosen_is_a_rival_also_where_less_explains_as_much(monkeypatch: pytest.MonkeyPatch) -> None:
     search = search_of(FRICTION, among=SOME)
     found = explain(search)

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from flexros.arrays import FloatArray
 from flexros.effects.kinds.ranges import Entry
+from flexros.gap.search import harmonics
 from flexros.gap.search.harmonics import OrderSearch, _local_stiffness, _with_mean_stiffness, angle_spectrum
 from flexros.robot import load_robot
 from tests.gap.diagnosis_logs import ROBOT, record_of, search_of
@@ -21,6 +23,12 @@ def order_search(*effects: str) -> OrderSearch:
 def resolution() -> float:
     """Order whose period is the range of the rotor angle."""
     return float(2 * np.pi / np.ptp(record_of().position))
+
+
+def errors_of(search: OrderSearch, entry: Entry, wave: FloatArray) -> FloatArray:
+    """Weighted prediction errors of a disturbance, shape (n, M)."""
+    errors = search._forward(search._source(0, entry), wave + 0j).real
+    return search.data.weighted(errors[:, :, None])[:, 0].reshape(1, -1).T
 
 
 @pytest.mark.slow
@@ -47,7 +55,7 @@ def test_an_order_that_counts_behind_a_gear_may_be_high() -> None:
     search = order_search()
     search._states = search._states / 400.0
     wave = 1e-4 * np.sin(2400.0 * search._angle(0) + 0.8)
-    search._residual = search._weighted(search._forward(search._source(0, "encoder"), wave)).reshape(1, -1).T
+    search._residual = errors_of(search, "encoder", wave)
     found = search.search(0, "encoder")[0]
     assert found.order == pytest.approx(2400.0, abs=0.3 * 400.0 * resolution())
     assert found.amplitude == pytest.approx(1e-4, rel=0.2)
@@ -64,7 +72,7 @@ def test_an_order_between_those_of_the_grid_gains_nearly_as_much_as_the_true_one
     """The spectrum does not know how much of each order the errors hold: it may peak in another valley."""
     search = order_search()
     wave = 0.005 * np.sin(order * search._angle(0) + 0.8)
-    search._residual = search._weighted(search._forward(search._source(0, "torque"), wave)).reshape(1, -1).T
+    search._residual = errors_of(search, "torque", wave)
     found = search.search(0, "torque")[0]
     assert found.order == pytest.approx(order, abs=0.05 * resolution())
     assert found.gain > 0.995 * search.fit(0, "torque", order).gain
@@ -76,11 +84,24 @@ def test_orders_stay_within_what_the_log_resolves() -> None:
     angle = search._angle(0)
     highest = search._highest(angle)
     wave = 0.005 * np.sin(0.999 * highest * angle)
-    search._residual = search._weighted(search._forward(search._source(0, "encoder"), wave)).reshape(1, -1).T
+    search._residual = errors_of(search, "encoder", wave)
     found = search.search(0, "encoder", most=4)
     assert all(resolution() <= one.order <= highest for one in found)
     search._highest = lambda angle: 1.01 * resolution()  # type: ignore[method-assign]
     assert search.search(0, "encoder") == ()
+
+
+def test_a_convolution_yields_the_same_errors_as_the_filters_of_all_modes(monkeypatch: pytest.MonkeyPatch) -> None:
+    search = order_search()
+    wave = np.exp(7j * search._angle(0))
+    for entry in ENTRIES:
+        source = search._source(0, entry)
+        slowly = search._forward(source, wave)
+        with monkeypatch.context() as many:
+            many.setattr(harmonics, "MANY", 0)
+            found = search._forward(source, wave)
+        assert search._spectra
+        np.testing.assert_allclose(found, slowly, atol=1e-9 * np.abs(slowly).max())
 
 
 def test_waves_come_by_gain() -> None:

@@ -1,0 +1,90 @@
+"""Regrouping: several small changes that stand for fewer others, which no exchange of one effect for one finds."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.gap.fit.screening import changes_of
+from flexros.gap.search.candidate_fits import Addition
+from flexros.gap.search.worth import compared
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.gap.candidates.candidate import Candidate
+    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.screening import Directions
+    from flexros.gap.search.candidate_fits import Search
+
+FEWEST = 2
+"""Changes of an explanation from which others may stand for all of them [1]."""
+TRIED = 2
+"""Sets that are fitted, the smallest ones that linear theory finds good enough (chosen)."""
+SLACK = 10.0
+"""Rise of the score that linear theory may miss by, over the penalty of the parameters that are saved [1] (chosen)."""
+
+
+def regrouped(
+    search: Search, fit: CandidateFit, directions: Sequence[Directions], fits: list[CandidateFit]
+) -> CandidateFit:
+    """Replace the small changes of an explanation together by fewer ones, where these do as well.
+
+    Numbers of the model, gains and offsets act in proportion to their size. What one of them does, several others do
+    together, and forward selection, which adds one after the other, may end there: a gain and a load of a thousandth
+    became two inertias, a spring, a gain and an offset. Without any of them linear theory tells how much every set of
+    them leaves. The smallest good ones are fitted, and taken where their score is better.
+
+    Args:
+        search: The search.
+        fit: The explanation of a simulated log.
+        directions: All candidates but those of harmonics.
+        fits: All fits so far; new ones are appended.
+    """
+    own = [one for one in fit.hypothesis if in_proportion(one)]
+    if len(own) < FEWEST or search.data.record.imported or search.deadline.stops():
+        return fit
+    known = {one.candidate.name: one for one in directions if in_proportion(one.candidate) and one.usable.any()}
+    names = frozenset(one.name for one in own)
+    if not names <= known.keys():
+        return fit
+    competing = [one for name, one in known.items() if name in names or name not in fit.names]
+    places = {one.candidate.name: place for place, one in enumerate(competing)}
+    columns, off = fit.columns(names), fit.switched_off(names)
+    around = search.surroundings(fit)
+    change = changes_of(fit, search.data, fit.residual(search.data), search.rows, off[:, None])[:, 0]
+    rest = around.without(columns, change)
+    smallest = [int(np.argmin(np.where(one.usable, np.abs(one.starts[0]), np.inf))) for one in competing]
+    changes = np.stack([one.changes[:, start] for one, start in zip(competing, smallest, strict=True)], axis=-1)
+    now = tuple(sorted(places[name] for name in names))
+    sets = rest.best_sets(changes, len(own) - 1, now)
+    n, before = search.data.n_values, max(rest.left(changes[:, now]), 1e-300)
+    chosen: list[tuple[int, ...]] = []
+    for members in sets:
+        saved = (len(own) - len(members)) * float(np.log(n))
+        if n * float(np.log(max(rest.left(changes[:, members]), 1e-300) / before)) < (1 + SLACK) * saved:
+            chosen.append(members)
+    trials = []
+    for members in chosen[:TRIED]:
+        sizes = rest.sizes(changes[:, members])
+        trials.append([_sized(search, competing[one], smallest[one], size) for one, size in zip(members, sizes)])
+    fitted = search.parallel("effects regrouped", partial(search.together, fit, without=names), trials)
+    better = [search.completed(one) for one in search.visible(fitted)]
+    fits += better
+    score = compared(search, [fit, *better]).score
+    best = max(better, key=score, default=fit)
+    return best if score(best) > score(fit) else fit
+
+
+def in_proportion(candidate: Candidate) -> bool:
+    """Return whether the prediction errors change in proportion to the only parameter of a candidate."""
+    return candidate.effect.plain and len(candidate.free) == 1 and candidate.free[0].signed
+
+
+def _sized(search: Search, direction: Directions, start: int, size: float) -> Addition:
+    """Return a candidate with the size that linear theory gives it among others."""
+    n_names = len(search.null.fit.predictor.tolerance.names)
+    own, change = direction.starts[:, start], direction.changes[:, start]
+    return Addition(direction.candidate, 0.0, own, np.zeros(n_names, dtype=bool), change).sized(float(size))

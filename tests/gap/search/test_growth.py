@@ -1,0 +1,102 @@
+"""Growth of an explanation ends where the same set of effects comes again."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from flexros.gap.search import growth
+from flexros.gap.settings import DiagnosisSettings
+
+
+def fit(*names: str) -> Any:
+    return SimpleNamespace(
+        names=frozenset(names),
+        hypothesis=names,
+        converged=True,
+        deviations=(),
+        predictor=SimpleNamespace(n_effect=len(names)),
+        chi2=100.0 - len(names),
+    )
+
+
+def search_that_never_ends() -> Any:
+    return SimpleNamespace(
+        settings=DiagnosisSettings(),
+        torques_decide=False,
+        data=SimpleNamespace(record=SimpleNamespace(imported=False), n_values=10),
+        deadline=SimpleNamespace(stops=lambda: False),
+        within_limits=lambda one: one,
+    )
+
+
+@pytest.fixture
+def steps(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Steps of a search in which a further effect takes the place of the one before, always."""
+    taken: list[str] = []
+    nothing = SimpleNamespace(score=lambda one: 0.0, threshold=0.0)
+    patches = {
+        "with_bristles": lambda _search, one, _fits: one,
+        "compared": lambda *_: nothing,
+        "unique": lambda fits: fits,
+        "incomplete": lambda *_: True,
+        "worth": lambda *_: True,
+        "_removed": lambda *_: 0.1,
+        "corrected": lambda _search, one, *_: one,
+    }
+    for name, patch in patches.items():
+        monkeypatch.setattr(growth, name, patch)
+
+    def with_more(_search: Any, one: Any, *_: Any) -> Any:
+        taken.append("more")
+        return fit(*one.names, "second" if "first" in one.names else "first")
+
+    monkeypatch.setattr(growth, "with_more", with_more)
+    return taken
+
+
+def test_a_search_that_comes_back_to_a_set_of_effects_ends(steps: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    def alternating(_search: Any, one: Any, *_: Any) -> Any:
+        return fit("second") if len(steps) % 2 else fit("first")
+
+    monkeypatch.setattr(growth, "reduced", alternating)
+    growth.extended(search_that_never_ends(), fit("first"), [], [])
+    assert len(steps) == 2
+
+
+@pytest.mark.parametrize(("left", "expected"), [(True, 1), (False, 0)])
+def test_effects_are_corrected_only_while_something_is_left(
+    left: bool, expected: int, steps: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    called: list[Any] = []
+
+    def corrected(_search: Any, one: Any, *_: Any) -> Any:
+        called.append(one)
+        return one
+
+    monkeypatch.setattr(growth, "corrected", corrected)
+    monkeypatch.setattr(growth, "reduced", lambda _search, one, *_: one)
+    monkeypatch.setattr(growth, "incomplete", lambda *_: not steps or (left and not called))
+    found = growth.extended(search_that_never_ends(), fit("first"), [], [])
+    assert found.names == {"first", "second"}
+    assert len(called) == expected
+
+
+def test_small_changes_are_regrouped_before_single_effects_are_exchanged(
+    steps: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen: list[frozenset[str]] = []
+
+    def exchanged(_search: Any, one: Any, *_: Any) -> Any:
+        seen.append(one.names)
+        return one
+
+    monkeypatch.setattr(growth, "reduced", lambda _search, one, *_: one)
+    monkeypatch.setattr(growth, "regrouped", lambda *_: fit("load"))
+    monkeypatch.setattr(growth, "exchanged", exchanged)
+    search = search_that_never_ends()
+    search.completed = lambda one: one
+    assert growth.tidied(search, fit("inertia", "spring"), [], []).names == {"load"}
+    assert seen == [frozenset({"load"})]

@@ -1,0 +1,57 @@
+"""Small changes that stand for fewer others are replaced by these together."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from flexros.gap.fit.least_squares import fit
+from flexros.gap.search.regrouping import in_proportion, regrouped
+from tests.gap.diagnosis_logs import candidates_of, predictor_of, search_of
+
+if TYPE_CHECKING:
+    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.search.candidate_fits import Search
+
+TRUTH = "payload_error@tool:relative=0.002"
+AMONG = ("payload_error", "stiffness_error", "motor_inertia_error", "torque_gain_error", "coulomb_friction")
+
+
+def imitation(search: Search) -> CandidateFit:
+    """A gain, an inertia and a spring in place of a load."""
+    names = ("torque_gain_error@motor_1", "motor_inertia_error@motor_1", "stiffness_error@body_1.rz")
+    predictor = predictor_of(*(candidates_of()[name] for name in names))
+    return fit(predictor, search.data, np.zeros(predictor.n_fitted))
+
+
+@pytest.mark.slow
+def test_one_load_replaces_three_numbers_that_stand_for_it() -> None:
+    search = search_of(TRUTH, among=AMONG)
+    wrong, fits = imitation(search), []
+    assert len(wrong.names) == 3
+    found = regrouped(search, wrong, search.directions(search.candidates()), fits)
+    assert found.names == {"payload_error@tool"}
+    assert found.chi2 < 1.01 * wrong.chi2
+    assert any(one is found for one in fits)
+
+
+@pytest.mark.slow
+def test_numbers_that_nothing_smaller_replaces_stay() -> None:
+    errors = ("motor_inertia_error@motor_1:relative=0.02", "stiffness_error@body_2.rz:relative=0.02")
+    search = search_of(*errors, among=AMONG)
+    predictor = predictor_of(*(candidates_of()[one.partition(":")[0]] for one in errors))
+    right = fit(predictor, search.data, np.zeros(predictor.n_fitted))
+    assert regrouped(search, right, search.directions(search.candidates()), []) is right
+
+
+@pytest.mark.parametrize(("name", "expected"), [
+    ("payload_error@tool", True),
+    ("torque_bias@motor_1", True),
+    ("coulomb_friction@motor_1", False),
+    ("delay@all", False),
+    ("extra_mode@tool", False),
+])  # fmt: skip
+def test_numbers_of_the_model_act_in_proportion_to_their_size_and_laws_do_not(name: str, expected: bool) -> None:
+    assert in_proportion(candidates_of()[name]) == expected
