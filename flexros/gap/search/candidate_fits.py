@@ -5,7 +5,7 @@ from __future__ import annotations
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,17 +13,14 @@ from flexros.effects import effects
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.effects.kinds.tool_error import AbstractToolError
 from flexros.gap.candidates.candidate import list_candidates
-from flexros.gap.deadline import Deadline
-from flexros.gap.fit.estimates import placed_effects
-from flexros.gap.fit.least_squares import CandidateFit, best_of, chi2_of, linearise, starts_of
-from flexros.gap.fit.least_squares import fit as fit_candidate
+from flexros.gap.fit.least_squares import CandidateFit, linearise, starts_of
 from flexros.gap.fit.pruning import without_least_parameter
 from flexros.gap.fit.screening import directions_of, surroundings_of, switched_off
 from flexros.gap.fit.tolerance_takeover import with_takeover
 from flexros.gap.fit.unknown_numbers import UNCERTAIN
 from flexros.gap.prediction.compiled_plant import LANES, grouped
-from flexros.gap.search.harmonic_candidates import harmonic_candidates, harmonics_in_place, neighbouring_orders
-from flexros.gap.search.model_probability import compare
+from flexros.gap.search.harmonic_candidates import harmonic_candidates, harmonics_in_place
+from flexros.gap.search.log_fits import LogFits
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping, Sequence
@@ -34,19 +31,13 @@ if TYPE_CHECKING:
     from flexros.gap.candidates.candidate import Candidate, Hypothesis
     from flexros.gap.candidates.competitors import Competitors
     from flexros.gap.candidates.scales import Scales
-    from flexros.gap.fit.null_fit import NullFit
     from flexros.gap.fit.screening import Directions, Surroundings
     from flexros.gap.prediction.compiled_plant import CompiledPlant
-    from flexros.gap.prediction.predictor import Predictor
-    from flexros.gap.residuals.fit_data import FitData
-    from flexros.gap.settings import DiagnosisSettings
 
 REMEMBERED = 2
 """Explanations whose linearisation is kept (chosen): each has the size of some predictions."""
 SMALLEST = 1e-12
 """Size over an initial one below which an effect does nothing [1]."""
-Item = TypeVar("Item")
-Result = TypeVar("Result")
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,44 +92,24 @@ class _Around:
     removals: list[Surroundings] = field(default_factory=list)
 
 
-@dataclass(frozen=True, eq=False)
-class Search:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Search(LogFits):
     """The common ground of all fits of candidates to one log.
 
     Attributes:
-        null: The fitted nominal model, with log and weights.
         base: The fit around which candidates are screened: that of the nominal model, or of what the torques show.
         base_residual: Its weighted prediction errors, shape (n_values,).
-        tolerance_slopes: Derivatives of these errors to the tolerated deviations, shape (n_values, n_tolerated); None
-            where nothing is tolerated.
         scales: Largest torques, speeds and deflections of the log.
-        rows: Prediction errors that estimates of gains are computed from, evenly spread over the log, shape (n_rows,).
         distance: Sum of the squares by which the weighted prediction errors of two fits differ.
-        settings: Settings of the diagnosis.
         competitors: Effects and locations that compete.
-        threads: Fits at the same time.
-        progress: Called with the name of a step and the share of it that is done.
-        deadline: Asked between fits, and by them between iterations, whether to go on.
     """
 
-    null: NullFit
     base: CandidateFit
     base_residual: FloatArray
-    tolerance_slopes: FloatArray | None
     scales: Scales
-    rows: IntArray
     distance: Callable[[CandidateFit, CandidateFit], float]
-    settings: DiagnosisSettings
     competitors: Competitors
-    threads: int
-    progress: Callable[[str, float], None] | None = None
-    deadline: Deadline = field(default_factory=Deadline)
     _linearised: list[_Around] = field(init=False, default_factory=list)
-
-    @property
-    def data(self) -> FitData:
-        """Log and weights."""
-        return self.null.data
 
     @property
     def from_torques(self) -> bool:
@@ -292,110 +263,6 @@ class Search:
         own = np.unique(own, axis=1)
         deviations = np.repeat(simple.deviations[:, None], own.shape[1], axis=1)
         return self._from_grid(predictor, np.vstack([own, deviations]))
-
-    def _from_grid(self, predictor: Predictor, starts: FloatArray) -> CandidateFit:
-        """Fit from the best initial value, and from the second best unless that converges at once."""
-        sums = chi2_of(predictor, self.data, starts)
-        order = np.argsort(sums)[:2]
-        best = self._while_steep(predictor, starts[:, order[0]], sums[order[0]])
-        settled = best.converged and best.iterations <= self.settings.search.settled
-        if len(order) < 2 or settled or self.deadline.stops():
-            return best
-        rival = np.inf if self.data.record.imported else best.chi2
-        return best_of([best, self._while_steep(predictor, starts[:, order[1]], sums[order[1]], rival)])
-
-    def _while_steep(self, predictor: Predictor, start: FloatArray, chi2: float, rival: float = np.inf) -> CandidateFit:
-        """Fit for a few iterations, and on while the sum of squares falls steeply, as its minimum is still unknown."""
-        fit = self._quick(predictor, start, rival)
-        for _ in range(self.settings.fit.final_iterations // self.settings.fit.first_iterations):
-            if fit.converged or not fit.chi2 < self.settings.search.steep * chi2 or self.deadline.stops():
-                break
-            chi2, fit = fit.chi2, self._quick(predictor, fit.theta, rival)
-        return fit
-
-    def _quick(self, predictor: Predictor, start: FloatArray, rival: float = np.inf) -> CandidateFit:
-        """Fit for a few iterations, with the tolerance slopes of the nominal model."""
-        return self._fit(predictor, start, self.settings.fit.first_iterations, quick=True, rival=rival)
-
-    def _fit(
-        self,
-        predictor: Predictor,
-        start: FloatArray,
-        iterations: int,
-        *,
-        quick: bool = False,
-        rival: float = np.inf,
-        finishing: bool = False,
-    ) -> CandidateFit:
-        """Fit, quickly from the tolerance slopes of the nominal model on or exactly with its own.
-
-        Those of a simulated log serve for the first step alone: the nominal model may lack so much that its tolerated
-        deviations are at their limits, and with slopes from there a fit seems to end far from its minimum.
-        """
-        settings, simulated = self.settings.fit, not self.data.record.imported
-        slopes = self.tolerance_slopes if quick else None
-        loose = quick or (simulated and self.tolerance_slopes is not None)  # tolerances decide how well sizes are known
-        enough = settings.enough if loose else settings.exactly
-        share = settings.enough_of_rest * (1.0 if quick else 0.1)
-        return fit_candidate(
-            predictor,
-            self.data,
-            start,
-            iterations,
-            tolerance_slopes=None if simulated else slopes,
-            first_slopes=slopes if simulated else None,
-            enough=max(enough, self.data.negligible),
-            rival=rival,
-            share=share if simulated else 0.0,
-            settings=settings,
-            stop=self.deadline.of_fit(finishing=finishing),
-        )
-
-    def _visible(self, fits: Sequence[CandidateFit]) -> list[CandidateFit]:
-        """Leave out fits of rich effects that are no more than a simpler one, which is fitted as well."""
-        return [fit for fit in fits if not self._invisible(fit)]
-
-    def _invisible(self, fit: CandidateFit) -> list[str]:
-        """List the rich effects of a fit that are no more than a simpler one."""
-        robot = self.null.model.robot
-        noise = dict(zip(robot.joint_names, robot.encoder_noise))
-        least = float(robot.encoder_noise.min())
-        pairs = zip(fit.hypothesis, placed_effects(fit), strict=True)
-        return [one.name for one, placed in pairs if not placed.effect.visible(noise.get(placed.location, least))]
-
-    def _finished(self, fits: Sequence[CandidateFit]) -> list[CandidateFit]:
-        """Carry the best fits to their end, those after the first one as long as they may still come near it."""
-        finished = self.settings.search.finished
-        ranked = sorted(fits, key=lambda fit: fit.chi2)
-        best = [self._continued(fit, np.inf) for fit in ranked[:1]]
-        rival = min((fit.chi2 for fit in best), default=np.inf)
-        best += self.parallel(
-            "best effects", lambda fit: self._continued_rival(fit, rival), ranked[1:finished], needed=finished
-        )
-        return sorted([*best, *ranked[finished:]], key=lambda fit: fit.chi2)
-
-    def _continued(self, fit: CandidateFit, rival: float, *, finishing: bool = False) -> CandidateFit:
-        """Carry a fit to its end, from the best order of a rotor near its own."""
-        fit = self._near_best_order(fit)
-        return self._fit(fit.predictor, fit.theta, self._most_iterations, rival=rival, finishing=finishing)
-
-    @property
-    def _most_iterations(self) -> int:
-        """Iterations of fits that are carried to their end; many tolerated numbers allow for fewer further ones."""
-        settings, tolerated = self.settings.fit, self.null.fit.predictor.tolerance.n_free
-        if not tolerated or self.data.record.imported:
-            return settings.final_iterations
-        passes = tolerated // LANES + 3  # of derivatives with some effects, and of steps
-        return max(settings.final_iterations, settings.valley_passes // passes)
-
-    def _near_best_order(self, fit: CandidateFit) -> CandidateFit:
-        """Fit again from the best orders of a rotor near that of a fit."""
-        near = neighbouring_orders(fit, self.data, self.rows)
-        return best_of([fit, *(self._quick(fit.predictor, start) for start in near[:, :2].T)])
-
-    def _continued_rival(self, fit: CandidateFit, rival: float) -> CandidateFit:
-        """Carry a fit to its end, unless the time is over."""
-        return fit if self.deadline.stops() else self._continued(fit, rival)
 
     def pruned(self, fit: CandidateFit) -> CandidateFit:
         """Leave out the parameters of a fit that the information criterion rejects (Schwarz 1978).
@@ -559,49 +426,6 @@ class Search:
         predictor = self.null.predictor(hypothesis, fit.predictor.plant)
         return self._joint(predictor, np.concatenate([sizes, fit.deviations]))
 
-    def _joint(
-        self, predictor: Predictor, theta: FloatArray, *, rival: float = np.inf, finishing: bool = False
-    ) -> CandidateFit:
-        """Fit several effects for a few iterations, and on while what is left still falls."""
-        settings, n = self.settings.fit, self.data.n_values
-        few = partial(self._fit, iterations=settings.joint_iterations, quick=True, rival=rival, finishing=finishing)
-        fit = few(predictor, theta)
-        for further in reversed(range(settings.final_iterations // settings.joint_iterations)):
-            stopped = self.deadline.stops_finishing() if finishing else self.deadline.stops()
-            if fit.converged or stopped or not np.isfinite(fit.chi2):
-                break
-            before = max(fit.chi2 - n, 0.0)
-            fit = few(predictor, fit.theta)
-            if fit.chi2 - n > settings.still_falling * before or _hopeless(fit.chi2 - n, before, further, rival - n):
-                break
-        return fit
-
-    def _final(self, predictor: Predictor, theta: FloatArray) -> CandidateFit:
-        """Fit to the end."""
-        return self._fit(predictor, theta, self._most_iterations, finishing=True)
-
-    def completed(self, fit: CandidateFit) -> CandidateFit:
-        """Carry a fit to its end, with a plant of its own laws alone.
-
-        Tolerated deviations that made up for missing effects may stay far out of tolerance once these are found. Such
-        a fit to a simulated log is also tried from the nominal numbers.
-        """
-        fit = self._continued(replace(fit, predictor=self.null.predictor(fit.hypothesis)), np.inf, finishing=True)
-        beyond = compare(self.data, self.null.fit, settings=self.settings.ranking).beyond_tolerance(fit)
-        if self.data.record.imported or not beyond or self.deadline.stops():
-            return fit
-        nominal = fit.theta.copy()
-        nominal[fit.predictor.n_effect :] = 0.0
-        return best_of([fit, self._fit(fit.predictor, nominal, self._most_iterations, rival=fit.chi2, finishing=True)])
-
-    def finished(self, fits: Sequence[CandidateFit]) -> list[CandidateFit]:
-        """Carry the best fits to their end, and leave out those that are no more than a simpler one."""
-        return self._visible(self._finished(fits))
-
-    def visible(self, fits: Sequence[CandidateFit]) -> list[CandidateFit]:
-        """Sort fits, without those that are no more than a simpler one."""
-        return sorted(self._visible(fits), key=lambda fit: fit.chi2)
-
     def with_visible(self, fit: CandidateFit) -> CandidateFit:
         """Fit again with simpler effects in place of those that are no more than these and spoil the fit of others."""
         names = self._invisible(fit)
@@ -624,47 +448,6 @@ class Search:
         kept = fit.theta[:n_effect][~fit.columns(names)[:n_effect]]
         predictor = self.null.predictor((*rest, *simple), fit.predictor.plant)
         return self._joint(predictor, np.concatenate([kept, sizes, fit.deviations]), finishing=True)
-
-    def parallel(
-        self, step: str, work: Callable[[Item], Result], items: Sequence[Item], *, needed: int = 0
-    ) -> list[Result]:
-        """Work on items in parallel and return the results in their order.
-
-        Args:
-            step: Name that is shown as progress.
-            work: What is done with an item.
-            items: The items, the most important ones first.
-            needed: Items that are worked on although the time is over; the others are left out then.
-        """
-        self.deadline.begin(step)
-        results: list[Result] = []
-
-        def begun(numbered: tuple[int, Item]) -> list[Result]:
-            number, item = numbered
-            return [] if number >= needed and self.deadline.stops() else [work(item)]
-
-        with ThreadPoolExecutor(self.threads) as pool:
-            try:
-                for done, result in enumerate(pool.map(begun, enumerate(items)), 1):
-                    results += result
-                    if self.progress is not None:
-                        self.progress(step, done / len(items))
-            except BaseException:
-                self.deadline.abandon()
-                raise
-        return results
-
-
-def _hopeless(excess: float, before: float, further: int, rival: float) -> bool:
-    """Return whether a fit does not come near a better one although it falls twice as fast as in its last iterations.
-
-    Args:
-        excess: What it leaves above the noise [1].
-        before: What it left before the last iterations [1].
-        further: How many times as many iterations are left.
-        rival: What the better one leaves above the noise [1].
-    """
-    return before > 0 and excess * (excess / before) ** (2 * further) > max(rival, 0.0)
 
 
 def at_limits(fit: CandidateFit) -> list[tuple[Candidate, str]]:

@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexros.arrays import FloatArray
 from flexros.effects import RobotWithEffects, effects
 from flexros.effects.kinds.tool_error import AbstractToolError
 from flexros.errors import InputError
@@ -17,9 +16,8 @@ from flexros.gap.checked_log import checked_log
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.least_squares import CandidateFit, chi2_of
 from flexros.gap.fit.null_fit import fit_null
-from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.residuals.fit_data import FitData, fit_data
-from flexros.gap.search.candidate_fits import Addition, Search, _hopeless
+from flexros.gap.search.candidate_fits import Addition
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.search.worth import unique
 from flexros.gap.settings import DiagnosisSettings, SearchSettings
@@ -114,41 +112,6 @@ def test_candidates_are_looked_at_with_longer_steps_which_change_their_gains_lit
         np.testing.assert_allclose(around.gains(again.changes)[0], around.gains(one.changes)[0], rtol=0.02)
 
 
-def test_a_fit_that_stays_far_out_of_tolerance_is_tried_from_the_nominal_numbers(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    search = search_of(FRICTION, tolerance=Tolerance(("body_2.rz.stiffness",), (0.03,)))
-    friction = candidates_of()[SOME[0]]
-    far = np.array([friction.free[0].encode(0.05), 4.5])
-    stuck = CandidateFit(search.null.predictor((friction,)), far, search.null.fit.chi2)
-    monkeypatch.setattr(Search, "_continued", lambda *_, **__: stuck)
-    found = search.completed(stuck)
-    assert found.chi2 / search.data.n_values == pytest.approx(1.0, abs=0.05)
-    assert abs(found.deviations[0]) < 1.0
-
-
-@pytest.mark.parametrize(("tolerance", "expected"), [(None, 20), (Tolerance(("body_2.rz.stiffness",), (0.03,)), 60)])
-def test_fits_beside_tolerated_numbers_are_carried_on_along_their_valleys(
-    tolerance: Tolerance | None, expected: int
-) -> None:
-    assert search_of(FRICTION, tolerance=tolerance)._most_iterations == expected
-
-
-def test_a_second_initial_value_without_hope_to_reach_the_first_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
-    rivals: list[float] = []
-    quick = Search._quick
-
-    def recorded(search: Search, predictor: Predictor, start: FloatArray, rival: float = np.inf) -> CandidateFit:
-        rivals.append(rival)
-        return quick(search, predictor, start, rival)
-
-    monkeypatch.setattr(Search, "_quick", recorded)
-    search = search_of(FRICTION)
-    search._from_grid(predictor_of(candidates_of()["delay@all"]), np.array([[-9.0, -6.0]]))
-    assert rivals[0] == np.inf
-    assert np.isfinite(rivals[-1])
-
-
 @pytest.mark.parametrize(
     ("effect", "size", "true"),
     [
@@ -237,45 +200,12 @@ def test_only_effects_at_the_motors_of_the_settings_compete() -> None:
         prepare_search(search.null, settings.model_copy(update={"search": SearchSettings(joints=("motor_2",))}))
 
 
-def test_when_the_time_is_over_only_what_is_needed_is_done() -> None:
-    search = replace(search_of(), deadline=Deadline(interrupted=lambda: True))
-    assert search.parallel("numbers", lambda number: 2 * number, [1, 2, 3], needed=1) == [2]
-    assert search.directions(search.candidates()) == []
-    assert search.harmonics(search.null.fit) == ()
-    assert search.singles([]) == []
-    assert search.misfit([]) >= 1.0
-
-
 def test_one_candidate_is_fitted_even_when_the_time_is_over() -> None:
     asked = [False]
     search = replace(search_of(FRICTION), deadline=Deadline(interrupted=lambda: asked[0]))
     directions = search.directions([candidates_of()[name] for name in SOME])
     asked[0] = True
     assert names(search.singles(directions)) == [SOME[0]]
-
-
-def test_work_that_breaks_off_ends_the_fits_that_still_run() -> None:
-    search = replace(search_of(), deadline=Deadline())
-
-    def breaks(_: int) -> None:
-        raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        search.parallel("numbers", breaks, [1])
-    assert search.deadline.of_fit(finishing=True)()
-
-
-@pytest.mark.parametrize(("excess", "further", "rival", "expected"), [
-    (100.0, 2, 1.0, False),  # a tenth of what was left before
-    (900.0, 2, 1.0, True),
-    (900.0, 2, np.inf, False),
-    (900.0, 0, 1000.0, False),
-    (-5.0, 2, -20.0, False),
-])  # fmt: skip
-def test_a_joint_fit_ends_that_does_not_fall_fast_enough(
-    excess: float, further: int, rival: float, expected: bool
-) -> None:
-    assert _hopeless(excess, 1000.0, further, rival) is expected
 
 
 def test_a_raised_gain_of_a_servo_goes_before_the_friction_that_it_took_to_its_limit() -> None:
