@@ -23,7 +23,6 @@ from flexros.gap.fit.estimates import coloured
 from flexros.gap.prediction.predictor import FARTHEST
 from flexros.gap.residuals.torque_rows import acting_torque, torque_rows
 from flexros.gap.settings import TorqueStartSettings
-from flexros.identify.rigid.motion_estimate import decimate
 from flexros.identify.rigid.standard_parameters import standard_parameters
 from flexros.record.missing_samples import bridged_motion
 from flexros.robot.parameters import INERTIA_COMPONENTS
@@ -34,6 +33,7 @@ if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray, IntArray
     from flexros.effects import RobotWithEffects
     from flexros.gap.fit.arm_torque import ArmTorque
+    from flexros.identify.rigid.regression_rows import RegressionRows
     from flexros.record.record import Record
     from flexros.robot import Robot
 
@@ -125,45 +125,29 @@ def regress_torque(
     rows = torque_rows(record, robot, acting)
     if rows is None:
         return None
-    regressor = rows.regressor
-    names = [parameter.name for parameter in regressor.parameters]
-    nominal = np.array([parameter.nominal for parameter in regressor.parameters])
-    M = robot.n_motors
-    own: FloatArray = np.zeros((len(nominal), len(KINDS) * M))
-    for motor, name in enumerate(robot.joint_names):
-        for kind, label in enumerate(KINDS):
-            own[names.index(f"{name}.{label}"), kind * M + motor] = 1.0
-    columns, errors = [], []
     if load != "none":
-        of_load = _of_body(names, last_moved(robot), nominal) if load == "body" else _of_load(names, last_moved(robot))
-        tolerance, own = Tolerance(), np.hstack([own, of_load])
-    elif arm is None:
-        own = np.hstack([own, _tolerated(robot, tolerance, nominal)])
-    else:
-        nominal = nominal * np.isin(names, [f"{name}.inertia" for name in robot.joint_names])
-    for H, torque in rows.blocks():
-        columns.append(H @ own)
-        errors.append(torque - H @ nominal)
-    A, b = np.concatenate(columns), np.concatenate(errors)
+        tolerance = Tolerance()
+    A, b = _linear(rows, robot, tolerance, load, rigid=arm is None or load != "none")
     if arm is not None:
-        begin, factor = len(arm.torque) - rows.record.n_samples, rows.factor
-        b = b - decimate(arm.torque[begin:], factor)[rows.counts]
-        slopes = decimate(arm.slopes[begin:].reshape(rows.record.n_samples, -1), factor)[rows.counts]
+        begin = len(arm.torque) - rows.record.n_samples
+        b = b - rows.decimated(arm.torque[begin:])
+        slopes = rows.decimated(arm.slopes[begin:].reshape(rows.record.n_samples, -1))
         A = np.concatenate([A, slopes.reshape(*b.shape, -1)], axis=-1)
+    M = robot.n_motors
     if uneven:
-        speeds = decimate(np.abs(rows.motion.velocity), rows.factor)[rows.counts]
+        speeds = rows.decimated(np.abs(rows.motion.velocity))
         A[:, :, KINDS.index("torque_offset") * M : len(KINDS) * M] = speeds[:, :, None] * np.eye(M)
     for motor in _one_way(A, M):
         A[:, motor, KINDS.index("torque_offset") * M + motor] = 0.0
     lightest = np.where([name == "mass" for name in LOAD], 0.0, -np.inf)[: {"none": 0, "body": 1, "point": 4}[load]]
     if record.command is not None:
-        springs = decimate(acting.springs[acting.begin :], rows.factor)[rows.counts]
+        springs = rows.decimated(acting.springs[acting.begin :])
         A = np.insert(A, [len(KINDS) * M] * M, -springs[:, :, None] * np.eye(M), axis=-1)
         lightest = np.full(M, -settings.most_reduced)
     column = KINDS.index("coulomb_friction") * M
     b = b - A[:, :, column : column + M] @ known
     if balanced is not None:
-        position = decimate(bridged_motion(rows.record.position, rows.record.valid), rows.factor)[rows.counts]
+        position = rows.decimated(bridged_motion(rows.record.position, rows.record.valid))
         A = np.insert(A, [len(KINDS) * M] * len(BALANCE), _of_balance(position, balanced), axis=-1)
         lightest = np.concatenate([np.full(len(BALANCE), -np.inf), lightest])
     if not (np.isfinite(A).all() and np.isfinite(b).all()):  # the arm behind its springs ran away from the log
@@ -180,6 +164,39 @@ def regress_torque(
     if load == "point":
         return _with_point(A, b, solved, settings.farthest_load)
     return solved(A, b, tolerated=len(tolerance.names))
+
+
+def _linear(
+    rows: RegressionRows, robot: Robot, tolerance: Tolerance, load: Load, *, rigid: bool
+) -> tuple[FloatArray, FloatArray]:
+    """Return the torques beyond those of the nominal model, and their slopes to what the model may lack.
+
+    Args:
+        rows: The log.
+        robot: The nominal robot.
+        tolerance: Parameters of the bodies that may deviate; they count for a rigid robot without a load.
+        load: Load that the last body that moves may carry.
+        rigid: Whether its springs are locked; else the arm is no part of the nominal model here.
+
+    Returns:
+        Slopes, shape (n, M, k), and torques [Nm or N], shape (n, M).
+    """
+    names = [parameter.name for parameter in rows.regressor.parameters]
+    nominal = np.array([parameter.nominal for parameter in rows.regressor.parameters])
+    own: FloatArray = np.zeros((len(nominal), len(KINDS) * robot.n_motors))
+    for motor, name in enumerate(robot.joint_names):
+        for kind, label in enumerate(KINDS):
+            own[names.index(f"{name}.{label}"), kind * robot.n_motors + motor] = 1.0
+    if load == "body":
+        own = np.hstack([own, _of_body(names, last_moved(robot), nominal)])
+    elif load == "point":
+        own = np.hstack([own, _of_load(names, last_moved(robot))])
+    elif rigid:
+        own = np.hstack([own, _tolerated(robot, tolerance, nominal)])
+    else:
+        nominal = nominal * np.isin(names, [f"{name}.inertia" for name in robot.joint_names])
+    blocks = [(H @ own, torque - H @ nominal) for H, torque in rows.blocks()]
+    return np.concatenate([A for A, _ in blocks]), np.concatenate([b for _, b in blocks])
 
 
 def _one_way(A: FloatArray, n_motors: int) -> IntArray:

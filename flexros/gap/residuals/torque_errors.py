@@ -166,7 +166,7 @@ def torque_errors(record: Record, model: RobotWithEffects, delay: float, deviati
         robot=robot,
         regressor=np.concatenate([H for H, _ in rows.blocks()]),
         torque=rows.torque,
-        rate=decimate(np.gradient(torque, record.sample_time, axis=0), rows.factor)[rows.counts],
+        rate=rows.decimated(np.gradient(torque, record.sample_time, axis=0)),
         delay=delay,
         known=np.zeros_like(rows.torque),
         deviation=deviation,

@@ -83,7 +83,15 @@ class RegressionRows:
         if self.record.measured_torque:
             return None
         acting, _ = torque_as_it_acts(self.record, self.regressor.robot.delay)
-        return decimate(acting, self.factor)[self.counts]
+        return self.decimated(acting)
+
+    def decimated(self, values: FloatArray) -> FloatArray:
+        """Return further values of the samples, filtered like the torques, in the rows that count.
+
+        Args:
+            values: One per sample, shape (n, ...).
+        """
+        return decimate(values, self.factor)[self.counts]
 
     @property
     def factor(self) -> int:

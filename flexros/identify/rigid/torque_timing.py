@@ -14,7 +14,6 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.identify.rigid.base_parameters import base_parameters
-from flexros.identify.rigid.motion_estimate import decimate
 from flexros.identify.rigid.regression_rows import RegressionRows
 from flexros.identify.rigid.regressor import RigidRegressor
 from flexros.record.shifted_torque import moved_later, shifted
@@ -87,7 +86,7 @@ def torques_left(record: Record, robot: Robot) -> dict[float, float]:
     if not rows.motion.moving.any() or len(rows.torque) < FEWEST * len(base.leading):
         return {}
     H = np.concatenate([block for block, _ in rows.blocks()])
-    torque = np.stack([decimate(moved_later(effort, shift), rows.factor)[rows.counts] for shift in SHIFTS], axis=2)
+    torque = np.stack([rows.decimated(moved_later(effort, shift)) for shift in SHIFTS], axis=2)
     rest = np.zeros(len(SHIFTS))
     for motor in range(robot.n_motors):
         own = H[:, motor, :][:, np.any(H[:, motor] != 0, axis=0)]
