@@ -28,6 +28,9 @@ FEWEST_LINES = 12
 """Least number of lines of a periodogram that are averaged, half of them to each side [1]."""
 BANDS = 12
 """Frequency bands with windows of their own, each up to twice the frequency of the last [1]."""
+ROUNDING = 1e-9
+"""Standard deviation over its value below which a fit is no minimum but one that has diverged [1]: no sensor is that
+exact, and no derivative by differences."""
 _UNIT = re.compile(r"\[([^\]]+)\]")
 
 
@@ -63,7 +66,7 @@ def _parameter(
         std=std,
         unit=unit_of_parameter(candidate, free.name, robot),
         at_limit=free.name in candidate.at_limit(values),
-        determined=angle or std <= abs(value),
+        determined=std > ROUNDING * abs(value) and (angle or std <= abs(value)),
     )
 
 
@@ -105,7 +108,7 @@ def covariance_of(
         Names, e.g. "coulomb_friction@motor_1.level", and covariance, shape (p, p).
     """
     n_effect = fit.predictor.n_effect
-    whole = np.linalg.pinv(fit.information) if data is None else fit_covariance(fit, data, form)
+    whole = inverse_of(fit.information) if data is None else fit_covariance(fit, data, form)
     slopes = fit.predictor.slopes(fit.theta)
     names = tuple(f"{candidate.name}.{free.name}" for candidate in fit.hypothesis for free in candidate.free)
     return names, whole[:n_effect, :n_effect] * np.outer(slopes, slopes)
@@ -147,10 +150,23 @@ def fit_covariance(fit: CandidateFit, data: FitData, form: RankingSettings | Non
     for begin in range(end, len(r), (len(r) - end) // M or 1):
         rows = slice(begin, begin + (len(r) - end) // M)
         meat += coloured(J[rows], r[rows, None], rows.stop - rows.start)
-    inverse = np.linalg.pinv(line.information)
+    inverse = inverse_of(line.information)
     covariance: FloatArray = inverse @ meat @ inverse
     # where an unlikely fit nearly diverges, the spectrum overflows
     return covariance if np.all(np.isfinite(covariance)) else np.asarray(inverse)
+
+
+def inverse_of(information: FloatArray) -> FloatArray:
+    """Return the inverse of an information matrix; directions without information have no covariance.
+
+    Args:
+        information: The matrix, shape (k, k), in any units: parameters of which one is known far better than the
+            others do not hide these.
+    """
+    scale = 1 / np.sqrt(np.maximum(np.diag(information), 1e-300))
+    units = np.outer(scale, scale)
+    inverse: FloatArray = np.linalg.pinv(information * units, hermitian=True) * units
+    return inverse
 
 
 def coloured(J: FloatArray, left: FloatArray, used: int) -> FloatArray:

@@ -19,7 +19,7 @@ from scipy.optimize import lsq_linear
 from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.effects.left_out.tool_load import ENTRIES, last_moved
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.fit.estimates import coloured
+from flexros.gap.fit.estimates import coloured, inverse_of
 from flexros.gap.prediction.predictor import FARTHEST
 from flexros.gap.residuals.torque_rows import acting_torque, torque_rows
 from flexros.gap.settings import TorqueStartSettings
@@ -379,8 +379,7 @@ def _covariance(A: FloatArray, errors: FloatArray, prior: FloatArray, free: Bool
         J = A[:, motor]
         information += J.T @ J
         meat += coloured(J, errors[:, [motor]], len(J))
-    scale = 1 / np.sqrt(np.maximum(np.diag(information), 1e-300))
-    inverse = np.linalg.pinv(information * np.outer(scale, scale), hermitian=True) * np.outer(scale, scale)
+    inverse = inverse_of(information)
     covariance: FloatArray = np.zeros((len(free), len(free)))
     covariance[np.ix_(free, free)] = inverse @ meat @ inverse
     return covariance

@@ -69,6 +69,13 @@ def test_a_size_below_its_deviation_is_not_determined(fitted: CandidateFit) -> N
     assert soft["relative"].determined
 
 
+def test_a_size_that_seems_exact_is_that_of_a_fit_that_diverged(fitted: CandidateFit) -> None:
+    """On an arm with one joint without a usable torque a load was known to 33 digits."""
+    friction, soft = parameters_of(replace(fitted, information=np.diag([1e66, 1e4, 1.0])))
+    assert not friction["level"].determined
+    assert soft["relative"].determined
+
+
 def test_a_phase_is_known_as_well_at_zero() -> None:
     ranges = effects()["torque_ripple"].ranges
     free = tuple(free_parameter(name, ranges[name], 1.0) for name in ("amplitude", "phase"))
