@@ -25,7 +25,6 @@ from flexros.monitor.statement import (
     robot_values,
     torque_units,
 )
-from flexros_nodes.protocol.process.interruption import uninterruptible
 from flexros_nodes.shell.executable import run_node
 from flexros_nodes.shell.node_base import FlexrosNode
 from flexros_nodes.shell.topic_interface import message_class, qos_profile, topic
@@ -69,7 +68,6 @@ class GapMonitorNode(FlexrosNode):
             self._readers[name] = JointMessages(model.base, name, field)
             self._subscribe(name)
 
-    @uninterruptible()
     def _subscribe(self, name: str) -> None:
         """Subscribe with the depth of the recorder, but best effort."""
         row = topic(name)

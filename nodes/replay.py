@@ -17,7 +17,6 @@ from flexros.logs.replay.playlist import LATEST_STAMP, Playlist
 from flexros.logs.replay.source import ReplayChoice, read_remaps
 from flexros.logs.stamps import NANOSECONDS
 from flexros_nodes.protocol.controller_answers import ControllerAnswers
-from flexros_nodes.protocol.process.interruption import uninterruptible
 from flexros_nodes.shell.claims import PRODUCERS
 from flexros_nodes.shell.executable import run_node
 from flexros_nodes.shell.node_base import FlexrosNode
@@ -93,7 +92,6 @@ class ReplayNode(FlexrosNode):
     def _rate(self) -> float:
         return math.inf if self.value("as_fast_as_possible") else float(self.value("rate"))
 
-    @uninterruptible()
     def _announced(self, playlist: Playlist) -> tuple[dict[int, Publisher], dict[str, str]]:
         """Create the publishers, and return the reasons for topics that cannot be published."""
         types: dict[str, type] = {}
@@ -117,7 +115,6 @@ class ReplayNode(FlexrosNode):
                 self.claim(name)
         return publishers, left_out
 
-    @uninterruptible()
     def _listen_to_commands(self, commands: str) -> None:
         """Subscribe to the commands of the fed controller."""
         profile = qos_profile(topic("joint_commands").subscription_qos)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rclpy.clock import Clock, ClockType
 from rclpy.exceptions import InvalidParameterTypeException
+from rclpy.node import Node
 from std_srvs.srv import Trigger
 
 from flexros.errors import FlexrosError, InputError
@@ -49,6 +50,12 @@ class AbstractTopicNode(AbstractParameterNode):
         unreadable: Skipped messages that cannot be decoded; any node may send such.
     """
 
+    # rclpy cannot destroy a node that holds what an interruption has left half made.
+    create_publisher = uninterruptible()(Node.create_publisher)
+    create_subscription = uninterruptible()(Node.create_subscription)
+    create_service = uninterruptible()(Node.create_service)
+    create_timer = uninterruptible()(Node.create_timer)
+
     def __init__(self, name: str, context: Context | None, values: Mapping[str, Value]) -> None:
         self._polled: set[Subscription] = set()
         super().__init__(name, context, values)
@@ -62,7 +69,6 @@ class AbstractTopicNode(AbstractParameterNode):
     def end(self, error: FlexrosError | None = None) -> None:
         """End the node, because of an error if there is one."""
 
-    @uninterruptible()
     def announce(self, name: str) -> Publisher:
         """Create the publisher of a topic; it accepts messages or their bytes."""
         row = topic(name)
@@ -76,7 +82,6 @@ class AbstractTopicNode(AbstractParameterNode):
         self.on_close(partial(self.destroy_publisher, publisher))
         return publisher
 
-    @uninterruptible()
     def listen(self, name: str, callback: Callable[[bytes], None], *, recorder: bool = False) -> Subscription:
         """Subscribe to a topic.
 
@@ -157,7 +162,6 @@ class AbstractTopicNode(AbstractParameterNode):
         """Register a callback that releases a resource when the node is cleaned up."""
         self._resources.append(destroy)
 
-    @uninterruptible()
     def offer(self, name: str, answer: Callable[[], Answer]) -> None:
         """Offer a service std_srvs/srv/Trigger in the namespace of the node; refused unless the node is active."""
 

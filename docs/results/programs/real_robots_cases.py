@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from real_robots_case import Case, Known
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 
 def _csv(*names: str) -> dict[str, tuple[str, ...]]:
@@ -15,6 +20,17 @@ def _coulomb(joint: int, low: float, high: float | None = None) -> Known:
 
 def _viscous(joint: int, value: float) -> Known:
     return Known("viscous friction", f"motor_{joint}", value, value, "Nm s/rad")
+
+
+def _frictions(
+    coulomb: Sequence[tuple[float, ...]], viscous: Sequence[tuple[float, float]], nominal: float = 0.0
+) -> tuple[Known, ...]:
+    """Return both frictions of every joint; `nominal` is the viscous friction in the robot file."""
+    return tuple(
+        one
+        for joint, (dry, wet) in enumerate(zip(coulomb, viscous, strict=True), start=1)
+        for one in (_coulomb(joint, *dry), Known("viscous friction", f"motor_{joint}", *wet, "Nm s/rad", nominal))
+    )
 
 
 _SECOND_STATE = (
@@ -356,14 +372,7 @@ CASES = (
         mapping="kr300.yaml",
         fitted=(_KR300_LOG.format("A"),),
         further={name: (_KR300_LOG.format(name),) for name in "BC"},
-        known=tuple(
-            one
-            for joint, (coulomb, viscous) in enumerate(zip(_KR300_COULOMB, _KR300_VISCOUS, strict=True), start=1)
-            for one in (
-                _coulomb(joint, *coulomb),
-                Known("viscous friction", f"motor_{joint}", *viscous, "Nm s/rad"),
-            )
-        ),
+        known=_frictions(_KR300_COULOMB, _KR300_VISCOUS),
         source="published with the data (Coulomb friction by the sum of its two steps), and least squares of the "
         "torque of each of the three logs above 1 deg/s, with a load of 180 kg, rotors, and a torque over sine and "
         "cosine of the position of each joint",
@@ -384,14 +393,7 @@ CASES = (
         mapping="tiago_arm.yaml",
         fitted=("tiago_position_1.csv", "tiago_effort_1.csv"),
         further={"second half": ("tiago_position_2.csv", "tiago_effort_2.csv")},
-        known=tuple(
-            one
-            for joint, (coulomb, viscous) in enumerate(_TIAGO_FRICTION, start=1)
-            for one in (
-                _coulomb(joint, coulomb),
-                Known("viscous friction", f"motor_{joint}", viscous, viscous, "Nm s/rad", 1.0),
-            )
-        ),
+        known=_frictions([(dry,) for dry, _ in _TIAGO_FRICTION], [(wet, wet) for _, wet in _TIAGO_FRICTION], 1.0),
         source="least squares of the torque of the fitted half, with all numbers of the rigid model beside it",
         fetched=True,
     ),
@@ -414,14 +416,7 @@ CASES = (
             "opti_traj_testing2": (f"{_GEN3}/validation_data/opti_traj_testing2.csv",),
             "RecordTrajectory_quadratic": (f"{_GEN3}/identification_data/RecordTrajectory_quadratic.csv",),
         },
-        known=tuple(
-            one
-            for joint, (coulomb, viscous) in enumerate(zip(_GEN3_COULOMB, _GEN3_VISCOUS, strict=True), start=1)
-            for one in (
-                _coulomb(joint, *coulomb),
-                Known("viscous friction", f"motor_{joint}", *viscous, "Nm s/rad"),
-            )
-        ),
+        known=_frictions(_GEN3_COULOMB, _GEN3_VISCOUS),
         source="least squares of the torque of each of the three logs, with all numbers of the rigid model beside it, "
         "which come out infeasible: these short moves hardly determine them",
         fetched=True,
@@ -438,12 +433,7 @@ CASES = (
         robot="wam_robot.yaml",
         mapping="wam.yaml",
         fitted=("pest_2dof_nogravity/wam_data/state_4.json",),
-        known=(
-            _coulomb(1, 2.12, 2.42),
-            Known("viscous friction", "motor_1", 1.23, 1.71, "Nm s/rad"),
-            _coulomb(2, 0.269, 0.357),
-            Known("viscous friction", "motor_2", 0.645, 0.687, "Nm s/rad"),
-        ),
+        known=_frictions(((2.12, 2.42), (0.269, 0.357)), ((1.23, 1.71), (0.645, 0.687))),
         source="published with the data, and least squares of the torque of this log with all numbers of the rigid "
         "model beside it, which has a load of about 1.3 kg at 0.4 m from the elbow",
         fetched=True,

@@ -87,7 +87,7 @@ def _refuse_what_bags_need(mapping: str, file: list[Path], out: Path, model: str
     """Refuse arguments that do not go with a mapping of the user."""
     if not file:
         if Path(mapping).suffix == ROS_1:
-            open_source(Path(mapping))
+            open_source(Path(mapping))  # refuses it, with what to do
         if Path(mapping).exists() and Path(mapping).suffix not in (".yaml", ".yml"):
             raise InputError(
                 f"{mapping} is no ROS 2 bag (folder, .mcap or .db3), and columns of other files have no usual "

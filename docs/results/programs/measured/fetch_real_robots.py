@@ -280,10 +280,20 @@ def fetch(
                 skipped.append(f"{repository.name}: {path}: has another checksum than at {repository.commit[:7]}")
                 continue
             target.parent.mkdir(parents=True, exist_ok=True)
-            part = target.with_name(f".{target.name}.part")
-            part.write_bytes(content)
-            part.replace(target)
+            write_whole(target, content)
     return tuple(skipped)
+
+
+def write_whole(path: Path, content: bytes | str) -> None:
+    """Write a file under another name, and rename it: it is whole or not there.
+
+    Args:
+        path: The file.
+        content: What it holds.
+    """
+    part = path.with_name(f".{path.name}.part")
+    part.write_bytes(content.encode() if isinstance(content, str) else content)
+    part.replace(path)
 
 
 def assemble_panda(folder: Path) -> None:
@@ -302,9 +312,7 @@ def assemble_panda(folder: Path) -> None:
         ",".join((instant, *position[7 * row : 7 * row + 7], *torque[7 * row : 7 * row + 7]))
         for row, instant in enumerate(time)
     ]
-    part = here / ".panda.csv.part"
-    part.write_text("\n".join((",".join(("time", *names)), *rows)) + "\n")
-    part.replace(part.with_name("panda.csv"))
+    write_whole(here / "panda.csv", "\n".join((",".join(("time", *names)), *rows)) + "\n")
 
 
 def assemble_tx40(folder: Path) -> None:
@@ -319,9 +327,7 @@ def assemble_tx40(folder: Path) -> None:
         return
     names = ",".join(f"{quantity}_{joint}" for quantity in ("position", "torque") for joint in range(1, 7))
     tables = [file.read_text().splitlines()[1:] for file in files]
-    part = here / ".tx40.csv.part"
-    part.write_text("\n".join((names, *(",".join(rows) for rows in zip(*tables)))) + "\n")
-    part.replace(part.with_name("tx40.csv"))
+    write_whole(here / "tx40.csv", "\n".join((names, *(",".join(rows) for rows in zip(*tables)))) + "\n")
 
 
 def assemble_tiago(folder: Path) -> None:
@@ -340,9 +346,7 @@ def assemble_tiago(folder: Path) -> None:
         for number, rows_of_part in enumerate(itertools.pairwise(TIAGO_PARTS), start=1):
             written[f"{table.stem}_{number}.csv"] = "\n".join((names, *rows[slice(*rows_of_part)])) + "\n"
     for name, content in written.items():
-        part = here / f".{name}.part"
-        part.write_text(content)
-        part.replace(part.with_name(name))
+        write_whole(here / name, content)
 
 
 def assemble_servo(folder: Path) -> None:
@@ -371,9 +375,7 @@ def assemble_servo(folder: Path) -> None:
                 for k, (command, position) in enumerate(pairs)
             ]
             begin += len(pairs) / 50 + SERVO_PAUSE
-        part = here / f".{name}.csv.part"
-        part.write_text("\n".join(rows) + "\n")
-        part.replace(part.with_name(f"{name}.csv"))
+        write_whole(here / f"{name}.csv", "\n".join(rows) + "\n")
 
 
 def _checksum(content: bytes) -> str:
