@@ -238,7 +238,7 @@ def _first_fits(
     if of_servos is not None and (first is None or of_servos.chi2 < first.chi2):
         first = of_servos
     base = None if first is None else base_fit(null, first, settings, deadline.of_fit())
-    if not (data.record.imported and tolerance.names):
+    if data.record.premises.floor_is_noise or not tolerance.names:
         return null, base
     if base is not None:
         misfit = max(base.chi2 / data.n_values, 1.0)

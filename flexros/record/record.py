@@ -5,10 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from flexros.record.premises import MEASURED, SIMULATED
+
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
     from flexros.record.further_sensors import SensorRecord
     from flexros.record.periodic_parts import PeriodicPart
+    from flexros.record.premises import Premises
     from flexros.robot.robot import Commands
 
 
@@ -87,6 +90,11 @@ class Record:
     begin: float = 0.0
     warnings: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()
+
+    @property
+    def premises(self) -> Premises:
+        """What a diagnosis takes for granted of the log."""
+        return MEASURED if self.imported else SIMULATED
 
     @property
     def n_samples(self) -> int:

@@ -188,7 +188,7 @@ def _within_floor(findings: Findings, left: float, with_tolerance: float | None)
     errors, the latter slow ones.
     """
     floors = findings.settings.floors
-    if findings.data.record.imported:
+    if not findings.data.record.premises.floor_is_noise:
         fitted = findings.explanations.comparison.level(findings.explanations.chosen)
         if max(fitted, findings.held_comparison.level(findings.held_chosen)) > floors:
             return False
@@ -206,7 +206,7 @@ def _partly(findings: Findings) -> bool:
     chosen, settings = findings.explanations.chosen, findings.settings
     if not findings.held_comparison.remainder(findings.held_chosen) < 1 - settings.confirmed_share:
         return False
-    if len(chosen.hypothesis) > 1 or findings.data.record.imported or not findings.complete:
+    if len(chosen.hypothesis) > 1 or not (findings.data.record.premises.library_is_complete and findings.complete):
         return True
     return min(constancies(chosen, findings.data, settings).values()) >= settings.constant
 

@@ -37,7 +37,7 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> tupl
     """
     chosen, fits = explanations.chosen, list(explanations.comparison.fits)
     withdrawn: list[str] = []
-    while search.data.record.imported and len(chosen.hypothesis) > 1 and not search.deadline.stops():
+    while len(chosen.hypothesis) > 1 and not (search.premises.library_is_complete or search.deadline.stops()):
         better = _better_without(search, chosen, explanations.null, held)
         if better is None:
             break

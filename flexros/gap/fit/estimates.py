@@ -199,7 +199,7 @@ def _form_errors(fit: CandidateFit, data: FitData, residual: FloatArray, form: R
     errors = np.sqrt(np.where(plain, form.plain_form, form.shaped_form))
     rows = np.arange(data.spread.size)
     changes: FloatArray = np.nan_to_num(switched_off(fit, data, residual, rows)) * errors
-    if data.record.imported:
+    if not data.record.premises.floor_is_noise:
         return changes
     power = float(np.sum(changes**2))
     seen = max(float(np.sum(residual[rows] ** 2)) - data.n_values, 0.0)

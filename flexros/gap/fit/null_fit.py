@@ -86,7 +86,7 @@ def fit_null(
     """
     predictor = _predictor(data, model, (), tolerance)
     enough = max(settings.enough, data.negligible)
-    share = 0.0 if data.record.imported else settings.enough_of_rest
+    share = settings.enough_of_rest if data.record.premises.floor_is_noise else 0.0
     first = np.zeros(predictor.n_fitted) if start is None else start
     if len(tolerance.names) >= LANES:
         slopes = linearise(predictor, data, first).slopes

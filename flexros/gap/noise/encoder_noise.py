@@ -116,7 +116,7 @@ def measure_noise(record: Record, robot: Robot, settings: DiagnosisSettings) -> 
         autoregression=np.stack([np.pad(colour, (0, order - len(colour))) for colour in colours]),
         jitter=jitter,
         source=tuple(source),
-        signal_tolerance=numbers.signal_tolerance if record.imported else 0.0,
+        signal_tolerance=0.0 if record.premises.floor_is_noise else numbers.signal_tolerance,
         warnings=warnings,
     )
 

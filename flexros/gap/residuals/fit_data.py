@@ -317,7 +317,7 @@ def fit_data(
         return replace(data, nominal_level=float(np.sum(errors**2) / np.isfinite(spread).sum())), predicted
 
     chosen = settings.level if level is None else level
-    adapts = level is None and not record.imported  # a measured log is tied as its tolerance says
+    adapts = level is None and record.premises.floor_is_noise  # a measured log is tied as its tolerance says
     data, predicted = predicted_at(_settled(gain_at, settings, record.n_samples) if adapts else chosen)
     while adapts and not data.nominal_level <= numbers.far_off:
         if 10 * data.level > numbers.starting_level:

@@ -50,8 +50,9 @@ def with_bristles(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -
         and [free.signed for free in one.free] == [False]  # one that takes friction away has no bristles
         and _noise(search, one) > 0
     ]
-    imported = search.data.record.imported
-    if not rigid or imported or search.deadline.stops() or not incomplete(search, compared(search, [fit]), fit):
+    if not (rigid and search.premises.library_is_complete) or search.deadline.stops():
+        return fit
+    if not incomplete(search, compared(search, [fit]), fit):
         return fit
     levels = {
         one.name: values["level"]

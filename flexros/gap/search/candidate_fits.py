@@ -119,7 +119,7 @@ class Search(LogFits):
     @property
     def torques_decide(self) -> bool:
         """Whether it does so on a real machine, where torques tell more than predictions of simulated accuracy."""
-        return self.from_torques and self.data.record.imported
+        return self.from_torques and self.premises.torques_tell
 
     def candidates(self) -> tuple[Candidate, ...]:
         """List the candidates that come from the ranges of effects; those of harmonics follow from a fit.
@@ -149,7 +149,7 @@ class Search(LogFits):
 
     def harmonics_in_place(self, fit: CandidateFit, replaced: Candidate) -> tuple[Candidate, ...]:
         """List the candidates that may have the order of an effect of a fit in its place, in a simulated log."""
-        if self.data.record.imported or self.deadline.stops():
+        if not self.premises.library_is_complete or self.deadline.stops():
             return ()
         found = harmonics_in_place(fit, replaced, self.data, self.settings.search)
         return tuple(candidate for candidate in found if self.competitors.contain(candidate))
@@ -178,11 +178,11 @@ class Search(LogFits):
         around = self.base if fit is None else fit
         residual = self.base_residual if fit is None else fit.residual(self.data)
         new = [candidate for candidate in candidates if candidate.name not in around.names]
-        simulated = not self.data.record.imported
-        plants = self.plants(around, new, rough=simulated)
+        rough = self.premises.floor_is_noise
+        plants = self.plants(around, new, rough=rough)
         own = around.predictor.plant.steps
         residuals = {own: residual}
-        for steps in {plant.steps for plant in plants.values()} - {own} if simulated else ():
+        for steps in {plant.steps for plant in plants.values()} - {own} if rough else ():
             again = self.null.predictor(around.hypothesis, self.null.plant(around.hypothesis, steps=steps))
             residuals[steps] = self.data.residuals(again, around.theta[:, None])[:, 0]
         work = partial(self._directions, around, residuals)

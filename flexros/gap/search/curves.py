@@ -46,7 +46,7 @@ def with_curves(
     Returns:
         The explanation with curves, or the same fit.
     """
-    if not search.data.record.imported or search.deadline.stops():
+    if search.premises.library_is_complete or search.deadline.stops():
         return fit
     surroundings = search.surroundings(fit)
     listed = [one for one in list_curves(search, fit) if not wanted or one.name in wanted]

@@ -50,7 +50,7 @@ def reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed
         removed: Share of the remaining gap that every effect must remove [1].
     """
     settings, n = search.settings.search, search.data.n_values
-    if search.data.record.imported:
+    if not search.premises.floor_is_noise:
         removed = search.settings.search.removed_of_all
     certain = min(settings.indispensable, settings.certain * removed)
     while len(fit.hypothesis) > 1:
@@ -64,7 +64,7 @@ def reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed
             for one, rise in zip(fit.hypothesis, lost, strict=True)
             if rise < certain * (rise + left) or _gains_nothing(search, fit, one, rise)
         ]
-        if not search.data.record.imported and compared(search, [fit]).beyond_tolerance(fit):
+        if search.premises.library_is_complete and compared(search, [fit]).beyond_tolerance(fit):
             # numbers of the model that an imitation drew out of tolerance go far without it: linear theory sees no end
             least = sorted((rise, one.name) for one, rise in zip(fit.hypothesis, lost, strict=True))
             doubtful = [*doubtful, *(pair for pair in least[:STRAINED] if pair not in doubtful)]

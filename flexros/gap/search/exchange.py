@@ -87,7 +87,7 @@ def _divisions(search: Search, fit: CandidateFit, directions: Sequence[Direction
     """List the rich laws that explain a simulated log, each with two candidates whose gains in its place add up."""
     settings, found = search.settings.search, []
     rich = [one for one in fit.hypothesis if len(one.free) >= RICH and one.effect.extends]
-    if search.data.record.imported or not rich:
+    if not search.premises.library_is_complete or not rich:
         return []
     for candidate, rest in zip(fit.hypothesis, search.removals(fit, search.surroundings(fit)), strict=True):
         additions = search.additions(directions, fit, rest)[: settings.screened] if candidate in rich else []

@@ -215,7 +215,7 @@ def _left_behind(search: Search, comparison: ModelComparison, fit: CandidateFit,
         fit: A fit with as many effects as the chosen one.
         chosen: The chosen explanation.
     """
-    if search.data.record.imported or len(chosen.names - fit.names) < PAIR:
+    if not search.premises.library_is_complete or len(chosen.names - fit.names) < PAIR:
         return False
     clearly = comparison.level(fit) - comparison.level(chosen) > search.settings.search.little
     return clearly and worth(search, comparison, fit, chosen, search.settings.search.removed)

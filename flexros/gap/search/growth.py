@@ -41,7 +41,7 @@ def extended(
         if search.deadline.stops():
             break
         quick = not chosen.converged or len(chosen.deviations)  # with the tolerance slopes of the nominal model
-        if quick and not search.data.record.imported:
+        if quick and search.premises.library_is_complete:
             chosen = search.completed(chosen)  # what a fit in a long valley leaves is no effect that is missing
             fits.append(chosen)
         grown = with_more(search, chosen, directions, fits)
@@ -96,8 +96,7 @@ def resumed(
         directions: All candidates but those of harmonics.
         fits: All fits so far; new ones are appended.
     """
-    simulated = not search.data.record.imported
-    for _ in range(search.settings.search.resumed if simulated else 0):
+    for _ in range(search.settings.search.resumed if search.premises.library_is_complete else 0):
         if search.deadline.stops():
             break
         valid = search.within_limits(chosen)

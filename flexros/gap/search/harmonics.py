@@ -106,7 +106,7 @@ class OrderSearch:
         """
         angle = self._angle(motor)
         resolution, highest = 2 * np.pi / max(float(np.ptp(angle)), 1e-12), self._highest(angle)
-        lowest = resolution * (FEWEST_MEASURED if self.data.record.imported else 1.0)
+        lowest = resolution * (1.0 if self.data.record.premises.library_is_complete else FEWEST_MEASURED)
         if highest <= lowest:
             return ()
         backward = self._backward(self._source(motor, entry)) * self._factor(motor, entry)

@@ -32,7 +32,12 @@ def beside_line(search: Search, chosen: CandidateFit, *others: CandidateFit) -> 
         suffices, and on real machines, whose motion may repeat.
     """
     data, settings = search.data, search.settings
-    if data.record.imported or search.from_torques or data.line is not None or search.deadline.stops():
+    if (
+        not search.premises.library_is_complete
+        or search.from_torques
+        or data.line is not None
+        or search.deadline.stops()
+    ):
         return None
     if compared(search, [chosen]).adequate(chosen):
         return None

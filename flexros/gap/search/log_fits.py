@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from flexros.gap.prediction.predictor import Predictor
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.settings import DiagnosisSettings
+    from flexros.record.premises import Premises
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -58,6 +59,11 @@ class LogFits:
         """Log and weights."""
         return self.null.data
 
+    @property
+    def premises(self) -> Premises:
+        """What is taken for granted of the log."""
+        return self.data.record.premises
+
     def _from_grid(self, predictor: Predictor, starts: FloatArray) -> CandidateFit:
         """Fit from the best initial value, and from the second best unless that converges at once."""
         sums = chi2_of(predictor, self.data, starts)
@@ -66,7 +72,7 @@ class LogFits:
         settled = best.converged and best.iterations <= self.settings.search.settled
         if len(order) < 2 or settled or self.deadline.stops():
             return best
-        rival = np.inf if self.data.record.imported else best.chi2
+        rival = best.chi2 if self.premises.floor_is_noise else np.inf
         return best_of([best, self._while_steep(predictor, starts[:, order[1]], sums[order[1]], rival)])
 
     def _while_steep(self, predictor: Predictor, start: FloatArray, chi2: float, rival: float = np.inf) -> CandidateFit:
@@ -97,9 +103,9 @@ class LogFits:
         Those of a simulated log serve for the first step alone: the nominal model may lack so much that its tolerated
         deviations are at their limits, and with slopes from there a fit seems to end far from its minimum.
         """
-        settings, simulated = self.settings.fit, not self.data.record.imported
+        settings, to_noise = self.settings.fit, self.premises.floor_is_noise
         slopes = self.tolerance_slopes if quick else None
-        loose = quick or (simulated and self.tolerance_slopes is not None)  # tolerances decide how well sizes are known
+        loose = quick or (to_noise and self.tolerance_slopes is not None)  # tolerances decide how well sizes are known
         enough = settings.enough if loose else settings.exactly
         share = settings.enough_of_rest * (1.0 if quick else 0.1)
         return fit_candidate(
@@ -107,11 +113,11 @@ class LogFits:
             self.data,
             start,
             iterations,
-            tolerance_slopes=None if simulated else slopes,
-            first_slopes=slopes if simulated else None,
+            tolerance_slopes=None if to_noise else slopes,
+            first_slopes=slopes if to_noise else None,
             enough=max(enough, self.data.negligible),
             rival=rival,
-            share=share if simulated else 0.0,
+            share=share if to_noise else 0.0,
             settings=settings,
             stop=self.deadline.of_fit(finishing=finishing),
         )
@@ -148,7 +154,7 @@ class LogFits:
     def _most_iterations(self) -> int:
         """Iterations of fits that are carried to their end; many tolerated numbers allow for fewer further ones."""
         settings, tolerated = self.settings.fit, self.null.fit.predictor.tolerance.n_free
-        if not tolerated or self.data.record.imported:
+        if not tolerated or not self.premises.floor_is_noise:
             return settings.final_iterations
         passes = tolerated // LANES + 3  # of derivatives with some effects, and of steps
         return max(settings.final_iterations, settings.valley_passes // passes)
@@ -191,7 +197,7 @@ class LogFits:
         """
         fit = self._continued(replace(fit, predictor=self.null.predictor(fit.hypothesis)), np.inf, finishing=True)
         beyond = compare(self.data, self.null.fit, settings=self.settings.ranking).beyond_tolerance(fit)
-        if self.data.record.imported or not beyond or self.deadline.stops():
+        if not self.premises.library_is_complete or not beyond or self.deadline.stops():
             return fit
         nominal = fit.theta.copy()
         nominal[fit.predictor.n_effect :] = 0.0

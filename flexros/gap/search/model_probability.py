@@ -277,7 +277,7 @@ def compare(
         settings: Thresholds and costs.
     """
     measurement = data.measurement
-    exact = not null.predictor.tolerance.names and not data.record.imported
+    exact = data.record.premises.floor_is_noise and not null.predictor.tolerance.names
     return ModelComparison(
         null=null,
         fits=tuple(fits),

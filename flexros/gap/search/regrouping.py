@@ -44,7 +44,7 @@ def regrouped(
         fits: All fits so far; new ones are appended.
     """
     own = [one for one in fit.hypothesis if in_proportion(one)]
-    if len(own) < FEWEST or search.data.record.imported or search.deadline.stops():
+    if len(own) < FEWEST or not search.premises.library_is_complete or search.deadline.stops():
         return fit
     known = {one.candidate.name: one for one in directions if in_proportion(one.candidate) and one.usable.any()}
     names = frozenset(one.name for one in own)

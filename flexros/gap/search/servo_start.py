@@ -81,7 +81,7 @@ def fit_of_servos(
     """
     robot, record = null.model.robot, null.data.record
     far_off = null.data.nominal_level > settings.residuals.far_off
-    if record.command is None or robot.flexible_motors or not (record.imported or far_off):
+    if record.command is None or robot.flexible_motors or not (record.premises.torques_tell or far_off):
         return None
     begin = settings.servo_start
     limited = limited_servos(robot, record, begin.often_limited)

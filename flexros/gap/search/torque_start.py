@@ -106,7 +106,7 @@ def torque_start(
     """
     record = data.record
     far_off = data.nominal_level > settings.residuals.far_off
-    if not only_coulomb(model) or not (record.imported or far_off):
+    if not only_coulomb(model) or not (record.premises.torques_tell or far_off):
         return None
     if record.command is not None:
         start = _servo_start(record, model, tolerance, settings.torque_start)
@@ -171,11 +171,12 @@ def with_torques(data: FitData, start: TorqueStart | None) -> FitData:
         data: Log and weights.
         start: What its torques show; None for nothing.
     """
-    if start is None or not data.record.imported or data.record.command is not None or start.robot.flexible_motors:
+    record = data.record
+    if start is None or not record.premises.torques_tell or record.command is not None or start.robot.flexible_motors:
         return data
-    least = data.settings.torque_start.least_rest * data.measurement.tolerated_torque(data.record)
+    least = data.settings.torque_start.least_rest * data.measurement.tolerated_torque(record)
     deviation = np.maximum(start.regression.rest, least)
-    return replace(data, torques=torque_errors(data.record, start.model, start.delay, deviation))
+    return replace(data, torques=torque_errors(record, start.model, start.delay, deviation))
 
 
 def first_values(start: TorqueStart, null: NullFit, settings: DiagnosisSettings) -> CandidateFit | None:

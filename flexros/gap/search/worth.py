@@ -39,7 +39,8 @@ def incomplete(search: Search, comparison: ModelComparison, chosen: CandidateFit
     effects must gain there, `threshold`, allows for the rounding. Where the noise itself is uncertain, a level that is
     above one by more than chance may be that of the noise, or of an effect: what effects gain tells these apart.
     """
-    if search.data.record.imported or (comparison.rounding > 0 and comparison.floor_error > _chance(comparison)):
+    uncertain = comparison.rounding > 0 and comparison.floor_error > _chance(comparison)
+    if uncertain or not search.premises.floor_is_noise:
         return True
     return more_than_chance(comparison, chosen) or comparison.beyond_tolerance(chosen)
 
@@ -63,14 +64,14 @@ def worth(
     form_error = search.settings.search.least_of_gap * (comparison.level(comparison.null) - 1.0)
     if comparison.level(before) - comparison.level(after) < form_error:
         return False
-    if search.data.record.imported:
+    if not search.premises.floor_is_noise:
         if strains(search, comparison, after, before):
             return True
         removed = search.settings.search.removed_of_all
         if comparison.level(before) <= search.settings.ranking.floors:
             return comparison.level(after) < search.settings.search.within_floor * comparison.level(before)
     relieved = after.prior_penalty < (1 - removed) * before.prior_penalty
-    if comparison.beyond_tolerance(before) and relieved and not search.data.record.imported:
+    if comparison.beyond_tolerance(before) and relieved and search.premises.floor_is_noise:
         return True
     return (
         comparison.removed(before, after) >= removed
@@ -85,7 +86,7 @@ def _constant(search: Search, comparison: ModelComparison, before: CandidateFit,
     Where an explanation suffices, what its effects leave is a model-form error, which candidates imitate constantly
     too. Both must be fits: an estimate by linear theory has no sizes.
     """
-    if search.data.record.imported or comparison.adequate(after):
+    if not search.premises.library_is_complete or comparison.adequate(after):
         return False
     further = after.names - before.names
     if not further or comparison.removed(before, after) < search.settings.search.removed_if_constant:
@@ -101,7 +102,7 @@ def _at_one_motor(search: Search, comparison: ModelComparison, before: Candidate
     little of the whole. Both must be fits: an estimate by linear theory says nothing of single motors.
     """
     n, M = search.data.record.position.shape
-    if search.data.record.imported or M == 1 or before.names == after.names:
+    if not search.premises.library_is_complete or M == 1 or before.names == after.names:
         return False
     first, second = (
         np.maximum(np.sum(fit.residual(search.data)[: M * n].reshape(M, n) ** 2, axis=1), 1e-300)
@@ -119,7 +120,7 @@ def _gained(search: Search, comparison: ModelComparison, before: CandidateFit, a
     The floor of a real machine is a tolerance: where torques are known far better, as in the log of a simulator, the
     levels of right explanations are far below it, and differences between them are no accident of little noise.
     """
-    if not search.data.record.imported or comparison.level(before) > 1.0:
+    if search.premises.floor_is_noise or comparison.level(before) > 1.0:
         return comparison.score(after) - comparison.score(before)
     ratio = comparison.level(before) / max(comparison.level(after), 1e-300)
     return comparison.n_values * float(np.log(ratio)) - comparison.penalty(after) + comparison.penalty(before)
@@ -144,7 +145,7 @@ def simple_first(search: Search, fit: CandidateFit, additions: Sequence[Addition
     On a real machine many effects are left to be found, and the simple ones at all joints come first; a rich one may
     take the place of a simple one in the end.
     """
-    if not search.data.record.imported:
+    if search.premises.library_is_complete:
         return list(additions)
     gains = {addition.candidate.name: addition.gain for addition in additions}
     simple = search.settings.search.simple
@@ -160,7 +161,7 @@ def simplest(
     search: Search, comparison: ModelComparison, fit: CandidateFit, fits: Sequence[CandidateFit]
 ) -> CandidateFit:
     """Return a fit with a simpler effect in place of a rich one that hardly does more, on a real machine."""
-    if not search.data.record.imported:
+    if search.premises.library_is_complete:
         return fit
     for candidate in fit.hypothesis:
         rest = fit.names - {candidate.name}
