@@ -2,8 +2,8 @@
 
 Each case leaves its row in mujoco_robots.json as soon as it is done; the page is written from that file. Cases that are
 there are not computed again (`--again` does). The evaluation cases of the page are EVALUATION; development seeds are
-below 1000, and 1001 to 1052, the cases of an earlier page. A URDF is a file of your own, such as one from a clone of a
-public repository of models; its meshes are not needed.
+below 1000, and those of earlier pages, 1001 to 1052 and 6201 to 6261. A URDF is a file of your own, such as one from a
+clone of a public repository of models; its meshes are not needed.
 """
 
 from __future__ import annotations
@@ -41,14 +41,14 @@ if TYPE_CHECKING:
 
 UR5E = Path(__file__).parents[2] / "examples" / "ur5e.urdf"
 EVALUATION = (
-    *(f"torque:{seed}" for seed in range(6201, 6207)),
-    *(f"delay:{seed}" for seed in range(6211, 6216)),
-    *(f"elastic:{seed}" for seed in range(6221, 6225)),
-    *(f"backlash:{seed}" for seed in range(6231, 6235)),
-    *(f"servo:{seed}" for seed in range(6241, 6247)),
-    *(f"{mode}:{seed}:{UR5E.name}" for mode, seed in (("torque", 6251), ("delay", 6252))),
+    *(f"torque:{seed}" for seed in range(7301, 7308)),
+    *(f"delay:{seed}" for seed in range(7311, 7316)),
+    *(f"elastic:{seed}" for seed in range(7321, 7325)),
+    *(f"backlash:{seed}" for seed in range(7331, 7335)),
+    *(f"servo:{seed}" for seed in range(7341, 7347)),
+    *(f"{mode}:{seed}:{UR5E.name}" for mode, seed in (("torque", 7351), ("delay", 7352))),
 )
-"""Cases of the page; their seeds were drawn once, after the last change of the method that they led to."""
+"""Cases of the page; their seeds were not used before it."""
 NAMES = ("fitted", "held", "other")
 LIMIT = 150.0
 """Time after which a diagnosis is partial [s]."""

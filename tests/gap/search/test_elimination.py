@@ -13,6 +13,7 @@ from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.deadline import Deadline
 from flexros.gap.search import elimination
 from flexros.gap.settings import DiagnosisSettings
+from flexros.record.premises import MEASURED, SIMULATED, Premises
 
 INERTIA, STIFFNESS = "motor_inertia_error@motor_1", "stiffness_error@body_2.ry"
 COULOMB, VISCOUS, BIAS = "coulomb_friction@motor_1", "viscous_friction@motor_1", "torque_bias@motor_2"
@@ -59,7 +60,8 @@ class Search:
         tolerance = Tolerance(("motor_1.inertia",), (0.03,))
         null = SimpleNamespace(predictor=SimpleNamespace(tolerance=tolerance))
         self.null = SimpleNamespace(fit=null, model=SimpleNamespace(robot=robot))
-        self.data = SimpleNamespace(n_values=N, record=SimpleNamespace(imported=True))
+        self.premises = MEASURED
+        self.data = SimpleNamespace(n_values=N)
         self.settings = DiagnosisSettings()
         self.deadline = Deadline()
 
@@ -111,28 +113,28 @@ def test_a_further_effect_that_removes_little_is_left_out() -> None:
     assert elimination.reduced(search, every, [], 0.2).names == {COULOMB}  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("imported", [False, True])
+@pytest.mark.parametrize("premises", [SIMULATED, MEASURED], ids=["simulated", "measured"])
 @pytest.mark.parametrize("chi2", [1000.0 - 30.0, 1000.0 + 30.0], ids=["below the floor", "above the floor"])
-def test_an_effect_that_gains_nothing_is_left_out_wherever_the_floor_is(chi2: float, imported: bool) -> None:
+def test_an_effect_that_gains_nothing_is_left_out_wherever_the_floor_is(chi2: float, premises: Premises) -> None:
     """Half of all logs whose causes are found end below it, by chance."""
     search: Any = Search({frozenset({COULOMB}): chi2 + 0.1}, {COULOMB: 900.0, BIAS: 0.1}, ())
-    search.torques_decide, search.data.record.imported = False, imported
+    search.torques_decide, search.premises = False, premises
     assert elimination.reduced(search, Fit((COULOMB, BIAS), chi2), [], 0.2).names == {COULOMB}  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize(("strained", "imported", "expected"), [
-    (True, False, {COULOMB}),
-    (False, False, {COULOMB, BIAS}),
-    (True, True, {COULOMB, BIAS}),
+@pytest.mark.parametrize(("strained", "premises", "expected"), [
+    (True, SIMULATED, {COULOMB}),
+    (False, SIMULATED, {COULOMB, BIAS}),
+    (True, MEASURED, {COULOMB, BIAS}),
 ])  # fmt: skip
 def test_beside_numbers_out_of_tolerance_effects_that_seem_needed_are_tried_as_well(
-    strained: bool, imported: bool, expected: set[str], monkeypatch: pytest.MonkeyPatch
+    strained: bool, premises: Premises, expected: set[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Without an imitation the numbers go back to their tolerances, which linear theory does not see."""
     found = SimpleNamespace(threshold=6.0, beyond_tolerance=lambda _: strained)
     monkeypatch.setattr(elimination, "compared", lambda *_: found)
     search: Any = Search({frozenset({COULOMB}): 990.0, frozenset({BIAS}): 5000.0}, {COULOMB: 9000.0, BIAS: 900.0}, ())
-    search.torques_decide, search.data.record.imported = False, imported
+    search.torques_decide, search.premises = False, premises
     every = Fit((COULOMB, BIAS), 1000.0)
     assert elimination.reduced(search, every, [], 0.2).names == expected  # type: ignore[arg-type]
 

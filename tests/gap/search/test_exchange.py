@@ -12,6 +12,7 @@ from flexros.effects import effects
 from flexros.gap.candidates.candidate import Candidate
 from flexros.gap.search.exchange import _divisions, _replacements
 from flexros.gap.settings import DiagnosisSettings
+from flexros.record.premises import SIMULATED
 from tests.gap.diagnosis_logs import candidates_of
 
 
@@ -38,7 +39,7 @@ def test_a_rich_law_is_divided_into_two_effects(name: str, expected: list[str]) 
     names = ("hysteresis@motor_1", "damping_error@body_1.rz", "torque_bias@motor_1")
     search: Any = SimpleNamespace(
         settings=DiagnosisSettings(),
-        data=SimpleNamespace(record=SimpleNamespace(imported=False)),
+        premises=SIMULATED,
         additions=lambda *_: [addition(each) for each in names],
         surroundings=lambda _: None,
         removals=lambda *_: [Rest()],

@@ -9,6 +9,7 @@ import pytest
 
 from flexros.gap.search import growth
 from flexros.gap.settings import DiagnosisSettings
+from flexros.record.premises import SIMULATED
 
 
 def fit(*names: str) -> Any:
@@ -26,7 +27,8 @@ def search_that_never_ends() -> Any:
     return SimpleNamespace(
         settings=DiagnosisSettings(),
         torques_decide=False,
-        data=SimpleNamespace(record=SimpleNamespace(imported=False), n_values=10),
+        premises=SIMULATED,
+        data=SimpleNamespace(n_values=10),
         deadline=SimpleNamespace(stops=lambda: False),
         within_limits=lambda one: one,
     )

@@ -12,6 +12,7 @@ import pytest
 from flexros.gap.search.model_probability import ModelComparison
 from flexros.gap.search.worth import incomplete, simple_first, simplest, worth
 from flexros.gap.settings import DiagnosisSettings
+from flexros.record.premises import MEASURED, SIMULATED
 from tests.gap.diagnosis_logs import candidates_of
 
 COULOMB, PRESLIDING = "coulomb_friction@motor_1", "presliding_friction@motor_1"
@@ -51,7 +52,7 @@ def test_where_the_floor_is_uncertain_effects_may_be_missing_near_it(
     """Of a floor known to 10 %, a level of 1.05 does not tell whether an effect is missing that gains 500 nats."""
     comparison, (_, fit) = measured_fits(50.0, level)
     comparison = replace(comparison, floor_error=floor_error, rounding=rounding)
-    search = SimpleNamespace(settings=DiagnosisSettings(), data=SimpleNamespace(record=SimpleNamespace(imported=False)))
+    search: Any = SimpleNamespace(premises=SIMULATED)
     assert incomplete(search, comparison, fit) is expected
 
 
@@ -73,8 +74,8 @@ def measured_fits(*levels: float) -> tuple[ModelComparison, list[Any]]:
 
 def measured_search() -> Any:
     """Search in a measured log."""
-    record = SimpleNamespace(imported=True, position=np.zeros((10, 1)))
-    return SimpleNamespace(settings=DiagnosisSettings(), data=SimpleNamespace(record=record))
+    data = SimpleNamespace(record=SimpleNamespace(position=np.zeros((10, 1))))
+    return SimpleNamespace(settings=DiagnosisSettings(), data=data, premises=MEASURED)
 
 
 def measured_fit(level: float, *names: str) -> Any:
@@ -111,7 +112,7 @@ def test_a_rich_effect_stays_where_it_does_much_more(level: float, chosen: str) 
 def test_what_is_within_the_numerical_error_of_a_model_is_no_effect() -> None:
     null, rest, fit = measured_fit(1e8), measured_fit(1.9, COULOMB), measured_fit(1.0, COULOMB, PRESLIDING)
     search = measured_search()
-    search.data.record.imported = False
+    search.premises = SIMULATED
     assert not worth(search, ModelComparison(null, (rest, fit), 20_000), rest, fit, 0.4)
     assert worth(search, ModelComparison(measured_fit(1e3), (rest, fit), 20_000), rest, fit, 0.4)
 
@@ -123,9 +124,9 @@ def test_most_of_what_remains_at_one_of_several_motors_is_worth_it(quiet: float,
     null, rest, fit = measured_fit(1e3), measured_fit(20.5), measured_fit(20.0, COULOMB)
     for one, sums in ((rest, (400_000.0, 11_000.0)), (fit, (400_000.0, quiet))):
         one.residual = lambda _, sums=sums: np.repeat(np.sqrt(np.array(sums) / n), n)
-    record = SimpleNamespace(imported=False, position=np.zeros((n, 2)))
+    record = SimpleNamespace(position=np.zeros((n, 2)))
     data = SimpleNamespace(record=record, values_of_motors=np.array([n, n]))
-    search: Any = SimpleNamespace(settings=DiagnosisSettings(), data=data)
+    search: Any = SimpleNamespace(settings=DiagnosisSettings(), data=data, premises=SIMULATED)
     assert worth(search, ModelComparison(null, (rest, fit), 20_000), rest, fit, 0.4) is expected
 
 
@@ -139,5 +140,5 @@ def test_an_effect_of_constant_size_stays_beside_what_no_effect_explains(
     monkeypatch.setattr("flexros.gap.search.worth.constancies", lambda fit, *_: dict.fromkeys(fit.names, constant))
     rest, fit = measured_fit(1 + 1.25 * (level - 1), COULOMB), measured_fit(level, COULOMB, PRESLIDING)
     search = measured_search()
-    search.data.record.imported = False
+    search.premises = SIMULATED
     assert worth(search, ModelComparison(measured_fit(1e3), (rest, fit), 20_000), rest, fit, 0.4) is expected
