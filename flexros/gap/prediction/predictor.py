@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,8 +11,8 @@ from flexros.effects.kinds.command_law import AbstractCommandLaw
 from flexros.effects.kinds.law import AbstractLaw
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.errors import InputError
-from flexros.gap.prediction.compiled_plant import LANES, CompiledPlant, is_law
-from flexros.gap.prediction.fractional_delay import delayed
+from flexros.gap.prediction.compiled_plant import LANES, CompiledPlant, delays, is_law
+from flexros.gap.prediction.fractional_delay import delayed_halves
 from flexros.simulate.servo_lead import servo_leads
 
 if TYPE_CHECKING:
@@ -159,16 +159,21 @@ class Predictor:
             state = self._rest(state, column) if from_rest else state
             plants.append(self.model.start(state, first, column, time=time))
         plant = np.stack(plants, axis=-1)
-        return self.loop.run(
+        parts = self.plant.parts
+        driving, n = self._driving(record, sets, list(columns.T)), parts * record.n_samples
+        position, correcting = np.zeros((n, self.robot.n_motors)), np.zeros(n)
+        position[::parts], correcting[::parts] = record.position, record.correcting
+        prediction = self.loop.run(
             plant,
             columns,
             self.model.corrections(gain.gain),
-            self._driving(record, sets, list(columns.T)),
-            record.position,
-            record.correcting.astype(float),
-            pose_samples=pose_samples,
+            driving,
+            position,
+            correcting,
+            pose_samples=None if pose_samples is None else parts * pose_samples,
             record_states=record_states,
         )
+        return prediction if parts == 1 else _at_samples(prediction, parts)
 
     def ahead(
         self,
@@ -190,18 +195,19 @@ class Predictor:
             horizon: Prediction horizon [samples].
             last: Number of samples up to the horizon whose states are recorded, at most horizon + 1.
         """
-        own = self._column(theta)
+        own, parts = self._column(theta), self.plant.parts
         column = np.repeat(own[:, None], LANES, axis=1)
         torque = self._driving(record, [theta], [own])
         torque = torque if torque.ndim == 2 else torque[:, :, 0]
-        nothing = np.zeros((horizon + 1, self.robot.n_motors))
+        length = parts * horizon + 1
+        nothing = np.zeros((length, self.robot.n_motors))
         gain = np.zeros((self.loop.sizes.state, self.robot.n_motors))
         past = np.arange(1, self.loop.line_length + 1)
         runs, ends = [], []
         for first in range(0, len(starts), LANES):
             group = starts[first : first + LANES]
             lanes = np.concatenate([group, np.repeat(group[-1:], LANES - len(group))])
-            windows = np.stack([torque[start : start + horizon + 1] for start in lanes], axis=-1)
+            windows = np.stack([torque[parts * start : parts * start + length] for start in lanes], axis=-1)
             before = np.stack([torque[start - past] for start in lanes], axis=-1)
             one = self.loop.run(
                 states[lanes].T,
@@ -209,13 +215,14 @@ class Predictor:
                 gain,
                 windows,
                 nothing,
-                np.ones(horizon + 1),
+                np.ones(length),
                 past=before,
                 record_states=last > 0,
             )
-            runs.append(-one.innovation[horizon].T[: len(group)])
+            runs.append(-one.innovation[-1].T[: len(group)])
             if one.states is not None:
-                ends.append(one.states[horizon + 1 - last :, :, : len(group)].transpose(2, 0, 1))
+                final = one.states[::parts][horizon + 1 - last :]
+                ends.append(final[:, :, : len(group)].transpose(2, 0, 1))
         return PredictedAhead(np.concatenate(runs), np.concatenate(ends) if last else None)
 
     def sensor_outputs(
@@ -250,14 +257,16 @@ class Predictor:
         self, record: Record, sets: Sequence[FloatArray], columns: Sequence[FloatArray], samples: IntArray
     ) -> FloatArray:
         """Return the mean of the inputs just before and just after samples, shape (m, M, sets or 1)."""
-        driving = self._driving(record, sets, columns)
-        driving = driving if driving.ndim == 3 else driving[:, :, None]
-        delays = np.broadcast_to(self.plant.delay, self.robot.n_motors)
-        acting = np.empty((len(samples), *driving.shape[1:]))
-        for motor, delay in enumerate(delays / self.sample_time):
-            after = np.maximum(samples - int(np.ceil(delay)), 0)
-            before = after if delay % 1 else np.maximum(after - 1, 0)
-            acting[:, motor] = 0.5 * (driving[after, motor] + driving[before, motor])
+        inputs = self._inputs(record, sets, columns)
+        late = np.stack([self._late(theta) for theta in sets[: 1 if self.plant.parts == 1 else None]], axis=-1)
+        lanes = range(max(len(inputs), late.shape[1]))
+        acting = np.empty((len(samples), self.robot.n_motors, len(lanes)))
+        for lane in lanes:
+            held = inputs[min(lane, len(inputs) - 1)]
+            for motor, delay in enumerate(late[:, min(lane, late.shape[1] - 1)]):
+                after = np.maximum(samples - int(np.ceil(delay)), 0)
+                before = after if delay % 1 else np.maximum(after - 1, 0)
+                acting[:, motor, lane] = 0.5 * (held[after, motor] + held[before, motor])
         return acting
 
     def numbers(self, theta: FloatArray) -> dict[str, float]:
@@ -283,7 +292,7 @@ class Predictor:
             if is_law(candidate):
                 assert isinstance(effect, AbstractLaw)
                 laws.append((candidate, None if self._cut_off_before(candidate) else effect.acting))
-            elif not _delays(candidate):
+            elif not delays(candidate):
                 assert isinstance(effect, AbstractChangedValues)
                 for name, value in effect.values(self.robot, candidate.location).items():
                     robot[name] += value - nominal[name]
@@ -297,57 +306,70 @@ class Predictor:
             return near
 
     def _driving(self, record: Record, sets: Sequence[FloatArray], columns: Sequence[FloatArray]) -> FloatArray:
-        """Return the input of the model, with a last axis of sets where these differ.
+        """Return the input of every part of a sample, with a last axis of sets where these differ.
 
         Args:
             record: The log.
             sets: Encoded parameters, shape (n_fitted,) each.
             columns: Parameters of the plant for each.
         """
-        if record.command is None:
-            return self._torque([record.torque] * len(sets), sets)
-        leads = [servo_leads(self.robot, dict(zip(self.model.parameter_names, column))) for column in columns]
-        if not np.any(leads):
-            return self._torque([record.command] * len(sets), sets)
-        rate = record.command_rate
-        rate = np.gradient(record.command, record.sample_time, axis=0) if rate is None else rate
-        lanes = self._torque([record.command + lead * rate for lead in leads], sets)
-        return lanes if lanes.ndim == 3 else lanes[:, :, None]
+        inputs = self._inputs(record, sets, columns)
+        if self.plant.parts > 1:
+            late = [self._late(theta) for theta in sets]
+            inputs = inputs * len(sets) if len(inputs) == 1 else inputs
+            inputs = [delayed_halves(one, delay) for one, delay in zip(inputs, late, strict=True)]
+        return inputs[0] if len(inputs) == 1 else np.stack(inputs, axis=-1)
 
-    def _torque(self, inputs: Sequence[FloatArray], sets: Sequence[FloatArray]) -> FloatArray:
-        """Delay the recorded inputs where that is part of the hypothesis.
+    def _inputs(self, record: Record, sets: Sequence[FloatArray], columns: Sequence[FloatArray]) -> list[FloatArray]:
+        """Return the input of the model before all delays, of each set or one of all, shape (n, M) each.
 
-        Saturation is applied first: the order does not matter to the robot, but the filter of a fractional delay holds
-        only for torques that are not saturated after it.
+        Saturation is applied before a delay that is part of the hypothesis: the order does not matter to the robot, but
+        the halves of a delayed sample hold only for torques that are not saturated after it.
         """
-        if not any(_delays(candidate) for candidate in self.hypothesis):
-            return inputs[0] if all(one is inputs[0] for one in inputs) else np.stack(inputs, axis=-1)
-        lanes = []
-        for theta, own in zip(sets, inputs):
-            shifted = own.copy()
-            pairs = list(zip(self.hypothesis, self.values(theta)))
-            for candidate, numbers in pairs:
-                if self._cut_off_before(candidate):
-                    motor, effect = self.robot.joint_names.index(candidate.location), candidate.placed(numbers).effect
-                    assert isinstance(effect, AbstractCommandLaw)
-                    shifted[:, motor] = effect.cut_off(shifted[:, motor])
-            for candidate, numbers in pairs:
-                if _delays(candidate):
-                    shifted = delayed(shifted, numbers["time"] / self.sample_time, self._delayed_by(candidate))
-            lanes.append(shifted)
-        return np.stack(lanes, axis=-1)
+        if record.command is None:
+            inputs = [record.torque]
+        else:
+            leads = [servo_leads(self.robot, dict(zip(self.model.parameter_names, column))) for column in columns]
+            rate = record.command_rate
+            rate = np.gradient(record.command, record.sample_time, axis=0) if rate is None else rate
+            inputs = [record.command + lead * rate for lead in leads] if np.any(leads) else [record.command]
+        if not any(map(self._cut_off_before, self.hypothesis)):
+            return inputs
+        inputs = inputs * len(sets) if len(inputs) == 1 else inputs
+        return [self._cut_off(one, theta) for one, theta in zip(inputs, sets, strict=True)]
 
-    def _delayed_by(self, candidate: Candidate) -> list[int]:
-        """List the motors whose commands a candidate delays."""
-        return [motor for motor, name in enumerate(self.robot.joint_names) if candidate.location in ("all", name)]
+    def _cut_off(self, torque: FloatArray, theta: FloatArray) -> FloatArray:
+        """Saturate torques before they are delayed."""
+        result = torque.copy()
+        for candidate, numbers in zip(self.hypothesis, self.values(theta)):
+            if self._cut_off_before(candidate):
+                motor, effect = self.robot.joint_names.index(candidate.location), candidate.placed(numbers).effect
+                assert isinstance(effect, AbstractCommandLaw)
+                result[:, motor] = effect.cut_off(result[:, motor])
+        return result
+
+    def _late(self, theta: FloatArray) -> FloatArray:
+        """Return the whole delay of the input of each motor [samples], shape (M,)."""
+        late = np.array(np.broadcast_to(self.plant.delay, self.robot.n_motors))
+        for candidate, numbers in zip(self.hypothesis, self.values(theta)):
+            if delays(candidate):
+                late += [numbers["time"] * (candidate.location in ("all", name)) for name in self.robot.joint_names]
+        return late / self.sample_time
 
     def _cut_off_before(self, candidate: Candidate) -> bool:
         """Whether a candidate saturates torques that another one delays."""
-        delays = [one for one in self.hypothesis if _delays(one)]
+        late = [one for one in self.hypothesis if delays(one)]
         if self.robot.commands == "position":  # the torque is made behind the delay
             return False
-        return candidate.cuts_off and any(one.location in ("all", candidate.location) for one in delays)
+        return candidate.cuts_off and any(one.location in ("all", candidate.location) for one in late)
 
 
-def _delays(candidate: Candidate) -> bool:
-    return candidate.effect.delays_commands
+def _at_samples(prediction: LoopPrediction, parts: int) -> LoopPrediction:
+    """Return what belongs to the samples of a prediction of several parts of each."""
+    states, diverged = prediction.states, prediction.diverged
+    return replace(
+        prediction,
+        innovation=np.ascontiguousarray(prediction.innovation[::parts]),
+        states=None if states is None else np.ascontiguousarray(states[::parts]),
+        diverged=np.where(diverged < 0, diverged, diverged // parts),
+    )

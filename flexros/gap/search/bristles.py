@@ -9,7 +9,7 @@ from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.effects.friction.presliding_friction import SEEN
 from flexros.gap.candidates.candidate import FreeParameter
 from flexros.gap.search.candidate_fits import at_limits
-from flexros.gap.search.worth import compared, incomplete
+from flexros.gap.search.worth import compared
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -23,13 +23,14 @@ BRISTLES = ("stiffness", "damping")
 
 
 def with_bristles(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
-    """Let the Coulomb friction of an explanation hold by bristles, where what is left shows them.
+    """Let the Coulomb friction of an explanation hold by bristles, where a log shows them.
 
     Contacts that bend by less than the encoder shows shift the instants of reversals. Held rigidly, they leave a rest
     there, which biases the sizes of all other effects and hides small ones; a lag may explain it better than the delay
-    that is there. Bristles that only stood for an effect which the explanation has by now go again. What bends by more
-    is presliding friction, which competes on its own. On a real machine the floor is a tolerance, and curves take up
-    what laws leave.
+    that is there. An explanation may leave no more than noise because an inertia took up that rest: so bristles are
+    tried there too, and what is needless beside them goes later. Bristles that only stood for an effect which the
+    explanation has by now go again. What bends by more is presliding friction, which competes on its own. On a real
+    machine the floor is a tolerance, and curves take up what laws leave.
 
     Args:
         search: The search.
@@ -51,8 +52,6 @@ def with_bristles(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -
         and _noise(search, one) > 0
     ]
     if not (rigid and search.premises.library_is_complete) or search.deadline.stops():
-        return fit
-    if not incomplete(search, compared(search, [fit]), fit):
         return fit
     levels = {
         one.name: values["level"]

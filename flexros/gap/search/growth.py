@@ -9,6 +9,7 @@ import numpy as np
 from flexros.gap.search.bristles import with_bristles
 from flexros.gap.search.elimination import reduced
 from flexros.gap.search.exchange import corrected, exchanged
+from flexros.gap.search.overtones import with_overtones
 from flexros.gap.search.regrouping import regrouped
 from flexros.gap.search.worth import compared, incomplete, more_than_chance, simple_first, unique, worth
 
@@ -34,7 +35,7 @@ def extended(
     settings = search.settings.search
     seen = {chosen.names}
     for _ in range(settings.rounds_after_torques if search.torques_decide else settings.rounds):
-        chosen = with_bristles(search, chosen, fits)
+        chosen = with_bristles(search, with_overtones(search, chosen, fits), fits)
         comparison = compared(search, unique(fits))
         if len(chosen.hypothesis) >= settings.most_effects or not incomplete(search, comparison, chosen):
             break

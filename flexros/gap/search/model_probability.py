@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -179,7 +180,10 @@ class ModelComparison:
         if difference < self.settings.matters * noise or difference > self.settings.decided * (noise + error):
             return error
         distance = self.distance(fit, reference) / self.n_values
-        return form_error(gap, plain=contrast.plain, distance=distance, settings=self.settings)
+        error = form_error(gap, plain=contrast.plain, distance=distance, settings=self.settings)
+        # by noise alone, levels differ no more than that: the rest is form error along the line, and no evidence
+        believable = max(distance + 2 * math.sqrt(distance * self.level(reference) / self.n_values), 1e-300)
+        return max(error, noise * (difference / believable - 1.0))
 
     def _least_level_of(self, names: frozenset[str]) -> float:
         """Return the level that some effects leave [1], or the least of parts of them that were fitted."""

@@ -43,7 +43,14 @@ def test_effects_have_the_given_values_and_their_own_defaults() -> None:
     friction, ripple = patch().placed("patch.yaml")
     assert str(friction) == "coulomb_friction@motor_1:level=25.125,asymmetry=0.1"
     assert ripple.location == "motor_2"
-    assert ripple.effect.model_dump() == {"amplitude": 2.0, "order": 1.0, "phase": 0.0, "proportional": False}
+    overtone = {"second_sine": 0.0, "second_cosine": 0.0}
+    assert ripple.effect.model_dump() == {
+        "amplitude": 2.0,
+        "order": 1.0,
+        "phase": 0.0,
+        "proportional": False,
+        **overtone,
+    }
 
 
 @pytest.mark.parametrize(

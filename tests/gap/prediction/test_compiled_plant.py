@@ -56,6 +56,28 @@ def test_a_plant_with_fast_states_serves_no_hypothesis_without() -> None:
     assert not plant.covers((every["coulomb_friction@motor_1"],))
 
 
+def test_bristles_take_the_steps_of_delayed_torques_with_which_they_are_compared() -> None:
+    every = candidates_of()
+    presliding, delay = (every[name] for name in ("presliding_friction@motor_1", "delay@all"))
+    plain, bent, late, rough = (
+        CompiledPlant(MODEL, candidates, Tolerance(), 5e-4, rough=rough).steps
+        for candidates, rough in (
+            ((), False),
+            ((presliding,), False),
+            ((presliding, delay), False),
+            ((presliding,), True),
+        )
+    )
+    assert (plain, bent, late, rough) == (1, 2, 2, 1)
+
+
+def test_a_plant_with_a_delay_serves_no_hypothesis_without() -> None:
+    plant, every = plant_of("delay@all", "coulomb_friction@motor_1"), candidates_of()
+    assert plant.parts == 2
+    assert plant.covers((every["delay@all"], every["coulomb_friction@motor_1"]))
+    assert not plant.covers((every["coulomb_friction@motor_1"],))
+
+
 def test_groups_hold_every_candidate_once_and_are_no_larger_than_allowed() -> None:
     candidates = list(candidates_of().values())
     groups = grouped(candidates, 3)

@@ -1,11 +1,11 @@
-"""Delays of fractions of a sample: exact motion of a mass, whole samples, constant torque."""
+"""Delays of fractions of a sample: exact motion of a mass at all frequencies, whole samples, constant torque."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from flexros.gap.prediction.fractional_delay import delayed
+from flexros.gap.prediction.fractional_delay import delayed_halves
 
 STEP = 5e-4
 
@@ -19,55 +19,41 @@ def moved(pieces: list[tuple[float, float]]) -> tuple[float, float]:
     return position, speed
 
 
-def smooth_torque(n: int = 4000) -> np.ndarray:
-    t = np.arange(n) * STEP
-    waves = (np.sin(2 * np.pi * f * t + k) for k, f in enumerate((3.0, 40.0, 170.0, 400.0)))
-    return np.asarray(sum(waves) * np.minimum(t / 0.1, 1.0))[:, None]
+def along(pieces: list[list[tuple[float, float]]]) -> np.ndarray:
+    """Position and speed of a unit mass from rest after every sample, given as (torque, time) pieces."""
+    state, states = np.zeros(2), []
+    for sample in pieces:
+        x, v = moved(sample)
+        time = sum(duration for _, duration in sample)
+        state = np.array([state[0] + state[1] * time + x, state[1] + v])
+        states.append(state)
+    return np.array(states)
 
 
-@pytest.mark.parametrize("fraction", [0.2, 0.5, 0.9])
-def test_a_mass_moves_as_under_the_torque_that_is_truly_delayed(fraction: float) -> None:
-    torque = smooth_torque()[:, 0]
-    before = np.concatenate([[torque[0]], torque[:-1]])
-    position, speed = np.zeros(len(torque) + 1), 0.0
-    for k, (old, new) in enumerate(zip(before, torque, strict=True)):
-        x, v = moved([(old, fraction * STEP), (new, (1 - fraction) * STEP)])
-        position[k + 1] = position[k] + speed * STEP + x
-        speed += v
-    held = delayed(torque[:, None], fraction, [0])[:, 0]
-    mixed = (1 - fraction) * torque + fraction * before
-
-    def error(given: np.ndarray) -> float:
-        x, v = np.zeros(len(given) + 1), 0.0
-        for k, value in enumerate(given):
-            x[k + 1] = x[k] + v * STEP + 0.5 * value * STEP**2
-            v += value * STEP
-        second = np.diff(x - position, 2)  # forgets the start
-        return float(np.std(second[1000:]))
-
-    assert error(held) < 0.05 * error(mixed)
+@pytest.mark.parametrize("samples", [0.05, 0.5, 1.0, 2.9])
+def test_a_mass_moves_as_under_the_torque_that_is_truly_delayed(samples: float) -> None:
+    torque = np.random.default_rng(3).normal(size=300)  # as full of noise as that of a controller
+    whole = int(samples)
+    fraction = samples - whole
+    new, old = (torque[np.maximum(np.arange(300) - age, 0)] for age in (whole, whole + 1))
+    truth = along([[(a, fraction * STEP), (b, (1 - fraction) * STEP)] for a, b in zip(old, new, strict=True)])
+    halves = delayed_halves(torque[:, None], [samples]).reshape(-1, 2)
+    np.testing.assert_allclose(along([[(a, STEP / 2), (b, STEP / 2)] for a, b in halves]), truth, rtol=0, atol=1e-15)
 
 
 def test_whole_samples_shift() -> None:
-    torque = smooth_torque(50)
-    np.testing.assert_array_equal(delayed(torque, 3.0, [0])[3:], torque[:-3])
-    np.testing.assert_array_equal(delayed(torque, 0.0, [0]), torque)
+    torque = np.random.default_rng(4).normal(size=(50, 1))
+    np.testing.assert_array_equal(delayed_halves(torque, [3.0])[6::2], torque[:-3])
+    np.testing.assert_array_equal(delayed_halves(torque, [3.0])[7::2], torque[:-3])
+    np.testing.assert_array_equal(delayed_halves(torque, [0.0])[::2], torque)
 
 
 def test_a_constant_torque_stays() -> None:
-    np.testing.assert_allclose(delayed(np.full((100, 1), 2.5), 1.7, [0]), 2.5, rtol=1e-12)
+    np.testing.assert_allclose(delayed_halves(np.full((100, 1), 2.5), [1.7]), 2.5, rtol=1e-12)
 
 
-def test_other_motors_keep_their_torque() -> None:
-    torque = np.hstack([smooth_torque(50), smooth_torque(50)])
-    result = delayed(torque, 0.4, [1])
-    np.testing.assert_array_equal(result[:, 0], torque[:, 0])
-    assert np.max(np.abs(result[:, 1] - torque[:, 1])) > 0.0
-
-
-@pytest.mark.parametrize("samples", [0.3, 1.0, 2.6])
-def test_a_slow_torque_is_late_by_the_delay(samples: float) -> None:
-    t = np.arange(8000)
-    torque = np.sin(2 * np.pi * t / 2000)[:, None]
-    expected = np.sin(2 * np.pi * (t - samples) / 2000)
-    np.testing.assert_allclose(delayed(torque, samples, [0])[500:, 0], expected[500:], atol=1e-5)
+def test_every_motor_has_its_own_delay() -> None:
+    torque = np.random.default_rng(5).normal(size=(50, 2))
+    result = delayed_halves(torque, [0.0, 0.4])
+    np.testing.assert_array_equal(result[::2, 0], torque[:, 0])
+    np.testing.assert_array_equal(result[:, 1:], delayed_halves(torque[:, 1:], [0.4]))

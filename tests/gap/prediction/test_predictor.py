@@ -112,7 +112,18 @@ def test_a_delay_of_whole_samples_shifts_the_torque() -> None:
     torque = record_of().part(0, N).torque
     late = np.vstack([np.repeat(torque[:1], 3, axis=0), torque[:-3]])
     found = innovations(predictor_of(candidate), encoded(candidate, time=3 * ROBOT.sample_time))
-    np.testing.assert_allclose(found, innovations(predictor_of(), [], torque=late), atol=1e-9)
+    np.testing.assert_allclose(found, innovations(predictor_of(), [], torque=late), atol=1e-8)
+
+
+@pytest.mark.parametrize("samples", [0.05, 2.4])
+def test_a_delay_that_is_fitted_is_one_that_is_known_even_of_noise(samples: float) -> None:
+    """Torques of a controller are full of noise up to half the sampling rate, where one torque a sample is no delay."""
+    time = samples * ROBOT.sample_time
+    candidate, known = candidates_of()["delay@all"], ROBOT.with_values({"delay": ROBOT.delay + time})
+    noise = np.random.default_rng(1).normal(size=(N, 1)) * np.std(record_of().torque)
+    found = innovations(predictor_of(candidate), encoded(candidate, time=time), torque=noise)
+    expected = innovations(predictor_of(model=RobotWithEffects(known, ())), [], torque=noise)
+    np.testing.assert_allclose(found, expected, atol=1e-3 * float(ROBOT.encoder_noise[0]))
 
 
 def test_measured_torque_acts_without_the_nominal_delay() -> None:

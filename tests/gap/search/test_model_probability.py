@@ -90,6 +90,18 @@ def test_of_plain_effects_that_do_nearly_the_same_what_parts_them_decides() -> N
     assert far.probabilities([delay, lag]) == pytest.approx(blurred.probabilities([delay, lag]))
 
 
+def test_a_difference_beyond_what_parts_two_predictions_is_no_evidence() -> None:
+    """Noise moves levels of predictions at a distance of 0.3 by 0.6: three units are a form error along the line."""
+    delay, lag = fitted(1.025, "delay@all"), fitted(1.025 + 3 / N, "actuator_lag@motor_1")
+    near = replace(comparison(21.0, delay, lag), distance=lambda *_: 0.1)
+    assert 0.5 < near.probabilities([delay, lag])[0] < 0.62
+    worse = fitted(1.025 + 40 / N, "actuator_lag@motor_1")
+    near = replace(comparison(21.0, delay, worse), distance=lambda *_: 0.1)
+    assert 0.5 < near.probabilities([delay, worse])[0] < 0.62
+    apart = replace(near, distance=lambda *_: 40.0)
+    assert apart.probabilities([delay, worse])[0] > 0.9
+
+
 def test_of_two_harmonics_of_a_rotor_what_parts_them_decides() -> None:
     """What a transmission error has of other orders, a ripple in its place would have as well."""
     error, ripple = (harmonic(level, name) for level, name in ((1.0, "transmission_error"), (1.01, "torque_ripple")))

@@ -19,8 +19,10 @@ if TYPE_CHECKING:
 ROWS = (
     ("effects named at their location (recall)", "recall"),
     ("the same, nested effects counted", "recall_nested"),
+    ("named, or called ambiguous with what is named", "recall_grouped"),
     ("named causes that are hidden there (precision)", "precision"),
     ("the same, nested effects counted", "precision_nested"),
+    ("hidden there, or called ambiguous with what is", "precision_grouped"),
     ("whole crowd named and nothing else", "whole"),
     ("the same, nested effects counted", "whole_nested"),
     ("named at the right location, of those with a right name", "location"),

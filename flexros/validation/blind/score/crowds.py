@@ -16,7 +16,7 @@ from flexros.validation.blind.score.true_model import library_effects
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from flexros.gap.schema import BudgetShare, Cause
+    from flexros.gap.schema import BudgetShare, Cause, EffectLocation
     from flexros.validation.blind.deviation import Deviation
     from flexros.validation.blind.score.answer import Answer
     from flexros.validation.blind.score.crowd_truth import TrueShare
@@ -45,8 +45,10 @@ class CrowdScore:
         cases: Number of crowds.
         recall: Hidden effects that are named at their place.
         recall_nested: The same, an effect that holds the true one as a special case counted.
+        recall_grouped: Hidden effects that are named, or called ambiguous with what is named.
         precision: Named causes that are hidden at that place.
         precision_nested: The same, nested effects counted.
+        precision_grouped: Named causes that are hidden there, or called ambiguous with one that is.
         whole: Crowds of which all effects are named, and nothing else.
         whole_nested: The same, nested effects counted.
         location: Named causes whose effect is hidden anywhere that are at the right place.
@@ -68,8 +70,10 @@ class CrowdScore:
     cases: int
     recall: Share
     recall_nested: Share
+    recall_grouped: Share
     precision: Share
     precision_nested: Share
+    precision_grouped: Share
     whole: Share
     whole_nested: Share
     location: Share
@@ -117,6 +121,29 @@ def found(one: Answer, hidden: Deviation, nested: bool = False) -> bool:
     )
 
 
+def found_or_equal(one: Answer, hidden: Deviation) -> bool:
+    """Whether a hidden effect is named, or called ambiguous with what is named; arguments as for `found`."""
+    here = any(_is(one, hidden, other) for cause in claimed(one) for other in _equals(one, cause))
+    return here or found(one, hidden)
+
+
+def _right_or_equal(one: Answer, cause: Cause) -> bool:
+    """Whether a named cause is hidden at its place, or called ambiguous with one that is."""
+    equal = any(_is(one, hidden, other) for other in _equals(one, cause) for hidden in one.truth.deviations)
+    return equal or one.right(cause, placed=True)
+
+
+def _equals(one: Answer, cause: Cause) -> list[EffectLocation]:
+    """List the effects that an answer calls ambiguous with a cause, itself included."""
+    groups = one.diagnosis.ambiguity_groups if one.diagnosis is not None else ()
+    itself = (cause.effect, cause.location)
+    return [other for group in groups if itself in {(a.effect, a.location) for a in group} for other in group]
+
+
+def _is(one: Answer, hidden: Deviation, other: EffectLocation) -> bool:
+    return hidden.effect == other.effect and same_place(one.truth.robot, hidden.location, other.location)
+
+
 def complete(one: Answer, nested: bool = False) -> bool:
     """Whether all that is hidden is named; arguments as for `found`."""
     return all(found(one, hidden, nested) for hidden in one.truth.deviations)
@@ -141,8 +168,10 @@ def crowd_score(answers: Sequence[Answer]) -> CrowdScore:
         cases=len(crowds),
         recall=share(found(one, hidden) for one, hidden, _ in effects),
         recall_nested=share(found(one, hidden, nested=True) for one, hidden, _ in effects),
+        recall_grouped=share(found_or_equal(one, hidden) for one, hidden, _ in effects),
         precision=share(one.right(cause, placed=True) for one, cause in named),
         precision_nested=share(one.right(cause, nested=True, placed=True) for one, cause in named),
+        precision_grouped=share(_right_or_equal(one, cause) for one, cause in named),
         whole=share(_whole(one) for one in crowds),
         whole_nested=share(_whole(one, nested=True) for one in crowds),
         location=share(one.right(cause, placed=True) for one, cause in named if one.right(cause)),

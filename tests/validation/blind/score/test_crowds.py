@@ -55,6 +55,16 @@ def test_nested_effects_are_counted_apart() -> None:
     assert (found.whole.hits, found.whole_nested.hits) == (0, 1)
 
 
+def test_what_an_answer_calls_ambiguous_with_the_truth_is_counted_apart() -> None:
+    lag = "actuator_lag@motor_2"
+    group = [{"effect": "actuator_lag", "location": "motor_2"}, {"effect": "delay", "location": "motor_2"}]
+    found = scored(said("ambiguous", COULOMB, VISCOUS, lag, ambiguity_groups=[group]))
+    assert (found.recall.hits, found.recall_grouped.hits) == (2, 3)
+    assert (found.precision.hits, found.precision_grouped.hits) == (2, 3)
+    certain = scored(said("explained", COULOMB, VISCOUS, lag))
+    assert (certain.recall_grouped.hits, certain.precision_grouped.hits) == (2, 2)
+
+
 def test_a_refused_log_names_nothing() -> None:
     found = scored(None, said("explained", COULOMB, VISCOUS, DELAY))
     assert (found.recall.hits, found.recall.cases) == (3, 6)
