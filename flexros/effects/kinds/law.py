@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import ClassVar
 
 from flexros.effects.kinds.base import AbstractEffect
@@ -38,10 +39,7 @@ class AbstractLaw(AbstractEffect):
     @property
     def parameter_values(self) -> dict[str, float]:
         """Numerical parameters of the law, by name."""
-        dumped = self.model_dump()
-        return {
-            name: float(dumped[name]) for name, field in type(self).model_fields.items() if field.annotation is float
-        }
+        return {name: float(getattr(self, name)) for name in _numbers_of(type(self))}
 
     @property
     def noise(self) -> float:
@@ -61,3 +59,9 @@ class AbstractLaw(AbstractEffect):
         """
         del time
         return ()
+
+
+@cache
+def _numbers_of(kind: type[AbstractLaw]) -> tuple[str, ...]:
+    """Return the names of the numerical parameters of a law."""
+    return tuple(name for name, field in kind.model_fields.items() if field.annotation is float)

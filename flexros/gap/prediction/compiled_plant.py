@@ -23,7 +23,7 @@ from flexros.simulate.open_loop import feed_through
 from flexros.simulate.plant_model import PlantModel
 
 if TYPE_CHECKING:
-    from collections.abc import Hashable, Sequence
+    from collections.abc import Hashable, Mapping, Sequence
 
     from flexros.effects import RobotWithEffects
     from flexros.gap.candidates.candidate import Candidate, Hypothesis
@@ -76,7 +76,8 @@ class CompiledPlant:
         self.robot = model.robot
         self.laws = tuple(one for one in candidates if is_law(one))
         laws = [_law(place, one) for place, one in enumerate(self.laws)]
-        self._off = {_key(one): _switched_off(one, law.effect) for one, law in zip(self.laws, laws, strict=True)}
+        self._keys = [_key(one) for one in self.laws]
+        self._off = [_switched_off(one, law.effect) for one, law in zip(self.laws, laws, strict=True)]
         changed = [name for one in candidates for name in changed_names(self.robot, one)]
         self.robot_names = tuple(sorted({*changed, *tolerance.names}))
         names = [*self.robot_names, *(name for law in laws for name in law.parameters)]
@@ -115,7 +116,7 @@ class CompiledPlant:
 
     def covers(self, hypothesis: Hypothesis) -> bool:
         """Return whether it holds every law of a hypothesis and may change every parameter that it changes."""
-        keys = {_key(law): law for law in self.laws}
+        keys = dict(zip(self._keys, self.laws, strict=True))
         wanted = {_key(one) for one in hypothesis if is_law(one)}
         changed = {name for one in hypothesis for name in changed_names(self.robot, one)}
         off = all(switchable(law) for key, law in keys.items() if key not in wanted)
@@ -123,17 +124,19 @@ class CompiledPlant:
         alike = alike and any(map(delays, hypothesis)) == (self.parts > 1)
         return alike and off and wanted <= keys.keys() and changed <= set(self.robot_names)
 
-    def law_parameters(self, hypothesis: Sequence[tuple[Candidate, AbstractLaw | None]]) -> list[float]:
+    def place(self, candidate: Candidate) -> int:
+        """Return the place of a candidate that is a law among the laws of the plant."""
+        return self._keys.index(_key(candidate))
+
+    def law_parameters(self, acting: Mapping[int, AbstractLaw]) -> list[float]:
         """Return the parameters of all laws, in their order.
 
         Args:
-            hypothesis: Candidates that are laws, with their effects; None for one that is switched off.
+            acting: Laws that act, by their place; the others are switched off.
         """
-        effects = {_key(candidate): effect for candidate, effect in hypothesis if effect is not None}
         numbers: list[float] = []
-        for law in self.laws:
-            effect = effects.get(_key(law))
-            numbers += effect.parameter_values.values() if effect is not None else self._off[_key(law)]
+        for place, off in enumerate(self._off):
+            numbers += acting[place].parameter_values.values() if place in acting else off
         return numbers
 
 

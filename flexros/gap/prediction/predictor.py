@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 FARTHEST = 5.0
 """Largest tolerated deviation, in standard deviations of the tolerance [1] (chosen)."""
+KEPT = 64
+"""Sets of parameters whose numbers in the plant are kept [1] (chosen): a step of a fit asks for each several times."""
 MOST_LOGARITHM = 50.0
 """Largest logarithm of a factor on a parameter of the robot, for fits that diverge [1] (chosen)."""
 
@@ -78,6 +80,10 @@ class Predictor:
             plant = CompiledPlant(model, hypothesis, tolerance, sample_time, measured_torque=measured_torque)
         self.plant, self.model, self.loop = plant, plant.model, plant.loop
         self._parameters = [(candidate, one) for candidate in hypothesis for one in candidate.free]
+        self._nominal = {name: self.robot.parameters[name].value for name in plant.robot_names}
+        self._saturated = tuple(map(self._cut_off_before, hypothesis))
+        self._places = [plant.place(one) if is_law(one) else None for one in hypothesis]
+        self._columns: dict[bytes, FloatArray] = {}
 
     @property
     def n_effect(self) -> int:
@@ -149,25 +155,23 @@ class Predictor:
         Returns:
             Prediction errors and the requested records, with a last axis of lanes.
         """
-        sets = [np.asarray(thetas)[:, min(lane, np.shape(thetas)[1] - 1)] for lane in range(LANES)]
-        columns = np.stack([self._column(theta) for theta in sets], axis=-1)
-        first, time = record.driving[0], record.begin
-        states = start[:, None] if start.ndim == 1 else start
+        sets = list(np.asarray(thetas).T)
+        columns = [self._column(theta) for theta in sets]
+        states = [start] if start.ndim == 1 else list(start.T)
         plants = []
-        for lane, column in enumerate(columns.T):
-            state = states[:, min(lane, states.shape[1] - 1)]
-            state = self._rest(state, column) if from_rest else state
-            plants.append(self.model.start(state, first, column, time=time))
-        plant = np.stack(plants, axis=-1)
-        parts = self.plant.parts
-        driving, n = self._driving(record, sets, list(columns.T)), parts * record.n_samples
+        for lane in range(max(len(sets), len(states))):
+            column, state = columns[min(lane, len(sets) - 1)], states[min(lane, len(states) - 1)]
+            near = self._rest(state, column) if from_rest else state
+            plants.append(self.model.start(near, record.driving[0], column, time=record.begin))
+        driving = self._driving(record, sets, columns)
+        parts, n = self.plant.parts, self.plant.parts * record.n_samples
         position, correcting = np.zeros((n, self.robot.n_motors)), np.zeros(n)
         position[::parts], correcting[::parts] = record.position, record.correcting
         prediction = self.loop.run(
-            plant,
-            columns,
+            _in_all_lanes(plants),
+            _in_all_lanes(columns),
             self.model.corrections(gain.gain),
-            driving,
+            driving if driving.ndim == 2 else _in_all_lanes(list(np.moveaxis(driving, -1, 0))),
             position,
             correcting,
             pose_samples=None if pose_samples is None else parts * pose_samples,
@@ -247,11 +251,12 @@ class Predictor:
         Returns:
             Outputs, shape (m, n_sensors, lanes).
         """
-        sets = [np.asarray(thetas)[:, min(lane, np.shape(thetas)[1] - 1)] for lane in range(LANES)]
-        columns = np.stack([self._column(theta) for theta in sets], axis=-1)
+        sets = list(np.asarray(thetas).T)
+        columns = [self._column(theta) for theta in sets]
         function, driven = self.plant.sensors(wanted)
-        acting = self._acting(record, sets, list(columns.T), samples) if driven else np.zeros((1, 1, 1))
-        return function(states, acting, columns)
+        acting = self._acting(record, sets, columns, samples) if driven else np.zeros((1, 1, 1))
+        acting = acting if acting.shape[-1] == 1 else _in_all_lanes(list(np.moveaxis(acting, -1, 0)))
+        return function(states, acting, _in_all_lanes(columns))
 
     def _acting(
         self, record: Record, sets: Sequence[FloatArray], columns: Sequence[FloatArray], samples: IntArray
@@ -279,24 +284,36 @@ class Predictor:
 
     def _column(self, theta: FloatArray) -> FloatArray:
         """Return the parameters of the plant for one set of encoded parameters."""
-        values = self.values(theta)
-        robot = dict.fromkeys(self.plant.robot_names, 1.0)
+        key = theta.tobytes()
+        found = self._columns.get(key)
+        if found is None:
+            if len(self._columns) >= KEPT:
+                self._columns.clear()
+            found = self._columns[key] = self._column_of(theta)
+        return found
+
+    def _column_of(self, theta: FloatArray) -> FloatArray:
+        """Compute the parameters of the plant."""
+        robot = dict(self._nominal)
         logarithms = np.clip(self.tolerance.logarithms(theta[self.n_effect :]), -MOST_LOGARITHM, MOST_LOGARITHM)
         for name, factor in zip(self.tolerance.names, np.exp(logarithms).tolist(), strict=True):
             robot[name] *= factor
-        nominal = {name: self.robot.parameters[name].value for name in robot}
-        robot = {name: factor * nominal[name] for name, factor in robot.items()}
-        laws: list[tuple[Candidate, AbstractLaw | None]] = []
-        for candidate, numbers in zip(self.hypothesis, values):
+        acting: dict[int, AbstractLaw] = {}
+        for candidate, place, saturated, numbers in zip(
+            self.hypothesis, self._places, self._saturated, self.values(theta), strict=True
+        ):
             effect = candidate.placed(numbers).effect
-            if is_law(candidate):
+            if place is not None:
                 assert isinstance(effect, AbstractLaw)
-                laws.append((candidate, None if self._cut_off_before(candidate) else effect.acting))
+                if not saturated:
+                    acting[place] = effect.acting
             elif not delays(candidate):
                 assert isinstance(effect, AbstractChangedValues)
                 for name, value in effect.values(self.robot, candidate.location).items():
-                    robot[name] += value - nominal[name]
-        return np.array([*robot.values(), *self.plant.law_parameters(laws)])
+                    robot[name] += value - self._nominal[name]
+        column = np.array([*robot.values(), *self.plant.law_parameters(acting)])
+        column.flags.writeable = False
+        return column
 
     def _rest(self, near: FloatArray, column: FloatArray) -> FloatArray:
         """Find the equilibrium of the plant near a state; return that state where there is none."""
@@ -333,7 +350,7 @@ class Predictor:
             rate = record.command_rate
             rate = np.gradient(record.command, record.sample_time, axis=0) if rate is None else rate
             inputs = [record.command + lead * rate for lead in leads] if np.any(leads) else [record.command]
-        if not any(map(self._cut_off_before, self.hypothesis)):
+        if not any(self._saturated):
             return inputs
         inputs = inputs * len(sets) if len(inputs) == 1 else inputs
         return [self._cut_off(one, theta) for one, theta in zip(inputs, sets, strict=True)]
@@ -341,8 +358,8 @@ class Predictor:
     def _cut_off(self, torque: FloatArray, theta: FloatArray) -> FloatArray:
         """Saturate torques before they are delayed."""
         result = torque.copy()
-        for candidate, numbers in zip(self.hypothesis, self.values(theta)):
-            if self._cut_off_before(candidate):
+        for candidate, saturated, numbers in zip(self.hypothesis, self._saturated, self.values(theta), strict=True):
+            if saturated:
                 motor, effect = self.robot.joint_names.index(candidate.location), candidate.placed(numbers).effect
                 assert isinstance(effect, AbstractCommandLaw)
                 result[:, motor] = effect.cut_off(result[:, motor])
@@ -362,6 +379,11 @@ class Predictor:
         if self.robot.commands == "position":  # the torque is made behind the delay
             return False
         return candidate.cuts_off and any(one.location in ("all", candidate.location) for one in late)
+
+
+def _in_all_lanes(sets: Sequence[FloatArray]) -> FloatArray:
+    """Stack what belongs to each set along a last axis of lanes, the last one in all that are left."""
+    return np.stack([sets[min(lane, len(sets) - 1)] for lane in range(LANES)], axis=-1)
 
 
 def _at_samples(prediction: LoopPrediction, parts: int) -> LoopPrediction:

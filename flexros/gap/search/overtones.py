@@ -32,7 +32,7 @@ def with_overtones(search: Search, fit: CandidateFit, fits: list[CandidateFit]) 
         The explanation with overtones under the same names, or the same fit.
     """
     wide = tuple(_with_overtone(one) if _is_pure(one) else one for one in fit.hypothesis)
-    if wide == fit.hypothesis or search.data.record.imported or search.deadline.stops():
+    if wide == fit.hypothesis or not search.premises.library_is_complete or search.deadline.stops():
         return fit
     if not incomplete(search, compared(search, [fit]), fit):
         return fit
