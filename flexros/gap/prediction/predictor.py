@@ -160,16 +160,13 @@ class Predictor:
             plants.append(self.model.start(state, first, column, time=time))
         plant = np.stack(plants, axis=-1)
         parts = self.plant.parts
-        driving, n = self._driving(record, sets, list(columns.T)), parts * record.n_samples
-        position, correcting = np.zeros((n, self.robot.n_motors)), np.zeros(n)
-        position[::parts], correcting[::parts] = record.position, record.correcting
         prediction = self.loop.run(
             plant,
             columns,
             self.model.corrections(gain.gain),
-            driving,
-            position,
-            correcting,
+            self._driving(record, sets, list(columns.T)),
+            _at_first_parts(record.position, parts),
+            _at_first_parts(record.correcting.astype(float), parts),
             pose_samples=None if pose_samples is None else parts * pose_samples,
             record_states=record_states,
         )
@@ -362,6 +359,15 @@ class Predictor:
         if self.robot.commands == "position":  # the torque is made behind the delay
             return False
         return candidate.cuts_off and any(one.location in ("all", candidate.location) for one in late)
+
+
+def _at_first_parts(values: FloatArray, parts: int) -> FloatArray:
+    """Put values of samples at the first part of each, and zeros, which correct nothing, at the others."""
+    if parts == 1:
+        return values
+    spread = np.zeros((parts * len(values), *values.shape[1:]))
+    spread[::parts] = values
+    return spread
 
 
 def _at_samples(prediction: LoopPrediction, parts: int) -> LoopPrediction:
