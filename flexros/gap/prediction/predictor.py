@@ -163,17 +163,14 @@ class Predictor:
             column, state = columns[min(lane, len(sets) - 1)], states[min(lane, len(states) - 1)]
             near = self._rest(state, column) if from_rest else state
             plants.append(self.model.start(near, record.driving[0], column, time=record.begin))
-        driving = self._driving(record, sets, columns)
-        parts, n = self.plant.parts, self.plant.parts * record.n_samples
-        position, correcting = np.zeros((n, self.robot.n_motors)), np.zeros(n)
-        position[::parts], correcting[::parts] = record.position, record.correcting
+        driving, parts = self._driving(record, sets, columns), self.plant.parts
         prediction = self.loop.run(
             _in_all_lanes(plants),
             _in_all_lanes(columns),
             self.model.corrections(gain.gain),
             driving if driving.ndim == 2 else _in_all_lanes(list(np.moveaxis(driving, -1, 0))),
-            position,
-            correcting,
+            _at_first_parts(record.position, parts),
+            _at_first_parts(record.correcting.astype(float), parts),
             pose_samples=None if pose_samples is None else parts * pose_samples,
             record_states=record_states,
         )
@@ -384,6 +381,15 @@ class Predictor:
 def _in_all_lanes(sets: Sequence[FloatArray]) -> FloatArray:
     """Stack what belongs to each set along a last axis of lanes, the last one in all that are left."""
     return np.stack([sets[min(lane, len(sets) - 1)] for lane in range(LANES)], axis=-1)
+
+
+def _at_first_parts(values: FloatArray, parts: int) -> FloatArray:
+    """Put values of samples at the first part of each, and zeros, which correct nothing, at the others."""
+    if parts == 1:
+        return values
+    spread = np.zeros((parts * len(values), *values.shape[1:]))
+    spread[::parts] = values
+    return spread
 
 
 def _at_samples(prediction: LoopPrediction, parts: int) -> LoopPrediction:

@@ -28,7 +28,7 @@ sharply known."""
 
 STRAINED = 4
 """The least needed effects that are tried beside numbers out of tolerance, whatever linear theory says (chosen): an
-imitation that stays attracts others."""
+imitation that stays attracts others. Every mode is tried too: springs and inertias take it over, far from its size."""
 
 TRIED = 2
 """Effects without which an explanation is fitted at once (chosen): two that do the same compete."""
@@ -67,7 +67,9 @@ def reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed
         if search.premises.library_is_complete and compared(search, [fit]).beyond_tolerance(fit):
             # numbers of the model that an imitation drew out of tolerance go far without it: linear theory sees no end
             least = sorted((rise, one.name) for one, rise in zip(fit.hypothesis, lost, strict=True))
-            doubtful = [*doubtful, *(pair for pair in least[:STRAINED] if pair not in doubtful)]
+            modes = {one.name for one in fit.hypothesis if one.effect.stage == "structure"}
+            tried = [pair for place, pair in enumerate(least) if place < STRAINED or pair[1] in modes]
+            doubtful = [*doubtful, *(pair for pair in tried if pair not in doubtful)]
         rest = _without_one(search, fit, [name for _, name in sorted(doubtful)], fits, removed)
         if rest is None:
             break

@@ -139,6 +139,19 @@ def test_beside_numbers_out_of_tolerance_effects_that_seem_needed_are_tried_as_w
     assert elimination.reduced(search, every, [], 0.2).names == expected  # type: ignore[arg-type]
 
 
+def test_beside_numbers_out_of_tolerance_every_mode_is_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By linear theory it is needed most; but springs and inertias far from their values take its place."""
+    found = SimpleNamespace(threshold=6.0, beyond_tolerance=lambda _: True)
+    monkeypatch.setattr(elimination, "compared", lambda *_: found)
+    needed, mode = (COULOMB, VISCOUS, BIAS, INERTIA), "extra_mode@base"
+    every = (*needed, mode)
+    chi2 = {frozenset({*every} - {one}): 5000.0 for one in needed} | {frozenset(needed): 990.0}
+    chi2 |= {frozenset({*needed} - {one}): 5000.0 for one in needed}
+    search: Any = Search(chi2, {**dict.fromkeys(needed, 9000.0), mode: 9e4}, ())
+    search.torques_decide, search.data.record.imported = False, False
+    assert elimination.reduced(search, Fit(every, 1000.0), [], 0.2).names == {*needed}  # type: ignore[arg-type]
+
+
 def test_without_time_all_that_seems_needless_is_left_out_at_once() -> None:
     base = (COULOMB, VISCOUS, "coulomb_friction@motor_2")
     search: Any = Search(
