@@ -143,7 +143,8 @@ def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
     """List effects that are not worth their parameters by linear theory, one of each motor while there is time.
 
     Effects that torques show are worth it where their size is clearly not zero: at a joint that moves little or carries
-    little they remove a small part of the gap of all joints, and are as real as at the others.
+    little they remove a small part of the gap of all joints, and are as real as at the others. A size that changes
+    nothing, such as a small delay of commands whose servo is at its limit, has no deviation and is not clear.
 
     Args:
         search: The search.
@@ -164,6 +165,7 @@ def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
             worth_it = any(
                 abs(size.value) > max(clear * hypot(size.std, tolerated), nothing, NOTHING * most[name])
                 for name, size in parameters.items()
+                if size.determined
             )
         else:
             worth_it = worth(search, comparison, before, after, removed)

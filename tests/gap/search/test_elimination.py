@@ -79,13 +79,18 @@ class Search:
         return [function(one) for one in items[:needed]]
 
 
+def size_of(value: float, std: float) -> Any:
+    """Size of an effect; without a deviation the log does not determine it."""
+    return SimpleNamespace(value=value, std=std, determined=std > 0)
+
+
 @pytest.fixture(autouse=True)
 def plain_rules(monkeypatch: pytest.MonkeyPatch) -> None:
     """Friction is clear once it is alone at its motor; an effect must remove a fifth of what is left."""
 
     def sizes(fit: Fit, _: Any) -> list[dict[str, Any]]:
         both = {COULOMB, VISCOUS} <= fit.names
-        return [{"size": SimpleNamespace(value=1.0, std=1.0 if both else 0.1)} for _ in fit.kept]
+        return [{"size": size_of(1.0, 1.0 if both else 0.1)} for _ in fit.kept]
 
     def worth(search: Any, comparison: Any, before: Fit, after: Fit, removed: float) -> bool:
         return before.chi2 - after.chi2 > removed * before.chi2
@@ -148,7 +153,7 @@ def test_beside_numbers_out_of_tolerance_every_mode_is_tried(monkeypatch: pytest
     chi2 = {frozenset({*every} - {one}): 5000.0 for one in needed} | {frozenset(needed): 990.0}
     chi2 |= {frozenset({*needed} - {one}): 5000.0 for one in needed}
     search: Any = Search(chi2, {**dict.fromkeys(needed, 9000.0), mode: 9e4}, ())
-    search.torques_decide, search.data.record.imported = False, False
+    search.torques_decide, search.premises = False, SIMULATED
     assert elimination.reduced(search, Fit(every, 1000.0), [], 0.2).names == {*needed}  # type: ignore[arg-type]
 
 
@@ -164,8 +169,11 @@ def test_without_time_all_that_seems_needless_is_left_out_at_once() -> None:
     assert found.names == {"coulomb_friction@motor_2"}
 
 
-def test_an_effect_of_size_zero_is_left_out_though_its_deviation_is_small(monkeypatch: pytest.MonkeyPatch) -> None:
-    sizes = {COULOMB: SimpleNamespace(value=1.0, std=0.1), VISCOUS: SimpleNamespace(value=1e-5, std=1e-9)}
+@pytest.mark.parametrize("little", [(1e-5, 1e-9), (0.5, 0.0)], ids=["size zero", "size that changes nothing"])
+def test_an_effect_without_a_size_is_left_out_though_its_deviation_is_small(
+    little: tuple[float, float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sizes = {COULOMB: size_of(1.0, 0.1), VISCOUS: size_of(*little)}
     monkeypatch.setattr(elimination, "parameters_of", lambda fit, _: [{"size": sizes[name]} for name in fit.kept])
     search: Any = Search({frozenset({COULOMB}): 2000.0}, {COULOMB: 900.0, VISCOUS: 1.0}, (COULOMB, VISCOUS))
     found = elimination.reduced(search, Fit((COULOMB, VISCOUS), 2000.0), [], 0.2)  # type: ignore[arg-type]
@@ -184,7 +192,7 @@ def test_behind_springs_all_that_seems_needless_is_left_out_at_once() -> None:
 def test_an_inertia_is_wrong_from_twice_its_tolerance_on(
     size: float, kept: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    sizes = {COULOMB: SimpleNamespace(value=1.0, std=0.1), INERTIA: SimpleNamespace(value=size, std=1e-4)}
+    sizes = {COULOMB: size_of(1.0, 0.1), INERTIA: size_of(size, 1e-4)}
     monkeypatch.setattr(elimination, "parameters_of", lambda fit, _: [{"size": sizes[name]} for name in fit.kept])
     search: Any = Search({frozenset({COULOMB}): 2000.0}, {COULOMB: 900.0, INERTIA: 1.0}, (COULOMB, INERTIA))
     found = elimination.reduced(search, Fit((COULOMB, INERTIA), 2000.0), [], 0.2)  # type: ignore[arg-type]
