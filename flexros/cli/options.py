@@ -30,6 +30,16 @@ TorqueOption = Annotated[
 """Source of the torque of a log, see `torque_source`."""
 
 
+PrescribedOption = Annotated[
+    str,
+    typer.Option(
+        "--prescribed",
+        help="Motors without a usable torque, whose measured motion drives the model, e.g. motor_5,motor_6.",
+    ),
+]
+"""Motors whose motion is prescribed."""
+
+
 def torque_source(text: str) -> TorqueSource:
     """Check the source of the torque given on the command line.
 

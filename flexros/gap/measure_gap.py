@@ -18,6 +18,7 @@ from flexros.gap.held_out.prediction_gap import (
     tolerance_floor,
     unknown_rounding,
 )
+from flexros.gap.prediction.driven_model import driven_model
 from flexros.gap.progress import Stages
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.search.model_probability import allowing_for_doubt, compare
@@ -105,7 +106,7 @@ def measure_gap(
     settings = settings or DiagnosisSettings()
     stages = Stages(progress)
     stages.begin("nominal model", 1.0 if repaired is None else 0.5)
-    model = model.commanded_by(record.commands)
+    model = driven_model(model, record)
     record = with_torque_in_time_behind_springs(record, model.robot, settings)
     record = most_informative(record, settings.most_values)
     stated = tolerance_of(model.robot, tolerance or {})
@@ -116,7 +117,7 @@ def measure_gap(
     if repaired is not None:
         stages.begin("repaired model", 1.0)
         before = _errors(null, data)
-        null = _fitted(repaired.commanded_by(record.commands), unknown, data, tolerance or {}, settings)
+        null = _fitted(driven_model(repaired, record), unknown, data, tolerance or {}, settings)
     shift = shift_of_explanation(null.fit, null, settings)
     if shift:  # errors of springs in the nominal model hid when the torques acted
         moved = in_time(record, shift)

@@ -11,8 +11,10 @@ from flexros.cli.commands.diagnose import GAP_FOUND
 from flexros.cli.options import (
     KnownModelOption,
     NamespaceOption,
+    PrescribedOption,
     ToleranceOption,
     TorqueOption,
+    names_in,
     parse_tolerance,
     torque_source,
 )
@@ -31,6 +33,7 @@ def gap(
     patch: Path = typer.Option(None, "--patch", help="Patch of that robot, to measure the gap that it leaves."),
     tolerance: ToleranceOption = "",
     torque: TorqueOption = "command",
+    prescribed: PrescribedOption = "",
     namespace: NamespaceOption = "",
     as_json: bool = typer.Option(False, "--json", help="Print the numbers as JSON, as in diagnosis.json."),
 ) -> int:
@@ -46,7 +49,7 @@ def gap(
     with progress_shown() as show:
         show("reading", 0.0)
         log = read_log(bag, namespace=namespace or None)
-        record = checked_log(log, nominal.robot, name=bag.name, torque=source)
+        record = checked_log(log, nominal.robot, name=bag.name, torque=source, prescribed=names_in(prescribed))
         measured = measure_gap(record, nominal, repaired=repaired, tolerance=tolerances, progress=show)
     if as_json:
         print_json(measured.numbers.model_dump(mode="json", exclude_none=patch is None))

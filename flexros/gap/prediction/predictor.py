@@ -305,7 +305,7 @@ class Predictor:
             columns: Parameters of the plant for each.
         """
         if record.command is None:
-            return self._torque([record.torque] * len(sets), sets)
+            return self._torque([record.torque] * len(sets), sets, record.prescribed)
         leads = [servo_leads(self.robot, dict(zip(self.model.parameter_names, column))) for column in columns]
         if not np.any(leads):
             return self._torque([record.command] * len(sets), sets)
@@ -314,8 +314,10 @@ class Predictor:
         lanes = self._torque([record.command + lead * rate for lead in leads], sets)
         return lanes if lanes.ndim == 3 else lanes[:, :, None]
 
-    def _torque(self, inputs: Sequence[FloatArray], sets: Sequence[FloatArray]) -> FloatArray:
-        """Delay the recorded inputs where that is part of the hypothesis.
+    def _torque(
+        self, inputs: Sequence[FloatArray], sets: Sequence[FloatArray], prescribed: Sequence[int] = ()
+    ) -> FloatArray:
+        """Delay the recorded inputs where that is part of the hypothesis; prescribed motions are never late.
 
         Saturation is applied first: the order does not matter to the robot, but the filter of a fractional delay holds
         only for torques that are not saturated after it.
@@ -333,7 +335,8 @@ class Predictor:
                     shifted[:, motor] = effect.cut_off(shifted[:, motor])
             for candidate, numbers in pairs:
                 if _delays(candidate):
-                    shifted = delayed(shifted, numbers["time"] / self.sample_time, self._delayed_by(candidate))
+                    motors = [motor for motor in self._delayed_by(candidate) if motor not in prescribed]
+                    shifted = delayed(shifted, numbers["time"] / self.sample_time, motors)
             lanes.append(shifted)
         return np.stack(lanes, axis=-1)
 
