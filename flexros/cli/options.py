@@ -67,6 +67,17 @@ def warn_of_network(network: bool) -> None:
         typer.echo(text, err=True)
 
 
+def checked_limit(seconds: float | None) -> float | None:
+    """Check a time limit of the command line [s]; None is no limit.
+
+    Raises:
+        InputError: It is not above zero and finite.
+    """
+    if seconds is not None and not 0 < seconds < float("inf"):
+        raise InputError(f"the time limit is {seconds:g} s, but must be above 0 s and finite", "time_limit")
+    return seconds
+
+
 def names_in(text: str) -> tuple[str, ...]:
     """Split names that are separated by commas."""
     return tuple(name for name in (part.strip() for part in text.split(",")) if name)

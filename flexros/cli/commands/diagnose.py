@@ -15,13 +15,13 @@ from flexros.cli.options import (
     PrescribedOption,
     ToleranceOption,
     TorqueOption,
+    checked_limit,
     names_in,
     parse_tolerance,
     torque_source,
 )
 from flexros.cli.output import console, print_json, say, suggest
 from flexros.cli.progress import progress_shown
-from flexros.errors import InputError
 
 if TYPE_CHECKING:
     from flexros.gap.result import DiagnosisResult
@@ -115,9 +115,9 @@ def _settings(joints: tuple[str, ...], effects: tuple[str, ...], time_limit: flo
     """Make the settings of the diagnosis from the options."""
     from flexros.gap.settings import DiagnosisSettings, SearchSettings
 
-    if time_limit is not None and not 0 < time_limit < float("inf"):
-        raise InputError(f"the time limit is {time_limit:g} s, but must be above 0 s and finite", "time_limit")
-    return DiagnosisSettings(time_limit=time_limit, search=SearchSettings(effects=effects, joints=joints))
+    return DiagnosisSettings(
+        time_limit=checked_limit(time_limit), search=SearchSettings(effects=effects, joints=joints)
+    )
 
 
 def _print(result: DiagnosisResult, files: list[Path]) -> None:
