@@ -384,9 +384,10 @@ CASES = (
         about="The example of FIGAROH, [github.com/thanhndv212/figaroh-examples](https://github.com/thanhndv212/"
         "figaroh-examples), no licence stated: fetched by `fetch_real_robots.py`. 100 Hz, 59 s, currents in steps of "
         "1 mA; gears and torque constants as in its `identification.py`. The currents of the wrist are a "
-        "twentieth of what its weight takes; so column and wrist are fixed in the model here; in the next case the wrist "
-        "moves as it was measured to. Nominal: its URDF, with the damping of 1 Nm s/rad that it has at every joint, without "
-        "its dry friction of 1 Nm, rotors and hand, tolerance 3 %. The first half is fitted, the second is not.",
+        "twentieth of what its weight takes; so column and wrist are fixed in the model here; in the next case the "
+        "wrist moves as it was measured to. Nominal: its URDF, with the damping of 1 Nm s/rad that it has at every "
+        "joint, without its dry friction of 1 Nm, rotors and hand, tolerance 3 %. The first half is fitted, the second "
+        "is not.",
         folder="figaroh-examples",
         robot="tiago_arm_robot.yaml",
         mapping="tiago_arm.yaml",
