@@ -10,14 +10,17 @@ import numpy as np
 
 from flexros.effects import PlacedEffect
 from flexros.effects.friction.viscous_friction import ViscousFriction
+from flexros.effects.left_out.body_difference import BodyDifference
 from flexros.effects.left_out.rotor_inertia import RotorInertia
 from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_moved
+from flexros.errors import InputError
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.balanced_torques import regress_balanced
 from flexros.gap.fit.torque_delay import torque_delay
 from flexros.gap.fit.torque_regression import Load, only_coulomb, regress_torque
 from flexros.gap.settings import TorqueStartSettings
 from flexros.prediction.integration_step import least_inertia, stops_too_fast
+from flexros.robot.parameters import INERTIA_COMPONENTS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -68,8 +71,8 @@ class UnknownNumbers:
         if self.rough:
             found.append(
                 "masses, centres of mass and inertias of the robot file are off by more than their tolerance: "
-                f"{100 * self.rough:g} % are allowed for instead, so the gap is that of a model with better ones, "
-                "which the patch does not hold; `flexros identify rigid` finds them"
+                f"{100 * self.rough:g} % are allowed for instead, so the gap is that of a model with better ones; a "
+                "patch holds them (body_difference)"
             )
         return (*found, *self._placeholder_warnings)
 
@@ -136,7 +139,7 @@ class UnknownNumbers:
             PlacedEffect(ViscousFriction(coefficient=-value), motor) for motor, value in self.placeholders.items()
         )
         load = () if self.load is None else (PlacedEffect(self._fitted_load(robot, factors), "tool"),)
-        return (*rotors, *friction, *load)
+        return (*rotors, *friction, *load, *(fitted_bodies(robot, factors) if self.rough else ()))
 
     def _of_load(self, robot: Robot) -> list[str]:
         if self.load is None:
@@ -166,6 +169,36 @@ def is_inertial(name: str) -> bool:
     """
     body, _, number = name.partition(".")
     return body.startswith("body_") and number.partition(".")[0] in ("mass", "center_of_mass", "inertia")
+
+
+def fitted_bodies(robot: Robot, factors: Mapping[str, float]) -> list[PlacedEffect]:
+    """Return the differences of the bodies of a robot whose numbers are scaled by factors.
+
+    Factors of the entries of an inertia are fitted one by one. Where no body can have such an inertia, it is that of
+    the file times the factor of the mass.
+
+    Args:
+        robot: The robot.
+        factors: Factors by name of the parameter [1].
+    """
+    found = []
+    for number in range(1, len(robot.spec.bodies) + 1):
+        body = f"body_{number}"
+        changes = {
+            name.rpartition(".")[2]: (factor - 1.0) * robot.parameters[name].value
+            for name, factor in factors.items()
+            if name.startswith(f"{body}.") and is_inertial(name)
+        }
+        difference = BodyDifference(**changes)
+        try:
+            difference.changed(robot, body)
+        except InputError:
+            heavier = factors.get(f"{body}.mass", 1.0) - 1.0
+            scaled = {name: heavier * robot.parameters[f"{body}.inertia.{name}"].value for name in INERTIA_COMPONENTS}
+            difference = difference.model_copy(update=scaled)
+        if difference.values(robot, body):
+            found.append(PlacedEffect(difference, body))
+    return found
 
 
 def with_rough_bodies(tolerance: Tolerance, rough: float) -> Tolerance:
