@@ -112,8 +112,8 @@ class TorqueStartSettings(Settings):
         ge=1,
         description="the same product from which a load above `light_load` is missing though it is less than "
         "`explained_by_load`: over what errors of all bodies within their tolerance leave, where those of "
-        "`rough_bodies` leave no less either [1] (chosen): 1.6 to 10 on robots that carry a load, 1.02 and less on five "
-        "that do not",
+        "`rough_bodies` leave no less either [1] (chosen): 1.6 to 10 on robots that carry a load, 1.02 and less on "
+        "five that do not",
     )
     rough_bodies: float = Field(
         default=0.15,
