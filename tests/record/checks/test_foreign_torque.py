@@ -37,14 +37,15 @@ def test_torques_of_a_simulation_are_what_they_are() -> None:
     assert without_foreign_torque(record, arm()) is record
 
 
-@pytest.mark.parametrize("case", ["true", "unit", "balanced"])
+@pytest.mark.parametrize("case", ["true", "unit", "balanced", "nearly"])
 def test_torques_that_belong_to_the_motion_count(case: str) -> None:
     """One in a wrong unit is a multiple of what the bodies need; where weight is balanced, friction is left."""
-    torque, speed = record_of_arm(imported=True).torque.copy(), motion()[1][:, 1]
+    torque, (position, speed, _) = record_of_arm(imported=True).torque.copy(), motion()[:, :, 1]
     torque[:, 1] = {
         "true": torque[:, 1],
         "unit": 0.1 * torque[:, 1],
-        "balanced": 0.3 * np.sign(speed) + 0.2 * speed + 0.02 * np.random.default_rng(1).standard_normal(len(speed)),
+        "balanced": 0.3 * np.sign(speed) + 0.02 * np.random.default_rng(1).standard_normal(len(speed)),
+        "nearly": 0.1 * np.sign(speed) + 0.4 * np.cos(position),
     }[case]
     record = with_torque(torque)
     assert without_foreign_torque(record, arm()) is record
