@@ -277,6 +277,7 @@ DRAWINGS: dict[str, tuple[Callable[[str], Panels], str]] = {
     "delay": (step_response, "delay@all:time=3e-3"),
     "encoder_eccentricity": (encoder_error, "encoder_eccentricity@motor_1:amplitude=1e-4,order=300"),
     "encoder_quantization": (staircase, "encoder_quantization@motor_1:step=2e-3"),
+    "body_difference": (lambda text: [responses(text)], "body_difference@body_1:mass=4"),
     "extra_mode": (
         lambda text: [responses(f"extra_mode@{place}:{text}") for place in ("tool", "base")],
         "frequency=12,ratio=0.3",

@@ -30,6 +30,16 @@ TorqueOption = Annotated[
 """Source of the torque of a log, see `torque_source`."""
 
 
+PrescribedOption = Annotated[
+    str,
+    typer.Option(
+        "--prescribed",
+        help="Motors without a usable torque, whose measured motion drives the model, e.g. motor_5,motor_6.",
+    ),
+]
+"""Motors whose motion is prescribed."""
+
+
 def torque_source(text: str) -> TorqueSource:
     """Check the source of the torque given on the command line.
 
@@ -55,6 +65,17 @@ def warn_of_network(network: bool) -> None:
     if network:
         text = "flexros: --network: any host that can reach this machine can subscribe to and command these nodes"
         typer.echo(text, err=True)
+
+
+def checked_limit(seconds: float | None) -> float | None:
+    """Check a time limit of the command line [s]; None is no limit.
+
+    Raises:
+        InputError: It is not above zero and finite.
+    """
+    if seconds is not None and not 0 < seconds < float("inf"):
+        raise InputError(f"the time limit is {seconds:g} s, but must be above 0 s and finite", "time_limit")
+    return seconds
 
 
 def names_in(text: str) -> tuple[str, ...]:

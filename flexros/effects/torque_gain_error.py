@@ -39,9 +39,10 @@ class TorqueGainError(AbstractCommandLaw):
                 0.9,
                 starts=2,
                 signed=True,
-                negative=0.9,
+                negative=0.63,
                 widest=9.0,
-                source="torque constants drop by 10 % hot; a wrong unit or gear ratio is far more",
+                source="torque constants drop by 10 % hot; a wrong unit or gear ratio is far more; a torque of which "
+                "less than 1 / 2.7 counts, as for the check of units, does not explain the motion",
             )
         }
     )

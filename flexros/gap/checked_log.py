@@ -8,13 +8,17 @@ from flexros.identify.log_record import log_record
 from flexros.scenario.recorded_experiment import with_recorded_parts
 
 if TYPE_CHECKING:
+    from collections.abc import Collection
+
     from flexros.logs.time_series import Log
     from flexros.record.read import TorqueSource
     from flexros.record.record import Record
     from flexros.robot import Robot
 
 
-def checked_log(log: Log, robot: Robot, *, name: str, torque: TorqueSource = "command") -> Record:
+def checked_log(
+    log: Log, robot: Robot, *, name: str, torque: TorqueSource = "command", prescribed: Collection[str] = ()
+) -> Record:
     """Read a log, and check its record for wrong units, signs, joint order and clipping.
 
     Args:
@@ -22,6 +26,8 @@ def checked_log(log: Log, robot: Robot, *, name: str, torque: TorqueSource = "co
         robot: The nominal robot.
         name: Name of the log, for messages.
         torque: Torque that is taken where both were recorded; the other one is taken where it alone was.
+        prescribed: Motors whose measured motion drives the model. So it does where no torque of a motor was recorded,
+            and on a real machine where a torque has nothing to do with the motion.
 
     Returns:
         The record, of a very fast recorder at a lower rate; its warnings state what was repaired or is doubtful.
@@ -29,5 +35,7 @@ def checked_log(log: Log, robot: Robot, *, name: str, torque: TorqueSource = "co
     Raises:
         InputError: There is no usable position or torque, or a check rejects the log.
     """
-    record = log_record(log, robot, name=name, torque=torque, positions=True, parameters_known=True)
+    record = log_record(
+        log, robot, name=name, torque=torque, positions=True, parameters_known=True, prescribed=prescribed
+    )
     return with_recorded_parts(record, log)

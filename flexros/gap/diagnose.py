@@ -22,6 +22,7 @@ from flexros.gap.held_out.closed_loop_gap import closed_loop_gap, why_not_simula
 from flexros.gap.held_out.predictions import prediction_of, sensor_errors, tool_errors
 from flexros.gap.noise.autoregression import autoregressive_spectrum
 from flexros.gap.noise.weights import measurement_in
+from flexros.gap.prediction.driven_model import driven_model
 from flexros.gap.progress import Stages
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.search.forward_selection import explain
@@ -33,6 +34,7 @@ from flexros.gap.where.find import where
 from flexros.identify.rigid.torque_timing import in_time
 from flexros.logs.reader import give_memory_back
 from flexros.record.most_informative import most_informative
+from flexros.record.prescribed_motion import with_prescribed_motion
 from flexros.record.resampled import may_be_resampled, resampled
 from flexros.record.shifted_torque import shifted
 
@@ -89,7 +91,7 @@ def diagnose(
     """
     settings = settings or DiagnosisSettings()
     given = robot if isinstance(robot, RobotWithEffects) else RobotWithEffects(robot, ())
-    competitors(given.commanded_by(record.commands).robot, settings.search)  # refuses unknown names before the work
+    competitors(driven_model(given, record).robot, settings.search, record.prescribed)  # refuses names before the work
     in_closed_loop = log if record.command is None else None
     notes = () if in_closed_loop is None else why_not_simulated(in_closed_loop)
     stages, deadline = Stages(progress), Deadline(settings.time_limit, interrupted)
@@ -162,8 +164,9 @@ class _Task:
         """
         settings, deadline = self.settings, self.deadline
         stages.begin("nominal model", 0.03)
-        model = self.given.commanded_by(record.commands)
         fitted, held = (record, self.holdout) if self.holdout is not None else split(record, settings.fitted_share)
+        fitted, held = _prescribed_alike(fitted, held, self.given.robot)
+        model = driven_model(self.given, fitted)
         _check_alike(fitted, held)
         fitted = with_torque_in_time_behind_springs(fitted, model.robot, settings)
         held = resampled(shifted(held, fitted.torque_shift), fitted.sample_time)
@@ -276,6 +279,14 @@ def split(record: Record, share: float) -> tuple[Record, Record]:
     """
     border = int(share * record.n_samples)
     return record.part(0, border), record.part(border, record.n_samples)
+
+
+def _prescribed_alike(fitted: Record, held: Record, robot: Robot) -> tuple[Record, Record]:
+    """Let the motion of the same motors drive the model in both logs."""
+    return (
+        with_prescribed_motion(fitted, robot, held.prescribed, f"it does so in {held.name}"),
+        with_prescribed_motion(held, robot, fitted.prescribed, f"it does so in {fitted.name}"),
+    )
 
 
 def _check_alike(fitted: Record, held: Record) -> None:

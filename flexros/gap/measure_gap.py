@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from flexros.blas_threads import one_blas_thread
 from flexros.gap.candidates.tolerance import tolerance_of
+from flexros.gap.deadline import Deadline
 from flexros.gap.fit.elastic_timing import shift_of_explanation, with_torque_in_time_behind_springs
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.fit.unknown_numbers import unknown_numbers
@@ -18,6 +19,7 @@ from flexros.gap.held_out.prediction_gap import (
     tolerance_floor,
     unknown_rounding,
 )
+from flexros.gap.prediction.driven_model import driven_model
 from flexros.gap.progress import Stages
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.search.model_probability import allowing_for_doubt, compare
@@ -96,28 +98,29 @@ def measure_gap(
         model: The nominal model.
         repaired: The same model with a patch on it; None for the nominal one alone.
         tolerance: Relative tolerance of stiffness, inertia and damping [1]; default: those of the robot file.
-        settings: Settings of the diagnosis.
+        settings: Settings of the diagnosis. Its time limit ends the fits of tolerated deviations at their next
+            iteration, which a warning says.
         progress: Called with the name of the stage and the share of all that is done.
 
     Returns:
         The gap numbers: `before` and `noise_floor`, with a repaired model the others too.
     """
     settings = settings or DiagnosisSettings()
-    stages = Stages(progress)
+    stages, deadline = Stages(progress), Deadline(settings.time_limit)
     stages.begin("nominal model", 1.0 if repaired is None else 0.5)
-    model = model.commanded_by(record.commands)
+    model = driven_model(model, record)
     record = with_torque_in_time_behind_springs(record, model.robot, settings)
     record = most_informative(record, settings.most_values)
     stated = tolerance_of(model.robot, tolerance or {})
     unknown = unknown_numbers(record, model, stated, settings.torque_start, as_stated=True)
     record = replace(record, warnings=(*record.warnings, *unknown.warnings))
     data = fit_data(record, unknown.given_to(model), settings)
-    null, before = _fitted(model, unknown, data, tolerance or {}, settings), None
+    null, before = _fitted(model, unknown, data, tolerance or {}, settings, deadline), None
     if repaired is not None:
         stages.begin("repaired model", 1.0)
         before = _errors(null, data)
-        null = _fitted(repaired.commanded_by(record.commands), unknown, data, tolerance or {}, settings)
-    shift = shift_of_explanation(null.fit, null, settings)
+        null = _fitted(driven_model(repaired, record), unknown, data, tolerance or {}, settings, deadline)
+    shift = 0.0 if deadline.over else shift_of_explanation(null.fit, null, settings)
     if shift:  # errors of springs in the nominal model hid when the torques acted
         moved = in_time(record, shift)
         return measure_gap(moved, model, repaired=repaired, tolerance=tolerance, settings=settings, progress=progress)
@@ -125,7 +128,18 @@ def measure_gap(
     before, after = (errors, None) if before is None else (before, errors)
     significant, floor = _shows(null, data), tolerance_floor(null.fit, data)
     numbers = gap_numbers(before, after, record.sample_time, with_tolerance=floor)
-    return MeasuredGap(numbers, significant, settled(data.record, numbers.closed_fraction).warnings)
+    warnings = settled(data.record, numbers.closed_fraction).warnings
+    return MeasuredGap(numbers, significant, (*warnings, *_cut_short(deadline)))
+
+
+def _cut_short(deadline: Deadline) -> tuple[str, ...]:
+    """Say that the time limit ended the fits."""
+    if deadline.partial is None:
+        return ()
+    return (
+        f"the time limit ended the fits of tolerated numbers after {deadline.partial.after:.3g} s: with more time the "
+        "gap may come out smaller",
+    )
 
 
 def _fitted(
@@ -134,11 +148,13 @@ def _fitted(
     data: FitData,
     tolerance: Mapping[str, float],
     settings: DiagnosisSettings,
+    deadline: Deadline,
 ) -> NullFit:
     """Fit the tolerated deviations of a model to the log, with the numbers that it lacks."""
     lacked = unknown.lacked_by(given)
     model = lacked.given_to(given)
-    return fit_null(data, model, lacked.tolerated(tolerance_of(model.robot, tolerance), model.robot), settings.fit)
+    tolerated = lacked.tolerated(tolerance_of(model.robot, tolerance), model.robot)
+    return fit_null(data, model, tolerated, settings.fit, stop=deadline.stops)
 
 
 def _errors(null: NullFit, data: FitData) -> AheadErrors:

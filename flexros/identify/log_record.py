@@ -6,11 +6,14 @@ from typing import TYPE_CHECKING
 
 from flexros.identify.rigid.torque_timing import with_torque_in_time
 from flexros.logs.reader import give_memory_back
+from flexros.record.checks.foreign_torque import without_foreign_torque
 from flexros.record.checks.run import check_record
 from flexros.record.read import read_record
 from flexros.record.resampled import at_usual_rate
 
 if TYPE_CHECKING:
+    from collections.abc import Collection
+
     from flexros.logs.time_series import Log
     from flexros.record.read import TorqueSource
     from flexros.record.record import Record
@@ -25,6 +28,7 @@ def log_record(
     torque: TorqueSource = "command",
     positions: bool = False,
     parameters_known: bool = False,
+    prescribed: Collection[str] | None = None,
 ) -> Record:
     """Read and check a log: the record of identification and, with what `gap.checked_log` adds, of a diagnosis.
 
@@ -39,6 +43,8 @@ def log_record(
         torque: Torque that is taken where both were recorded; the other one is taken where it alone was.
         positions: Whether a log of position commands without torques is read; see `read_record`.
         parameters_known: Whether the nominal parameters are about right; see `check_record`.
+        prescribed: Motors whose measured motion drives the model; so it does where a torque was not recorded or, on a
+            real machine, has nothing to do with the motion. None: no motor's does.
 
     Returns:
         The record of `read_record`, measured torques when they acted, of a very fast recorder at a lower rate. Samples
@@ -47,8 +53,10 @@ def log_record(
     Raises:
         InputError: There is no usable position or torque, or a check rejects the log.
     """
-    record = read_record(log, robot, name=name, torque=torque, positions=positions)
+    record = read_record(log, robot, name=name, torque=torque, positions=positions, prescribed=prescribed)
     give_memory_back()
+    if prescribed is not None:
+        record = without_foreign_torque(record, robot)
     checked = check_record(with_torque_in_time(record, robot), robot, parameters_known=parameters_known)
     give_memory_back()
     return at_usual_rate(checked)

@@ -20,6 +20,7 @@ from flexros.record.further_sensors import further_sensors
 from flexros.record.joint_columns import motor_columns
 from flexros.record.missing_samples import pauses, runs
 from flexros.record.polled_source import recovered
+from flexros.record.prescribed_motion import motors_named, with_prescribed_motion
 from flexros.record.quantization import resolution_of
 from flexros.record.record import Record, ToolRecord
 from flexros.record.servo_torque import servo_torque
@@ -27,7 +28,7 @@ from flexros.record.stamp_jitter import positions_on_grid
 from flexros.record.torque_hold import held_torque, sampled_torque
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Collection, Sequence
 
     from flexros.arrays import BoolArray, FloatArray
     from flexros.logs.time_series import JointSeries, Log
@@ -46,7 +47,13 @@ LEAST_REFERENCE = 0.9
 
 
 def read_record(
-    log: Log, robot: Robot, *, name: str, torque: TorqueSource = "command", positions: bool = False
+    log: Log,
+    robot: Robot,
+    *,
+    name: str,
+    torque: TorqueSource = "command",
+    positions: bool = False,
+    prescribed: Collection[str] | None = None,
 ) -> Record:
     """Read positions, torques and what else was measured onto an even grid.
 
@@ -60,6 +67,8 @@ def read_record(
         torque: Torque that is taken where both were recorded; the other one is taken where it alone was.
         positions: Whether a log without torques is read where it has position commands, which the servos of the robot
             file follow.
+        prescribed: Motors whose measured motion drives the model, whatever their torques; so it does where no torque
+            of a motor was recorded. None: a log with torques of some motors alone is refused.
 
     Returns:
         The record; its warnings say what was repaired or is doubtful.
@@ -77,7 +86,16 @@ def read_record(
     assert states.position is not None
     servos = positions and has_position_commands(log)
     reader = _Reader(log, robot, name, warnings)
-    source = "command" if servos else torque_source(log, torque, reader.columns, name, warnings)
+    may_lack = prescribed is not None
+    source = "command" if servos else torque_source(log, torque, reader.columns, name, warnings, may_lack=may_lack)
+    named = motors_named(robot, prescribed or ())
+    if named and servos:
+        raise InputError(
+            f"{name} has position commands and no torques, so that servos move every joint; prescribe none",
+            "prescribed",
+        )
+    empty = () if servos or not may_lack else reader.without_torque(source)
+    reader.spared = (*named, *empty)
     grid = even_grid(states.stamp, robot.sample_time, f"{name}: joint_states")
     warnings += grid.warnings
     position, valid, instants = positions_on_grid(states.position[:, reader.columns], grid, name, warnings)
@@ -90,7 +108,7 @@ def read_record(
     sensors = further_sensors(log, robot, reader.columns, grid, rows, name, warnings)
     command = acting[rows] if servos else None
     begin = round(((grid.origin - START_NS) * 1e-9 + grid.start) / grid.sample_time)
-    return Record(
+    record = Record(
         name=name,
         sample_time=grid.sample_time,
         position=position[rows],
@@ -112,6 +130,8 @@ def read_record(
         first=begin + rows.start,
         warnings=tuple(dict.fromkeys(warnings)),
     )
+    record = with_prescribed_motion(record, robot, named, "you ask for it")
+    return with_prescribed_motion(record, robot, empty, "no torque of it was recorded")
 
 
 def _thinned(log: Log) -> float:
@@ -123,7 +143,13 @@ def _thinned(log: Log) -> float:
 
 
 def torque_source(
-    log: Log, wanted: TorqueSource, columns: Sequence[int], name: str, warnings: list[str]
+    log: Log,
+    wanted: TorqueSource,
+    columns: Sequence[int],
+    name: str,
+    warnings: list[str],
+    *,
+    may_lack: bool = False,
 ) -> TorqueSource:
     """Choose the torque of a log: the wanted one, or the other one where only that was recorded of all motors.
 
@@ -133,6 +159,7 @@ def torque_source(
         columns: Column of each motor in joint_states, length M.
         name: Name of the log, for messages.
         warnings: Receives a sentence where the other one is taken.
+        may_lack: Whether measured torques of some motors alone do, where none were commanded.
 
     Returns:
         The torque that was recorded.
@@ -144,9 +171,9 @@ def torque_source(
     commanded = commands is not None and commands.effort is not None
     effort = states.effort
     known = {states.names[i]: effort is not None and bool(np.isfinite(effort[:, i]).any()) for i in columns}
-    measured = all(known.values())
+    measured = all(known.values()) or (may_lack and not commanded and any(known.values()))
     lacking = ", ".join(joint for joint, is_known in known.items() if not is_known)
-    if not commanded and any(known.values()) and lacking:
+    if not commanded and any(known.values()) and not measured:
         raise InputError(
             f"{name}: joint_states has no measured torque (effort) of {lacking}, and there are no commanded torques "
             "(effort of joint_commands); record one of them for all motors"
@@ -195,6 +222,7 @@ class _Reader:
         name: Name of the log, for messages.
         warnings: Receives what was repaired or is doubtful.
         columns: Column of each motor in joint_states, length M.
+        spared: Motors whose torque is not used.
     """
 
     log: Log
@@ -202,6 +230,7 @@ class _Reader:
     name: str
     warnings: list[str]
     columns: list[int] = field(init=False)
+    spared: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         self.columns = self._columns(self.log.joint_states.names, "joint_states", self.warnings)
@@ -219,20 +248,36 @@ class _Reader:
         states = self.log.joint_states.names
         return self._columns(series.names, topic, warnings, tuple(states[column] for column in self.columns))
 
+    def without_torque(self, source: TorqueSource) -> tuple[int, ...]:
+        """List the motors of which no torque was recorded."""
+        commands, effort = self.log.joint_commands, self.log.joint_states.effort
+        columns = self.columns
+        if source == "command":
+            assert commands is not None
+            effort, columns = commands.effort, self._columns_of(commands, "joint_commands", [])
+        assert effort is not None
+        return tuple(motor for motor, column in enumerate(columns) if not np.isfinite(effort[:, column]).any())
+
+    def _of_motors(self, effort: FloatArray, columns: list[int]) -> FloatArray:
+        """Return torques in the order of the motors, zero where they are not used."""
+        torque: FloatArray = effort[:, columns]
+        torque[:, list(self.spared)] = 0.0
+        return torque
+
     def torque(self, source: TorqueSource, grid: EvenGrid, instants: bool) -> tuple[HeldTorque, bool]:
         """Return the torque of every slot, and whether it was measured."""
         commands, states = self.log.joint_commands, self.log.joint_states
         held = None
         if commands is not None and commands.effort is not None:
             columns = self._columns_of(commands, "joint_commands", self.warnings)
-            held = held_torque(commands.stamp, commands.effort[:, columns], grid, instants, states.stamp)
+            held = held_torque(commands.stamp, self._of_motors(commands.effort, columns), grid, instants, states.stamp)
         if states.effort is not None and (held is None or np.any(np.isfinite(states.effort))):
             if held is not None and self._is_copy(states.effort, held, grid):
                 self.warnings.append(
                     "the effort of joint_states is a copy of the commands, not a measurement; it is not used"
                 )
             elif source == "measured":
-                return sampled_torque(states.effort[:, self.columns], grid, instants), True
+                return sampled_torque(self._of_motors(states.effort, self.columns), grid, instants), True
             else:
                 self.warnings.append(
                     "joint_states has measured torques too; the commanded torques are used, so actuator errors will "

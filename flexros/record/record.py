@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from flexros.record.premises import MEASURED, SIMULATED
 
 if TYPE_CHECKING:
@@ -56,6 +58,8 @@ class Record:
             torques, whose `torque` then follows from the nominal servo; None where torques were recorded.
         command_rate: Commanded speeds of servos [rad/s or m/s], shape (n, M); None where not recorded.
         thinned: Commands of the controller for each one in the log; 1 where all were recorded or nothing is known.
+        prescribed: Motors whose measured motion drives the model, as their torque is not known or has nothing to do
+            with it; see `flexros.record.prescribed_motion`.
         parts: Periodic parts of the motion, as far as they are known.
         encoder_steps: Resolution of each encoder before its positions were interpolated [rad or m], 0 without one,
             length M; empty where they are as measured.
@@ -84,6 +88,7 @@ class Record:
     command: FloatArray | None = None
     command_rate: FloatArray | None = None
     thinned: float = 1.0
+    prescribed: tuple[int, ...] = ()
     parts: tuple[PeriodicPart, ...] = ()
     encoder_steps: tuple[float, ...] = ()
     first: int = 0
@@ -117,6 +122,13 @@ class Record:
     def driving(self) -> FloatArray:
         """Input of the model: torques [Nm or N], or commanded positions of servos [rad or m], shape (n, M)."""
         return self.torque if self.command is None else self.command
+
+    @property
+    def predicted(self) -> BoolArray:
+        """Motors that torques or commands move, so that their motion is predicted and not prescribed, shape (M,)."""
+        predicted = np.ones(self.position.shape[1], dtype=bool)
+        predicted[list(self.prescribed)] = False
+        return predicted
 
     @property
     def correcting(self) -> BoolArray:

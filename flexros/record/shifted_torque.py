@@ -21,7 +21,8 @@ def shifted(record: Record, shift: float) -> Record:
     """
     if record.effort is None or record.torque_shift == shift:
         return record
-    return replace(record, torque=moved_later(record.effort, shift - 0.5), torque_shift=shift)
+    torque = np.where(record.predicted, moved_later(record.effort, shift - 0.5), record.torque)
+    return replace(record, torque=torque, torque_shift=shift)
 
 
 def moved_later(values: FloatArray, samples: float) -> FloatArray:

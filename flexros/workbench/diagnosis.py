@@ -151,6 +151,7 @@ def diagnose(
     holdout: GivenLog | None = None,
     tolerance: Mapping[str, float] | None = None,
     torque: TorqueSource = "command",
+    prescribed: Sequence[str] = (),
     joints: Sequence[str] = (),
     effects: Sequence[str] = (),
     time_limit: float | None = None,
@@ -166,6 +167,7 @@ def diagnose(
         tolerance: Relative tolerance (one standard deviation) of stiffness, inertia and damping [1], e.g.
             {"stiffness": 0.03}; default: those of the robot file.
         torque: Torque that is used where both were recorded: "command" or "measured".
+        prescribed: Motors without a usable torque, whose measured motion drives the model.
         joints: Motors at which effects compete, with their springs and bodies; default: all.
         effects: Names of the effects that compete; default: all.
         time_limit: Time after which the search ends with what it has found [s]; default: none.
@@ -187,7 +189,9 @@ def diagnose(
     for number, one in enumerate((log, holdout), 1):
         if one is not None:
             read = log_of(one)
-            records.append(checked_log(read, known.robot, name=name_of(one, number), torque=torque))
+            records.append(
+                checked_log(read, known.robot, name=name_of(one, number), torque=torque, prescribed=prescribed)
+            )
             read = measured_alone(read)
     result = diagnosed(
         records[0],
@@ -208,6 +212,7 @@ def measure_gap(
     repaired: GivenModel | None = None,
     tolerance: Mapping[str, float] | None = None,
     torque: TorqueSource = "command",
+    prescribed: Sequence[str] = (),
     settings: DiagnosisSettings | None = None,
     progress: Callable[[str, float], None] | None = None,
 ) -> MeasuredGap:
@@ -219,6 +224,7 @@ def measure_gap(
         repaired: The same with effects on it: a patch, or `Diagnosis.repaired`; default: the nominal one alone.
         tolerance: Relative tolerance of stiffness, inertia and damping [1]; default: those of the robot file.
         torque: Torque that is used where both were recorded: "command" or "measured".
+        prescribed: Motors without a usable torque, whose measured motion drives the model.
         settings: Settings of the diagnosis.
         progress: Called with the name of the stage and the share of all that is done [1].
 
@@ -232,7 +238,7 @@ def measure_gap(
     _check_tolerance(tolerance)
     if isinstance(model, (str, Path)) and isinstance(repaired, (str, Path)):
         _check_patch(model, repaired)
-    record = checked_log(log_of(log), known.robot, name=name_of(log), torque=torque)
+    record = checked_log(log_of(log), known.robot, name=name_of(log), torque=torque, prescribed=prescribed)
     better = None if repaired is None else model_of(repaired)
     return measured(record, known, repaired=better, tolerance=tolerance, settings=settings, progress=progress)
 

@@ -103,3 +103,12 @@ def test_a_repaired_model_that_closes_the_gap_settles_doubts_about_the_nominal_o
     repaired = place_effects(ROBOT, [parse_effect(FRICTION, "test")])
     assert measure_gap(record, MODEL).warnings[:2] == ("about the log", "about the model")
     assert "about the model" not in measure_gap(record, MODEL, repaired=repaired).warnings
+
+
+def test_a_time_limit_ends_the_fits_and_is_told() -> None:
+    settings = DiagnosisSettings(time_limit=1e-3)
+    tolerance = {"stiffness": 0.03, "inertia": 0.03}
+    found = measure_gap(record_of(FRICTION), MODEL, tolerance=tolerance, settings=settings)
+    assert found.numbers.before > 20
+    assert "the time limit ended the fits of tolerated numbers" in found.warnings[-1]
+    assert not any("time limit" in text for text in measure_gap(record_of(FRICTION), MODEL).warnings)

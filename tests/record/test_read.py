@@ -173,6 +173,32 @@ def test_torques_measured_at_one_motor_alone_do_not_count_as_those_that_acted(to
         read(replace(log, joint_states=states, joint_commands=None), load_robot("elbow"), torque)
 
 
+def test_the_motion_of_a_motor_without_torque_is_prescribed_where_that_is_allowed() -> None:
+    log, effort = log_of_two(), two_columns(5)
+    effort[:, 0] = np.nan
+    log = replace(log, joint_states=replace(log.joint_states, effort=effort), joint_commands=None)
+    record = read_record(log, load_robot("elbow"), name="log", prescribed=())
+    assert record.prescribed == (0,)
+    assert record.predicted.tolist() == [False, True]
+    assert record.valid.all()
+    np.testing.assert_array_equal(record.torque[:-1, 1], 0.5 * (effort[:-1, 1] + effort[1:, 1]))
+    assert any("the measured motion of motor_1 drives the model there, since no torque" in t for t in record.warnings)
+
+
+def test_torques_of_motors_whose_motion_is_to_be_prescribed_do_not_count() -> None:
+    log, commands = log_of_two(), two_columns(2)
+    commands[::3, 1] = np.nan
+    log = replace(log, joint_commands=replace(log.joint_commands, effort=commands))
+    record = read_record(log, load_robot("elbow"), name="log", prescribed=("motor_2",))
+    assert record.prescribed == (1,)
+    assert record.valid.all()
+    np.testing.assert_array_equal(record.torque[:, 0], commands[:, 0])
+    with pytest.raises(InputError, match="motor 'motor_3'"):
+        read_record(log, load_robot("elbow"), name="log", prescribed=("motor_3",))
+    with pytest.raises(InputError, match="the motion of every motor would be prescribed"):
+        read_record(log, load_robot("elbow"), name="log", prescribed=("motor_1", "motor_2"))
+
+
 def test_no_torque_is_refused(emps: Robot) -> None:
     with pytest.raises(InputError, match="^log has neither commanded torques .* nor measured ones"):
         read(make_log(joint_commands=None), emps)

@@ -63,6 +63,7 @@ class Case:
         cutoff: Low-pass of least squares [Hz], where that of the command does not do; zero: as the command chooses.
         by_mujoco: Why the toolbox of MuJoCo does not apply; empty where it does.
         fetched: Whether `fetch_real_robots.py` brings the files.
+        prescribed: Motors without usable torques, whose measured motion drives the model in all logs.
     """
 
     name: str
@@ -80,6 +81,7 @@ class Case:
     cutoff: float = 0.0
     by_mujoco: str = ""
     fetched: bool = False
+    prescribed: tuple[str, ...] = ()
 
     def path(self, name: str, data: Path) -> str:
         """Return the path of a robot or mapping, of ours or in the folder of the data; a built-in name as it is."""

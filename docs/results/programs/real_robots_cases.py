@@ -384,10 +384,10 @@ CASES = (
         about="The example of FIGAROH, [github.com/thanhndv212/figaroh-examples](https://github.com/thanhndv212/"
         "figaroh-examples), no licence stated: fetched by `fetch_real_robots.py`. 100 Hz, 59 s, currents in steps of "
         "1 mA; gears and torque constants as in its `identification.py`. The currents of the wrist are a "
-        "twentieth of what its weight takes; so column and wrist are fixed in the model. With the wrist, predictions "
-        "run away there, and the diagnosis of all seven axes is `unknown_effect` without a patch. Nominal: its URDF, "
-        "with the damping of 1 Nm s/rad that it has at every joint, without its dry friction of 1 Nm, rotors and hand, "
-        "tolerance 3 %. The first half is fitted, the second is not.",
+        "twentieth of what its weight takes; so column and wrist are fixed in the model here; in the next case the "
+        "wrist moves as it was measured to. Nominal: its URDF, with the damping of 1 Nm s/rad that it has at every "
+        "joint, without its dry friction of 1 Nm, rotors and hand, tolerance 3 %. The first half is fitted, the second "
+        "is not.",
         folder="figaroh-examples",
         robot="tiago_arm_robot.yaml",
         mapping="tiago_arm.yaml",
@@ -396,6 +396,23 @@ CASES = (
         known=_frictions([(dry,) for dry, _ in _TIAGO_FRICTION], [(wet, wet) for _, wet in _TIAGO_FRICTION], 1.0),
         source="least squares of the torque of the fitted half, with all numbers of the rigid model beside it",
         fetched=True,
+    ),
+    Case(
+        name="tiago_arm_and_wrist",
+        title="Seven axes of the arm of a PAL TIAGo",
+        about="The same logs with the wrist, whose motion is prescribed in both, as its currents are no torques of it; "
+        "in the fitted one the diagnosis notices all three joints by itself, in the other one two of them. Nominal as "
+        "above, with the wrist. Least squares takes the torques of all seven axes.",
+        folder="figaroh-examples",
+        robot="tiago_arm_and_wrist_robot.yaml",
+        mapping="tiago_arm_and_wrist.yaml",
+        fitted=("tiago_position_1.csv", "tiago_effort_1.csv"),
+        further={"second half": ("tiago_position_2.csv", "tiago_effort_2.csv")},
+        known=_frictions([(dry,) for dry, _ in _TIAGO_FRICTION], [(wet, wet) for _, wet in _TIAGO_FRICTION], 1.0),
+        source="least squares of the torque of the fitted half with column and wrist fixed, as above",
+        by_mujoco="our wrapper of it needs the torques of all joints",
+        fetched=True,
+        prescribed=("motor_5", "motor_6", "motor_7"),
     ),
     Case(
         name="gen3",

@@ -184,7 +184,8 @@ class Run:
         folder = self.work / "diagnosis"
         arguments = ("diagnose", str(self.work / "fitted"), "--model", self.robot, "--out", str(folder))
         limit = ("--time-limit", f"{self.limit:g}")
-        used = self._command(*arguments, *limit, expected=(0, GAP_FOUND), limit=self.patience * self.limit)
+        without = ("--prescribed", ",".join(self.case.prescribed)) if self.case.prescribed else ()
+        used = self._command(*arguments, *limit, *without, expected=(0, GAP_FOUND), limit=self.patience * self.limit)
         if not used.ended:
             return {"verdict": UNFINISHED, "seconds": used.seconds}
         answer: dict[str, Any] = json.loads((folder / "diagnosis.json").read_text(encoding="utf-8"))
@@ -235,7 +236,8 @@ class Run:
         return self.work / ("fitted" if self.case.further else "first")
 
     def _record(self, name: str) -> Record:
-        return checked_log(read_log(self.work / name), self.nominal.robot, name=name)
+        log, prescribed = read_log(self.work / name), self.case.prescribed
+        return checked_log(log, self.nominal.robot, name=name, prescribed=prescribed)
 
     def _not_fitted(self) -> dict[str, Record]:
         if self.case.further:

@@ -12,15 +12,16 @@ from flexros.cli.interruption import interruptible
 from flexros.cli.options import (
     KnownModelOption,
     NamespaceOption,
+    PrescribedOption,
     ToleranceOption,
     TorqueOption,
+    checked_limit,
     names_in,
     parse_tolerance,
     torque_source,
 )
 from flexros.cli.output import console, print_json, say, suggest
 from flexros.cli.progress import progress_shown
-from flexros.errors import InputError
 
 if TYPE_CHECKING:
     from flexros.gap.result import DiagnosisResult
@@ -37,6 +38,7 @@ def diagnose(
     holdout: Path = typer.Option(None, "--holdout", help="Held-out log; default: the last third of BAG."),
     tolerance: ToleranceOption = "",
     torque: TorqueOption = "command",
+    prescribed: PrescribedOption = "",
     namespace: NamespaceOption = "",
     joints: str = typer.Option(
         "",
@@ -65,11 +67,11 @@ def diagnose(
     tolerances, source = parse_tolerance(tolerance), torque_source(torque)
     settings = _settings(names_in(joints), names_in(effects), time_limit)
     known = load_model(model)
-    records = []
+    records, without = [], names_in(prescribed)
     for path in (bag, holdout):
         if path is not None:
             log = read_log(path, namespace=namespace or None, leave_out=("tool_reference",))
-            records.append(checked_log(log, known.robot, name=path.name, torque=source))
+            records.append(checked_log(log, known.robot, name=path.name, torque=source, prescribed=without))
             log = measured_alone(log)
     record, *others = records
     with progress_shown() as show:
@@ -100,7 +102,10 @@ def _next(result: DiagnosisResult, bag: Path, model: str, out: Path) -> str:
     if experiment is not None and experiment.command:
         return f"{experiment.command}    separates what this log does not"
     if result.patch:
-        return f"flexros gap ANOTHER_LOG --model {shlex.quote(model)} --patch {shlex.quote(str(out / 'patch.yaml'))}"
+        names = ",".join(result.robot.joint_names[motor] for motor in result.record.prescribed)
+        alike = f" --prescribed {names}" if names else ""
+        patch = shlex.quote(str(out / "patch.yaml"))
+        return f"flexros gap ANOTHER_LOG --model {shlex.quote(model)} --patch {patch}{alike}"
     if result.diagnosis.verdict == "no_gap":
         return f"flexros monitor {shlex.quote(str(bag))} --model {shlex.quote(model)} --calibrate thresholds.yaml"
     return f"open {out / 'report.html'}: where the gap shows, and what the log does not determine"
@@ -110,9 +115,9 @@ def _settings(joints: tuple[str, ...], effects: tuple[str, ...], time_limit: flo
     """Make the settings of the diagnosis from the options."""
     from flexros.gap.settings import DiagnosisSettings, SearchSettings
 
-    if time_limit is not None and not 0 < time_limit < float("inf"):
-        raise InputError(f"the time limit is {time_limit:g} s, but must be above 0 s and finite", "time_limit")
-    return DiagnosisSettings(time_limit=time_limit, search=SearchSettings(effects=effects, joints=joints))
+    return DiagnosisSettings(
+        time_limit=checked_limit(time_limit), search=SearchSettings(effects=effects, joints=joints)
+    )
 
 
 def _print(result: DiagnosisResult, files: list[Path]) -> None:

@@ -11,8 +11,11 @@ from flexros.cli.commands.diagnose import GAP_FOUND
 from flexros.cli.options import (
     KnownModelOption,
     NamespaceOption,
+    PrescribedOption,
     ToleranceOption,
     TorqueOption,
+    checked_limit,
+    names_in,
     parse_tolerance,
     torque_source,
 )
@@ -31,23 +34,31 @@ def gap(
     patch: Path = typer.Option(None, "--patch", help="Patch of that robot, to measure the gap that it leaves."),
     tolerance: ToleranceOption = "",
     torque: TorqueOption = "command",
+    prescribed: PrescribedOption = "",
     namespace: NamespaceOption = "",
+    time_limit: float = typer.Option(
+        None, "--time-limit", help="Time after which the fits of tolerated numbers end where they are [s]."
+    ),
     as_json: bool = typer.Option(False, "--json", help="Print the numbers as JSON, as in diagnosis.json."),
 ) -> int:
     """Measure the gap between a model and a log; the exit code is 1 where the model, with the patch, leaves a gap."""
     from flexros.effects.patching.patched_robot import load_model
     from flexros.gap.checked_log import checked_log
     from flexros.gap.measure_gap import measure_gap
+    from flexros.gap.settings import DiagnosisSettings
     from flexros.logs.reader import read_log
 
     tolerances, source = parse_tolerance(tolerance), torque_source(torque)
+    settings = DiagnosisSettings(time_limit=checked_limit(time_limit))
     nominal = load_model(model)
     repaired = None if patch is None else _repaired(patch, model)
     with progress_shown() as show:
         show("reading", 0.0)
         log = read_log(bag, namespace=namespace or None)
-        record = checked_log(log, nominal.robot, name=bag.name, torque=source)
-        measured = measure_gap(record, nominal, repaired=repaired, tolerance=tolerances, progress=show)
+        record = checked_log(log, nominal.robot, name=bag.name, torque=source, prescribed=names_in(prescribed))
+        measured = measure_gap(
+            record, nominal, repaired=repaired, tolerance=tolerances, settings=settings, progress=show
+        )
     if as_json:
         print_json(measured.numbers.model_dump(mode="json", exclude_none=patch is None))
     else:

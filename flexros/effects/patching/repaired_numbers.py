@@ -14,6 +14,7 @@ from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.effects.friction.presliding_friction import PreslidingFriction
 from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.gravity_error import GravityError
+from flexros.effects.left_out.body_difference import BodyDifference
 from flexros.effects.servos.servo_command_lag import ServoCommandLag
 from flexros.effects.torque_gain_error import TorqueGainError
 from flexros.effects.torque_saturation import TorqueSaturation
@@ -50,6 +51,7 @@ def repaired_numbers(patched: PatchedRobot) -> RepairedNumbers:
         InputError: The file states values on the motor side, which cannot be converted.
     """
     model = patched.model
+    rewritten = {one.location for one in patched.placed if isinstance(one.effect, BodyDifference)}
     scale = joint_side(model.robot)
     joints = [_Joint(model.robot, motor, scale) for motor in model.robot.motors]
     weights: dict[str, float] = {}
@@ -74,15 +76,19 @@ def repaired_numbers(patched: PatchedRobot) -> RepairedNumbers:
     return RepairedNumbers(
         tuple(joint.numbers() for joint in joints),
         tuple(
-            _of_body(k, body, nominal, weights.get(f"body_{k}", 0.0))
+            _of_body(k, body, nominal, weights.get(f"body_{k}", 0.0), rewritten=f"body_{k}" in rewritten)
             for k, (body, nominal) in enumerate(zip(model.robot.spec.bodies, patched.base.spec.bodies), start=1)
         ),
         tuple(not_held),
     )
 
 
-def _of_body(number: int, body: Body, nominal: Body, weight_error: float) -> BodyNumbers:
+def _of_body(number: int, body: Body, nominal: Body, weight_error: float, *, rewritten: bool) -> BodyNumbers:
     """Return the numbers of a body; a mass that moves its centre of mass is a load on it."""
+    if rewritten:
+        place = ", ".join(f"{value:.4g}" for value in body.center_of_mass.value)
+        words = f"mass {body.mass.value:.6g} kg, centre {place} m, and inertia"
+        return BodyNumbers(f"body_{number}", body.label, 1.0, weight_error, rewritten=words)
     mass, own = body.mass.value, nominal.mass.value
     moment = mass * np.array(body.center_of_mass.value) - own * np.array(nominal.center_of_mass.value)
     moved = np.abs(moment - (mass - own) * np.array(nominal.center_of_mass.value)).max() > SAME * abs(mass)

@@ -12,6 +12,7 @@ from flexros.effects import effects
 from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.kinds.law import AbstractLaw
 from flexros.effects.kinds.model_change import AbstractChangedValues
+from flexros.effects.left_out.body_difference import BodyDifference
 from flexros.effects.left_out.rotor_inertia import RotorInertia
 from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_moved
 from flexros.gap.answer.decision import effect_location
@@ -33,6 +34,8 @@ if TYPE_CHECKING:
 
     _Row = tuple[str, str, str | None]
 
+CLEAR = 2.0
+"""Standard deviations from which the number of a body counts as other than that of the file [1] (chosen)."""
 MODEL_NUMBERS = "model numbers"
 _CLASSES: Mapping[str, str] = MappingProxyType({"motor friction": "friction"})
 """Classes of a budget by stage of the loop, where they are named otherwise."""
@@ -194,6 +197,9 @@ def _estimated(findings: Findings) -> list[ModelNumber]:
             continue
         if isinstance(effect, ViscousFriction):
             continue  # no number of its own: it takes that of the file away
+        if isinstance(effect, BodyDifference):
+            numbers += _of_body(effect, placed.location, robot, relative)
+            continue
         assert isinstance(effect, RotorInertia)
         numbers.append(
             ModelNumber(
@@ -206,6 +212,27 @@ def _estimated(findings: Findings) -> list[ModelNumber]:
                 determined=bool(relative[name] <= 1.0),
             )
         )
+    return numbers
+
+
+def _of_body(difference: BodyDifference, body: str, robot: Robot, relative: Mapping[str, float]) -> list[ModelNumber]:
+    """List the numbers of a body that differ clearly, and by more than their stated tolerance."""
+    numbers = []
+    for name, value in difference.values(robot, body).items():
+        parameter = robot.parameters[name]
+        std = float(relative.get(name, 0.0)) * abs(value)
+        if abs(value - parameter.value) > max(parameter.tolerance * abs(parameter.value), CLEAR * std):
+            numbers.append(
+                ModelNumber(
+                    location=body,
+                    name=name,
+                    nominal=parameter.value,
+                    value=value,
+                    std=std,
+                    unit=parameter.unit,
+                    determined=True,
+                )
+            )
     return numbers
 
 

@@ -13,6 +13,7 @@ from flexros.effects.left_out.tool_load import ToolLoad
 from flexros.gap.fit.least_squares import fit
 from flexros.gap.fit.null_fit import predicting_best
 from flexros.gap.held_out.prediction_gap import HORIZON, errors_ahead
+from flexros.gap.prediction.driven_model import driven_model
 from flexros.gap.prediction.predictor import Predictor
 
 if TYPE_CHECKING:
@@ -65,7 +66,7 @@ class GivenModel:
         inertias = {k: v for k, v in unknown.inertias.items() if f"{RotorInertia.name}@{k}" in numbers}
         load = unknown.load if f"{ToolLoad.name}@tool" in numbers else None
         some = replace(unknown, inertias=inertias, load=load)
-        return some.given_to(findings.given.commanded_by(findings.data.record.commands))
+        return some.given_to(driven_model(findings.given, findings.data.record))
 
     def predictor(self, hypothesis: Hypothesis, numbers: Collection[str]) -> Predictor:
         """Return the predictor of effects on it with some of these numbers, in the parameters of all other fits.
@@ -128,12 +129,16 @@ class GivenModel:
 def errors_over_rest(errors: AheadErrors, held: FitData) -> FloatArray:
     """Return the errors of the motors over those of a prediction that they stay where they are, rms, shape (M,) [1].
 
+    Those of motors whose motion is prescribed are zero.
+
     Args:
         errors: Errors in a log.
         held: The log.
     """
     position = held.record.position
     moved = position[errors.starts + max(1, round(HORIZON / held.record.sample_time))] - position[errors.starts]
-    rms = np.array([errors.rms(motor) for motor in range(position.shape[1])])
-    ratio: FloatArray = rms / np.maximum(np.sqrt(np.mean(moved**2, axis=0)), errors.floor[: position.shape[1]])
-    return ratio
+    ratios: FloatArray = np.zeros(position.shape[1])
+    for motor in range(position.shape[1]):
+        for signal in errors.of_motor(motor):
+            ratios[motor] = errors.rms(signal) / max(np.sqrt(np.mean(moved[:, motor] ** 2)), errors.floor[signal])
+    return ratios

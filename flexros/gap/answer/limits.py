@@ -45,8 +45,14 @@ def identifiability_limits(record: Record, robot: Robot, quantizations: Sequence
             "does not scale with torque (springs, dampers, friction, gravity)."
         )
     largest = np.max(np.abs(record.torque), axis=0)
-    for name, limit, torque in zip(robot.joint_names, robot.torque_limits, largest):
-        if np.isfinite(limit) and torque < TESTED * limit:
+    if record.prescribed:
+        names = ", ".join(robot.joint_names[motor] for motor in record.prescribed)
+        limits.append(
+            f"The motion of {names} is prescribed as it was measured: nothing is known of what acts there, and of the "
+            "bodies behind only what the other motors feel."
+        )
+    for name, limit, torque, known in zip(robot.joint_names, robot.torque_limits, largest, record.predicted):
+        if known and np.isfinite(limit) and torque < TESTED * limit:
             limits.append(
                 f"{name} reached at most {100 * torque / limit:.0f} % of its torque limit: saturation above that, and "
                 "stiffness at higher loads, are not tested."

@@ -55,7 +55,7 @@ def unexplained(findings: Findings, before: AheadErrors, after: AheadErrors) -> 
         if not listed:
             continue
         spectra = spectra or _Spectra(findings)
-        for regime, bands in spectra.shares(motor, listed).items():
+        for regime, bands in spectra.shares(after.of_motor(motor), listed).items():
             divided = tuple(
                 BandShare(band_hz=band, share=part * shares[regime]) for band, part in zip(spectra.bands, bands)
             )
@@ -90,20 +90,20 @@ class _Spectra:
         hz = self._octaves.hz.tolist()
         return list(pairwise(hz))
 
-    def shares(self, motor: int, parts: Mapping[str, BoolArray]) -> dict[str, FloatArray]:
-        """Divide what is left at a motor among the bands, in each part of the motion.
+    def shares(self, signals: list[int], parts: Mapping[str, BoolArray]) -> dict[str, FloatArray]:
+        """Divide what is left of some signals among the bands, in each part of the motion.
 
         Noise, of which the floor is made, is taken as white.
 
         Args:
-            motor: Index of the motor.
+            signals: Numbers of the signals; without any, all bands have the same share.
             parts: Samples of each part of the motion by its name, shape (n,).
 
         Returns:
             Shares that add up to 1 by the same names [1], shape (B,) each.
         """
         masks = np.array([inside[self._ends] * self._present for inside in parts.values()])
-        power = self._octaves.power(rfft(self._errors[:, motor]))
+        power = self._octaves.power(rfft(self._errors[:, signals].sum(axis=1)))
         weights = self._octaves.weights(masks)
         widths = np.diff(self._octaves.hz) / self._octaves.hz[-1]
         left = np.array([of_band @ weight for of_band, weight in zip(power, weights)])

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flexros.effects.torque_drift import TorqueDrift
+from flexros.effects.torque_gain_error import TorqueGainError
 from flexros.gap.fit.estimates import placed_effects
 
 if TYPE_CHECKING:
@@ -55,11 +56,28 @@ def answer_warnings(findings: Findings, gap: GapNumbers, *, worse: bool) -> list
             f"without {', '.join(sorted(given.kept))}, which the model lacks, motors are predicted hardly better 0.1 s "
             "ahead than by their last position: the gap before the repair is that of the model with them"
         )
-    warnings += [
-        f"the size of {name} ended at the limit of its search, which is no finding: it is not in the patch"
+    warnings += _without_finding(findings)
+    return [*warnings, *_drift_warnings(findings)]
+
+
+def _without_finding(findings: Findings) -> list[str]:
+    """Return one sentence for every effect whose size ended at the limit of its search.
+
+    A gain that leaves next to nothing of a torque says that it is not the torque of that motion.
+    """
+    lost = {
+        f"{one.effect.name}@{one.location}"
+        for one in placed_effects(findings.explanations.chosen)
+        if isinstance(one.effect, TorqueGainError) and one.effect.relative < 0
+    }
+    return [
+        f"the torque of {name.partition('@')[2]} in the log does not explain its motion: predictions are better the "
+        "less of it acts. It is not the torque of this motor, or its unit is another one; no gain of it is a finding, "
+        "and none is in the patch"
+        if name in lost
+        else f"the size of {name} ended at the limit of its search, which is no finding: it is not in the patch"
         for name in sorted(findings.beyond_search)
     ]
-    return [*warnings, *_drift_warnings(findings)]
 
 
 def _drift_warnings(findings: Findings) -> list[str]:

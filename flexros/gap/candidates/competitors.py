@@ -26,10 +26,12 @@ class Competitors:
     Attributes:
         effects: Names of the effects.
         locations: Locations; None for all.
+        without: Motors at which none competes, as their motion is prescribed.
     """
 
     effects: frozenset[str]
     locations: frozenset[str] | None
+    without: frozenset[str] = frozenset()
 
     def include(self, effect: type[AbstractEffect]) -> bool:
         """Return whether an effect competes anywhere."""
@@ -37,15 +39,18 @@ class Competitors:
 
     def contain(self, candidate: Candidate) -> bool:
         """Return whether an effect competes at its location."""
-        return self.include(candidate.effect) and (self.locations is None or candidate.location in self.locations)
+        if not self.include(candidate.effect) or candidate.location in self.without:
+            return False
+        return self.locations is None or candidate.location in self.locations
 
 
-def competitors(robot: Robot, settings: SearchSettings) -> Competitors:
+def competitors(robot: Robot, settings: SearchSettings, prescribed: Sequence[int] = ()) -> Competitors:
     """Return what competes on a robot.
 
     Args:
         robot: The nominal robot.
         settings: Names of effects and motors.
+        prescribed: Motors whose motion is prescribed.
 
     Raises:
         InputError: An effect or a motor does not exist, or none of the effects can act at the motors.
@@ -55,9 +60,10 @@ def competitors(robot: Robot, settings: SearchSettings) -> Competitors:
         for name in settings.effects:
             if name not in known:
                 raise unknown_name("effect", name, known, "search.effects")
-    competing = Competitors(frozenset(settings.effects or known), locations_of(robot, settings.joints))
+    without = frozenset(robot.joint_names[motor] for motor in prescribed)
+    competing = Competitors(frozenset(settings.effects or known), locations_of(robot, settings.joints), without)
     if competing.locations is not None and not any(
-        location in competing.locations
+        location in competing.locations - without
         for name in competing.effects
         for location in distinct_locations(known[name], robot)
     ):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.record.missing_samples import bridged_motion
+from flexros.record.prescribed_motion import without_prescribed
 from flexros.record.smoothing import motion_cutoff, smooth_motion
 
 if TYPE_CHECKING:
@@ -75,7 +76,7 @@ def scales_of_motors(robot: Robot, record: Record) -> Scales:
     position = bridged_motion(record.position, record.valid)
     speed = smooth_motion(position, record.sample_time, motion_cutoff(record.sample_time))[1]
     names = robot.joint_names
-    return _scales(names, record.torque, speed, position, dict.fromkeys(names, SMALLEST))
+    return _scales(names, without_prescribed(record).torque, speed, position, dict.fromkeys(names, SMALLEST))
 
 
 def _scales(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import unknown_name
+from flexros.record.prescribed_motion import INERTIA as PRESCRIBED
 from flexros.robot.parameters import SERVO
 
 if TYPE_CHECKING:
@@ -106,6 +107,8 @@ def tolerance_of(robot: Robot, given: Mapping[str, float]) -> Tolerance:
             raise unknown_name("kind of tolerance", kind, KINDS)
     tolerances: dict[str, float] = {}
     for name, parameter in robot.parameters.items():
+        if parameter.value == PRESCRIBED:
+            continue  # a motor whose motion is measured
         if f".{SERVO}" in name and robot.commands == "torque":
             continue  # the servos have no part in it
         deviation = parameter.tolerance

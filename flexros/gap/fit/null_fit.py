@@ -12,7 +12,7 @@ from flexros.gap.prediction.compiled_plant import LANES, CompiledPlant
 from flexros.gap.prediction.predictor import Predictor
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from flexros.arrays import FloatArray
     from flexros.effects import RobotWithEffects
@@ -71,6 +71,7 @@ def fit_null(
     tolerance: Tolerance,
     settings: FitSettings = FIT,
     start: FloatArray | None = None,
+    stop: Callable[[], bool] | None = None,
 ) -> NullFit:
     """Fit the nominal model, whose tolerated deviations alone are free.
 
@@ -83,19 +84,20 @@ def fit_null(
         tolerance: Parameters of the robot that are known with a tolerance only.
         settings: Settings of the fit.
         start: Tolerated deviations of the parameters to begin with [1], shape (n_names,); default: none.
+        stop: Asked after each iteration; True ends the fit where it is.
     """
     predictor = _predictor(data, model, (), tolerance)
-    enough = max(settings.enough, data.negligible)
+    enough, most = max(settings.enough, data.negligible), settings.null_iterations
     share = settings.enough_of_rest if data.record.premises.floor_is_noise else 0.0
     first = np.zeros(predictor.n_fitted) if start is None else start
     if len(tolerance.names) >= LANES:
         slopes = linearise(predictor, data, first).slopes
         tolerance = tolerance.informed(slopes.T @ slopes / data.misfit)
         predictor, first = _predictor(data, model, (), tolerance), tolerance.along(first)
-    null = fit(predictor, data, first, settings.null_iterations, enough=enough, share=share, settings=settings)
+    null = fit(predictor, data, first, most, enough=enough, share=share, settings=settings, stop=stop)
     if data.tool is not None and predictor.n_fitted:
         data = data.with_tool_frame_of(predictor, null.theta)
-        null = fit(predictor, data, null.theta, settings.null_iterations, enough=enough, share=share, settings=settings)
+        null = fit(predictor, data, null.theta, most, enough=enough, share=share, settings=settings, stop=stop)
     return NullFit(model, data, null)
 
 

@@ -150,6 +150,7 @@ def regress_torque(
         position = rows.decimated(bridged_motion(rows.record.position, rows.record.valid))
         A = np.insert(A, [len(KINDS) * M] * len(BALANCE), _of_balance(position, balanced), axis=-1)
         lightest = np.concatenate([np.full(len(BALANCE), -np.inf), lightest])
+    A[:, ~record.predicted], b[:, ~record.predicted] = 0.0, 0.0  # a prescribed motion says nothing of its torque
     if not (np.isfinite(A).all() and np.isfinite(b).all()):  # the arm behind its springs ran away from the log
         return None
     solved = partial(

@@ -10,14 +10,17 @@ import numpy as np
 
 from flexros.effects import PlacedEffect
 from flexros.effects.friction.viscous_friction import ViscousFriction
+from flexros.effects.left_out.body_difference import BodyDifference
 from flexros.effects.left_out.rotor_inertia import RotorInertia
 from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_moved
+from flexros.errors import InputError
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.balanced_torques import regress_balanced
 from flexros.gap.fit.torque_delay import torque_delay
 from flexros.gap.fit.torque_regression import Load, only_coulomb, regress_torque
 from flexros.gap.settings import TorqueStartSettings
 from flexros.prediction.integration_step import least_inertia, stops_too_fast
+from flexros.robot.parameters import INERTIA_COMPONENTS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -68,8 +71,8 @@ class UnknownNumbers:
         if self.rough:
             found.append(
                 "masses, centres of mass and inertias of the robot file are off by more than their tolerance: "
-                f"{100 * self.rough:g} % are allowed for instead, so the gap is that of a model with better ones, "
-                "which the patch does not hold; `flexros identify rigid` finds them"
+                f"{100 * self.rough:g} % are allowed for instead, so the gap is that of a model with better ones; a "
+                "patch holds them (body_difference)"
             )
         return (*found, *self._placeholder_warnings)
 
@@ -136,7 +139,7 @@ class UnknownNumbers:
             PlacedEffect(ViscousFriction(coefficient=-value), motor) for motor, value in self.placeholders.items()
         )
         load = () if self.load is None else (PlacedEffect(self._fitted_load(robot, factors), "tool"),)
-        return (*rotors, *friction, *load)
+        return (*rotors, *friction, *load, *(fitted_bodies(robot, factors) if self.rough else ()))
 
     def _of_load(self, robot: Robot) -> list[str]:
         if self.load is None:
@@ -166,6 +169,36 @@ def is_inertial(name: str) -> bool:
     """
     body, _, number = name.partition(".")
     return body.startswith("body_") and number.partition(".")[0] in ("mass", "center_of_mass", "inertia")
+
+
+def fitted_bodies(robot: Robot, factors: Mapping[str, float]) -> list[PlacedEffect]:
+    """Return the differences of the bodies of a robot whose numbers are scaled by factors.
+
+    Factors of the entries of an inertia are fitted one by one. Where no body can have such an inertia, it is that of
+    the file times the factor of the mass.
+
+    Args:
+        robot: The robot.
+        factors: Factors by name of the parameter [1].
+    """
+    found = []
+    for number in range(1, len(robot.spec.bodies) + 1):
+        body = f"body_{number}"
+        changes = {
+            name.rpartition(".")[2]: (factor - 1.0) * robot.parameters[name].value
+            for name, factor in factors.items()
+            if name.startswith(f"{body}.") and is_inertial(name)
+        }
+        difference = BodyDifference(**changes)
+        try:
+            difference.changed(robot, body)
+        except InputError:
+            heavier = factors.get(f"{body}.mass", 1.0) - 1.0
+            scaled = {name: heavier * robot.parameters[f"{body}.inertia.{name}"].value for name in INERTIA_COMPONENTS}
+            difference = difference.model_copy(update=scaled)
+        if difference.values(robot, body):
+            found.append(PlacedEffect(difference, body))
+    return found
 
 
 def with_rough_bodies(tolerance: Tolerance, rough: float) -> Tolerance:
@@ -332,7 +365,42 @@ def _load(
         if relieved is not None and without.rest[motor] > settings.relieved * relieved.rest[motor]:
             found.append(_load_beside(regress, robot, tolerance, relieved, motor, settings))
     best = min((one for one in found if one is not None), key=lambda one: _rest(one[0]), default=None)
+    best = best or _load_before_bodies(regress, robot, tolerance, without, settings)
     return (None, None) if best is None else best
+
+
+def _load_before_bodies(
+    regress: Regress, robot: Robot, tolerance: Tolerance, without: TorqueRegression, settings: TorqueStartSettings
+) -> tuple[TorqueRegression, ToolLoad] | None:
+    """Estimate a load that explains more than errors of all bodies, though not by far; None for no load.
+
+    In a slow motion friction and rotors stand for most of its weight: acceleration and weight of a joint that goes to
+    and fro are much alike. A load is four numbers. Where it leaves less than errors of all numbers of the bodies, those
+    far beyond their tolerance included, it is not these.
+
+    Args:
+        regress: The regression of the log, of a tolerance and a load.
+        robot: The nominal robot.
+        tolerance: Parameters of the robot that may deviate.
+        without: The regression without a load.
+        settings: Settings of the regressions.
+    """
+    loaded = regress(Tolerance(), load="point")
+    if loaded is None or not tolerance.names:
+        return None
+    load = _at_a_point(loaded, settings)
+    if load is None or load.mass < settings.light_load * _moved(robot):
+        return None
+    if _lowered(without, loaded, settings) < settings.before_bodies:
+        return None
+    for bodies, least in (
+        (tolerance, settings.before_bodies),
+        (with_rough_bodies(tolerance, settings.rough_bodies), 1.0),
+    ):
+        within = regress(bodies)
+        if within is None or _lowered(within, loaded, settings) < least:
+            return None
+    return loaded, load
 
 
 def _load_beside(
@@ -359,23 +427,39 @@ def _load_beside(
     loaded = regress(tolerance, load="point", balanced=balanced)
     if loaded is None:
         return None
-    mass, moment = float(loaded.load[0]), loaded.load[1:]
-    moved = sum(robot.parameters[f"body_{k}.mass"].value for k, b in enumerate(robot.spec.bodies, 1) if b.directions)
-    far = np.linalg.norm(moment) > settings.farthest_load * mass
-    if mass < settings.lightest_load * moved or far or not _explains(loaded, without, settings):
+    load, moved = _at_a_point(loaded, settings), _moved(robot)
+    if load is None or load.mass < settings.lightest_load * moved or not _explains(loaded, without, settings):
         return None
-    if mass < settings.light_load * moved:
+    if load.mass < settings.light_load * moved:
         tolerated = regress(tolerance, balanced=balanced)
         if tolerated is None or not _explains(loaded, tolerated, settings):
             return None
+    return loaded, load
+
+
+def _at_a_point(loaded: TorqueRegression, settings: TorqueStartSettings) -> ToolLoad | None:
+    """Return the load of a regression; None for one without mass, or farther from the last joint than any tool."""
+    mass, moment = float(loaded.load[0]), loaded.load[1:]
+    if mass <= 0 or np.linalg.norm(moment) > settings.farthest_load * mass:
+        return None
     x, y, z = (moment / mass).tolist()
-    return loaded, ToolLoad(mass=mass, x=x, y=y, z=z)
+    return ToolLoad(mass=mass, x=x, y=y, z=z)
+
+
+def _moved(robot: Robot) -> float:
+    """Return the mass of all bodies that move [kg]."""
+    return sum(robot.parameters[f"body_{k}.mass"].value for k, b in enumerate(robot.spec.bodies, 1) if b.directions)
 
 
 def _explains(loaded: TorqueRegression, without: TorqueRegression, settings: TorqueStartSettings) -> bool:
     """Return whether a load lowers what is left of the torques by enough, no motor counting for more than that."""
-    enough = settings.explained_by_load
-    return float(np.prod(np.minimum(without.left / np.maximum(loaded.left, 1e-300), enough))) >= enough
+    return _lowered(without, loaded, settings) >= settings.explained_by_load
+
+
+def _lowered(before: TorqueRegression, after: TorqueRegression, settings: TorqueStartSettings) -> float:
+    """Return the factor by which less is left of the torques, over all motors; none counts for more than is enough."""
+    factors = np.minimum(before.left / np.maximum(after.left, 1e-300), settings.explained_by_load)
+    return float(np.prod(factors))
 
 
 def _rest(regression: TorqueRegression) -> float:

@@ -46,12 +46,13 @@ class AheadErrors:
 
     Attributes:
         squares: Squared errors of the S signals, motor positions and then further sensors, each over its floor, shape
-            (n_windows, S); of a sensor without a value there, its mean.
+            (n_windows, S); of a sensor without a value there, its mean. Prescribed motors have none.
         starts: Samples at which the predictions start, shape (n_windows,).
         floor: Standard deviation of the errors without a gap [unit of the signal], shape (S,).
         floor_error: Relative standard deviation of the variance of the noise [1]; zero where it is as declared.
         settings: Settings that the errors were computed with.
         sensors: The further sensors.
+        prescribed: Motors whose motion is prescribed.
     """
 
     squares: FloatArray
@@ -60,6 +61,7 @@ class AheadErrors:
     floor_error: float = 0.0
     settings: PredictionGapSettings = field(default_factory=PredictionGapSettings)
     sensors: tuple[SensorRecord, ...] = ()
+    prescribed: tuple[int, ...] = ()
 
     @property
     def mean(self) -> float:
@@ -78,7 +80,16 @@ class AheadErrors:
             n_motors: Number of motors M.
         """
         joints = [n_motors - 1 if sensor.of_tool else sensor.index for sensor in self.sensors]
-        return [motor, *(n_motors + place for place, joint in enumerate(joints) if joint == motor)]
+        begin = n_motors - len(self.prescribed)
+        return [*self.of_motor(motor), *(begin + place for place, joint in enumerate(joints) if joint == motor)]
+
+    def of_motor(self, motor: int) -> list[int]:
+        """List the signal of the position of a motor; none where its motion is prescribed.
+
+        Args:
+            motor: Number of the motor.
+        """
+        return [] if motor in self.prescribed else [motor - sum(other < motor for other in self.prescribed)]
 
     def rms(self, signal: int) -> float:
         """Return the root mean square of the errors of a signal [its unit]."""
@@ -91,7 +102,7 @@ class SignedErrors:
 
     Attributes:
         errors: Errors of the S signals, motor positions and then further sensors, over their standard deviation by
-            noise alone, shape (n_windows, S); NaN of a sensor without a value there.
+            noise alone, shape (n_windows, S); NaN of a sensor without a value there. Prescribed motors have none.
         starts: Samples at which the predictions start, shape (n_windows,).
         floor: That standard deviation [unit of the signal], shape (S,).
         sensors: The further sensors.
@@ -139,7 +150,15 @@ def errors_ahead_of(predictor: Predictor, thetas: FloatArray, data: FitData) -> 
     """
     settings = data.settings.prediction_gap
     return [
-        AheadErrors(signed.squares, signed.starts, signed.floor, data.floor_error, settings, signed.sensors)
+        AheadErrors(
+            signed.squares,
+            signed.starts,
+            signed.floor,
+            data.floor_error,
+            settings,
+            signed.sensors,
+            data.record.prescribed,
+        )
         for signed in signed_errors_ahead(predictor, thetas, data, settings.spacing)
     ]
 
@@ -171,13 +190,14 @@ def signed_errors_ahead(predictor: Predictor, thetas: FloatArray, data: FitData,
             f"{record.name}: there is no stretch of {HORIZON:g} s after the first {first * record.sample_time:.3g} s, "
             f"which the predictor needs to settle; the log has {record.duration:.3g} s, record a longer one"
         )
-    floor = data.gain.ahead(horizon)
+    predicted = record.predicted
+    floor = data.gain.ahead(horizon)[predicted]
     last = 0 if data.sensors is None else last_samples(data.sensors, horizon)
     found = []
     for lane, theta in enumerate(thetas.T):
         states = prediction.states[:, :, lane : lane + 1]
         ahead = predictor.ahead(theta, record, states[:, :, 0], starts, horizon, last=last)
-        errors = (record.position[starts + horizon] - ahead.positions) / floor
+        errors = (record.position[starts + horizon] - ahead.positions)[:, predicted] / floor
         one = SignedErrors(errors, starts, floor)
         if ahead.states is not None:
             further = sensors_ahead(predictor, theta, data, states, ahead.states, starts + horizon, horizon)
@@ -270,7 +290,7 @@ def tolerance_floor(fit: CandidateFit, held: FitData) -> float | None:
     spacing, theta = held.settings.prediction_gap.spacing, fit.theta[:, None]
     (as_recorded,) = signed_errors_ahead(fit.predictor, theta, held, spacing)
     total = 1.0
-    for motor in range(record.torque.shape[1]):
+    for motor in np.flatnonzero(record.predicted).tolist():
         change = np.zeros_like(record.torque)
         change[:, motor] = share * (record.torque[:, motor] - record.torque[:, motor].mean())
         off = replace(held, record=_with_torque(record, fit.predictor.robot, change))
@@ -348,12 +368,13 @@ def signal_gaps(
         after: Errors of the repaired model, None for none.
         rival: Errors of the best explanation that was not chosen, None for none.
     """
-    signals = [(f"{motor.name} position", motor.position_unit) for motor in robot.motors]
+    motors = [motor for index, motor in enumerate(robot.motors) if index not in before.prescribed]
+    signals = [(f"{motor.name} position", motor.position_unit) for motor in motors]
     signals += [(sensor.name, sensor.unit) for sensor in before.sensors]
     gaps = []
     for column, (name, unit) in enumerate(signals):
         scale, prefix = (_MICRO, "µ") if before.rms(column) < _SMALL else (_MILLI, "m")
-        if column >= robot.n_motors and before.rms(column) >= 1.0:
+        if column >= len(motors) and before.rms(column) >= 1.0:
             scale, prefix = 1.0, ""
         gaps.append(
             SignalGap(
@@ -390,5 +411,6 @@ def over_expected_floor(errors: AheadErrors, model: RobotWithEffects, data: FitD
     for encoder in unknown:
         expected[encoder.motor] = model.robot.encoder_noise[encoder.motor]
     more = np.zeros_like(errors.floor)
-    more[: len(expected)] = expected**2 - data.measurement.deviation**2
+    added = (expected**2 - data.measurement.deviation**2)[data.record.predicted]
+    more[: len(added)] = added
     return errors.over(np.sqrt(errors.floor**2 + more))

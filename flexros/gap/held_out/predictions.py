@@ -29,7 +29,8 @@ def prediction_of(fit: CandidateFit, data: FitData) -> PredictedLog:
     assert predicted.states is not None
     # copies of one lane, so that the arrays of all lanes are freed
     states = predicted.states[:, : 2 * fit.predictor.robot.n_coordinates, 0].copy()
-    return PredictedLog(predicted.innovation[:, :, 0].copy(), data.gain.spread, states, int(np.argmax(data.settled)))
+    innovations = predicted.innovation[:, :, 0] * data.record.predicted
+    return PredictedLog(innovations, data.gain.spread, states, int(np.argmax(data.settled)))
 
 
 def tool_errors(fit: CandidateFit, data: FitData) -> tuple[ToolRecord, FloatArray] | None:

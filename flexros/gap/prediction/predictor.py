@@ -16,7 +16,7 @@ from flexros.gap.prediction.fractional_delay import delayed_halves
 from flexros.simulate.servo_lead import servo_leads
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Collection, Sequence
 
     from flexros.arrays import FloatArray, IntArray
     from flexros.compile.loop.prediction import LoopPrediction
@@ -260,7 +260,8 @@ class Predictor:
     ) -> FloatArray:
         """Return the mean of the inputs just before and just after samples, shape (m, M, sets or 1)."""
         inputs = self._inputs(record, sets, columns)
-        late = np.stack([self._late(theta) for theta in sets[: 1 if self.plant.parts == 1 else None]], axis=-1)
+        thetas = sets[: 1 if self.plant.parts == 1 else None]
+        late = np.stack([self._late(theta, record.prescribed) for theta in thetas], axis=-1)
         lanes = range(max(len(inputs), late.shape[1]))
         acting = np.empty((len(samples), self.robot.n_motors, len(lanes)))
         for lane in lanes:
@@ -329,7 +330,7 @@ class Predictor:
         """
         inputs = self._inputs(record, sets, columns)
         if self.plant.parts > 1:
-            late = [self._late(theta) for theta in sets]
+            late = [self._late(theta, record.prescribed) for theta in sets]
             inputs = inputs * len(sets) if len(inputs) == 1 else inputs
             inputs = [delayed_halves(one, delay) for one, delay in zip(inputs, late, strict=True)]
         return inputs[0] if len(inputs) == 1 else np.stack(inputs, axis=-1)
@@ -362,12 +363,13 @@ class Predictor:
                 result[:, motor] = effect.cut_off(result[:, motor])
         return result
 
-    def _late(self, theta: FloatArray) -> FloatArray:
-        """Return the whole delay of the input of each motor [samples], shape (M,)."""
+    def _late(self, theta: FloatArray, prescribed: Collection[int]) -> FloatArray:
+        """Return the delay of the input of each motor [samples], shape (M,); prescribed motions are never late."""
         late = np.array(np.broadcast_to(self.plant.delay, self.robot.n_motors))
         for candidate, numbers in zip(self.hypothesis, self.values(theta)):
             if delays(candidate):
-                late += [numbers["time"] * (candidate.location in ("all", name)) for name in self.robot.joint_names]
+                for motor, name in enumerate(self.robot.joint_names):
+                    late[motor] += numbers["time"] * (candidate.location in ("all", name) and motor not in prescribed)
         return late / self.sample_time
 
     def _cut_off_before(self, candidate: Candidate) -> bool:

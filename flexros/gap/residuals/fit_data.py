@@ -51,8 +51,8 @@ class FitData:
         initial_state: State of the robot before the first sample, shape (2 n_coordinates,); of the lead-in where there
             is one.
         spread: Standard deviation of a prediction error without a gap [rad or m], shape (n, M); infinite where a sample
-            was not measured, or where an initial-state error or a lost command has not decayed; larger where the
-            torque of a lost command still matters.
+            was not measured, where an initial-state error or a lost command has not decayed, and for a motor whose
+            motion is prescribed; larger where the torque of a lost command still matters.
         measurement: Noise of the encoders.
         settings: Settings of the diagnosis.
         level: Torque noise that the predictor allows for, relative: see `observer_gain` [1].
@@ -92,7 +92,7 @@ class FitData:
     @property
     def counted(self) -> BoolArray:
         """Samples whose prediction errors are used, shape (n,)."""
-        return np.asarray(self.record.valid & np.all(np.isfinite(self.spread), axis=1))
+        return np.asarray(self.record.valid & np.all(np.isfinite(self.spread[:, self.record.predicted]), axis=1))
 
     @property
     def settled(self) -> BoolArray:
@@ -144,7 +144,7 @@ class FitData:
         the size 1 where prediction errors have the misfit.
         """
         assert self.torques is not None
-        share = self.settings.torque_start.weight * self._predicted / self.torques.size
+        share = self.settings.torque_start.weight * self._predicted / self.torques.n_values
         return float(np.sqrt(self.misfit * share))
 
     @property
@@ -310,6 +310,7 @@ def fit_data(
         known = spread_of(lost.record, gain, measurement, from_rest=from_rest)
         spread = lost.spread(known)
         check_enough_left(lost.record, known, spread, numbers)
+        spread[:, ~record.predicted] = np.inf
         usable = _with_usable_tool(lost.record)
         data = FitData(usable, gain, state, spread, measurement, settings, level, from_rest, lead_in, pose=pose)
         predicted = data.predict(nominal, np.zeros((0, 1)), record_states=bool(usable.sensors))

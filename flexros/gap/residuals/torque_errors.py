@@ -54,7 +54,8 @@ class TorqueErrors:
         rate: Their rates of change [Nm/s or N/s], shape (m, M).
         delay: Delay of the torques beyond that of the model [s]; that of a hypothesis is near it.
         known: Friction of the laws of the nominal model in the same rows [Nm or N], shape (m, M).
-        deviation: Standard deviation of an error [Nm or N], shape (M,).
+        deviation: Standard deviation of an error [Nm or N], shape (M,); infinite for a motor of prescribed
+            motion.
         motion: Time [s], then positions, speeds, torques and torques in the gears of all motors [SI], shape
             (1 + 4 M, n).
         factor: Decimation from the motion to the rows.
@@ -76,6 +77,11 @@ class TorqueErrors:
     def size(self) -> int:
         """Number of errors."""
         return int(self.torque.size)
+
+    @property
+    def n_values(self) -> int:
+        """Number of errors that count."""
+        return int(np.isfinite(self.deviation).sum()) * len(self.torque)
 
     def errors(self, predictor: Predictor, thetas: FloatArray) -> FloatArray:
         """Compute the errors of a hypothesis over their standard deviation.

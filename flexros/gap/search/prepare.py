@@ -13,6 +13,7 @@ from flexros.gap.fit.least_squares import linearise
 from flexros.gap.search.candidate_fits import Search
 from flexros.gap.settings import DiagnosisSettings
 from flexros.random_streams import generator
+from flexros.record.prescribed_motion import without_prescribed
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -55,10 +56,10 @@ def prepare_search(
         if len(fit.deviations)
         else None,
         rows=_rows(data, settings.search.screened_values),
-        scales=scales_of(null.model.robot, fit.states(data), data.record.torque),
+        scales=scales_of(null.model.robot, fit.states(data), without_prescribed(data.record).torque),
         distance=_distances(data),
         settings=settings,
-        competitors=competitors(null.model.robot, settings.search),
+        competitors=competitors(null.model.robot, settings.search, data.record.prescribed),
         threads=settings.cores,
         progress=progress,
         deadline=deadline or Deadline(),

@@ -85,7 +85,7 @@ def fit_of_servos(
         return None
     begin = settings.servo_start
     limited = limited_servos(robot, record, begin.often_limited)
-    competing = competitors(robot, settings.search)
+    competing = competitors(robot, settings.search, null.data.record.prescribed)
     listed = [pair for pair in _begun(null, limited, begin) if competing.contain(pair[0])]
     lags = [pair for pair in listed if pair[0].effect is ServoCommandLag]
     begun = [pair for pair in listed if pair[0].effect is not ServoCommandLag]

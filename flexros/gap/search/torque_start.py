@@ -175,7 +175,7 @@ def with_torques(data: FitData, start: TorqueStart | None) -> FitData:
     if start is None or not record.premises.torques_tell or record.command is not None or start.robot.flexible_motors:
         return data
     least = data.settings.torque_start.least_rest * data.measurement.tolerated_torque(record)
-    deviation = np.maximum(start.regression.rest, least)
+    deviation = np.where(record.predicted, np.maximum(start.regression.rest, least), np.inf)
     return replace(data, torques=torque_errors(record, start.model, start.delay, deviation))
 
 
@@ -190,7 +190,7 @@ def first_values(start: TorqueStart, null: NullFit, settings: DiagnosisSettings)
     Returns:
         The effects with these values; None where none of them competes.
     """
-    competing = competitors(start.robot, settings.search)
+    competing = competitors(start.robot, settings.search, start.record.prescribed)
     pairs = [(one, values) for one, values in start.hypothesis() if competing.contain(one)]
     if not pairs:
         return None

@@ -107,6 +107,14 @@ class TorqueStartSettings(Settings):
         "above 1000 on an arm whose tool is 7 % of its mass. So the others are not left with more where one motor has "
         "no torque, as where it is not driven: a load that takes the weight of its body away explains that",
     )
+    before_bodies: float = Field(
+        default=1.5,
+        ge=1,
+        description="the same product from which a load above `light_load` is missing though it is less than "
+        "`explained_by_load`: over what errors of all bodies within their tolerance leave, where those of "
+        "`rough_bodies` leave no less either [1] (chosen): 1.6 to 10 on robots that carry a load, 1.02 and less on "
+        "five that do not",
+    )
     rough_bodies: float = Field(
         default=0.15,
         gt=0,

@@ -91,12 +91,13 @@ def where(
     excesses = _excesses(looks, seed, settings)
     simulated = [location for look, excess in zip(looks, excesses) for location in look.locations(excess)]
     tested = [location for view in views() if issubclass(view, AbstractTestedView) for location in view.of_log(errors)]
+    excess = np.zeros(robot.n_motors)
+    excess[record.predicted] = [found.total for look, found in zip(looks, excesses) if isinstance(look, PositionBands)]
     return Where(
         locations=(*reported(simulated, settings), *significant(tested, settings)),
         mapped=mapped(simulated),
         p_value=min((location.p_value for location in simulated), default=1.0),
-        excess=np.array([found.total for look, found in zip(looks, excesses) if isinstance(look, PositionBands)])
-        / n_valid,
+        excess=excess / n_valid,
     )
 
 

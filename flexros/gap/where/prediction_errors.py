@@ -61,7 +61,7 @@ class PredictionErrors:
 
     @cached_property
     def motors(self) -> tuple[Channel, ...]:
-        """The positions of the motors, length M; the first samples are left out for a fast Fourier transform."""
+        """The positions of the predicted motors; the first samples are left out for a fast Fourier transform."""
         record, settings = self.record, self.settings
         scaled = self.prediction.innovations / np.maximum(self.prediction.sd, 1e-300)
         motion = motion_of(record, self.robot, self.prediction.states)
@@ -81,4 +81,5 @@ class PredictionErrors:
                 rotor=(motion.rotor_angle[-n:, motor], motion.speed[-n:, motor]),
             )
             for motor, joint in enumerate(self.robot.joint_names)
+            if record.predicted[motor]
         )

@@ -74,9 +74,9 @@ def torques_left(record: Record, robot: Robot) -> dict[float, float]:
         Sum of natural logarithms of rms torques for each of `SHIFTS`; empty where the log has no such regression: too
         short, no motion, torques missing, or links that bend.
     """
-    effort = record.effort
-    if effort is None or not np.isfinite(effort).all():
+    if record.effort is None or not np.isfinite(record.effort[:, record.predicted]).all():
         return {}
+    effort = np.where(record.predicted, record.effort, 0.0)
     try:
         regressor = RigidRegressor(robot)
         base = base_parameters(regressor, robot.n_motors)
@@ -88,7 +88,7 @@ def torques_left(record: Record, robot: Robot) -> dict[float, float]:
     H = np.concatenate([block for block, _ in rows.blocks()])
     torque = np.stack([rows.decimated(moved_later(effort, shift)) for shift in SHIFTS], axis=2)
     rest = np.zeros(len(SHIFTS))
-    for motor in range(robot.n_motors):
+    for motor in np.flatnonzero(record.predicted).tolist():
         own = H[:, motor, :][:, np.any(H[:, motor] != 0, axis=0)]
         size = np.maximum(np.linalg.norm(own, axis=0), 1e-300)
         error = torque[:, motor] - own @ (np.linalg.lstsq(own / size, torque[:, motor], rcond=None)[0] / size[:, None])

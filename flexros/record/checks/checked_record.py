@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.record.balance.inverse_dynamics import rigid_inverse_dynamics
 from flexros.record.balance.joint_assignments import DOUBTFUL, best_assignment, clearly_better, own_fits, score
 from flexros.record.balance.spectra import torque_balance
 from flexros.record.balance.torque_balance import Delay
@@ -46,6 +47,9 @@ FOREIGN = 0.3
 
 TINY = 1e-6
 """Share of the power of a torque below which numerical errors are left of it [1]."""
+
+SLOW = 4.0
+"""Frequency up to which the agreement over the whole motion needs the motion [Hz] (chosen): weight and slow moves."""
 
 FASTEST_LOOK = 50.0
 """Corner frequency of the low-pass for the motion [Hz] (chosen)."""
@@ -93,6 +97,25 @@ class CheckedRecord:
         return tuple(fit if moves else None for fit, moves in zip(fits, self.moves.tolist(), strict=True))
 
     @cached_property
+    def over_all(self) -> tuple[FloatArray, FloatArray]:
+        """Comparison of torques with those of the rigid arm over the whole motion.
+
+        The spectra begin at several periods of a stretch, and every half octave counts alike. In a slow motion the
+        weight is below them, and what is left is noise of the torque.
+
+        Returns:
+            How both agree without their means, -1 ... 1, and the size of the torque over that of the arm, each of shape
+            (M,).
+        """
+        record, tiny = self.record, np.finfo(float).tiny
+        arm = rigid_inverse_dynamics(self.robot, self.position, record.sample_time, SLOW)[record.valid]
+        given = record.torque[record.valid]
+        size = np.sqrt(np.mean(given**2, axis=0) / np.maximum(np.mean(arm**2, axis=0), tiny))
+        arm, given = arm - arm.mean(axis=0), given - given.mean(axis=0)
+        agreement = 2 * np.sum(arm * given, axis=0) / np.maximum(np.sum(arm**2 + given**2, axis=0), tiny)
+        return agreement, size
+
+    @cached_property
     def delay(self) -> Delay:
         """Delay of the torques with respect to their stamps."""
         return Delay(0.0, float("inf"), 0.0) if self.balance is None else self.balance.delay()
@@ -105,6 +128,8 @@ class CheckedRecord:
         if balance is not None:
             for torque, motion in np.ndindex(*shares.shape):
                 shares[torque, motion] = balance.unexplained(torque, motion)
+        for motor in self.record.prescribed:  # without a torque, it is in its place
+            shares[motor], shares[:, motor], shares[motor, motor] = 1.0, 1.0, 0.0
         return shares
 
     @cached_property
@@ -123,6 +148,8 @@ class CheckedRecord:
         if self._fall(explaining) > SWAPPED and np.all(elsewhere < FOREIGN):
             return explaining
         agreements = _agreements(self.balance, M)
+        for motor in self.record.prescribed:
+            agreements[motor], agreements[:, motor], agreements[motor, motor] = 0.0, 0.0, 1.0
         agreeing = _assigned(-agreements)
         swapped = _agrees_better(self.balance, agreements, agreeing) and self._fall(agreeing) > -IN_PLACE
         return agreeing if swapped else as_they_are

@@ -6,11 +6,10 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from flexros.record.balance.inverse_dynamics import rigid_inverse_dynamics
 from flexros.record.checks.base import AbstractCheck, Finding
 
 if TYPE_CHECKING:
-    from flexros.arrays import BoolArray, FloatArray
+    from flexros.arrays import BoolArray
     from flexros.record.checks.checked_record import CheckedRecord
 
 LEAST = 0.3
@@ -18,9 +17,6 @@ LEAST = 0.3
 
 MOSTLY = 0.6
 """Agreement of the same over the whole motion from which a robot explains most of a torque (chosen)."""
-
-SLOW = 4.0
-"""Frequency up to which that agreement needs the motion [Hz] (chosen): weight and slow moves."""
 
 MISSING = 0.2
 """Torque of a motor over that of the rigid arm, both rms, below which it is not the torque of that motion (chosen)."""
@@ -45,7 +41,7 @@ class OtherRobot(AbstractCheck):
         unlike = np.array([fit is not None and fit.as_is < LEAST for fit in checked.own])
         if not np.any(unlike):
             return ()
-        agreement, size = _over_all(checked)
+        agreement, size = checked.over_all
         missing = unlike & (size < MISSING)
         findings = []
         if np.any(missing):
@@ -69,22 +65,3 @@ class OtherRobot(AbstractCheck):
 def _named(checked: CheckedRecord, marked: BoolArray) -> str:
     """Return the names of the marked motors."""
     return ", ".join(name for name, one in zip(checked.robot.joint_names, marked, strict=True) if one)
-
-
-def _over_all(checked: CheckedRecord) -> tuple[FloatArray, FloatArray]:
-    """Compare torques with those of the rigid arm over the whole motion.
-
-    The spectra begin at several periods of a stretch, and every half octave counts alike. In a slow motion the weight
-    is below them, and what is left is noise of the torque.
-
-    Returns:
-        How both agree without their means, -1 ... 1, and the size of the torque over that of the arm, each of shape
-        (M,).
-    """
-    record, tiny = checked.record, np.finfo(float).tiny
-    arm = rigid_inverse_dynamics(checked.robot, checked.position, record.sample_time, SLOW)[record.valid]
-    given = record.torque[record.valid]
-    size = np.sqrt(np.mean(given**2, axis=0) / np.maximum(np.mean(arm**2, axis=0), tiny))
-    arm, given = arm - arm.mean(axis=0), given - given.mean(axis=0)
-    agreement = 2 * np.sum(arm * given, axis=0) / np.maximum(np.sum(arm**2 + given**2, axis=0), tiny)
-    return agreement, size

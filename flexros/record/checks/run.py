@@ -9,6 +9,7 @@ from flexros.errors import InputError
 from flexros.logs.reader import give_memory_back
 from flexros.record.checks.base import Finding, checks
 from flexros.record.checks.checked_record import CheckedRecord
+from flexros.record.prescribed_motion import without_prescribed
 
 if TYPE_CHECKING:
     from flexros.record.record import Record
@@ -25,7 +26,7 @@ def findings(record: Record, robot: Robot) -> tuple[Finding, ...]:
     Returns:
         Problems, the hopeless ones first.
     """
-    checked = CheckedRecord(record, robot)
+    checked = CheckedRecord(without_prescribed(record), robot)
     problems: list[Finding] = []
     servos = record.command is not None
     members = [member() for member in checks().values() if not (servos and (member.of_torque or member.stage == 2))]

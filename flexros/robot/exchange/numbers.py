@@ -61,6 +61,10 @@ class LoadNumbers:
         return f"{self.mass:.6g} kg at {', '.join(f'{value:.4g}' for value in self.place)} m"
 
 
+REWRITTEN = "bodies of a base file keep their numbers; an export without a base file has these"
+"""Why the numbers of a body are not in a file that is changed."""
+
+
 @dataclass(frozen=True)
 class BodyNumbers:
     """Numbers of one body that a diagnosis may correct.
@@ -71,6 +75,7 @@ class BodyNumbers:
         mass_factor: Mass and inertia over those of the robot without effects [1].
         weight_error: Unmodelled share of its weight, without change of inertia [1].
         load: Point mass that moves its centre of mass, None for none; the factor is 1 then.
+        rewritten: Mass and centre of mass that no factor and no load says, in words; the factor is 1 then.
     """
 
     body: str
@@ -78,6 +83,7 @@ class BodyNumbers:
     mass_factor: float
     weight_error: float
     load: LoadNumbers | None = None
+    rewritten: str = ""
 
 
 @dataclass(frozen=True)

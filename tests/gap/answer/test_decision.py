@@ -21,6 +21,7 @@ from flexros.gap.answer.decision import (
     repair_of,
     verdict_of,
 )
+from flexros.gap.answer.warnings import _without_finding
 from flexros.gap.fit.least_squares import CandidateFit
 from flexros.gap.search.forward_selection import Explanations
 from flexros.gap.search.model_probability import RANKING, compare
@@ -33,7 +34,13 @@ TRUTH = "coulomb_friction@motor_1:level=0.05"
 COULOMB, STIFFNESS, INERTIA = (
     "coulomb_friction@motor_1", "stiffness_error@body_2.rz", "motor_inertia_error@motor_1",
 )  # fmt: skip
-VALUES = {COULOMB: {"level": 0.05}, STIFFNESS: {"relative": 0.03}, INERTIA: {"relative": 0.02}}
+GAIN = "torque_gain_error@motor_1"
+VALUES = {
+    COULOMB: {"level": 0.05},
+    STIFFNESS: {"relative": 0.03},
+    INERTIA: {"relative": 0.02},
+    GAIN: {"relative": -0.1},
+}
 
 
 def fitted(level: float, *names: str) -> CandidateFit:
@@ -200,6 +207,18 @@ def test_an_effect_at_the_limit_of_its_search_is_no_part_of_the_repair() -> None
     assert found.beyond_search == {INERTIA}
     assert [placed.effect.name for placed in repair_of(found)] == ["coulomb_friction"]
     assert found.repaired.theta[1] == 0.0
+
+
+def test_a_torque_that_does_not_explain_the_motion_is_told() -> None:
+    """Predictions are better the less of it acts: its gain ends at the limit of the search, and is no finding."""
+    pair = fitted(1.0, COULOMB, GAIN)
+    found = findings(replace(pair, theta=np.array([pair.theta[0], pair.predictor.bounds[0][1]])), [], [1.0], TRUTH)
+    assert found.beyond_search == {GAIN}
+    assert [placed.effect.name for placed in repair_of(found)] == ["coulomb_friction"]
+    (text,) = _without_finding(found)
+    assert "the torque of motor_1 in the log does not explain its motion" in text
+    (other,) = _without_finding(findings(at_its_limit(GAIN), [], [1.0], TRUTH))
+    assert "ended at the limit of its search" in other
 
 
 def test_rounding_is_a_cause_though_no_other_effect_is_detected() -> None:

@@ -189,6 +189,6 @@ def test_a_torque_constant_may_be_several_times_too_small_but_never_below_zero()
     wide = usual.widened("relative")
     assert wide is not None
     lowest, highest = (float(wide.free[0].decode(np.asarray(bound))) for bound in wide.free[0].bounds)
-    assert (lowest, highest) == pytest.approx((-0.9, 9.0))
+    assert (lowest, highest) == pytest.approx((-0.63, 9.0))
     assert usual.free[0].high == pytest.approx(0.9)
     assert wide.widened("relative") is None

@@ -52,7 +52,7 @@ class DetectionLines(AbstractTestedView):
             for part, known in enumerate(levels)
             if known is not None
             for kind in range(len(KINDS))
-            for test in _tests(part, known, kind)
+            for test in _tests(part, known, kind, record.predicted)
         ]
         whole = max(sum(test.excess for test in tests), 1e-300)
         joints, least_share = errors.robot.joint_names, errors.settings.least_share
@@ -87,8 +87,8 @@ class _Test:
         )
 
 
-def _tests(part: int, levels: LineLevels, kind: int) -> list[_Test]:
-    """Test the lines of one kind for each motor."""
+def _tests(part: int, levels: LineLevels, kind: int, predicted: BoolArray) -> list[_Test]:
+    """Test the lines of one kind for each motor that is predicted."""
     lines = levels.kind == kind
     if not lines.any():
         return []
@@ -98,6 +98,7 @@ def _tests(part: int, levels: LineLevels, kind: int) -> list[_Test]:
     return [
         _Test(part, levels, kind, motor, max(float(power[motor] - noise[motor]), 0.0), float(p_value))
         for motor, p_value in enumerate(p_values)
+        if predicted[motor]
     ]
 
 

@@ -15,7 +15,7 @@ from flexros.robot.exchange.mjcf.arm import MjcfArm, find_arm
 from flexros.robot.exchange.mjcf.export import delay_attributes
 from flexros.robot.exchange.mjcf.mujoco_model import compile_file, compile_text
 from flexros.robot.exchange.number_text import number, numbers_text
-from flexros.robot.exchange.numbers import Export, NotHeld, Written, same
+from flexros.robot.exchange.numbers import REWRITTEN, Export, NotHeld, Written, same
 from flexros.robot.exchange.xml_text import XmlElement, XmlText
 from flexros.robot.quantity import unit_of
 from flexros.robot.spring import Spring
@@ -161,6 +161,8 @@ class _Repair:
         if body.load is not None:
             reason = "add a body with this mass there; an export without a base file has it"
             self.not_held.append(NotHeld(body.body, "load", body.load.words, reason))
+        if body.rewritten:
+            self.not_held.append(NotHeld(body.body, "numbers", body.rewritten, REWRITTEN))
         if same(body.mass_factor, 1.0) and body.weight_error == 0:
             return
         joint = next((each for each in self.robot.joints[::-1] if f"body_{each.body + 1}" == body.body), None)

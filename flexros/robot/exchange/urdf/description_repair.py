@@ -10,7 +10,7 @@ import numpy as np
 from flexros.errors import InputError
 from flexros.robot.exchange.joint_names import motor_joints
 from flexros.robot.exchange.number_text import number
-from flexros.robot.exchange.numbers import Export, NotHeld, Written, same
+from flexros.robot.exchange.numbers import REWRITTEN, Export, NotHeld, Written, same
 from flexros.robot.exchange.urdf.link_load import add_load
 from flexros.robot.exchange.xml_text import XmlElement, XmlText
 from flexros.robot.quantity import unit_of
@@ -123,6 +123,8 @@ class _Repair:
     def body(self, body: BodyNumbers) -> None:
         """Scale mass and inertia of a link."""
         self._lost(body.body, "weight", body.weight_error, "relative", "{kind} has one mass for weight and inertia")
+        if body.rewritten and not self.new:
+            self.not_held.append(NotHeld(body.body, "numbers", body.rewritten, REWRITTEN))
         if self.new or (same(body.mass_factor, 1.0) and body.load is None):
             return
         wanted = (body.label, body.body)

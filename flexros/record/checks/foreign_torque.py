@@ -1,0 +1,80 @@
+"""Joints of a real machine whose recorded torque has nothing to do with their motion: it is prescribed."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.record.balance.inverse_dynamics import rigid_inverse_dynamics
+from flexros.record.checks.checked_record import FOREIGN, SLOW, CheckedRecord
+from flexros.record.checks.other_robot import LEAST
+from flexros.record.missing_samples import bridged
+from flexros.record.prescribed_motion import with_prescribed_motion, without_prescribed
+from flexros.record.smoothing import smooth_motion
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+    from flexros.record.record import Record
+    from flexros.robot import Robot
+
+SMALL = 1 / 3
+"""Torque of a motor over that of the rigid arm, both rms, below which it may not be the torque of that motion [1]
+(chosen): masses and torque constants of a robot file are not wrong by this factor. Friction adds to a torque: 0.8 and
+more on measured robots, 0.05 to 0.2 in the wrist of one without torque sensors there."""
+
+
+def without_foreign_torque(record: Record, robot: Robot) -> Record:
+    """Return a record in which no torque counts that is none of its motion.
+
+    Such a torque is far smaller than what the bodies need and, unlike one whose weight is balanced or whose unit is
+    wrong, no multiple of that, no harmonic of the position and no friction: a drive without a current sensor, or a
+    current that is not that of the motor. Predictions would run away there, and the prediction of all other joints with
+    them. A log without any other torque stays as it is.
+
+    Args:
+        record: The log.
+        robot: The nominal robot.
+    """
+    if not record.imported or record.command is not None:
+        return record
+    checked = CheckedRecord(without_prescribed(record), robot)
+    if checked.balance is None or checked.order_is_wrong:
+        return record
+    unlike = np.array([fit is not None and fit.as_is < LEAST for fit in checked.own])
+    if not unlike.any():
+        return record
+    small = unlike & (checked.over_all[1] < SMALL)
+    if not small.any():
+        return record
+    foreign = small & (_unexplained(checked) > FOREIGN)
+    motors = np.flatnonzero(foreign).tolist()
+    if not motors or len({*motors, *record.prescribed}) == robot.n_motors:
+        return record
+    reason = (
+        f"the recorded torque has nothing to do with the motion: it is less than a third of what the bodies of robot "
+        f"{robot.name} need, and neither a part of that nor friction or balance"
+    )
+    return with_prescribed_motion(record, robot, motors, reason)
+
+
+def _unexplained(checked: CheckedRecord) -> FloatArray:
+    """Return the share of the power of each slow torque that is no part of its motion [1], shape (M,).
+
+    Parts are a multiple of what the bodies need, friction, a rotor, an offset, and a spring or a gas cylinder that
+    carries weight: its torque is a harmonic of the position.
+    """
+    record, T = checked.record, checked.record.sample_time
+    position, speed, acceleration = smooth_motion(checked.position, T, SLOW)
+    arm = rigid_inverse_dynamics(checked.robot, checked.position, T, SLOW)
+    torque = smooth_motion(bridged(record.torque, record.valid), T, SLOW)[0]
+    parts = np.stack(
+        [arm, speed, np.sign(speed), acceleration, np.cos(position), np.sin(position), np.ones_like(position)], axis=-1
+    )[record.valid]
+    shares: FloatArray = np.zeros(checked.robot.n_motors)
+    for motor, given in enumerate(torque[record.valid].T):
+        regressors = parts[:, motor] / np.maximum(np.linalg.norm(parts[:, motor], axis=0), np.finfo(float).tiny)
+        rest = given - regressors @ np.linalg.lstsq(regressors, given, rcond=None)[0]
+        power = float(np.mean((given - given.mean()) ** 2))
+        shares[motor] = float(np.mean(rest**2)) / power if power > 0 else 0.0
+    return shares

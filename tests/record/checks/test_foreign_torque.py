@@ -1,0 +1,58 @@
+"""Torques that have nothing to do with the motion of their joint are told from balanced and wrongly scaled ones."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexros.arrays import FloatArray
+from flexros.record.checks.foreign_torque import without_foreign_torque
+from flexros.record.record import Record
+from tests.gap.rigid_arm import arm, motion, record_of_arm
+
+
+def with_torque(torque: FloatArray, *, imported: bool = True) -> Record:
+    return replace(record_of_arm(imported=imported), torque=torque)
+
+
+def wandering(size: float) -> FloatArray:
+    """Return torques of which the second is noise with the spectrum of a slow drive [Nm]."""
+    torque = record_of_arm(imported=True).torque.copy()
+    noise = np.convolve(np.random.default_rng(1).standard_normal(len(torque)), np.ones(40) / np.sqrt(40), "same")
+    torque[:, 1] = size * noise
+    return torque
+
+
+def test_the_motion_of_a_joint_with_a_foreign_torque_is_prescribed() -> None:
+    record = without_foreign_torque(with_torque(wandering(0.2)), arm())
+    assert record.prescribed == (1,)
+    assert "the measured motion of motor_2 drives the model there" in record.warnings[-1]
+    assert without_foreign_torque(record, arm()) is record
+
+
+def test_torques_of_a_simulation_are_what_they_are() -> None:
+    record = with_torque(wandering(0.2), imported=False)
+    assert without_foreign_torque(record, arm()) is record
+
+
+@pytest.mark.parametrize("case", ["true", "unit", "balanced", "nearly"])
+def test_torques_that_belong_to_the_motion_count(case: str) -> None:
+    """One in a wrong unit is a multiple of what the bodies need; where weight is balanced, friction is left."""
+    torque, (position, speed, _) = record_of_arm(imported=True).torque.copy(), motion()[:, :, 1]
+    torque[:, 1] = {
+        "true": torque[:, 1],
+        "unit": 0.1 * torque[:, 1],
+        "balanced": 0.3 * np.sign(speed) + 0.02 * np.random.default_rng(1).standard_normal(len(speed)),
+        "nearly": 0.1 * np.sign(speed) + 0.4 * np.cos(position),
+    }[case]
+    record = with_torque(torque)
+    assert without_foreign_torque(record, arm()) is record
+
+
+def test_a_log_keeps_its_torques_where_none_would_be_left() -> None:
+    torque = wandering(0.2)
+    torque[:, 0] = 5.0 * torque[:, 1]
+    record = with_torque(torque)
+    assert without_foreign_torque(record, arm()) is record

@@ -1,0 +1,49 @@
+"""Numbers of bodies that a patch holds: a new file has them, a file of the user keeps its own."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from flexros.effects.patching.export import export_model
+from flexros.effects.patching.patched_robot import PatchedRobot, load_patched
+from flexros.robot.exchange.urdf.robot_import import skeleton_from_urdf
+
+URDF = Path(__file__).parents[3] / "docs" / "examples" / "ur5e.urdf"
+PATCH = """
+robot: ur5e.yaml
+effects:
+  - effect: body_difference
+    location: body_3
+    parameters: {mass: {value: -0.25}, x: {value: 0.01}}
+"""
+
+
+@pytest.fixture
+def patched(tmp_path: Path) -> PatchedRobot:
+    (tmp_path / "ur5e.yaml").write_text(skeleton_from_urdf(URDF))
+    (tmp_path / "patch.yaml").write_text(PATCH)
+    return load_patched(str(tmp_path / "patch.yaml"))
+
+
+def mass_of(robot: PatchedRobot) -> float:
+    return robot.model.robot.parameters["body_3.mass"].value
+
+
+def test_a_new_file_has_them(patched: PatchedRobot) -> None:
+    exported = export_model(patched, "urdf")
+    masses = [float(value) for value in re.findall(r'<mass value="([^"]+)"', exported.text)]
+    assert mass_of(patched) == pytest.approx(patched.base.parameters["body_3.mass"].value - 0.25)
+    assert any(mass == pytest.approx(mass_of(patched)) for mass in masses)
+    assert not any(each.location == "body_3" for each in exported.not_held)
+
+
+def test_a_file_of_the_user_keeps_its_own_and_the_others_are_listed(patched: PatchedRobot) -> None:
+    exported = export_model(patched, "urdf", URDF)
+    (lost,) = (each for each in exported.not_held if each.location == "body_3")
+    assert lost.name == "numbers"
+    assert f"mass {mass_of(patched):.6g} kg" in lost.size
+    assert "an export without a base file has these" in lost.reason
+    assert not exported.written
