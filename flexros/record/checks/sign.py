@@ -81,9 +81,9 @@ def _braked(checked: CheckedRecord) -> tuple[Finding, ...]:
     if not names:
         return ()
     text = (
-        f"the torque of {', '.join(names)} brakes the motion that it should drive, as friction of the wrong sign would: "
-        "the sign of torque or encoder is inverted there; correct it (sign: -1) when importing, or leave out what was "
-        "recorded while something else moved the joint"
+        f"the torque of {', '.join(names)} brakes the motion that it should drive, as friction of the wrong sign "
+        "would: the sign of torque or encoder is inverted there; correct it (sign: -1) when importing, or leave out "
+        "what was recorded while something else moved the joint"
     )
     return (Finding(text, hopeless=True),)
 
