@@ -22,6 +22,10 @@ SCALED, SEVERAL = 0.3, 2
 """Size of an error of the torque gain, and number of motors that have one, from which a wrong unit is likelier than
 such drives [1] (chosen): torque constants drop by 10 % when hot."""
 
+BETTER, LEAST_STATED = 0.1, 0.001
+"""Mean squared error that an explanation leaves of that of the tolerance of the torques, from which a smaller one is
+proposed, and the smallest that is [1] (chosen)."""
+
 
 def record_warnings(fitted: Record, held: Record) -> tuple[str, ...]:
     """Return the warnings of the fitted log, and those that only the held-out one has."""
@@ -66,7 +70,25 @@ def answer_warnings(findings: Findings, gap: GapNumbers, *, worse: bool) -> list
         f"the size of {name} ended at the limit of its search, which is no finding: it is not in the patch"
         for name in sorted(findings.beyond_search)
     ]
-    return [*warnings, *_unit_warnings(findings), *_drift_warnings(findings)]
+    return [*warnings, *_better_torques(findings), *_unit_warnings(findings), *_drift_warnings(findings)]
+
+
+def _better_torques(findings: Findings) -> list[str]:
+    """Propose a smaller tolerance of the torques where an imported log shows that they are far better than assumed."""
+    tolerance = findings.data.measurement.signal_tolerance
+    level = max(
+        findings.explanations.comparison.level(findings.explanations.chosen),
+        findings.held_comparison.level(findings.held_chosen),
+    )
+    if not findings.data.record.imported or not tolerance or level > BETTER:
+        return []
+    shown = max(float(f"{2 * np.sqrt(level) * tolerance:.1g}"), LEAST_STATED)
+    if shown >= tolerance / 2:
+        return []
+    return [
+        f"the torques are better than the {tolerance:g} of their rms that counts as no gap, as those of a simulator: "
+        f"with --tolerance torque={shown:g} smaller effects are looked for"
+    ]
 
 
 def _unit_warnings(findings: Findings) -> list[str]:
