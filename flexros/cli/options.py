@@ -19,7 +19,11 @@ KnownModelOption = Annotated[
 """A robot with its known effects."""
 ToleranceOption = Annotated[
     str,
-    typer.Option("--tolerance", help="Relative tolerances of the model, e.g. stiffness=0.03,inertia=0.03,damping=0.3."),
+    typer.Option(
+        "--tolerance",
+        help="Relative tolerances of the model, e.g. stiffness=0.03,inertia=0.03,damping=0.3, and of the torques of an "
+        "imported log: torque=0.005 for those of a simulator; default: those of the robot file, and 0.05.",
+    ),
 ]
 """Relative tolerances of the parameters of a robot, see `parse_tolerance`."""
 

@@ -13,7 +13,7 @@ from flexros.gap.answer.decision import findings_of
 from flexros.gap.answer.sensitivity import sensitivity_of
 from flexros.gap.answer.withdrawal import confirmed
 from flexros.gap.candidates.competitors import competitors
-from flexros.gap.candidates.tolerance import tolerance_of
+from flexros.gap.candidates.tolerance import tolerance_of, with_torque_tolerance
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.elastic_timing import shift_of_explanation, with_torque_in_time_behind_springs
 from flexros.gap.fit.null_fit import fit_null
@@ -80,7 +80,8 @@ def diagnose(
         holdout: Second log, which checks what was found and may withdraw effects; default: the last third of the first.
         log: The log that `holdout` was read from, or `record` where there is no second one. Where its provenance names
             reference and controller, the gap in closed loop is computed as well; default: it is not.
-        tolerance: Relative tolerance of stiffness, inertia and damping [1]; default: those of the robot file.
+        tolerance: Relative tolerance of stiffness, inertia and damping [1]; default: those of the robot file. That of
+            torque is of the torques of an imported log; default: that of the settings.
         settings: Settings of the diagnosis.
         progress: Called with the name of the stage and the share of all that is done.
         interrupted: Asked between fits, from several threads; True ends the search as `settings.time_limit` does. The
@@ -89,7 +90,7 @@ def diagnose(
     Raises:
         InputError: A log from which nothing can be concluded, or a holdout that was recorded in another way.
     """
-    settings = settings or DiagnosisSettings()
+    settings = with_torque_tolerance(settings or DiagnosisSettings(), tolerance)
     given = robot if isinstance(robot, RobotWithEffects) else RobotWithEffects(robot, ())
     competitors(driven_model(given, record).robot, settings.search, record.prescribed)  # refuses names before the work
     in_closed_loop = log if record.command is None else None

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from flexros.blas_threads import one_blas_thread
-from flexros.gap.candidates.tolerance import tolerance_of
+from flexros.gap.candidates.tolerance import tolerance_of, with_torque_tolerance
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.elastic_timing import shift_of_explanation, with_torque_in_time_behind_springs
 from flexros.gap.fit.null_fit import fit_null
@@ -97,7 +97,8 @@ def measure_gap(
         record: The log.
         model: The nominal model.
         repaired: The same model with a patch on it; None for the nominal one alone.
-        tolerance: Relative tolerance of stiffness, inertia and damping [1]; default: those of the robot file.
+        tolerance: Relative tolerance of stiffness, inertia and damping [1]; default: those of the robot file. That of
+            torque is of the torques of an imported log; default: that of the settings.
         settings: Settings of the diagnosis. Its time limit ends the fits of tolerated deviations at their next
             iteration, which a warning says.
         progress: Called with the name of the stage and the share of all that is done.
@@ -105,7 +106,7 @@ def measure_gap(
     Returns:
         The gap numbers: `before` and `noise_floor`, with a repaired model the others too.
     """
-    settings = settings or DiagnosisSettings()
+    settings = with_torque_tolerance(settings or DiagnosisSettings(), tolerance)
     stages, deadline = Stages(progress), Deadline(settings.time_limit)
     stages.begin("nominal model", 1.0 if repaired is None else 0.5)
     model = driven_model(model, record)

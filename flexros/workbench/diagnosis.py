@@ -165,7 +165,8 @@ def diagnose(
         model: The nominal robot: built-in name, path of a robot file or of a patch, or a robot.
         holdout: Held-out log, read once at the end; default: the last third of `log`.
         tolerance: Relative tolerance (one standard deviation) of stiffness, inertia and damping [1], e.g.
-            {"stiffness": 0.03}; default: those of the robot file.
+            {"stiffness": 0.03}; default: those of the robot file. "torque" is that of the torques of an imported log,
+            as a share of their rms; default: 0.05.
         torque: Torque that is used where both were recorded: "command" or "measured".
         prescribed: Motors without a usable torque, whose measured motion drives the model.
         joints: Motors at which effects compete, with their springs and bodies; default: all.
@@ -222,7 +223,7 @@ def measure_gap(
         log: A log, a run, or a path.
         model: The nominal robot: built-in name, path of a robot file or of a patch, or a robot.
         repaired: The same with effects on it: a patch, or `Diagnosis.repaired`; default: the nominal one alone.
-        tolerance: Relative tolerance of stiffness, inertia and damping [1]; default: those of the robot file.
+        tolerance: Relative tolerance of stiffness, inertia, damping and torque [1], as for `diagnose`.
         torque: Torque that is used where both were recorded: "command" or "measured".
         prescribed: Motors without a usable torque, whose measured motion drives the model.
         settings: Settings of the diagnosis.

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from flexros.effects.torque_drift import TorqueDrift
 from flexros.effects.torque_gain_error import TorqueGainError
 from flexros.gap.fit.estimates import placed_effects
@@ -15,6 +17,14 @@ if TYPE_CHECKING:
 
 LOW_FRACTION, LEAST_GAP = 0.5, 2.0
 """Closed fraction below which, and gap above which, it is warned that the explanation may not hold elsewhere [1]."""
+
+SCALED, SEVERAL = 0.3, 2
+"""Size of an error of the torque gain, and number of motors that have one, from which a wrong unit is likelier than
+such drives [1] (chosen): torque constants drop by 10 % when hot."""
+
+BETTER, LEAST_STATED = 0.1, 0.001
+"""Mean squared error that an explanation leaves of that of the tolerance of the torques, from which a smaller one is
+proposed, and the smallest that is [1] (chosen)."""
 
 
 def record_warnings(fitted: Record, held: Record) -> tuple[str, ...]:
@@ -57,7 +67,7 @@ def answer_warnings(findings: Findings, gap: GapNumbers, *, worse: bool) -> list
             "ahead than by their last position: the gap before the repair is that of the model with them"
         )
     warnings += _without_finding(findings)
-    return [*warnings, *_drift_warnings(findings)]
+    return [*warnings, *_better_torques(findings), *_unit_warnings(findings), *_drift_warnings(findings)]
 
 
 def _without_finding(findings: Findings) -> list[str]:
@@ -77,6 +87,46 @@ def _without_finding(findings: Findings) -> list[str]:
         if name in lost
         else f"the size of {name} ended at the limit of its search, which is no finding: it is not in the patch"
         for name in sorted(findings.beyond_search)
+    ]
+
+
+def _better_torques(findings: Findings) -> list[str]:
+    """Propose a smaller tolerance of the torques where an imported log shows that they are far better than assumed."""
+    tolerance = findings.data.measurement.signal_tolerance
+    level = max(
+        findings.explanations.comparison.level(findings.explanations.chosen),
+        findings.held_comparison.level(findings.held_chosen),
+    )
+    if not tolerance or level > BETTER:
+        return []
+    shown = max(float(f"{2 * np.sqrt(level) * tolerance:.1g}"), LEAST_STATED)
+    if shown >= tolerance / 2:
+        return []
+    return [
+        f"the torques are better than the {tolerance:g} of their rms that counts as no gap, as those of a simulator: "
+        f"with a tolerance of torque={shown:g} smaller effects are looked for"
+    ]
+
+
+def _unit_warnings(findings: Findings) -> list[str]:
+    """Warn where the torques of several motors of an imported log act as if they had another unit."""
+    scaled = [
+        one
+        for one in placed_effects(findings.explanations.chosen)
+        if isinstance(one.effect, TorqueGainError) and abs(one.effect.relative) > SCALED
+    ]
+    if len(scaled) < SEVERAL or not findings.data.record.imported:
+        return []
+    motors = findings.model.robot.motors
+    limits = [motors[findings.model.robot.joint_names.index(one.location)].torque_limit for one in scaled]
+    factors = ", ".join(
+        f"{one.location}: {1 + one.effect.relative:.3g}" + (f" with a limit of {limit:g}" if np.isfinite(limit) else "")
+        for one, limit in zip(scaled, limits)
+        if isinstance(one.effect, TorqueGainError)
+    )
+    return [
+        f"the recorded torques act by other factors ({factors}): a wrong unit, as per cent of a rated torque or a "
+        "current, torque constant or gear ratio in the mapping is likelier than such drives; import again with scale"
     ]
 
 

@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from flexros.gap.search.candidate_fits import Search
     from flexros.gap.search.forward_selection import Explanations
 
+WITHIN = 1.0
+"""Mean squared prediction error over that of noise and tolerance up to which there is no gap [1]: of the next sample in
+either log, and 0.1 s ahead in the held-out one."""
+
 
 def confirmed(search: Search, explanations: Explanations, held: FitData) -> tuple[Explanations, tuple[str, ...]]:
     """Withdraw effects without which the held-out log is predicted better, one after the other.
@@ -27,6 +31,9 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> tupl
     are clearly better and by more than chance, and those of one sample are not worse. A simulated log has no such
     errors of form.
 
+    Where the nominal model leaves no more than noise and tolerance in either log, there is no gap that an effect could
+    be the cause of: one that does not hold in the held-out log is chance, however much it gains in the fitted one.
+
     Args:
         search: The search.
         explanations: All fits, and the chosen one.
@@ -35,6 +42,8 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> tupl
     Returns:
         The explanations, with one that has fewer effects chosen, and the effects that were withdrawn, effect@location.
     """
+    if _of_chance(search, explanations, held):
+        return explanations_of(search, explanations.comparison, explanations.null, detected=False), ()
     chosen, fits = explanations.chosen, list(explanations.comparison.fits)
     withdrawn: list[str] = []
     while len(chosen.hypothesis) > 1 and not (search.premises.library_is_complete or search.deadline.stops()):
@@ -48,6 +57,18 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> tupl
         return explanations, ()
     comparison = compared(search, unique([fit for fit in fits if fit.names != chosen.names or fit is chosen]))
     return explanations_of(search, comparison, chosen, detected=True), tuple(withdrawn)
+
+
+def _of_chance(search: Search, explanations: Explanations, held: FitData) -> bool:
+    """Return whether effects were found without a gap in either log, and the held-out one is not predicted better."""
+    if search.premises.floor_is_noise or not explanations.detected:
+        return False
+    null, chosen = explanations.null, explanations.chosen
+    without, before = on_held_out(null, held), errors_ahead(null, held).mean
+    levels = explanations.comparison.level(null), without.chi2 / held.n_values, before
+    if max(levels) > WITHIN:
+        return False
+    return on_held_out(chosen, held).chi2 >= without.chi2 or errors_ahead(chosen, held).mean > before
 
 
 def _better_without(search: Search, chosen: CandidateFit, null: CandidateFit, held: FitData) -> CandidateFit | None:

@@ -15,14 +15,18 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flexros.arrays import BoolArray, FloatArray
+    from flexros.gap.settings import DiagnosisSettings
     from flexros.robot import Robot
 
-KINDS = {
+TORQUE = "torque"
+"""Kind of the tolerance of recorded torques, one of the log and of no parameter: see `with_torque_tolerance`."""
+KINDS: dict[str, tuple[str, ...]] = {
     "stiffness": (".stiffness",),
     "damping": (".damping", ".viscous_friction"),
     "inertia": (".inertia", ".mass", ".inertia.xx", ".inertia.yy", ".inertia.zz"),
+    TORQUE: (),
 }
-"""Kinds of robot parameters by the endings of their names."""
+"""Kinds of tolerances by the endings of the names of their robot parameters."""
 
 
 UNINFORMED = 0.01
@@ -92,12 +96,26 @@ class Tolerance:
         return replace(self, directions=directions[:, sizes > UNINFORMED])
 
 
+def with_torque_tolerance(settings: DiagnosisSettings, given: Mapping[str, float] | None) -> DiagnosisSettings:
+    """Return the settings with a stated tolerance of the torques of imported logs.
+
+    Args:
+        settings: Settings of a diagnosis.
+        given: Relative tolerances by kind [1]; the settings stay where that of torques is not among them.
+    """
+    if TORQUE not in (given or {}):
+        return settings
+    noise = settings.noise.model_copy(update={"signal_tolerance": (given or {})[TORQUE]})
+    return settings.model_copy(update={"noise": noise})
+
+
 def tolerance_of(robot: Robot, given: Mapping[str, float]) -> Tolerance:
     """Collect the tolerances of a robot: of all parameters that are neither zero nor exact.
 
     Args:
         robot: The nominal robot; its file states a tolerance per parameter.
-        given: Relative tolerances by kind (stiffness, damping, inertia) that replace those of the file [1].
+        given: Relative tolerances by kind (stiffness, damping, inertia) that replace those of the file [1]; that of
+            torques is none of them.
 
     Raises:
         InputError: A kind is unknown.

@@ -69,6 +69,8 @@ def worth(
             return True
         removed = search.settings.search.removed_of_all
         if comparison.level(before) <= search.settings.ranking.floors:
+            if _completes(comparison, before, after):
+                return True
             return comparison.level(after) < search.settings.search.within_floor * comparison.level(before)
     relieved = after.prior_penalty < (1 - removed) * before.prior_penalty
     if comparison.beyond_tolerance(before) and relieved and search.premises.floor_is_noise:
@@ -78,6 +80,12 @@ def worth(
         or _at_one_motor(search, comparison, before, after)
         or _constant(search, comparison, before, after)
     )
+
+
+def _completes(comparison: ModelComparison, before: CandidateFit, after: CandidateFit) -> bool:
+    """Return whether further effects take what is left of a small gap, too much for an explanation, below the floor."""
+    beyond = comparison.level(comparison.null) > comparison.settings.floors
+    return beyond and not comparison.adequate(before) and comparison.level(after) <= 1.0
 
 
 def _constant(search: Search, comparison: ModelComparison, before: CandidateFit, after: CandidateFit) -> bool:

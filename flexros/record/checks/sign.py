@@ -6,11 +6,13 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from flexros.record.balance.inverse_dynamics import rigid_inverse_dynamics
 from flexros.record.checks.base import AbstractCheck, Finding
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from flexros.arrays import FloatArray
     from flexros.record.balance.torque_balance import BalanceFit
     from flexros.record.checks.checked_record import CheckedRecord
 
@@ -23,9 +25,28 @@ Torque sensors behind the gear count the load, which is opposite to the torque o
 gravity hold noise alone, so that their agreement is low. What little a torque of friction leaves may correlate so by
 chance."""
 
+BRAKES = -0.1
+"""Correlation of a torque with its speed below which the motion drives the motor (chosen): friction makes it positive,
+and what weight and inertia give back over a log of moves to and fro is about zero."""
+
+LEAST_BRAKE, AS_SPEED = 0.1, -0.5
+"""Power of what goes with the speed and its sign over that of the torque, and correlation of it with the speed, from
+which friction of the wrong sign is clear (chosen)."""
+
+UNLIKE = 0.3
+"""Agreement of torque and inverse-dynamics torque below which the model explains nothing that speaks for the sign
+(chosen)."""
+
+SLOW = 20.0
+"""Frequency up to which the inverse-dynamics torque beside that friction needs the motion [Hz] (chosen)."""
+
 
 class Sign(AbstractCheck):
-    """An inverted torque or position gives the inverse-dynamics torque the opposite sign at all frequencies."""
+    """An inverted torque or position gives the inverse-dynamics torque the opposite sign at all frequencies.
+
+    Where friction dominates, as at light wrists, little of the inverse-dynamics torque is left to compare: there the
+    torque brakes the motion that it should drive.
+    """
 
     name: ClassVar[str] = "sign"
     stage: ClassVar[int] = 2
@@ -37,7 +58,7 @@ class Sign(AbstractCheck):
         motors = [motor for motor, fit in enumerate(checked.own) if fit is not None and fit.factor < 0]
         inverted = [motor for motor in motors if _clear(checked.own[motor])]
         if not inverted:
-            return ()
+            return _braked(checked)
         if len(motors) == sum(fit is not None for fit in checked.own):
             inverted = motors  # those that are less clear count the same way
         if checked.assignment is not None and checked.assignment.agreement > _with_inverted(checked.own, inverted):
@@ -48,6 +69,46 @@ class Sign(AbstractCheck):
             f"{checked.robot.name}: the sign of torque or encoder is inverted; correct it (sign: -1) when importing"
         )
         return (Finding(text, hopeless=True),)
+
+
+def _braked(checked: CheckedRecord) -> tuple[Finding, ...]:
+    """Find motors whose torque brakes their motion, though nothing but a wrong sign or an outside force does that."""
+    names = [
+        checked.robot.joint_names[motor]
+        for motor, fit in enumerate(checked.own)
+        if fit is not None and fit.as_is < UNLIKE and _brakes(checked, motor)
+    ]
+    if not names:
+        return ()
+    text = (
+        f"the torque of {', '.join(names)} brakes the motion that it should drive, as friction of the wrong sign "
+        "would: the sign of torque or encoder is inverted there; correct it (sign: -1) when importing, or leave out "
+        "what was recorded while something else moved the joint"
+    )
+    return (Finding(text, hopeless=True),)
+
+
+def _brakes(checked: CheckedRecord, motor: int) -> bool:
+    """Return whether a torque goes against the speed of its motor, beside weight and inertia of any size."""
+    valid = checked.record.valid
+    position, speed, acceleration = checked.motion[:, valid, motor]
+    torque = checked.record.torque[valid, motor]
+    if not _correlation(torque, speed) < BRAKES:
+        return False
+    arm = rigid_inverse_dynamics(checked.robot, checked.position, checked.record.sample_time, SLOW)[valid, motor]
+    weight = np.column_stack([arm, np.ones_like(arm), np.cos(position), np.sin(position), acceleration])
+    regressors = np.column_stack([weight, speed, np.sign(speed)])
+    scale = np.maximum(np.linalg.norm(regressors, axis=0), 1e-300)
+    solution, *_ = np.linalg.lstsq(regressors / scale, torque, rcond=1e-6)
+    friction = regressors[:, -2:] @ (solution / scale)[-2:]
+    share = float(np.sum(friction**2) / np.maximum(np.sum((torque - torque.mean()) ** 2), 1e-300))
+    return share > LEAST_BRAKE and _correlation(friction, speed) < AS_SPEED
+
+
+def _correlation(first: FloatArray, second: FloatArray) -> float:
+    """Return the cosine between two signals, 0 where one of them is zero."""
+    size = float(np.linalg.norm(first) * np.linalg.norm(second))
+    return float(first @ second) / size if size > 0 else 0.0
 
 
 def _with_inverted(fits: Sequence[BalanceFit | None], inverted: Sequence[int]) -> float:

@@ -35,6 +35,10 @@ LOADED = 50.0
 FEWEST = 2
 """Fewest motors of an arm whose last ones are light (chosen)."""
 
+SHARED, AS_SHARE = 0.8, 1.15
+"""Agreement of a torque with a multiple of the inverse-dynamics torque from which its factor tells the unit, and how
+far the factor may be from a share of the limit (chosen): errors of gain, inertia and payload of realistic size."""
+
 LIKE = 1.3
 """Factor within which a level is attributed to a known mistake (chosen)."""
 
@@ -55,6 +59,8 @@ class Unit(AbstractCheck):
             for motor, fit in enumerate(checked.own)
             if fit is not None and fit.factor > 0 and _is_significant(fit) and abs(np.log(fit.factor)) > np.log(NOTED)
         }
+        if text := _share_of_limits(checked):
+            return (Finding(text, hopeless=True, like_parameters=True),)
         refused = {motor: fit for motor, fit in off.items() if abs(np.log(fit.factor)) > np.log(REFUSED)}
         if refused and not _model_may_be_rough(checked, refused):
             return (Finding(_refusal(refused, robot, len(robot.joint_names)), hopeless=True, like_parameters=True),)
@@ -67,6 +73,31 @@ class Unit(AbstractCheck):
             )
             for motor, fit in off.items()
         )
+
+
+def _share_of_limits(checked: CheckedRecord) -> str:
+    """Return what is wrong where all clear torques are the same share of limits that differ; empty where they are not.
+
+    A common factor, or one of a single motor, has many causes; factors that follow the limits of the robot file have
+    one, also where each is as small as an error of a model may be.
+    """
+    robot = checked.robot
+    limits = np.array([motor.torque_limit for motor in robot.motors])
+    clear = [k for k, fit in enumerate(checked.own) if fit is not None and fit.factor > 0 and fit.agreement > SHARED]
+    clear = [k for k in clear if np.isfinite(limits[k])]
+    if len(clear) < FEWEST or np.ptp(np.log(limits[clear])) < np.log(LIKE):
+        return ""
+    factors = np.array([fit.factor for k, fit in enumerate(checked.own) if fit is not None and k in clear])
+    for share, name in ((100.0, "per cent"), (1000.0, "permille")):
+        expected = share / limits[clear]
+        if np.all(np.abs(np.log(factors / expected)) < np.log(AS_SHARE)) and np.all(factors > AS_SHARE):
+            named = ", ".join(f"{robot.joint_names[k]}: {one:.3g}" for k, one in zip(clear, factors, strict=True))
+            return (
+                f"the torques are multiples of what robot {robot.name} needs for the motion ({named}), as torques in "
+                f"{name} of its limits would be; give unit and scale of each column when importing, as 'unit: percent' "
+                f"with 'scale: {{value: {limits[clear[0]] / share:g}, unit: Nm/percent}}'"
+            )
+    return ""
 
 
 def _model_may_be_rough(checked: CheckedRecord, refused: dict[int, BalanceFit]) -> bool:
@@ -98,7 +129,8 @@ def _is_significant(fit: BalanceFit) -> bool:
 def _refusal(off: dict[int, BalanceFit], robot: Robot, n_motors: int) -> str:
     names = ", ".join(f"{robot.joint_names[motor]}: {fit.factor:.3g}" for motor, fit in off.items())
     causes = [cause(fit.factor, robot, motor) for motor, fit in off.items()]
-    common = [text for text in causes[0] if all(text in other for other in causes)]
+    every = dict.fromkeys(text for texts in causes for text in texts)  # friction moves the factors of single motors
+    common = [text for text in every if sum(text in texts for texts in causes) > len(causes) / 2]
     likely = f"it looks like {' or '.join(common)}" if common else "the torques or the motions have another unit"
     sizes = np.abs(np.log([fit.factor / next(iter(off.values())).factor for fit in off.values()]))
     if not common and len(off) == n_motors > 1 and sizes.max() > np.log(LIKE):

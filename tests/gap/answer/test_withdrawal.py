@@ -65,3 +65,19 @@ def test_effects_of_a_simulated_log_are_as_they_were_found() -> None:
     explanations, withdrawn = confirmed(*found(imported=False), measured(BOTH[0], seed=2, imported=False))
     assert withdrawn == ()
     assert explanations is found(imported=False)[1]
+
+
+def test_without_a_gap_in_either_log_an_effect_that_does_not_hold_is_chance() -> None:
+    """Torques that are known to a tolerance leave less than it: what fits their rest of one log is no finding."""
+    data = replace(measured("torque_bias@motor_1:level=0.1"), level=1.0)
+    null = fit_null(data, MODEL, Tolerance())
+    search = prepare_search(null, settings_of("coulomb_friction", "torque_bias"))
+    additions = search.additions(search.directions(search.candidates()), null.fit, search.surroundings(null.fit))
+    chosen = search.together(null.fit, [one for one in additions if one.candidate.name == "torque_bias@motor_1"])
+    small = replace(null.fit, chi2=0.6 * data.n_values)
+    explanations = explanations_of(search, replace(compared(search, [chosen]), null=small), chosen, detected=True)
+    held = measured(seed=2)
+    found, withdrawn = confirmed(search, explanations, held)
+    assert (found.detected, found.chosen, withdrawn) == (False, small, ())
+    elsewhere, _ = confirmed(search, explanations, measured("torque_bias@motor_1:level=0.1", seed=2))
+    assert elsewhere.detected

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from flexros.errors import InputError
-from flexros.gap.candidates.tolerance import Tolerance, tolerance_of
+from flexros.gap.candidates.tolerance import Tolerance, tolerance_of, with_torque_tolerance
+from flexros.gap.settings import DiagnosisSettings
 from flexros.robot import load_robot, robot_from_data
 
 
@@ -55,3 +56,11 @@ def test_replaced_parameters_are_nominal() -> None:
     free = np.array([1.0, 2.0])
     assert whole.without(free, np.array([False, True])).tolist() == [1.0, 0.0]
     assert whole.without(free, np.array([False, False])) is free
+
+
+def test_a_stated_tolerance_of_torques_is_one_of_the_log() -> None:
+    settings = with_torque_tolerance(DiagnosisSettings(), {"torque": 0.005, "stiffness": 0.1})
+    assert settings.noise.signal_tolerance == 0.005
+    assert with_torque_tolerance(settings, {"stiffness": 0.1}) is settings
+    robot = load_robot("e12")
+    assert tolerance_of(robot, {"torque": 0.005}) == tolerance_of(robot, {})

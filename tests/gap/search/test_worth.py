@@ -142,3 +142,11 @@ def test_an_effect_of_constant_size_stays_beside_what_no_effect_explains(
     search = measured_search()
     search.premises = SIMULATED
     assert worth(search, ModelComparison(measured_fit(1e3), (rest, fit), 20_000), rest, fit, 0.4) is expected
+
+
+@pytest.mark.parametrize(("null", "expected"), [(2.6, True), (20.0, False)])
+def test_what_is_left_of_a_small_gap_is_worth_an_effect_that_ends_it(null: float, expected: bool) -> None:
+    """Within the floors of a measured log: a quarter of a small gap is left, or a fiftieth of a large one."""
+    rest, fit = measured_fit(1.37, COULOMB), measured_fit(0.88, COULOMB, PRESLIDING)
+    comparison = ModelComparison(measured_fit(null), (rest, fit), 20_000)
+    assert worth(measured_search(), comparison, rest, fit, 0.4) is expected

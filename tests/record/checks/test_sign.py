@@ -65,3 +65,16 @@ def test_a_better_assignment_comes_before_inverted_torques(robots, healthy, agre
         assignment = JointAssignment("the zero elsewhere", agreement, opposite=False, clear=False)
 
     assert len(Sign().look(Checked(healthy("elbow"), robots("elbow")))) == named
+
+
+def test_torque_of_friction_that_brakes_the_wrong_way_is_named(found, healthy, robots, scaled) -> None:
+    """A light joint moves against friction alone, in which the model has no part: its sign is all that shows."""
+    record = healthy("elbow")
+    speed = CheckedRecord(record, robots("elbow")).motion[1][:, 1]
+    friction = 20 * np.abs(record.torque[:, 1]).max() * np.tanh(speed / speed.std())
+    torque = np.column_stack([record.torque[:, 0], record.torque[:, 1] + friction])
+    assert not any(finding.hopeless for finding in found("elbow", torque=torque))
+    findings = found("elbow", torque=scaled(torque, 1, -1.0))
+    assert findings[0].hopeless
+    assert "torque of motor_2 brakes the motion" in findings[0].text
+    assert "motor_1" not in findings[0].text

@@ -13,7 +13,7 @@ from flexros.record.balance.joint_assignments import WEIGHTLESS
 from flexros.record.balance.torque_balance import BalanceFit
 from flexros.record.checks.base import Finding
 from flexros.record.checks.run import findings
-from flexros.record.checks.unit import Unit
+from flexros.record.checks.unit import Unit, _refusal, _share_of_limits
 from flexros.robot import load_robot
 
 pytestmark = pytest.mark.slow
@@ -114,3 +114,22 @@ def test_a_load_multiplies_the_torque_of_a_light_wrist_without_gravity_too(
         own=tuple(BalanceFit(factor, 0.95, 0.5, 0.95, 0.9) for factor in factors),
     )
     assert any(finding.hopeless for finding in Unit().look(checked)) is hopeless
+
+
+@pytest.mark.parametrize(
+    ("factors", "named"),
+    [((1.95, 3.05), True), ((1.95, 2.0), False), ((1.0, 3.05), False)],
+    ids=["shares of the limits", "one factor", "one motor"],
+)
+def test_torques_in_per_cent_of_limits_that_differ(factors: tuple[float, float], named: bool) -> None:
+    fits = tuple(BalanceFit(factor, 0.95, 0.7, 0.95, 0.9) for factor in factors)
+    motors = [SimpleNamespace(torque_limit=limit) for limit in (50.0, 32.0)]
+    robot = SimpleNamespace(name="arm", joint_names=["motor_1", "motor_2"], motors=motors)
+    assert bool(_share_of_limits(SimpleNamespace(robot=robot, own=fits))) is named
+
+
+def test_the_mistake_of_most_motors_is_named_though_friction_moves_the_factor_of_one() -> None:
+    motors = [SimpleNamespace(torque_limit=np.inf, gear_ratio=100.0, rotary=True) for _ in range(3)]
+    robot: Any = SimpleNamespace(name="arm", joint_names=["motor_1", "motor_2", "motor_3"], motors=motors)
+    off = {k: BalanceFit(factor, 0.9, 0.0, 0.9, 0.9) for k, factor in enumerate((0.0095, 0.0098, 0.0135))}
+    assert "the other side of the gear (ratio 100)" in _refusal(off, robot, 3)

@@ -1,0 +1,51 @@
+"""What limits an answer."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from flexros.effects import parse_effect
+from flexros.gap.answer import warnings
+from flexros.robot import load_robot
+
+
+@pytest.mark.parametrize(("sizes", "imported", "warned"), [((-0.48, -0.66), True, True), ((-0.48, -0.1), True, False)])
+def test_torques_of_several_motors_that_act_by_other_factors_have_another_unit(
+    monkeypatch: pytest.MonkeyPatch, sizes: tuple[float, float], imported: bool, warned: bool
+) -> None:
+    robot = load_robot("elbow")
+    placed = [parse_effect(f"torque_gain_error@motor_{k + 1}:relative={size}", "test") for k, size in enumerate(sizes)]
+    monkeypatch.setattr(warnings, "placed_effects", lambda _: placed)
+    record = SimpleNamespace(imported=imported)
+    findings: Any = SimpleNamespace(
+        explanations=SimpleNamespace(chosen=None),
+        data=SimpleNamespace(record=record),
+        model=SimpleNamespace(robot=robot),
+    )
+    texts = warnings._unit_warnings(findings)
+    assert bool(texts) is warned
+    assert all("motor_1: 0.52" in text and "motor_2: 0.34" in text for text in texts)
+
+
+@pytest.mark.parametrize(
+    ("level", "tolerance", "proposed"),
+    [(0.01, 0.05, "torque=0.01"), (0.5, 0.05, ""), (0.01, 0.0, ""), (0.08, 0.05, "")],
+)
+def test_torques_that_are_far_better_than_assumed_bring_a_proposal(
+    level: float, tolerance: float, proposed: str
+) -> None:
+    comparison = SimpleNamespace(level=lambda _: level)
+    findings: Any = SimpleNamespace(
+        explanations=SimpleNamespace(chosen=None, comparison=comparison),
+        held_comparison=comparison,
+        held_chosen=None,
+        data=SimpleNamespace(
+            record=SimpleNamespace(imported=True), measurement=SimpleNamespace(signal_tolerance=tolerance)
+        ),
+    )
+    texts = warnings._better_torques(findings)
+    assert all(proposed in text for text in texts)
+    assert bool(texts) is bool(proposed)

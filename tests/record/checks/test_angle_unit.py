@@ -1,0 +1,24 @@
+"""Positions in degrees that were taken as radians, on an arm with weight."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexros.record.checks.angle_unit import MOST
+from flexros.record.checks.unit import Unit
+
+pytestmark = pytest.mark.slow
+
+
+def test_degrees_are_named_where_weight_hides_the_factor(found, healthy, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Unit, "look", lambda *_: ())  # as on an arm of six axes, whose weight turns round many times
+    findings = found("elbow", position=np.degrees(healthy("elbow").position))
+    assert findings[0].hopeless
+    assert "give 'unit: deg'" in findings[0].text
+
+
+def test_a_joint_that_turns_far_is_no_mistake(found, healthy) -> None:
+    """A wrist or a wheel turns many times: the torques fit as they are."""
+    turned = healthy("two_mass").position + 2 * MOST
+    assert not any("deg" in finding.text for finding in found("two_mass", position=turned))
