@@ -12,7 +12,7 @@ from flexros.record.premises import MEASURED, SIMULATED
 from flexros.record.record import Record
 
 OF_THE_RECORDER = {"candidate_fits.py", "elastic_timing.py", "encoder_noise.py", "warnings.py"}
-"""Files that ask where a log comes from for what its recorder does: stamps and units of torques, noise, effects of machines."""
+"""Files that ask where a log comes from for what its recorder does: stamps, units, noise, effects of machines."""
 
 
 def test_a_log_of_a_real_machine_has_a_floor_of_tolerance_and_causes_beyond_the_library() -> None:
