@@ -227,8 +227,8 @@ def unknown_numbers(
         model: The nominal model.
         tolerance: Parameters of the robot that may deviate.
         settings: Settings of the regressions.
-        as_stated: Whether bodies deviate within this tolerance whatever the torques show, so that gaps of different
-            logs can be compared.
+        as_stated: Whether bodies deviate within this tolerance, and carry no load that is not clear by far, whatever
+            the torques show, so that gaps of different logs can be compared.
     """
     settings = settings or TorqueStartSettings()
     robot = model.robot
@@ -254,7 +254,7 @@ def unknown_numbers(
         of_rough = None
     beside = partial(regress, balanced=next(iter(regression.balance), None))
     loaded, load = _load(regress, robot, tolerance, len(lacking), settings)
-    if loaded is None and of_rough is None and _may_carry(robot) and not robot.flexible_motors:
+    if loaded is None and of_rough is None and _may_carry(robot) and not (as_stated or robot.flexible_motors):
         loaded, load = _load_before_bodies(beside, robot, tolerance, len(lacking), settings) or (None, None)
     if loaded is not None and of_rough is not None:  # what explains more stands for both
         loaded, load, of_rough = (loaded, load, None) if _rest(loaded) < _rest(of_rough) else (None, None, of_rough)
