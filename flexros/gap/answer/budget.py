@@ -216,10 +216,15 @@ def _estimated(findings: Findings) -> list[ModelNumber]:
 
 
 def _of_body(difference: BodyDifference, body: str, robot: Robot, relative: Mapping[str, float]) -> list[ModelNumber]:
-    """List the numbers of a body that differ clearly, and by more than their stated tolerance."""
+    """List mass and centre of a body where they differ clearly, and by more than their stated tolerance.
+
+    Inertias of single bodies are hardly determined one by one; the patch holds them all the same.
+    """
     numbers = []
     for name, value in difference.values(robot, body).items():
         parameter = robot.parameters[name]
+        if ".inertia." in name:
+            continue
         std = float(relative.get(name, 0.0)) * abs(value)
         if abs(value - parameter.value) > max(parameter.tolerance * abs(parameter.value), CLEAR * std):
             numbers.append(

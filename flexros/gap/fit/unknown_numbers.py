@@ -227,8 +227,8 @@ def unknown_numbers(
         model: The nominal model.
         tolerance: Parameters of the robot that may deviate.
         settings: Settings of the regressions.
-        as_stated: Whether bodies deviate within this tolerance whatever the torques show, so that gaps of different
-            logs can be compared.
+        as_stated: Whether bodies deviate within this tolerance, and carry no load that is not clear by far, whatever
+            the torques show, so that gaps of different logs can be compared.
     """
     settings = settings or TorqueStartSettings()
     robot = model.robot
@@ -252,7 +252,10 @@ def unknown_numbers(
         of_rough = regress_balanced(record, model, wide, delay=delay, settings=settings)
     if of_rough is not None and not _bodies_are_off(of_rough, regression, regress, record, settings):
         of_rough = None
+    beside = partial(regress, balanced=next(iter(regression.balance), None))
     loaded, load = _load(regress, robot, tolerance, len(lacking), settings)
+    if loaded is None and of_rough is None and _may_carry(robot) and not (as_stated or robot.flexible_motors):
+        loaded, load = _load_before_bodies(beside, robot, tolerance, len(lacking), settings) or (None, None)
     if loaded is not None and of_rough is not None:  # what explains more stands for both
         loaded, load, of_rough = (loaded, load, None) if _rest(loaded) < _rest(of_rough) else (None, None, of_rough)
     rough = 0.0 if of_rough is None else settings.rough_bodies
@@ -353,7 +356,7 @@ def _load(
     """
     if not _may_carry(robot):
         return None, None
-    kind: Load = "none" if lacking == robot.n_motors else "body"
+    kind = _kind(robot, lacking)
     without = regress(Tolerance(), load=kind)
     if without is None:
         return None, None
@@ -365,12 +368,16 @@ def _load(
         if relieved is not None and without.rest[motor] > settings.relieved * relieved.rest[motor]:
             found.append(_load_beside(regress, robot, tolerance, relieved, motor, settings))
     best = min((one for one in found if one is not None), key=lambda one: _rest(one[0]), default=None)
-    best = best or _load_before_bodies(regress, robot, tolerance, without, settings)
     return (None, None) if best is None else best
 
 
+def _kind(robot: Robot, lacking: int) -> Load:
+    """Return what stands for a load that is none: where the file states rotors, a share of the last body."""
+    return "none" if lacking == robot.n_motors else "body"
+
+
 def _load_before_bodies(
-    regress: Regress, robot: Robot, tolerance: Tolerance, without: TorqueRegression, settings: TorqueStartSettings
+    regress: Regress, robot: Robot, tolerance: Tolerance, lacking: int, settings: TorqueStartSettings
 ) -> tuple[TorqueRegression, ToolLoad] | None:
     """Estimate a load that explains more than errors of all bodies, though not by far; None for no load.
 
@@ -379,10 +386,10 @@ def _load_before_bodies(
     far beyond their tolerance included, it is not these.
 
     Args:
-        regress: The regression of the log, of a tolerance and a load.
+        regress: The regression of the log, of a tolerance and a load, beside a counterbalance where there is one.
         robot: The nominal robot.
         tolerance: Parameters of the robot that may deviate.
-        without: The regression without a load.
+        lacking: Number of motors whose rotor the robot file leaves out.
         settings: Settings of the regressions.
     """
     loaded = regress(Tolerance(), load="point")
@@ -391,7 +398,8 @@ def _load_before_bodies(
     load = _at_a_point(loaded, settings)
     if load is None or load.mass < settings.light_load * _moved(robot):
         return None
-    if _lowered(without, loaded, settings) < settings.before_bodies:
+    without = regress(Tolerance(), load=_kind(robot, lacking))
+    if without is None or _lowered(without, loaded, settings) < settings.before_bodies:
         return None
     for bodies, least in (
         (tolerance, settings.before_bodies),

@@ -175,7 +175,7 @@ def test_a_load_that_explains_more_than_errors_of_all_bodies_is_missing(
             return replace(plain, left=np.ones(2), load=mass * np.array([1.0, 0.1, 0.0, 0.2]))
         return replace(plain, left=np.full(2, left[tolerance]))
 
-    one = _load_before_bodies(regress, file, within, regress(Tolerance()), settings)
+    one = _load_before_bodies(regress, file, within, file.n_motors, settings)
     assert (one is not None) == found
     if one is not None:
         assert (one[1].mass, one[1].x, one[1].z) == pytest.approx((1.0, 0.1, 0.2))

@@ -1,0 +1,18 @@
+"""Numbers of bodies among the numbers of the model that are wrong."""
+
+from __future__ import annotations
+
+import pytest
+
+from flexros.effects.left_out.body_difference import BodyDifference
+from flexros.gap.answer.budget import _of_body
+from tests.gap.rigid_arm import arm
+
+
+def test_numbers_of_a_body_are_listed_where_they_differ_clearly_and_beyond_their_tolerance() -> None:
+    """The mass of 3 kg is known to 5 % in the file; the centre is off by less, and inertias are in the patch alone."""
+    difference = BodyDifference(mass=0.6, x=0.002, yy=0.02)
+    (row,) = _of_body(difference, "body_2", arm(), {"body_2.mass": 0.05, "body_2.center_of_mass.x": 1e-3})
+    assert (row.location, row.name, row.nominal, row.unit) == ("body_2", "body_2.mass", 3.0, "kg")
+    assert (row.value, row.std) == pytest.approx((3.6, 0.18))
+    assert not _of_body(difference, "body_2", arm(), {"body_2.mass": 0.2, "body_2.center_of_mass.x": 1e-3})
