@@ -26,6 +26,9 @@ BETTER, LEAST_STATED = 0.1, 0.001
 """Mean squared error that an explanation leaves of that of the tolerance of the torques, from which a smaller one is
 proposed, and the smallest that is [1] (chosen)."""
 
+STRAINED, SHOWN = 3.0, 3
+"""Deviation of a number of the model over its tolerance from which it is stated, and how many at most (chosen)."""
+
 
 def record_warnings(fitted: Record, held: Record) -> tuple[str, ...]:
     """Return the warnings of the fitted log, and those that only the held-out one has."""
@@ -67,7 +70,13 @@ def answer_warnings(findings: Findings, gap: GapNumbers, *, worse: bool) -> list
             "ahead than by their last position: the gap before the repair is that of the model with them"
         )
     warnings += _without_finding(findings)
-    return [*warnings, *_better_torques(findings), *_unit_warnings(findings), *_drift_warnings(findings)]
+    return [
+        *warnings,
+        *_strained(findings),
+        *_better_torques(findings),
+        *_unit_warnings(findings),
+        *_drift_warnings(findings),
+    ]
 
 
 def _without_finding(findings: Findings) -> list[str]:
@@ -87,6 +96,30 @@ def _without_finding(findings: Findings) -> list[str]:
         if name in lost
         else f"the size of {name} ended at the limit of its search, which is no finding: it is not in the patch"
         for name in sorted(findings.beyond_search)
+    ]
+
+
+def _strained(findings: Findings) -> list[str]:
+    """State the numbers of the model that the answer moves far out of their tolerance.
+
+    Where the prior of tolerances counts little beside many samples, numbers that are tolerated take up what an effect
+    like a payload would, and the answer would not say so.
+    """
+    chosen = findings.explanations.chosen
+    tolerance = chosen.predictor.tolerance
+    sizes = np.asarray(tolerance.by_name(chosen.deviations))
+    far = [k for k in np.argsort(-np.abs(sizes)) if abs(sizes[k]) > STRAINED]
+    if not far:
+        return []
+    named = [
+        f"{tolerance.names[k]} by {np.expm1(sizes[k] * tolerance.deviations[k]):+.1%}, {abs(sizes[k]):.2g} times its "
+        "tolerance"
+        for k in far[:SHOWN]
+    ]
+    more = f" and {len(far) - SHOWN} more" if len(far) > SHOWN else ""
+    return [
+        f"the answer moves numbers of the model beyond their tolerance: {'; '.join(named)}{more}. They are not in the "
+        "patch and may stand for an effect such as a load: measure them, or correct them in the robot file"
     ]
 
 

@@ -47,8 +47,9 @@ class TimeOffset(AbstractCheck):
         early = -tau - declared  # lead of the motion, whatever the delay of the robot
         if early > NOTED * T:
             text = (
-                f"the torques are stamped too late: the motions precede them by {1e3 * early:.2g} ms; give time_offset "
-                "when importing, so that commands and measurements of the same instant have the same stamp"
+                f"the torques are stamped too late: the motions precede them by {1e3 * early:.2g} ms; give "
+                f"'time_offset: {-early:.2g}' at the torque columns when importing, so that commands and measurements "
+                "of the same instant have the same stamp"
             )
             period = checked.robot.sample_time
             commands = not checked.record.measured_torque  # of measured torques no controller was thinned
@@ -56,8 +57,8 @@ class TimeOffset(AbstractCheck):
                 text = (
                     f"the motions precede the torques by {1e3 * early:.2g} ms, as where the log holds one of "
                     f"{T / period:.3g} commands of a controller at {1 / period:.6g} Hz, the rate of the robot "
-                    "file: then record every command; if the controller is as slow as the log, give time_offset when "
-                    "importing"
+                    "file: then record every command; if the controller is as slow as the log, give "
+                    f"'time_offset: {-early:.2g}' at the torque columns when importing"
                 )
             held = HELD if checked.record.measured_torque and not checked.record.torque_shift else 0.0
             hopeless = early > (REFUSED + held) * T and _agreement(checked, tau) > AGREED
@@ -65,7 +66,7 @@ class TimeOffset(AbstractCheck):
         if tau > LONGEST:
             text = (
                 f"the torques act {1e3 * tau:.2g} ms later than they are stamped; if that is no delay of the robot, "
-                "give time_offset when importing"
+                f"give 'time_offset: {tau:.2g}' at the torque columns when importing"
             )
             return (Finding(text, hopeless=False),)
         return ()

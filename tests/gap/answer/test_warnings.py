@@ -5,10 +5,12 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from flexros.effects import parse_effect
 from flexros.gap.answer import warnings
+from flexros.gap.candidates.tolerance import Tolerance
 from flexros.robot import load_robot
 
 
@@ -49,3 +51,14 @@ def test_torques_that_are_far_better_than_assumed_bring_a_proposal(
     texts = warnings._better_torques(findings)
     assert all(proposed in text for text in texts)
     assert bool(texts) is bool(proposed)
+
+
+def test_numbers_far_out_of_tolerance_are_stated() -> None:
+    tolerance = Tolerance(("body_1.mass", "body_1.inertia.yy"), (0.02, 0.02))
+    chosen = SimpleNamespace(predictor=SimpleNamespace(tolerance=tolerance), deviations=np.array([5.0, 1.0]))
+    findings: Any = SimpleNamespace(explanations=SimpleNamespace(chosen=chosen))
+    (text,) = warnings._strained(findings)
+    assert "body_1.mass by +10.5%, 5 times its tolerance" in text
+    assert "inertia" not in text
+    chosen.deviations = np.array([2.0, 1.0])
+    assert not warnings._strained(findings)

@@ -27,7 +27,7 @@ def test_torques_stamped_too_late_are_refused(found, healthy, robot: str, sample
     assert findings[0].hopeless
     amount = 1e3 * samples * record.sample_time
     assert f"the torques are stamped too late: the motions precede them by {amount:.2g} ms" in findings[0].text
-    assert "give time_offset when importing" in findings[0].text
+    assert f"give 'time_offset: -{1e-3 * amount:.2g}' at the torque columns" in findings[0].text
 
 
 def test_half_a_sample_is_told_only(found, healthy) -> None:
