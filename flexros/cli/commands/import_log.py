@@ -194,5 +194,7 @@ def _print(rows: list[dict[str, object]], log: Log) -> None:
         table.add_row(str(row["topic"]), fields, *cells)
     console.print(table)
     say(f"Joints: {', '.join(log.joint_states.names)}")
+    if any("effort" in row["fields"] for row in rows):  # type: ignore[operator]
+        say("Torques count as known within 5 % of their rms; those of a simulator within --tolerance torque=0.005")
     for warning in log.warnings:
         say(f"warning: {warning}")

@@ -41,6 +41,7 @@ def test_table_says_what_was_imported(flexros, files, tmp_path: Path) -> None:
     assert ended.code == 0, ended.err
     assert "joint_commands" in ended.out
     assert "Joints: motor_1" in ended.out
+    assert "--tolerance torque=0.005" in ended.out
 
 
 def test_analyse_takes_the_log(flexros, files, tmp_path: Path) -> None:
