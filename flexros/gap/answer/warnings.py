@@ -137,7 +137,7 @@ def _better_torques(findings: Findings) -> list[str]:
         return []
     return [
         f"the torques are better than the {tolerance:g} of their rms that counts as no gap, as those of a simulator: "
-        f"with a tolerance of torque={shown:g} smaller effects are looked for"
+        f"with a stated tolerance of them, torque={shown:g}, smaller effects are looked for"
     ]
 
 

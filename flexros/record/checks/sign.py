@@ -27,7 +27,8 @@ chance."""
 
 BRAKES = -0.1
 """Correlation of a torque with its speed below which the motion drives the motor (chosen): friction makes it positive,
-and what weight and inertia give back over a log of moves to and fro is about zero."""
+and what weight and inertia give back over a log of moves to and fro is about zero. So it must be beside what the bodies
+need too: a joint that others swing is braked by its motor with the right sign."""
 
 LEAST_BRAKE, AS_SPEED = 0.1, -0.5
 """Power of what goes with the speed and its sign over that of the torque, and correlation of it with the speed, from
@@ -96,6 +97,8 @@ def _brakes(checked: CheckedRecord, motor: int) -> bool:
     if not _correlation(torque, speed) < BRAKES:
         return False
     arm = rigid_inverse_dynamics(checked.robot, checked.position, checked.record.sample_time, SLOW)[valid, motor]
+    if not _correlation(torque - arm, speed) < BRAKES:
+        return False  # other joints drive it, and its motor takes their power
     weight = np.column_stack([arm, np.ones_like(arm), np.cos(position), np.sin(position), acceleration])
     regressors = np.column_stack([weight, speed, np.sign(speed)])
     scale = np.maximum(np.linalg.norm(regressors, axis=0), 1e-300)

@@ -16,6 +16,7 @@ LISTS = {
     "flexros/effects",  # one file per effect
     "tests/effects",
     "flexros/record/checks",  # one file per check of a record
+    "tests/record/checks",
     "flexros/scenario/library",  # one file per built-in scenario
     "docs/how-to",  # one page per task
     "docs/results",  # one page per question
