@@ -85,7 +85,7 @@ class CompiledPlant:
         self.delay = self.model.delay_from(model.added_delay if measured_torque else self.robot.delay)
         known = [law for law in model.laws if law.effect.n_states]
         fast = bool(known or any(map(_own_states, self.laws)))
-        self.parts = HALVES if any(map(delays, candidates)) else 1
+        self.parts = parts_of(self.robot, candidates)
         if steps is None:
             least = 1 if rough or not any(map(_bends, self.laws)) else STEPS_OF_BRISTLES
             steps = max(least, substeps(self.robot, sample_time, fast=fast, rough=rough))
@@ -121,7 +121,7 @@ class CompiledPlant:
         changed = {name for one in hypothesis for name in changed_names(self.robot, one)}
         off = all(switchable(law) for key, law in keys.items() if key not in wanted)
         alike = any(map(_own_states, self.laws)) == any(map(_own_states, hypothesis))
-        alike = alike and any(map(delays, hypothesis)) == (self.parts > 1)
+        alike = alike and parts_of(self.robot, hypothesis) == self.parts
         return alike and off and wanted <= keys.keys() and changed <= set(self.robot_names)
 
     def place(self, candidate: Candidate) -> int:
@@ -161,6 +161,11 @@ def is_law(candidate: Candidate) -> bool:
 def delays(candidate: Candidate) -> bool:
     """Return whether a candidate delays the record of the commands."""
     return candidate.effect.delays_commands
+
+
+def parts_of(robot: Robot, candidates: Sequence[Candidate]) -> int:
+    """Return the parts of a sample with torques of their own: two where a candidate delays torques, else one."""
+    return HALVES if any(map(delays, candidates)) and robot.commands != "position" else 1
 
 
 def changed_names(robot: Robot, candidate: Candidate) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ from flexros.effects.kinds.law import AbstractLaw
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.errors import InputError
 from flexros.gap.prediction.compiled_plant import LANES, CompiledPlant, delays, is_law
-from flexros.gap.prediction.fractional_delay import delayed_halves
+from flexros.gap.prediction.fractional_delay import delayed_commands, delayed_halves
 from flexros.simulate.servo_lead import servo_leads
 
 if TYPE_CHECKING:
@@ -260,7 +260,7 @@ class Predictor:
     ) -> FloatArray:
         """Return the mean of the inputs just before and just after samples, shape (m, M, sets or 1)."""
         inputs = self._inputs(record, sets, columns)
-        thetas = sets[: 1 if self.plant.parts == 1 else None]
+        thetas = sets[: None if any(map(delays, self.hypothesis)) else 1]
         late = np.stack([self._late(theta, record.prescribed) for theta in thetas], axis=-1)
         lanes = range(max(len(inputs), late.shape[1]))
         acting = np.empty((len(samples), self.robot.n_motors, len(lanes)))
@@ -329,11 +329,15 @@ class Predictor:
             columns: Parameters of the plant for each.
         """
         inputs = self._inputs(record, sets, columns)
-        if self.plant.parts > 1:
-            late = [self._late(theta, record.prescribed) for theta in sets]
-            inputs = inputs * len(sets) if len(inputs) == 1 else inputs
-            inputs = [delayed_halves(one, delay) for one, delay in zip(inputs, late, strict=True)]
-        return inputs[0] if len(inputs) == 1 else np.stack(inputs, axis=-1)
+        if not any(map(delays, self.hypothesis)):
+            return inputs[0] if len(inputs) == 1 else np.stack(inputs, axis=-1)
+        inputs = inputs * len(sets) if len(inputs) == 1 else inputs
+        if self.plant.parts == 1:
+            late = [self._filtered(one, theta) for one, theta in zip(inputs, sets, strict=True)]
+        else:
+            delayed = [self._late(theta, record.prescribed) for theta in sets]
+            late = [delayed_halves(one, delay) for one, delay in zip(inputs, delayed, strict=True)]
+        return late[0] if len(late) == 1 else np.stack(late, axis=-1)
 
     def _inputs(self, record: Record, sets: Sequence[FloatArray], columns: Sequence[FloatArray]) -> list[FloatArray]:
         """Return the input of the model before all delays, of each set or one of all, shape (n, M) each.
@@ -352,6 +356,16 @@ class Predictor:
             return inputs
         inputs = inputs * len(sets) if len(inputs) == 1 else inputs
         return [self._cut_off(one, theta) for one, theta in zip(inputs, sets, strict=True)]
+
+    def _filtered(self, commands: FloatArray, theta: FloatArray) -> FloatArray:
+        """Delay the position commands of servos, beyond the delay of the robot."""
+        for candidate, numbers in zip(self.hypothesis, self.values(theta)):
+            if delays(candidate):
+                motors = [
+                    motor for motor, name in enumerate(self.robot.joint_names) if candidate.location in ("all", name)
+                ]
+                commands = delayed_commands(commands, numbers["time"] / self.sample_time, motors)
+        return commands
 
     def _cut_off(self, torque: FloatArray, theta: FloatArray) -> FloatArray:
         """Saturate torques before they are delayed."""

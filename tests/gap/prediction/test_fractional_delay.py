@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.gap.prediction.fractional_delay import delayed_halves
+from flexros.gap.prediction.fractional_delay import delayed_commands, delayed_halves
 
 STEP = 5e-4
 
@@ -57,3 +57,17 @@ def test_every_motor_has_its_own_delay() -> None:
     result = delayed_halves(torque, [0.0, 0.4])
     np.testing.assert_array_equal(result[::2, 0], torque[:, 0])
     np.testing.assert_array_equal(result[:, 1:], delayed_halves(torque[:, 1:], [0.4]))
+
+
+@pytest.mark.parametrize("samples", [0.3, 1.0, 2.6])
+def test_slow_position_commands_are_late_by_the_delay(samples: float) -> None:
+    t = np.arange(8000)
+    commands = np.sin(2 * np.pi * t / 2000)[:, None]
+    expected = np.sin(2 * np.pi * (t - samples) / 2000)
+    np.testing.assert_allclose(delayed_commands(commands, samples, [0])[500:, 0], expected[500:], atol=1e-5)
+
+
+def test_a_small_delay_of_a_position_command_acts_after_its_step_too() -> None:
+    """The torque behind a step is at its limit for a while, where what acts within one sample is lost."""
+    step = np.repeat([0.0, 1.0], 50)[:, None]
+    assert np.abs(delayed_commands(step, 0.05, [0])[53:60] - 1.0).min() > 0.01
