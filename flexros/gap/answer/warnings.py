@@ -109,7 +109,8 @@ def _strained(findings: Findings) -> list[str]:
     chosen = findings.explanations.chosen
     tolerance = chosen.predictor.tolerance
     sizes = np.asarray(tolerance.by_name(chosen.deviations))
-    far = [k for k in np.argsort(-np.abs(sizes)) if abs(sizes[k]) > STRAINED]
+    lacked = findings.unknown.names(findings.model.robot)  # the patch states these
+    far = [k for k in np.argsort(-np.abs(sizes)) if abs(sizes[k]) > STRAINED and tolerance.names[k] not in lacked]
     if not far:
         return []
     named = [

@@ -19,7 +19,7 @@ from flexros.gap.fit.balanced_torques import regress_balanced
 from flexros.gap.fit.torque_delay import torque_delay
 from flexros.gap.fit.torque_regression import Load, only_coulomb, regress_torque
 from flexros.gap.settings import TorqueStartSettings
-from flexros.prediction.integration_step import least_inertia, stops_too_fast
+from flexros.prediction.integration_step import least_inertia, stops_too_fast, substeps
 from flexros.robot.parameters import INERTIA_COMPONENTS
 
 if TYPE_CHECKING:
@@ -267,6 +267,9 @@ def unknown_numbers(
     left = {name: viscous[name] + changes[name] for name in lacking} if needed else {}
     placeholders = {name: viscous[name] for name, value in left.items() if value < PLACEHOLDER * viscous[name]}
     needed = {name: value for name, value in needed.items() if name not in placeholders}
+    friction = {name: viscous[name] + changes[name] for name in lacking}
+    carried = {name: of_bodies[name] + rotors.get(name, 0.0) for name in lacking}
+    needed |= _inertias_for_friction(robot, record.sample_time, friction, carried)
     inertias = {name: max(needed.get(name, 0.0), rotors.get(name, 0.0)) for name in (needed | rotors)}
     bare = robot.parameters[f"{last_moved(robot)}.mass"].value if load else 0.0
     return UnknownNumbers(inertias, load, bare, placeholders, rough)
@@ -338,6 +341,25 @@ def _inertias_to_step(
     friction = {name: robot.parameters[f"{name}.viscous_friction"].value for name in of_bodies}
     least = {name: least_inertia(value, sample_time, STEPS) for name, value in friction.items()}
     return {name: value for name, value in least.items() if value > shows * of_bodies[name]}
+
+
+def _inertias_for_friction(
+    robot: Robot, sample_time: float, friction: Mapping[str, float], carried: Mapping[str, float]
+) -> dict[str, float]:
+    """Return the least inertias of motors without rotor with which the friction that their torques show can be stepped.
+
+    Without it a light wrist with the friction of its gear would diverge in the steps of the nominal robot, and with it
+    all that the torques of the other motors show.
+
+    Args:
+        robot: The robot.
+        sample_time: Time between two samples [s].
+        friction: Viscous friction by motor [Nm s/rad or N s/m].
+        carried: Inertia by motor that is known [kg m2 or kg].
+    """
+    steps = substeps(robot, sample_time)
+    least = {name: least_inertia(value, sample_time, steps) for name, value in friction.items()}
+    return {name: value for name, value in least.items() if value > carried[name]}
 
 
 def _may_carry(robot: Robot) -> bool:

@@ -56,9 +56,17 @@ def test_torques_that_are_far_better_than_assumed_bring_a_proposal(
 def test_numbers_far_out_of_tolerance_are_stated() -> None:
     tolerance = Tolerance(("body_1.mass", "body_1.inertia.yy"), (0.02, 0.02))
     chosen = SimpleNamespace(predictor=SimpleNamespace(tolerance=tolerance), deviations=np.array([5.0, 1.0]))
-    findings: Any = SimpleNamespace(explanations=SimpleNamespace(chosen=chosen))
+    lacked: set[str] = set()
+    findings: Any = SimpleNamespace(
+        explanations=SimpleNamespace(chosen=chosen),
+        unknown=SimpleNamespace(names=lambda _: lacked),
+        model=SimpleNamespace(robot=None),
+    )
     (text,) = warnings._strained(findings)
     assert "body_1.mass by +10.5%, 5 times its tolerance" in text
     assert "inertia" not in text
+    lacked.add("body_1.mass")
+    assert not warnings._strained(findings)  # what the model lacked is stated elsewhere, and in the patch
+    lacked.clear()
     chosen.deviations = np.array([2.0, 1.0])
     assert not warnings._strained(findings)

@@ -25,7 +25,7 @@ from flexros.gap.fit.unknown_numbers import (
 )
 from flexros.gap.measure_gap import measure_gap
 from flexros.gap.settings import DiagnosisSettings, TorqueStartSettings
-from flexros.prediction.integration_step import stops_too_fast
+from flexros.prediction.integration_step import least_inertia, stops_too_fast, substeps
 from flexros.record.record import Record
 from flexros.robot import Robot, load_robot
 from tests.gap.rigid_arm import COULOMB, INERTIA, VISCOUS, T, arm, motion, record_of_arm
@@ -49,6 +49,19 @@ def damped_record() -> Record:
 
 def unknown(record: Record) -> UnknownNumbers:
     return unknown_numbers(record, RobotWithEffects(damped(), ()), Tolerance())
+
+
+def test_a_light_wrist_gets_the_inertia_with_which_the_friction_of_its_torques_can_be_stepped() -> None:
+    """Without it the effects that torques show would diverge together, and the search would begin with nothing."""
+    record, speed = record_of_arm(imported=True, rotors=(INERTIA[0], 0.0)), motion()[1]
+    more = np.array([0.0, FILE]) * 0.5 * (speed + np.vstack([speed[1:], speed[-1:]]))
+    model = RobotWithEffects(arm(), ())
+    assert "motor_2" not in unknown_numbers(record, model, Tolerance()).inertias
+    found = unknown_numbers(replace(record, torque=record.torque + more), model, Tolerance())
+    steps = substeps(arm(), T)
+    assert found.inertias["motor_2"] == pytest.approx(least_inertia(FILE + VISCOUS[1], T, steps), rel=0.05)
+    damped_wrist = found.given_to(model).robot.with_values({"motor_2.viscous_friction": FILE})
+    assert not stops_too_fast(damped_wrist, T, steps)
 
 
 def test_friction_that_torques_do_not_show_stands_for_none() -> None:
