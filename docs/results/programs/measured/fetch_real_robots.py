@@ -1,6 +1,6 @@
 """Fetch public logs of robots: python docs/results/programs/measured/fetch_real_robots.py FOLDER [--from PATH]...
 
-The logs of eleven public repositories, most of them without a licence for copies, are brought into FOLDER, at the
+The logs of twelve public repositories, most of them without a licence for copies, are brought into FOLDER, at the
 commits below and with their checksums; they are not part of this repository. `--from` names a clone, a bare clone or a
 plain folder of one of them that is there already. What cannot be reached is skipped with its reason, and the exit code
 is then 1.
@@ -243,6 +243,16 @@ REPOSITORIES = (
         "855e9e5c0811f3a3716612741bc33c02574aabea",
         {
             f"{WAM}/state_4.json": ("eccb05e00cb6178170369f0ef14ccf66c8fbbb5f7aff859295da0c0ff62951c5"),
+        },
+    ),
+    Repository(
+        "unisa-acg",
+        "inverse-dynamics-solver",
+        "41e196de5ca340f2b48e443484a7c74a77533da4",
+        {
+            "ur10_inverse_dynamics_solver/bagfiles/ur10_exciting_trajectory.db3": (
+                "14244fc39e9b42047039824f3c20ab984f9d1b28d5a67e9415cc1b3cc0ac3369"
+            ),
         },
     ),
 )
