@@ -11,8 +11,9 @@ import pytest
 
 from flexros.effects import RobotWithEffects
 from flexros.gap.candidates.tolerance import Tolerance, tolerance_of
+from flexros.gap.fit.missing_load import load_beside
 from flexros.gap.fit.torque_regression import regress_torque
-from flexros.gap.fit.unknown_numbers import UNCERTAIN, UNCERTAIN_LOAD, _load_beside, unknown_numbers
+from flexros.gap.fit.unknown_numbers import UNCERTAIN, UNCERTAIN_LOAD, unknown_numbers
 from flexros.gap.settings import TorqueStartSettings
 from flexros.record.record import Record
 from tests.gap.rigid_arm import COULOMB, INERTIA, VISCOUS, T, arm, motion, record_of_arm
@@ -173,7 +174,7 @@ def test_a_light_load_counts_where_errors_of_the_bodies_do_not_explain_it(
         return SimpleNamespace(load=np.array([mass, 0.1 * mass, 0.0, 0.0]), left=np.array([left, 1.0]))
 
     tolerance = tolerance_of(arm(), {})
-    load = _load_beside(regress, arm(), tolerance, regress(Tolerance()), None, TorqueStartSettings())
+    load = load_beside(regress, arm(), tolerance, regress(Tolerance()), None, TorqueStartSettings())
     assert (load is not None) is found
 
 

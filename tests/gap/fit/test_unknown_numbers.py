@@ -13,16 +13,11 @@ from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.kinds.base import PlacedEffect
 from flexros.gap.candidates.tolerance import Tolerance, tolerance_of
 from flexros.gap.diagnose import diagnose
+from flexros.gap.fit.missing_load import bodies_are_off, load_before_bodies
+from flexros.gap.fit.missing_rotors import STEPS
+from flexros.gap.fit.rough_bodies import fitted_bodies, with_rough_bodies
 from flexros.gap.fit.torque_regression import TorqueRegression, regress_torque
-from flexros.gap.fit.unknown_numbers import (
-    STEPS,
-    UnknownNumbers,
-    _bodies_are_off,
-    _load_before_bodies,
-    fitted_bodies,
-    unknown_numbers,
-    with_rough_bodies,
-)
+from flexros.gap.fit.unknown_numbers import UnknownNumbers, unknown_numbers
 from flexros.gap.measure_gap import measure_gap
 from flexros.gap.settings import DiagnosisSettings, TorqueStartSettings
 from flexros.prediction.integration_step import least_inertia, stops_too_fast, substeps
@@ -122,7 +117,7 @@ def test_a_motor_that_is_not_driven_does_not_make_bodies_rough(*, driven: bool) 
     within = replace(found, left=np.array([0.5, 1.0]), rest=np.array([1.0, 3.0]))
     wide = replace(within, left=np.array([0.4, 1e-5]))
     record = replace(record, torque=record.torque * [1.0, driven])
-    assert _bodies_are_off(wide, within, lambda *_, **__: within, record, TorqueStartSettings()) is driven
+    assert bodies_are_off(wide, within, lambda *_, **__: within, record, TorqueStartSettings()) is driven
 
 
 def test_a_heavier_last_body_does_not_make_all_bodies_rough() -> None:
@@ -188,7 +183,7 @@ def test_a_load_that_explains_more_than_errors_of_all_bodies_is_missing(
             return replace(plain, left=np.ones(2), load=mass * np.array([1.0, 0.1, 0.0, 0.2]))
         return replace(plain, left=np.full(2, left[tolerance]))
 
-    one = _load_before_bodies(regress, file, within, file.n_motors, settings)
+    one = load_before_bodies(regress, file, within, file.n_motors, settings)
     assert (one is not None) == found
     if one is not None:
         assert (one[1].mass, one[1].x, one[1].z) == pytest.approx((1.0, 0.1, 0.2))
