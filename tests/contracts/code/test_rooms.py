@@ -20,6 +20,7 @@ LISTS = {
     "flexros/scenario/library",  # one file per built-in scenario
     "docs/how-to",  # one page per task
     "docs/results",  # one page per question
+    "docs/results/data/real_robots",  # one file per measured robot
     "docs/results/programs/measured",  # a mapping and a robot file per measured robot
     "docs/reference/api",  # one page per room
     "docs/reference/json",  # generated: a schema per command
