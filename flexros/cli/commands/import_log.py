@@ -185,6 +185,8 @@ def _figures(name: str, series: Series) -> dict[str, object]:
 
 
 def _print(rows: list[dict[str, object]], log: Log) -> None:
+    from flexros.gap.settings import NoiseSettings
+
     table = Table("topic", "fields", "samples", "time [s]", "rate [Hz]", "longest gap [ms]")
     table.columns[0].no_wrap = True
     for row in rows:
@@ -195,6 +197,7 @@ def _print(rows: list[dict[str, object]], log: Log) -> None:
     console.print(table)
     say(f"Joints: {', '.join(log.joint_states.names)}")
     if any("effort" in row["fields"] for row in rows):  # type: ignore[operator]
-        say("Torques count as known within 5 % of their rms; those of a simulator within --tolerance torque=0.005")
+        share = NoiseSettings().signal_tolerance
+        say(f"Torques count as known within {share:.0%} of their rms; those of a simulator: --tolerance torque=0.005")
     for warning in log.warnings:
         say(f"warning: {warning}")

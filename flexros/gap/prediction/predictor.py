@@ -361,10 +361,7 @@ class Predictor:
         """Delay the position commands of servos, beyond the delay of the robot."""
         for candidate, numbers in zip(self.hypothesis, self.values(theta)):
             if delays(candidate):
-                motors = [
-                    motor for motor, name in enumerate(self.robot.joint_names) if candidate.location in ("all", name)
-                ]
-                commands = delayed_commands(commands, numbers["time"] / self.sample_time, motors)
+                commands = delayed_commands(commands, numbers["time"] / self.sample_time, self._delayed_by(candidate))
         return commands
 
     def _cut_off(self, torque: FloatArray, theta: FloatArray) -> FloatArray:
@@ -382,9 +379,12 @@ class Predictor:
         late = np.array(np.broadcast_to(self.plant.delay, self.robot.n_motors))
         for candidate, numbers in zip(self.hypothesis, self.values(theta)):
             if delays(candidate):
-                for motor, name in enumerate(self.robot.joint_names):
-                    late[motor] += numbers["time"] * (candidate.location in ("all", name) and motor not in prescribed)
+                late[[motor for motor in self._delayed_by(candidate) if motor not in prescribed]] += numbers["time"]
         return late / self.sample_time
+
+    def _delayed_by(self, candidate: Candidate) -> list[int]:
+        """List the motors whose inputs a candidate delays."""
+        return [motor for motor, name in enumerate(self.robot.joint_names) if candidate.location in ("all", name)]
 
     def _cut_off_before(self, candidate: Candidate) -> bool:
         """Whether a candidate saturates torques that another one delays."""

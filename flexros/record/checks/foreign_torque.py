@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.record.balance.inverse_dynamics import rigid_inverse_dynamics
+from flexros.record.balance.regression import coefficients
 from flexros.record.checks.checked_record import FOREIGN, SLOW, CheckedRecord
 from flexros.record.checks.other_robot import LEAST
 from flexros.record.missing_samples import bridged
@@ -73,8 +74,7 @@ def _unexplained(checked: CheckedRecord) -> FloatArray:
     )[record.valid]
     shares: FloatArray = np.zeros(checked.robot.n_motors)
     for motor, given in enumerate(torque[record.valid].T):
-        regressors = parts[:, motor] / np.maximum(np.linalg.norm(parts[:, motor], axis=0), np.finfo(float).tiny)
-        rest = given - regressors @ np.linalg.lstsq(regressors, given, rcond=None)[0]
+        rest = given - parts[:, motor] @ coefficients(parts[:, motor], given)
         power = float(np.mean((given - given.mean()) ** 2))
         shares[motor] = float(np.mean(rest**2)) / power if power > 0 else 0.0
     return shares

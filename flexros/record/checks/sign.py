@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from flexros.record.balance.inverse_dynamics import rigid_inverse_dynamics
+from flexros.record.balance.regression import coefficients
 from flexros.record.checks.base import AbstractCheck, Finding
 
 if TYPE_CHECKING:
@@ -101,9 +102,7 @@ def _brakes(checked: CheckedRecord, motor: int) -> bool:
         return False  # other joints drive it, and its motor takes their power
     weight = np.column_stack([arm, np.ones_like(arm), np.cos(position), np.sin(position), acceleration])
     regressors = np.column_stack([weight, speed, np.sign(speed)])
-    scale = np.maximum(np.linalg.norm(regressors, axis=0), 1e-300)
-    solution, *_ = np.linalg.lstsq(regressors / scale, torque, rcond=1e-6)
-    friction = regressors[:, -2:] @ (solution / scale)[-2:]
+    friction = regressors[:, -2:] @ coefficients(regressors, torque)[-2:]
     share = float(np.sum(friction**2) / np.maximum(np.sum((torque - torque.mean()) ** 2), 1e-300))
     return share > LEAST_BRAKE and _correlation(friction, speed) < AS_SPEED
 

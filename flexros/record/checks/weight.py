@@ -8,6 +8,7 @@ import numpy as np
 
 from flexros.record.balance.inverse_dynamics import rigid_inverse_dynamics
 from flexros.record.balance.joint_assignments import WEIGHTLESS
+from flexros.record.balance.regression import coefficients
 from flexros.record.checks.base import AbstractCheck, Finding
 
 if TYPE_CHECKING:
@@ -73,7 +74,5 @@ def _rest(checked: CheckedRecord, arm: FloatArray) -> FloatArray:
     for motor in motors:
         own = speed[:, motor]
         regressors = np.column_stack([np.ones_like(own), own, np.sign(own), acceleration[:, motor]])
-        scale = np.maximum(np.linalg.norm(regressors, axis=0), 1e-300)
-        solution, *_ = np.linalg.lstsq(regressors / scale, other[:, motor], rcond=1e-6)
-        rests[motor] = np.std(other[:, motor] - regressors / scale @ solution)
+        rests[motor] = np.std(other[:, motor] - regressors @ coefficients(regressors, other[:, motor]))
     return rests
