@@ -1,12 +1,13 @@
-"""Sine and cosine, exponential and hyperbolic tangent as LLVM code over lanes.
+"""Sine and cosine, exponential, natural logarithm and hyperbolic tangent as LLVM code over lanes.
 
 Fused multiply-add is used only where it is written explicitly, and is exact on every processor (in software if
 necessary). All processors and all numbers of lanes therefore give the same bits.
 
-Sources: kernels k_sin.c and k_cos.c of Sun fdlibm 5.3 (1993) in the ordering of FreeBSD msun; argument reduction in
-three parts (Cody and Waite 1980, with a first part of 33 bits); exponential by Taylor expansion to degree 13 on
-|r| <= ln(2)/2. Errors, tested against decimal arithmetic: sine and cosine below 1 ulp for |x| <= SINCOS_RANGE (beyond
-it the system's mathematical library is called), exponential below 1 ulp, hyperbolic tangent below 3 ulp.
+Sources: kernels k_sin.c, k_cos.c and e_log.c of Sun fdlibm 5.3 (1993) in the ordering of FreeBSD msun; argument
+reduction in three parts (Cody and Waite 1980, with a first part of 33 bits); exponential by Taylor expansion to degree
+13 on |r| <= ln(2)/2. Errors, tested against decimal arithmetic: sine and cosine below 1 ulp for |x| <= SINCOS_RANGE
+(beyond it the system's mathematical library is called), exponential and logarithm below 1 ulp, hyperbolic tangent
+below 3 ulp.
 """
 
 from __future__ import annotations
@@ -28,15 +29,22 @@ _COS = (
     -2.75573143513906633035e-07, 2.08757232129817482790e-09, -1.13596475577881948265e-11,
 )  # fmt: skip
 _LN2 = (6.93147180369123816490e-01, 1.90821492927058770002e-10)
+_LOG = (
+    6.666666666666735130e-01, 3.999999999940941908e-01, 2.857142874366239149e-01, 2.222219843214978396e-01,
+    1.818357216161805012e-01, 1.531383769920937332e-01, 1.479819860511658591e-01,
+)  # fmt: skip
+_ROOT_HALF_BITS = 0x3FE6A09E667F3BCD
+_SUBNORMAL = 54  # a number below the normal range is scaled by two to the power of this
 _LOG2_E = 1.44269504088896338700e00
 
 SINCOS = "sincos"
 EXPONENTIAL = "exp"
+LOGARITHM = "log"
 TANH = "tanh"
 
 
 def routine_name(routine: str, lanes: int) -> str:
-    """Return the symbol of a routine (SINCOS, EXPONENTIAL, TANH) for a number of lanes."""
+    """Return the symbol of a routine (SINCOS, EXPONENTIAL, LOGARITHM, TANH) for a number of lanes."""
     return f"@flexros.{routine}.{lanes}"
 
 
@@ -44,10 +52,10 @@ def routine_text(routine: str, lanes: int) -> str:
     """Return the definition of a routine; that of sine and cosine returns the pair {sin x, cos x}.
 
     Args:
-        routine: SINCOS, EXPONENTIAL or TANH.
+        routine: SINCOS, EXPONENTIAL, LOGARITHM or TANH.
         lanes: Doubles per number.
     """
-    return {SINCOS: _sincos, EXPONENTIAL: _exponential, TANH: _tanh}[routine](lanes)
+    return {SINCOS: _sincos, EXPONENTIAL: _exponential, LOGARITHM: _logarithm, TANH: _tanh}[routine](lanes)
 
 
 def _horner(block: IrBlock, z: str, coefficients: tuple[float, ...]) -> str:
@@ -165,6 +173,33 @@ def _exponential(lanes: int) -> str:
     result = block.mul(block.add(block.number(1.0), small), _power_of_two(block, half))
     block.emit(f"ret {block.type} {block.mul(result, _power_of_two(block, rest))}")
     return _define(block.type, EXPONENTIAL, block)
+
+
+def _logarithm(lanes: int) -> str:
+    """Write log(2^k (1 + f)) = k ln 2 + log(1 + f) with 1 + f between the roots of 1/2 and of 2."""
+    block = IrBlock(lanes)
+    tiny = block.compare("olt", "%x", block.number(2.2250738585072014e-308))
+    scaled = block.bits(block.select(tiny, block.mul("%x", block.number(2.0**_SUBNORMAL)), "%x"))
+    above = block.value(f"sub {block.integer} {scaled}, {integer_literal(_ROOT_HALF_BITS, lanes)}")
+    exponent = block.value(f"ashr {block.integer} {above}, {integer_literal(52, lanes)}")
+    shifted = block.value(f"shl {block.integer} {exponent}, {integer_literal(52, lanes)}")
+    f = block.sub(block.from_bits(block.value(f"sub {block.integer} {scaled}, {shifted}")), block.number(1.0))
+    rounded = block.value(f"add {block.integer} {exponent}, {integer_literal(_ROUND_BITS, lanes)}")
+    shift = block.select(tiny, block.number(_ROUND + _SUBNORMAL), block.number(_ROUND))
+    k = block.sub(block.from_bits(rounded), shift)
+    s = block.div(f, block.add(f, block.number(2.0)))
+    z = block.mul(s, s)
+    w = block.mul(z, z)
+    odd, even = _horner(block, w, _LOG[::2]), _horner(block, w, _LOG[1::2])
+    R = block.fma(w, even, block.mul(z, odd))
+    half_square = block.mul(block.mul(f, f), block.number(0.5))
+    tail = block.fma(s, block.add(half_square, R), block.mul(k, block.number(_LN2[1])))
+    result = block.sub(block.mul(k, block.number(_LN2[0])), block.sub(block.sub(half_square, tail), f))
+    result = block.select(block.compare("olt", "%x", block.number(float("inf"))), result, "%x")  # infinity and NaN
+    result = block.select(block.compare("oeq", "%x", block.number(0.0)), block.number(float("-inf")), result)
+    result = block.select(block.compare("olt", "%x", block.number(0.0)), block.number(float("nan")), result)
+    block.emit(f"ret {block.type} {result}")
+    return _define(block.type, LOGARITHM, block)
 
 
 def _tanh(lanes: int) -> str:

@@ -1,7 +1,8 @@
 """Tables of the CasADi operations and their LLVM code.
 
 Semantics are those of CasADi's virtual machine, with two choices: the minimum and maximum of a number and NaN is NaN
-(a diverged simulation must stay visible behind a limiter), and sine, cosine, exp and tanh come from `elementary.py`.
+(a diverged simulation must stay visible behind a limiter), and sine, cosine, exp, log and tanh come from
+`elementary.py`.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 
-from flexros.compile.elementary import EXPONENTIAL, SINCOS, TANH, library_call
+from flexros.compile.elementary import EXPONENTIAL, LOGARITHM, SINCOS, TANH, library_call
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -21,6 +22,7 @@ ROUTINES: dict[int, tuple[str, int | None]] = {
     ca.OP_SIN: (SINCOS, 0),
     ca.OP_COS: (SINCOS, 1),
     ca.OP_EXP: (EXPONENTIAL, None),
+    ca.OP_LOG: (LOGARITHM, None),
     ca.OP_TANH: (TANH, None),
 }
 """Operations by routines of `elementary.py`: routine, and member of its result (None: the result itself)."""
@@ -29,7 +31,7 @@ COMPARISONS: dict[int, str] = {ca.OP_LT: "olt", ca.OP_LE: "ole", ca.OP_EQ: "oeq"
 """Comparisons as LLVM conditions; their value as a number is 1 or 0."""
 
 LIBRARY: dict[int, str] = {
-    ca.OP_LOG: "log", ca.OP_LOG1P: "log1p", ca.OP_EXPM1: "expm1", ca.OP_POW: "pow", ca.OP_CONSTPOW: "pow",
+    ca.OP_LOG1P: "log1p", ca.OP_EXPM1: "expm1", ca.OP_POW: "pow", ca.OP_CONSTPOW: "pow",
     ca.OP_TAN: "tan", ca.OP_ASIN: "asin", ca.OP_ACOS: "acos", ca.OP_ATAN: "atan", ca.OP_ATAN2: "atan2",
     ca.OP_SINH: "sinh", ca.OP_COSH: "cosh", ca.OP_ASINH: "asinh", ca.OP_ACOSH: "acosh", ca.OP_ATANH: "atanh",
     ca.OP_ERF: "erf", ca.OP_FMOD: "fmod", ca.OP_REMAINDER: "remainder", ca.OP_HYPOT: "hypot",

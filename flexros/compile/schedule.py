@@ -1,4 +1,4 @@
-"""Order of evaluation: groups sines, exponentials and hyperbolic tangents that can be evaluated together.
+"""Order of evaluation: groups sines, exponentials, logarithms and hyperbolic tangents that can be evaluated together.
 
 All joint angles of a robot are inputs, so their sines and cosines fill the lanes of one vector evaluation even if the
 function itself works on single numbers. Neither lanes nor grouping change the results.

@@ -15,7 +15,9 @@ PI = Decimal("3.1415926535897932384626433832795028841971693993751058209749445923
 
 def compiled(lanes: int = 1) -> CompiledFunction:
     x = ca.SX.sym("x")
-    return compile_function(ca.Function("f", [x], [ca.sin(x), ca.cos(x), ca.exp(x), ca.tanh(x)]), lanes=lanes)
+    return compile_function(
+        ca.Function("f", [x], [ca.sin(x), ca.cos(x), ca.exp(x), ca.tanh(x), ca.log(x)]), lanes=lanes
+    )
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +53,7 @@ def ulps(value: float, exact: Decimal) -> float:
 def test_sine_and_cosine_are_within_one_ulp(elementary: CompiledFunction) -> None:
     rng = np.random.default_rng(1)
     for x in np.concatenate([rng.uniform(-4, 4, 200), rng.uniform(-1e5, 1e5, 200), rng.uniform(-1.6e6, 1.6e6, 100)]):
-        s, c, _, _ = elementary(np.array([x]))
+        s, c, *_ = elementary(np.array([x]))
         assert ulps(s[0], sine(x)) < 1.0
         assert ulps(c[0], sine(x, 1)) < 1.0
 
@@ -59,7 +61,7 @@ def test_sine_and_cosine_are_within_one_ulp(elementary: CompiledFunction) -> Non
 def test_sine_and_cosine_keep_all_digits_near_multiples_of_a_right_angle(elementary: CompiledFunction) -> None:
     for k in [*range(1, 60), 11, 344, 51819, 573204, 1_000_000]:
         x = float(PI / 2 * k)
-        s, c, _, _ = elementary(np.array([x]))
+        s, c, *_ = elementary(np.array([x]))
         assert ulps(s[0], sine(x)) < 1.0
         assert ulps(c[0], sine(x, 1)) < 1.0
 
@@ -68,7 +70,7 @@ def test_sine_and_cosine_keep_all_digits_near_multiples_of_a_right_angle(element
 def test_angles_beyond_the_range_are_answered_by_the_mathematical_library(
     elementary: CompiledFunction, x: float
 ) -> None:
-    s, c, _, _ = elementary(np.array([x]))
+    s, c, *_ = elementary(np.array([x]))
     assert s[0] == math.sin(x)
     assert c[0] == math.cos(x)
 
@@ -87,6 +89,21 @@ def test_exponential_at_the_ends_of_the_range(elementary: CompiledFunction, x: f
     assert elementary(np.array([x]))[2][0] == value
 
 
+def test_logarithm_is_within_one_ulp(elementary: CompiledFunction) -> None:
+    rng = np.random.default_rng(4)
+    for x in [*rng.uniform(0.5, 2.0, 300), *10.0 ** rng.uniform(-307, 308, 200), 5e-324, 1e-310, 1.0 + 2**-52]:
+        assert ulps(elementary(np.array([x]))[4][0], Decimal(x).ln()) < 1.0
+
+
+@pytest.mark.parametrize(("x", "value"), [(0.0, -math.inf), (-0.0, -math.inf), (1.0, 0.0), (math.inf, math.inf)])
+def test_logarithm_at_the_ends_of_the_range(elementary: CompiledFunction, x: float, value: float) -> None:
+    assert elementary(np.array([x]))[4][0] == value
+
+
+def test_logarithm_of_a_negative_number_is_not_a_number(elementary: CompiledFunction) -> None:
+    assert all(math.isnan(elementary(np.array([x]))[4][0]) for x in (-1.0, -5e-324, -math.inf))
+
+
 def test_hyperbolic_tangent_is_within_three_ulps(elementary: CompiledFunction) -> None:
     rng = np.random.default_rng(3)
     for x in np.concatenate([rng.uniform(-25, 25, 200), 10.0 ** rng.uniform(-12, 0, 100)]):
@@ -103,7 +120,7 @@ def test_not_a_number_goes_through(elementary: CompiledFunction) -> None:
 
 
 def test_infinite_angle_gives_not_a_number(elementary: CompiledFunction) -> None:
-    s, c, _, _ = elementary(np.array([math.inf]))
+    s, c, *_ = elementary(np.array([math.inf]))
     assert math.isnan(s[0])
     assert math.isnan(c[0])
 

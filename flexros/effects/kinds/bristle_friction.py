@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass
-from functools import cache
 from typing import TYPE_CHECKING
 
 import casadi as ca
@@ -95,34 +94,40 @@ def bristle_step(
         1 + reach * mobility * (stiffness * reach + damping)
     )
     mean = free - reach * mobility * ca.fmin(ca.fmax(elastic, -level), level)
-    move, improve = _equation()
-    constants = (deflection, step, stiffness, damping, level, theta)
+    per_middle = (2 - 2 * theta) * stiffness
+    per_end = (2 * theta - 1) * stiffness + damping / step
+    slip, yielding = stiffness * step / level, reach * mobility
+
+    def torque_of(end: ca.SX, middle: ca.SX) -> ca.SX:
+        return per_middle * middle + per_end * (end - deflection) + (2 * theta - 1) * stiffness * deflection
+
     for _ in range(PASSES):
-        mean = improve(mean, *constants, free, reach * mobility)
-    end, torque = move(mean, *constants)
-    return end, torque
-
-
-@cache
-def _equation() -> tuple[ca.Function, ca.Function]:
-    """Build the functions of a step: mean speed -> final deflection and torque, and a Newton step for the speed."""
-    symbols = [ca.SX.sym(name) for name in ("mean", "z", "h", "s0", "s1", "g", "theta", "free", "yielding")]
-    mean, deflection, step, stiffness, damping, level, theta, free, yielding = symbols
-    decay, average, rise = _slip_factors(stiffness * ca.fabs(mean) / level * step)
+        decay, average, rise, fall = _slip_factors(slip * ca.fabs(mean))
+        torque = torque_of(deflection * decay + mean * step * average, deflection * average + mean * step * rise)
+        # the derivatives of (end, middle) to the mean speed are (decay, fall) times this
+        moved = step - ca.sign(mean) * slip * deflection
+        slope = 1 + yielding * (per_end * decay + per_middle * fall) * moved
+        # with a held level friction grows with speed, so the slope is at least one
+        mean = mean - (mean - free + yielding * torque) / ca.fmax(slope, 1)
+    decay, average, rise, _ = _slip_factors(slip * ca.fabs(mean))
     end = deflection * decay + mean * step * average
-    middle = deflection * average + mean * step * rise
-    torque = stiffness * ((2 - 2 * theta) * middle + (2 * theta - 1) * end) + damping * (end - deflection) / step
-    move = ca.Function("move", symbols[:7], [end, torque])
-    residual = mean - free + yielding * torque
-    # with a held level friction grows with speed, so the slope is at least one
-    better = mean - residual / ca.fmax(ca.jacobian(residual, mean), 1)
-    return move, ca.Function("improve", symbols, [better])
+    return end, torque_of(end, deflection * average + mean * step * rise)
 
 
-def _slip_factors(x: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """Return exp(-x), (1 - exp(-x)) / x and the mean of that over a step, (x - 1 + exp(-x)) / x^2, for x >= 0."""
-    large = ca.fmax(x, _SMALL)
+def _slip_factors(x: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
+    """Return what bristles keep of their deflection, and of a motion, over a step in which they slip.
+
+    Args:
+        x: Slip s0 |v| h / g of the step [1], zero or more.
+
+    Returns:
+        exp(-x); its mean over the step, A = (1 - exp(-x)) / x; the mean of x A over x, (x - 1 + exp(-x)) / x^2; and
+        -dA/dx. Constants are multiplied, not divided by: of a whole step divisions take most of the time.
+    """
+    small = x <= _SMALL
+    inverse = 1 / ca.fmax(x, _SMALL)
     decay = ca.exp(-x)
-    average = ca.if_else(x > _SMALL, (1 - decay) / large, 1 - x / 2 * (1 - x / 3 * (1 - x / 4 * (1 - x / 5))))
-    rise = ca.if_else(x > _SMALL, (large - 1 + decay) / large**2, 0.5 - x / 6 * (1 - x / 4 * (1 - x / 5 * (1 - x / 6))))
-    return decay, average, rise
+    average = ca.if_else(small, 1 - x * (1 / 2 - x * (1 / 6 - x * (1 / 24 - x * (1 / 120)))), (1 - decay) * inverse)
+    rise = ca.if_else(small, 1 / 2 - x * (1 / 6 - x * (1 / 24 - x * (1 / 120))), (1 - average) * inverse)
+    fall = ca.if_else(small, 1 / 2 - x * (1 / 3 - x * (1 / 8 - x * (1 / 30))), (average - decay) * inverse)
+    return decay, average, rise, fall

@@ -6,10 +6,11 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from flexros.gap.answer.decision import on_held_out
+from flexros.gap.fit.least_squares import unique
 from flexros.gap.fit.null_fit import predicting_best
 from flexros.gap.held_out.prediction_gap import errors_ahead, share_between
 from flexros.gap.search.forward_selection import explanations_of
-from flexros.gap.search.worth import compared, unique
+from flexros.gap.search.worth import compared
 
 if TYPE_CHECKING:
     from flexros.gap.fit.least_squares import CandidateFit

@@ -380,3 +380,12 @@ def _sums(predictor: Predictor, data: FitData, residuals: FloatArray, thetas: Fl
 def best_of(fits: Sequence[CandidateFit]) -> CandidateFit:
     """Return the fit with the smallest sum of squares."""
     return min(fits, key=lambda fit: fit.chi2)
+
+
+def unique(fits: Sequence[CandidateFit]) -> list[CandidateFit]:
+    """Keep the best fit of every set of effects, the best first."""
+    best: dict[frozenset[str], CandidateFit] = {}
+    for fit in fits:
+        if fit.names not in best or fit.chi2 < best[fit.names].chi2:
+            best[fit.names] = fit
+    return sorted(best.values(), key=lambda fit: fit.chi2)

@@ -7,21 +7,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.effects.kinds.command_law import AbstractCommandLaw
 from flexros.effects.kinds.law import AbstractLaw
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.errors import InputError
 from flexros.gap.prediction.compiled_plant import LANES, CompiledPlant, delays, is_law
-from flexros.gap.prediction.fractional_delay import delayed_commands, delayed_halves
-from flexros.simulate.servo_lead import servo_leads
+from flexros.gap.prediction.plant_inputs import PlantInputs
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Sequence
+    from collections.abc import Sequence
 
     from flexros.arrays import FloatArray, IntArray
     from flexros.compile.loop.prediction import LoopPrediction
     from flexros.effects import RobotWithEffects
-    from flexros.gap.candidates.candidate import Candidate, Hypothesis
+    from flexros.gap.candidates.candidate import Hypothesis
     from flexros.gap.candidates.tolerance import Tolerance
     from flexros.prediction.observer import ObserverGain
     from flexros.record.record import Record
@@ -81,7 +79,7 @@ class Predictor:
         self.plant, self.model, self.loop = plant, plant.model, plant.loop
         self._parameters = [(candidate, one) for candidate in hypothesis for one in candidate.free]
         self._nominal = {name: self.robot.parameters[name].value for name in plant.robot_names}
-        self._saturated = tuple(map(self._cut_off_before, hypothesis))
+        self._inputs = PlantInputs(plant, hypothesis, sample_time)
         self._places = [plant.place(one) if is_law(one) else None for one in hypothesis]
         self._columns: dict[bytes, FloatArray] = {}
 
@@ -163,7 +161,8 @@ class Predictor:
             column, state = columns[min(lane, len(sets) - 1)], states[min(lane, len(states) - 1)]
             near = self._rest(state, column) if from_rest else state
             plants.append(self.model.start(near, record.driving[0], column, time=record.begin))
-        driving, parts = self._driving(record, sets, columns), self.plant.parts
+        driving = self._inputs.driving(record, [self.values(theta) for theta in sets], columns)
+        parts = self.plant.parts
         prediction = self.loop.run(
             _in_all_lanes(plants),
             _in_all_lanes(columns),
@@ -198,7 +197,7 @@ class Predictor:
         """
         own, parts = self._column(theta), self.plant.parts
         column = np.repeat(own[:, None], LANES, axis=1)
-        torque = self._driving(record, [theta], [own])
+        torque = self._inputs.driving(record, [self.values(theta)], [own])
         torque = torque if torque.ndim == 2 else torque[:, :, 0]
         length = parts * horizon + 1
         nothing = np.zeros((length, self.robot.n_motors))
@@ -251,26 +250,10 @@ class Predictor:
         sets = list(np.asarray(thetas).T)
         columns = [self._column(theta) for theta in sets]
         function, driven = self.plant.sensors(wanted)
-        acting = self._acting(record, sets, columns, samples) if driven else np.zeros((1, 1, 1))
+        values = [self.values(theta) for theta in sets]
+        acting = self._inputs.acting(record, values, columns, samples) if driven else np.zeros((1, 1, 1))
         acting = acting if acting.shape[-1] == 1 else _in_all_lanes(list(np.moveaxis(acting, -1, 0)))
         return function(states, acting, _in_all_lanes(columns))
-
-    def _acting(
-        self, record: Record, sets: Sequence[FloatArray], columns: Sequence[FloatArray], samples: IntArray
-    ) -> FloatArray:
-        """Return the mean of the inputs just before and just after samples, shape (m, M, sets or 1)."""
-        inputs = self._inputs(record, sets, columns)
-        thetas = sets[: None if any(map(delays, self.hypothesis)) else 1]
-        late = np.stack([self._late(theta, record.prescribed) for theta in thetas], axis=-1)
-        lanes = range(max(len(inputs), late.shape[1]))
-        acting = np.empty((len(samples), self.robot.n_motors, len(lanes)))
-        for lane in lanes:
-            held = inputs[min(lane, len(inputs) - 1)]
-            for motor, delay in enumerate(late[:, min(lane, late.shape[1] - 1)]):
-                after = np.maximum(samples - int(np.ceil(delay)), 0)
-                before = after if delay % 1 else np.maximum(after - 1, 0)
-                acting[:, motor, lane] = 0.5 * (held[after, motor] + held[before, motor])
-        return acting
 
     def numbers(self, theta: FloatArray) -> dict[str, float]:
         """Return the numbers of the robot that the hypothesis or its tolerance may change, by name [SI].
@@ -298,7 +281,7 @@ class Predictor:
             robot[name] *= factor
         acting: dict[int, AbstractLaw] = {}
         for candidate, place, saturated, numbers in zip(
-            self.hypothesis, self._places, self._saturated, self.values(theta), strict=True
+            self.hypothesis, self._places, self._inputs.saturated, self.values(theta), strict=True
         ):
             effect = candidate.placed(numbers).effect
             if place is not None:
@@ -319,79 +302,6 @@ class Predictor:
             return self.model.rest(near, column).state
         except InputError:
             return near
-
-    def _driving(self, record: Record, sets: Sequence[FloatArray], columns: Sequence[FloatArray]) -> FloatArray:
-        """Return the input of every part of a sample, with a last axis of sets where these differ.
-
-        Args:
-            record: The log.
-            sets: Encoded parameters, shape (n_fitted,) each.
-            columns: Parameters of the plant for each.
-        """
-        inputs = self._inputs(record, sets, columns)
-        if not any(map(delays, self.hypothesis)):
-            return inputs[0] if len(inputs) == 1 else np.stack(inputs, axis=-1)
-        inputs = inputs * len(sets) if len(inputs) == 1 else inputs
-        if self.plant.parts == 1:
-            late = [self._filtered(one, theta) for one, theta in zip(inputs, sets, strict=True)]
-        else:
-            delayed = [self._late(theta, record.prescribed) for theta in sets]
-            late = [delayed_halves(one, delay) for one, delay in zip(inputs, delayed, strict=True)]
-        return late[0] if len(late) == 1 else np.stack(late, axis=-1)
-
-    def _inputs(self, record: Record, sets: Sequence[FloatArray], columns: Sequence[FloatArray]) -> list[FloatArray]:
-        """Return the input of the model before all delays, of each set or one of all, shape (n, M) each.
-
-        Saturation is applied before a delay that is part of the hypothesis: the order does not matter to the robot, but
-        the halves of a delayed sample hold only for torques that are not saturated after it.
-        """
-        if record.command is None:
-            inputs = [record.torque]
-        else:
-            leads = [servo_leads(self.robot, dict(zip(self.model.parameter_names, column))) for column in columns]
-            rate = record.command_rate
-            rate = np.gradient(record.command, record.sample_time, axis=0) if rate is None else rate
-            inputs = [record.command + lead * rate for lead in leads] if np.any(leads) else [record.command]
-        if not any(self._saturated):
-            return inputs
-        inputs = inputs * len(sets) if len(inputs) == 1 else inputs
-        return [self._cut_off(one, theta) for one, theta in zip(inputs, sets, strict=True)]
-
-    def _filtered(self, commands: FloatArray, theta: FloatArray) -> FloatArray:
-        """Delay the position commands of servos, beyond the delay of the robot."""
-        for candidate, numbers in zip(self.hypothesis, self.values(theta)):
-            if delays(candidate):
-                commands = delayed_commands(commands, numbers["time"] / self.sample_time, self._delayed_by(candidate))
-        return commands
-
-    def _cut_off(self, torque: FloatArray, theta: FloatArray) -> FloatArray:
-        """Saturate torques before they are delayed."""
-        result = torque.copy()
-        for candidate, saturated, numbers in zip(self.hypothesis, self._saturated, self.values(theta), strict=True):
-            if saturated:
-                motor, effect = self.robot.joint_names.index(candidate.location), candidate.placed(numbers).effect
-                assert isinstance(effect, AbstractCommandLaw)
-                result[:, motor] = effect.cut_off(result[:, motor])
-        return result
-
-    def _late(self, theta: FloatArray, prescribed: Collection[int]) -> FloatArray:
-        """Return the delay of the input of each motor [samples], shape (M,); prescribed motions are never late."""
-        late = np.array(np.broadcast_to(self.plant.delay, self.robot.n_motors))
-        for candidate, numbers in zip(self.hypothesis, self.values(theta)):
-            if delays(candidate):
-                late[[motor for motor in self._delayed_by(candidate) if motor not in prescribed]] += numbers["time"]
-        return late / self.sample_time
-
-    def _delayed_by(self, candidate: Candidate) -> list[int]:
-        """List the motors whose inputs a candidate delays."""
-        return [motor for motor, name in enumerate(self.robot.joint_names) if candidate.location in ("all", name)]
-
-    def _cut_off_before(self, candidate: Candidate) -> bool:
-        """Whether a candidate saturates torques that another one delays."""
-        late = [one for one in self.hypothesis if delays(one)]
-        if self.robot.commands == "position":  # the torque is made behind the delay
-            return False
-        return candidate.cuts_off and any(one.location in ("all", candidate.location) for one in late)
 
 
 def _in_all_lanes(sets: Sequence[FloatArray]) -> FloatArray:

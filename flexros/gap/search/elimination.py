@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 from flexros.effects.kinds.relative_error import AbstractRelativeError
 from flexros.effects.torque_bias import TorqueBias
 from flexros.gap.fit.estimates import parameters_of
-from flexros.gap.search.worth import compared, strains, unique, worth
+from flexros.gap.fit.least_squares import unique
+from flexros.gap.search.worth import compared, strains, worth
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

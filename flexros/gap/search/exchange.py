@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.candidates.candidate import simpler
-from flexros.gap.search.worth import compared, incomplete, simplest, unique
+from flexros.gap.fit.least_squares import unique
+from flexros.gap.search.worth import compared, incomplete, simplest
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.candidates.candidate import names_of
+from flexros.gap.fit.least_squares import unique
 from flexros.gap.search.candidate_fits import at_limits
 from flexros.gap.search.curve_candidates import within_motion
 from flexros.gap.search.curves import curves_of, in_place_of_laws, with_curves
 from flexros.gap.search.elimination import reduced, with_asymmetry, with_dropped
 from flexros.gap.search.growth import extended, resumed, tidied, with_more
 from flexros.gap.search.lines import beside_line
-from flexros.gap.search.worth import compared, simplest, unique, worth
+from flexros.gap.search.worth import compared, simplest, worth
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -81,7 +82,7 @@ def explain(search: Search) -> Explanations:
     if search.from_torques:
         fits = [search.base]
     else:
-        fits = unique(search.singles([*directions, *search.directions(search.harmonics(null))]))
+        fits = search.singles([*directions, *search.directions(search.harmonics(null))])
     comparison = compared(search, fits)
     if not comparison.detected:
         return explanations_of(search, comparison, null, detected=False)

@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.gap.fit.least_squares import unique
 from flexros.gap.search.bristles import with_bristles
 from flexros.gap.search.elimination import reduced
 from flexros.gap.search.exchange import corrected, exchanged
 from flexros.gap.search.overtones import with_overtones
 from flexros.gap.search.regrouping import regrouped
-from flexros.gap.search.worth import compared, incomplete, more_than_chance, simple_first, unique, worth
+from flexros.gap.search.worth import compared, incomplete, more_than_chance, simple_first, worth
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

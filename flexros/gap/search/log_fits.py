@@ -11,7 +11,7 @@ import numpy as np
 
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.estimates import placed_effects
-from flexros.gap.fit.least_squares import CandidateFit, best_of, chi2_of
+from flexros.gap.fit.least_squares import CandidateFit, best_of, chi2_of, unique
 from flexros.gap.fit.least_squares import fit as fit_candidate
 from flexros.gap.prediction.compiled_plant import LANES
 from flexros.gap.search.harmonic_candidates import neighbouring_orders
@@ -135,9 +135,12 @@ class LogFits:
         return [one.name for one, placed in pairs if not placed.effect.visible(noise.get(placed.location, least))]
 
     def _finished(self, fits: Sequence[CandidateFit]) -> list[CandidateFit]:
-        """Carry the best fits to their end, those after the first one as long as they may still come near it."""
+        """Carry the best fits to their end, those after the first one as long as they may still come near it.
+
+        Of several fits of the same effects, from different initial values, the best one is carried on.
+        """
         finished = self.settings.search.finished
-        ranked = sorted(fits, key=lambda fit: fit.chi2)
+        ranked = unique(fits)
         best = [self._continued(fit, np.inf) for fit in ranked[:1]]
         rival = min((fit.chi2 for fit in best), default=np.inf)
         best += self.parallel(

@@ -22,15 +22,6 @@ def compared(search: Search, fits: Sequence[CandidateFit]) -> ModelComparison:
     return compare(search.data, search.null.fit, fits, search.distance, search.settings.ranking)
 
 
-def unique(fits: Sequence[CandidateFit]) -> list[CandidateFit]:
-    """Keep the best fit of every set of effects, the best first."""
-    best: dict[frozenset[str], CandidateFit] = {}
-    for fit in fits:
-        if fit.names not in best or fit.chi2 < best[fit.names].chi2:
-            best[fit.names] = fit
-    return sorted(best.values(), key=lambda fit: fit.chi2)
-
-
 def incomplete(search: Search, comparison: ModelComparison, chosen: CandidateFit) -> bool:
     """Return whether an explanation leaves more than noise or moves parameters beyond tolerance.
 

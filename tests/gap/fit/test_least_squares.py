@@ -11,7 +11,7 @@ import pytest
 from flexros.arrays import FloatArray
 from flexros.gap.candidates.candidate import FreeParameter
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.fit.least_squares import FIT, CandidateFit, best_of, chi2_of, fit, initial_values, linearise
+from flexros.gap.fit.least_squares import FIT, CandidateFit, best_of, chi2_of, fit, initial_values, linearise, unique
 from flexros.gap.prediction.compiled_plant import LANES
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.residuals.fit_data import FitData
@@ -282,3 +282,14 @@ def test_a_fit_that_is_stopped_ends_where_it_is() -> None:
     found = fit(predictor, data, start, 20, stop=lambda: True)
     assert (found.converged, found.iterations) == (False, 1)
     assert found.chi2 < chi2_of(predictor, data, start[:, None])[0]
+
+
+def test_of_one_set_of_effects_the_best_fit_is_kept() -> None:
+    friction, soft = (candidates_of()[name] for name in ("coulomb_friction@motor_1", "stiffness_error@body_2.rz"))
+
+    def fitted(chi2: float, *hypothesis: str) -> CandidateFit:
+        predictor = predictor_of(*(candidates_of()[name] for name in hypothesis))
+        return CandidateFit(predictor, np.zeros(predictor.n_fitted), chi2)
+
+    fits = [fitted(3.0, friction.name, soft.name), fitted(1.0, soft.name, friction.name), fitted(2.0, soft.name)]
+    assert unique(fits) == [fits[1], fits[2]]
