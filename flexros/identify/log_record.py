@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from flexros.logs.time_series import Log
     from flexros.record.record import Record
-    from flexros.record.torque_source import TorqueSource
+    from flexros.record.topic_reader import TorqueSource
     from flexros.robot import Robot
 
 

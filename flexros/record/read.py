@@ -24,8 +24,7 @@ from flexros.record.quantization import resolution_of
 from flexros.record.record import Record, ToolRecord
 from flexros.record.servo_torque import servo_torque
 from flexros.record.stamp_jitter import positions_on_grid
-from flexros.record.topic_reader import Slots, TopicReader, last_finite
-from flexros.record.torque_source import has_position_commands, torque_source
+from flexros.record.topic_reader import Slots, TopicReader, has_position_commands, last_finite, torque_source
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -33,7 +32,7 @@ if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
     from flexros.logs.time_series import Log
     from flexros.record.even_grid import EvenGrid
-    from flexros.record.torque_source import TorqueSource
+    from flexros.record.topic_reader import TorqueSource
     from flexros.robot import Robot
 
 MOST_LOST = 0.3

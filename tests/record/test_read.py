@@ -12,7 +12,7 @@ from flexros.logs.stamps import stamps_ns
 from flexros.logs.time_series import JointSeries, Log, PoseSeries
 from flexros.record.read import read_record
 from flexros.record.record import Record
-from flexros.record.torque_source import TorqueSource
+from flexros.record.topic_reader import TorqueSource
 from flexros.robot import Robot, load_robot
 
 N = 3000
