@@ -226,7 +226,8 @@ class _Needed:
 def _needed_torque(kind: type[AbstractMotorLaw]) -> _Needed | None:
     """Build the torque that a law takes from a motor; None for one between command and motor.
 
-    Bristles count as bent; own states that are not functions of time as zero.
+    Bristles count as bent; own states that are not functions of time as zero. `feedforward.compensation.motors` adds
+    the same torques to a planned motion, with signs that are smoothed and own states that are integrated.
     """
     effect = kind.model_construct()
     state, numbers = ca.SX.sym("state", 6), ca.SX.sym("numbers", 1 + len(effect.parameter_values))
