@@ -9,7 +9,7 @@ import typer
 from flexros.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
-    from flexros.record.read import TorqueSource
+    from flexros.record.topic_reader import TorqueSource
 
 NamespaceOption = Annotated[str, typer.Option("--namespace", help="Namespace of the topics, when a log holds several.")]
 """Namespace of the robot in a log of several robots."""

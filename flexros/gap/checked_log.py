@@ -11,8 +11,8 @@ if TYPE_CHECKING:
     from collections.abc import Collection
 
     from flexros.logs.time_series import Log
-    from flexros.record.read import TorqueSource
     from flexros.record.record import Record
+    from flexros.record.topic_reader import TorqueSource
     from flexros.robot import Robot
 
 

@@ -172,10 +172,11 @@ class _Task:
         fitted = with_torque_in_time_behind_springs(fitted, model.robot, settings)
         held = resampled(shifted(held, fitted.torque_shift), fitted.sample_time)
         fitted, held = (most_informative(one, settings.most_values) for one in (fitted, held))
-        unknown = unknown_numbers(fitted, model, tolerance_of(model.robot, self.tolerance), settings.torque_start)
+        stated = tolerance_of(model.robot, self.tolerance, fitted.prescribed)
+        unknown = unknown_numbers(fitted, model, stated, settings.torque_start)
         fitted = replace(fitted, warnings=(*fitted.warnings, *unknown.warnings, *self.notes))
         model = unknown.given_to(model)
-        tolerated = unknown.tolerated(tolerance_of(model.robot, self.tolerance), model.robot)
+        tolerated = unknown.tolerated(tolerance_of(model.robot, self.tolerance, fitted.prescribed), model.robot)
         give_memory_back()  # what was needed of a long log beside the part that is used
         data = fit_data(fitted, model, settings)
         measurement = measurement_in(held, model.robot, data.measurement, settings)

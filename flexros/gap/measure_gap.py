@@ -112,7 +112,7 @@ def measure_gap(
     model = driven_model(model, record)
     record = with_torque_in_time_behind_springs(record, model.robot, settings)
     record = most_informative(record, settings.most_values)
-    stated = tolerance_of(model.robot, tolerance or {})
+    stated = tolerance_of(model.robot, tolerance or {}, record.prescribed)
     unknown = unknown_numbers(record, model, stated, settings.torque_start, as_stated=True)
     record = replace(record, warnings=(*record.warnings, *unknown.warnings))
     data = fit_data(record, unknown.given_to(model), settings)
@@ -154,7 +154,7 @@ def _fitted(
     """Fit the tolerated deviations of a model to the log, with the numbers that it lacks."""
     lacked = unknown.lacked_by(given)
     model = lacked.given_to(given)
-    tolerated = lacked.tolerated(tolerance_of(model.robot, tolerance), model.robot)
+    tolerated = lacked.tolerated(tolerance_of(model.robot, tolerance, data.record.prescribed), model.robot)
     return fit_null(data, model, tolerated, settings.fit, stop=deadline.stops)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -37,15 +38,27 @@ def smooth_motion(position: FloatArray, sample_time: float, cutoff: float) -> Fl
     Returns:
         Position, velocity and acceleration, shape (3, n, M).
     """
-    from scipy.signal import butter, sosfiltfilt  # here, because it loads slowly
+    from scipy.signal import sosfiltfilt  # here, because it loads slowly
 
-    sections = butter(4, 2 * cutoff * sample_time, output="sos")
+    sections = _low_pass(2 * cutoff * sample_time)
     motion = np.zeros((3, *position.shape))
     for motor, column in enumerate(position.T):  # one by one: the filter makes several copies
         smooth = sosfiltfilt(sections, column)
         motion[0, :, motor], motion[1, :, motor] = smooth, np.gradient(smooth, sample_time)
         motion[2, 1:-1, motor] = np.diff(smooth, 2) / sample_time**2
     return motion
+
+
+@lru_cache(maxsize=64)
+def _low_pass(corner: float) -> FloatArray:
+    """Design a Butterworth filter of order 4 in second-order sections; checks of a log ask for few of them, often.
+
+    Args:
+        corner: Corner frequency over half the sampling rate [1].
+    """
+    from scipy.signal import butter  # here, because it loads slowly
+
+    return np.asarray(butter(4, corner, output="sos"))
 
 
 def noise_power(position: FloatArray) -> FloatArray:

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from flexros.gap.result import DiagnosisResult
     from flexros.gap.schema import Cause, GapNumbers
     from flexros.gap.schema import Diagnosis as Answer
-    from flexros.record.read import TorqueSource
+    from flexros.record.topic_reader import TorqueSource
     from flexros.workbench.given import GivenLog, GivenModel
 
 PICTURES = ("budget", "gap")

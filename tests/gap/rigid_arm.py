@@ -74,7 +74,7 @@ def record_of_arm(
     q, v, a = motion()
     last = [name for name in arm().parameters if name.startswith(("body_2.mass", "body_2.inertia."))]
     model = arm().with_values({name: (1 + load) * arm().parameters[name].value for name in last}).model
-    rigid = np.array([model.arm_inverse_dynamics(*row, model.parameter_values).full().ravel() for row in zip(q, v, a)])
+    rigid = np.asarray(model.arm_inverse_dynamics(q.T, v.T, a.T, model.parameter_values), dtype=float).T
     uneven = 1 + 0.5 * np.array([asymmetry, 0.0]) * np.sign(v)
     torque = rigid + (INERTIA if rotors is None else np.array(rotors)) * a + VISCOUS * v * uneven + COULOMB * np.sign(v)
     torque[:, 0] += share * np.abs(rigid[:, 0]) * np.sign(v[:, 0])

@@ -9,7 +9,7 @@ import pytest
 
 from flexros.gap.diagnose import diagnose
 from flexros.gap.schema import Cause
-from flexros.gap.settings import DiagnosisSettings
+from flexros.gap.settings import DiagnosisSettings, SearchSettings
 from flexros.record.read import read_record
 from flexros.record.record import Record
 from flexros.robot import Robot, load_robot
@@ -20,7 +20,11 @@ from tests.gap.rigid_arm import arm, record_of_arm
 
 pytestmark = pytest.mark.slow
 
-SETTINGS = DiagnosisSettings(where=None, next_experiment=None)
+FRICTION = ("coulomb_friction", "viscous_friction", "load_dependent_friction", "presliding_friction", "friction_curve")
+OTHERS = ("torque_gain_error", "torque_bias", "motor_inertia_error", "stiffness_error", "payload_error")
+SETTINGS = DiagnosisSettings(
+    where=None, next_experiment=None, sensitivity=None, search=SearchSettings(effects=(*FRICTION, *OTHERS))
+)
 ELBOW = load_robot("elbow")
 LEVEL = {"coulomb_friction@motor_1", "coulomb_friction@motor_2", "viscous_friction@motor_1", "viscous_friction@motor_2"}
 

@@ -23,7 +23,7 @@ from flexros.gap.fit.elastic_timing import with_torque_in_time_behind_springs
 from flexros.gap.measure_gap import measure_gap
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.search.torque_start import TorqueStart, torque_start
-from flexros.gap.settings import DiagnosisSettings
+from flexros.gap.settings import DiagnosisSettings, SearchSettings
 from flexros.logs.foreign.import_log import import_log
 from flexros.logs.foreign.mapping import load_mapping
 from flexros.record.record import Record
@@ -101,7 +101,8 @@ def test_search_is_repeated_with_torques_in_time_once_the_spring_is_right(tmp_pa
     arm = program("arms").drawn_arm(2, tmp_path, elastic=True)
     truth = program("truth").Truth(causes, measured=True, noted=1)
     (model, fitted), (_, held) = (recorded(arm, truth, tmp_path, seed) for seed in (1, 2))
-    settings = DiagnosisSettings(where=None, next_experiment=None, time_limit=3600.0)
+    search = SearchSettings(effects=("coulomb_friction", "viscous_friction", "stiffness_error", "backlash", "delay"))
+    settings = DiagnosisSettings(where=None, next_experiment=None, time_limit=3600.0, search=search)
     result = diagnose(fitted, model, holdout=held, settings=settings)
     found = result.diagnosis
     assert result.settings.time_limit == 3600.0

@@ -10,8 +10,9 @@ import pytest
 from flexros.errors import InputError
 from flexros.logs.stamps import stamps_ns
 from flexros.logs.time_series import JointSeries, Log, PoseSeries
-from flexros.record.read import TorqueSource, read_record
+from flexros.record.read import read_record
 from flexros.record.record import Record
+from flexros.record.topic_reader import TorqueSource
 from flexros.robot import Robot, load_robot
 
 N = 3000

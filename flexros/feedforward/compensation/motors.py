@@ -65,7 +65,11 @@ def with_motor_laws(motion: Motion, robot: Robot, laws: Sequence[PlacedLaw], sam
 
 
 class _Motor:
-    """A motor along its planned motion: evaluates laws that depend on its state."""
+    """A motor along its planned motion: evaluates laws that depend on its state.
+
+    A diagnosis evaluates the same laws in a measured motion, for many sets of their parameters, but without own states:
+    `gap.residuals.torque_errors`.
+    """
 
     def __init__(self, motion: Motion, robot: Robot, number: int, sample_time: float) -> None:
         self._sample_time = sample_time

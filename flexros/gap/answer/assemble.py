@@ -334,6 +334,7 @@ def _next(findings: Findings, verdict: Verdict, stages: Stages, deadline: Deadli
         survivors,
         tool_measured=findings.data.tool is not None,
         tolerance=findings.tolerance,
+        prescribed=findings.data.record.prescribed,
         settings=findings.data.settings,
         progress=lambda share: stages.inner(NEXT_EXPERIMENT, share),
         stop=deadline.stops,

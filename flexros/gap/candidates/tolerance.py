@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import unknown_name
-from flexros.record.prescribed_motion import INERTIA as PRESCRIBED
 from flexros.robot.parameters import SERVO
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from flexros.arrays import BoolArray, FloatArray
     from flexros.gap.settings import DiagnosisSettings
@@ -109,13 +108,14 @@ def with_torque_tolerance(settings: DiagnosisSettings, given: Mapping[str, float
     return settings.model_copy(update={"noise": noise})
 
 
-def tolerance_of(robot: Robot, given: Mapping[str, float]) -> Tolerance:
+def tolerance_of(robot: Robot, given: Mapping[str, float], prescribed: Sequence[int] = ()) -> Tolerance:
     """Collect the tolerances of a robot: of all parameters that are neither zero nor exact.
 
     Args:
         robot: The nominal robot; its file states a tolerance per parameter.
         given: Relative tolerances by kind (stiffness, damping, inertia) that replace those of the file [1]; that of
             torques is none of them.
+        prescribed: Motors whose motion is prescribed: the endless inertia of the model there is no number of the robot.
 
     Raises:
         InputError: A kind is unknown.
@@ -124,9 +124,10 @@ def tolerance_of(robot: Robot, given: Mapping[str, float]) -> Tolerance:
         if kind not in KINDS:
             raise unknown_name("kind of tolerance", kind, KINDS)
     tolerances: dict[str, float] = {}
+    endless = {f"{robot.joint_names[motor]}.inertia" for motor in prescribed}
     for name, parameter in robot.parameters.items():
-        if parameter.value == PRESCRIBED:
-            continue  # a motor whose motion is measured
+        if name in endless:
+            continue
         if f".{SERVO}" in name and robot.commands == "torque":
             continue  # the servos have no part in it
         deviation = parameter.tolerance

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from flexros.effects import RobotWithEffects
     from flexros.gap.candidates.tolerance import Tolerance
     from flexros.gap.fit.arm_torque import ArmTorque
-    from flexros.gap.fit.torque_regression import TorqueRegression
+    from flexros.gap.fit.torque_solution import TorqueRegression
     from flexros.gap.settings import TorqueStartSettings
     from flexros.record.record import Record
 

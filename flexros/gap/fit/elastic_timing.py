@@ -48,7 +48,7 @@ def with_torque_in_time_behind_springs(
     settings = settings or DiagnosisSettings()
     if not _unknown(record, robot):
         return record
-    model, tolerance = RobotWithEffects(robot, ()), tolerance_of(robot, {})
+    model, tolerance = RobotWithEffects(robot, ()), tolerance_of(robot, {}, record.prescribed)
     try:
         data = fit_data(record, model, settings)
     except InputError:

@@ -222,21 +222,15 @@ def fit(
             break
         if chi2 - settings.hope * predicted > rival:
             break
-        before, best_theta = chi2, theta
-        for trials in _trials(predictor, data, theta, line, settings.longest_step):
-            sums = chi2_of(predictor, data, trials)
-            best = int(np.argmin(sums))
-            if sums[best] < chi2:
-                best_theta, chi2 = trials[:, best], float(sums[best])
-            if before - chi2 > (KEPT * predicted if done > STRAIGHT else limit):
-                break
+        well = KEPT * predicted if done > STRAIGHT else limit
+        theta, chi2 = _best_step(predictor, data, theta, line, settings.longest_step, well)
+        fall = line.chi2 - chi2
         if tolerance_slopes is None:
             # of many tolerated deviations the slopes change little: those of the last step serve while they do
-            lasting = many and before - chi2 > max(LASTING * predicted, limit)
+            lasting = many and fall > max(LASTING * predicted, limit)
             slopes = line.slopes[:, predictor.n_effect :] if lasting else None
-        del line, trials  # slopes are the largest arrays of a fit
-        theta = best_theta
-        if before - chi2 < limit and exact:
+        del line  # slopes are the largest arrays of a fit
+        if fall < limit and exact:
             converged = True
             break
         if done < iterations and stop is not None and stop():
@@ -322,6 +316,30 @@ def _predicted_fall(line: Linearised, free: BoolArray) -> float:
     """Return by how much the sum of squares would fall with the best step of linear theory."""
     gradient, information = line.gradient[free], line.information[np.ix_(free, free)]
     return float(gradient @ np.linalg.lstsq(information, gradient, rcond=1e-12)[0])
+
+
+def _best_step(
+    predictor: Predictor, data: FitData, theta: FloatArray, line: Linearised, longest: float, well: float
+) -> tuple[FloatArray, float]:
+    """Take the damped step that lowers the sum of squares most, and return where it leads with the sum there.
+
+    Args:
+        predictor: Predictor of the hypothesis.
+        data: Log and weights.
+        theta: Parameters in the units of the fit, shape (n_fitted,).
+        line: The same, linearised.
+        longest: Longest step of the parameters of the effects [1].
+        well: Fall of the sum of squares from which no more costly steps are tried [1].
+    """
+    best, chi2 = theta, line.chi2
+    for trials in _trials(predictor, data, theta, line, longest):
+        sums = chi2_of(predictor, data, trials)
+        lowest = int(np.argmin(sums))
+        if sums[lowest] < chi2:
+            best, chi2 = trials[:, lowest], float(sums[lowest])
+        if line.chi2 - chi2 > well:
+            break
+    return best, chi2
 
 
 def _trials(

@@ -14,7 +14,7 @@ from flexros.gap.fit.rough_bodies import with_rough_bodies
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from flexros.gap.fit.torque_regression import Load, TorqueRegression
+    from flexros.gap.fit.torque_solution import Load, TorqueRegression
     from flexros.gap.settings import TorqueStartSettings
     from flexros.record.record import Record
     from flexros.robot import Robot

@@ -21,11 +21,12 @@ from flexros.gap.fit.torque_regression import only_coulomb, regress_torque
 from flexros.gap.settings import TorqueStartSettings
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from flexros.effects import RobotWithEffects
     from flexros.gap.candidates.tolerance import Tolerance
     from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.torque_solution import TorqueRegression
     from flexros.record.record import Record
     from flexros.robot import Robot
 
@@ -176,41 +177,100 @@ def unknown_numbers(
     lacking = [name for name in robot.joint_names if robot.parameters[f"{name}.inertia"].value == 0]
     if record.simulated or record.command is not None or not only_coulomb(model) or not (lacking or may_carry(robot)):
         return UnknownNumbers()
-    state = robot.equilibrium(motor_position=np.median(record.position, axis=0))
-    masses = robot.model.mass_matrix(state[: robot.n_coordinates], robot.model.parameter_values)
-    of_bodies = dict(zip(robot.joint_names, np.diag(np.asarray(masses, dtype=float))[list(robot.motor_rows)]))
-    bodies = {name: of_bodies[name] for name in lacking}
-    needed = inertias_to_step(robot, record.sample_time, bodies, settings.least_stepped_rotor)
-    viscous = {name: robot.parameters[f"{name}.viscous_friction"].value for name in robot.joint_names}
+    of_bodies = _inertias_of_bodies(record, robot)
+    needed = inertias_to_step(
+        robot, record.sample_time, {name: of_bodies[name] for name in lacking}, settings.least_stepped_rotor
+    )
     delay = torque_delay(record, model, tolerance, settings)
-    regress = partial(regress_torque, record, model, delay=delay, settings=settings)
     regression = regress_balanced(record, model, tolerance, delay=delay, settings=settings)
     if regression is None:
         return UnknownNumbers(needed)
-    wide = with_rough_bodies(tolerance, settings.rough_bodies)
-    of_rough = None
-    if wide != tolerance and not as_stated and not robot.flexible_motors:  # what springs leave is no error of bodies
-        of_rough = regress_balanced(record, model, wide, delay=delay, settings=settings)
-    if of_rough is not None and not bodies_are_off(of_rough, regression, regress, record, settings):
-        of_rough = None
-    beside = partial(regress, balanced=next(iter(regression.balance), None))
-    loaded, load = clear_load(regress, robot, tolerance, len(lacking), settings)
-    if loaded is None and of_rough is None and may_carry(robot) and not (as_stated or robot.flexible_motors):
-        loaded, load = load_before_bodies(beside, robot, tolerance, len(lacking), settings) or (None, None)
-    if loaded is not None and of_rough is not None:  # what explains more stands for both
-        loaded, load, of_rough = (loaded, load, None) if rest_of(loaded) < rest_of(of_rough) else (None, None, of_rough)
-    rough = 0.0 if of_rough is None else settings.rough_bodies
-    regression = loaded or of_rough or regression
-    found = dict(zip(robot.joint_names, regression.inertia.tolist(), strict=True))
-    least = least_rotors(robot, of_bodies, regression, settings)
-    rotors = {name: found[name] for name in lacking if found[name] > least[name]}
-    changes = dict(zip(robot.joint_names, regression.viscous_friction.tolist(), strict=True))
-    left = {name: viscous[name] + changes[name] for name in lacking} if needed else {}
-    placeholders = {name: viscous[name] for name, value in left.items() if value < PLACEHOLDER * viscous[name]}
+    shown = _with_load_or_bodies(
+        regression, record, model, tolerance, len(lacking), delay, settings, as_stated=as_stated
+    )
+    rotors = _clear_rotors(shown.regression, robot, of_bodies, lacking, settings)
+    changes = dict(zip(robot.joint_names, shown.regression.viscous_friction.tolist(), strict=True))
+    viscous = {name: robot.parameters[f"{name}.viscous_friction"].value for name in lacking}
+    friction = {name: value + changes[name] for name, value in viscous.items()}
+    placeholders = {name: value for name, value in viscous.items() if needed and friction[name] < PLACEHOLDER * value}
     needed = {name: value for name, value in needed.items() if name not in placeholders}
-    friction = {name: viscous[name] + changes[name] for name in lacking}
     carried = {name: of_bodies[name] + rotors.get(name, 0.0) for name in lacking}
     needed |= inertias_for_friction(robot, record.sample_time, friction, carried)
     inertias = {name: max(needed.get(name, 0.0), rotors.get(name, 0.0)) for name in (needed | rotors)}
-    bare = robot.parameters[f"{last_moved(robot)}.mass"].value if load else 0.0
-    return UnknownNumbers(inertias, load, bare, placeholders, rough)
+    bare = robot.parameters[f"{last_moved(robot)}.mass"].value if shown.load else 0.0
+    return UnknownNumbers(inertias, shown.load, bare, placeholders, shown.rough)
+
+
+def _inertias_of_bodies(record: Record, robot: Robot) -> dict[str, float]:
+    """Return the inertia that the bodies have at every motor in the middle of a motion [kg m2 or kg]."""
+    state = robot.equilibrium(motor_position=np.median(record.position, axis=0))
+    masses = robot.model.mass_matrix(state[: robot.n_coordinates], robot.model.parameter_values)
+    return dict(zip(robot.joint_names, np.diag(np.asarray(masses, dtype=float))[list(robot.motor_rows)]))
+
+
+@dataclass(frozen=True, eq=False)
+class _Shown:
+    """What the torques of a log show of a robot: with a load, with bodies that are far off, or with neither.
+
+    Attributes:
+        regression: The regression.
+        load: The load; None without one.
+        rough: Tolerance of bodies that are far off [1]; zero where they are not.
+    """
+
+    regression: TorqueRegression
+    load: ToolLoad | None = None
+    rough: float = 0.0
+
+
+def _with_load_or_bodies(
+    regression: TorqueRegression,
+    record: Record,
+    model: RobotWithEffects,
+    tolerance: Tolerance,
+    n_lacking: int,
+    delay: float,
+    settings: TorqueStartSettings,
+    *,
+    as_stated: bool,
+) -> _Shown:
+    """Add a load, or errors of bodies beyond their tolerance, where the torques show one of them clearly.
+
+    Args:
+        regression: Without either.
+        record: The log.
+        model: The nominal model.
+        tolerance: Parameters of the robot that may deviate.
+        n_lacking: Number of motors whose rotor is unknown.
+        delay: Delay of the torques beyond that of the model [s].
+        settings: Settings of the regressions.
+        as_stated: As for `unknown_numbers`.
+    """
+    robot = model.robot
+    regress = partial(regress_torque, record, model, delay=delay, settings=settings)
+    may_be_rough = not as_stated and not robot.flexible_motors  # what springs leave is no error of bodies
+    wide, of_rough = with_rough_bodies(tolerance, settings.rough_bodies), None
+    if may_be_rough and wide != tolerance:
+        of_rough = regress_balanced(record, model, wide, delay=delay, settings=settings)
+    if of_rough is not None and not bodies_are_off(of_rough, regression, regress, record, settings):
+        of_rough = None
+    loaded, load = clear_load(regress, robot, tolerance, n_lacking, settings)
+    if loaded is None and of_rough is None and may_be_rough and may_carry(robot):
+        beside = partial(regress, balanced=next(iter(regression.balance), None))
+        loaded, load = load_before_bodies(beside, robot, tolerance, n_lacking, settings) or (None, None)
+    if loaded is not None and (of_rough is None or rest_of(loaded) < rest_of(of_rough)):
+        return _Shown(loaded, load)  # what explains more stands for both
+    return _Shown(regression) if of_rough is None else _Shown(of_rough, rough=settings.rough_bodies)
+
+
+def _clear_rotors(
+    regression: TorqueRegression,
+    robot: Robot,
+    of_bodies: Mapping[str, float],
+    lacking: Sequence[str],
+    settings: TorqueStartSettings,
+) -> dict[str, float]:
+    """Return the inertias of the rotors that a model lacks and a regression shows clearly [kg m2 or kg]."""
+    found = dict(zip(robot.joint_names, regression.inertia.tolist(), strict=True))
+    least = least_rotors(robot, of_bodies, regression, settings)
+    return {name: found[name] for name in lacking if found[name] > least[name]}

@@ -47,6 +47,7 @@ def next_experiment(
     name: str = "",
     tool_measured: bool = False,
     tolerance: Mapping[str, float] | None = None,
+    prescribed: tuple[int, ...] = (),
     done: Collection[str] = (),
     settings: DiagnosisSettings | None = None,
     entries: Sequence[CatalogueEntry] = CATALOGUE,
@@ -61,6 +62,7 @@ def next_experiment(
         name: Robot name or file for the command; default: where it was loaded from.
         tool_measured: Whether the log has tool positions already.
         tolerance: Relative tolerance of stiffness, inertia and damping [1]; default: those of the robot file.
+        prescribed: Motors of endless inertia in the model, as their motion was prescribed.
         done: Names of experiments that were run already.
         settings: Settings of the diagnosis.
         entries: Experiments to choose from.
@@ -73,7 +75,9 @@ def next_experiment(
     model = robot if isinstance(robot, RobotWithEffects) else RobotWithEffects(robot, ())
     settings = settings or DiagnosisSettings()
     choice = settings.next_experiment or NextExperimentSettings()
-    explained = [Explained(model, tuple(placed), settings, tolerance or {}) for placed in survivors][: choice.most]
+    explained = [
+        Explained(model, tuple(placed), settings, tolerance or {}, prescribed) for placed in survivors[: choice.most]
+    ]
     if len(explained) < 2:
         return None
     candidates = [entry for entry in entries if entry.name not in done and not (entry.tool and tool_measured)]

@@ -50,12 +50,14 @@ class Explained:
         placed: Its effects with their fitted parameters.
         settings: Settings of the diagnosis.
         tolerance: Relative tolerance of stiffness, inertia and damping [1]; those of the robot file where left out.
+        prescribed: Motors of endless inertia, as their motion was prescribed.
     """
 
     model: RobotWithEffects
     placed: tuple[PlacedEffect, ...]
     settings: DiagnosisSettings = field(default_factory=DiagnosisSettings)
     tolerance: Mapping[str, float] = field(default_factory=dict)
+    prescribed: tuple[int, ...] = ()
 
     @property
     def plant(self) -> RobotWithEffects:
@@ -165,7 +167,7 @@ def predictor_of(explained: Explained, sample_time: float) -> tuple[Predictor, F
         Predictor, and the encoded parameters at which it has the fitted values, shape (n_fitted,).
     """
     hypothesis = explained.hypothesis
-    tolerance = tolerance_of(explained.model.robot, explained.tolerance)
+    tolerance = tolerance_of(explained.model.robot, explained.tolerance, explained.prescribed)
     theta = [parameter.encode(parameter.starts[0]) for candidate in hypothesis for parameter in candidate.free]
     theta += [0.0] * len(tolerance.names)
     return Predictor(explained.model, hypothesis, tolerance, sample_time), np.array(theta, dtype=float)

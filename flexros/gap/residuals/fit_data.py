@@ -10,24 +10,22 @@ import numpy as np
 from scipy.signal import lfilter
 
 from flexros.errors import InputError
-from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.noise.weights import measurement_of, noise_of_positions, spread_of
-from flexros.gap.prediction.predictor import Predictor
+from flexros.gap.noise.weights import measurement_of, spread_of
 from flexros.gap.residuals.initial_state_errors import InitialStateErrors, initial_state_errors
 from flexros.gap.residuals.lost_commands import check_enough_left, lost_commands
+from flexros.gap.residuals.observed_model import NOTHING, ObservedModel
 from flexros.gap.residuals.sensor_data import sensor_data
 from flexros.gap.residuals.tool_data import tool_data, tracker_noise
 from flexros.gap.residuals.tool_frame import FEWEST, usable_poses
-from flexros.prediction.observer import observer_gain
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from flexros.arrays import BoolArray, FloatArray, IntArray
     from flexros.compile.loop.prediction import LoopPrediction
     from flexros.effects import RobotWithEffects
     from flexros.gap.noise.weights import Measurement
+    from flexros.gap.prediction.predictor import Predictor
     from flexros.gap.residuals.line import Line
+    from flexros.gap.residuals.observed_model import Beginning
     from flexros.gap.residuals.sensor_data import SensorData
     from flexros.gap.residuals.tool_data import ToolData
     from flexros.gap.residuals.torque_errors import TorqueErrors
@@ -37,8 +35,6 @@ if TYPE_CHECKING:
 
 RUN_AWAY = 1e6
 """Largest prediction error over the largest motion of the log; beyond it the prediction has diverged [1] (chosen)."""
-REST = 0.02
-"""Time at the beginning of a log in which prediction errors from rest decide whether it begins at rest [s] (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -280,62 +276,63 @@ def fit_data(
     Raises:
         InputError: The prediction of the nominal model diverges.
     """
-    robot, numbers = model.robot, settings.residuals
-    pose = robot.equilibrium(motor_position=np.median(record.position, axis=0))[: robot.n_arm]
-    measurement = measurement_of(record, robot, settings) if measurement is None else measurement
-
-    tolerated = measurement.tolerated_torque(record) if measurement.signal_tolerance else None
-
-    noise = noise_of_positions(record, measurement)
-
-    def gain_at(level: float) -> ObserverGain:
-        return observer_gain(robot, record.sample_time, level, noise, pose, tolerated=tolerated)
-
-    nominal = Predictor(model, (), Tolerance(), record.sample_time, measured_torque=record.measured_torque)
-    state = robot.equilibrium(motor_position=record.position[0])
-    fast = gain_at(numbers.starting_level)
-    soon = record.part(0, max(round(REST / record.sample_time), 2))
-    errors = nominal.predict(np.zeros((0, 1)), soon, fast, state).innovation[:, :, 0]
-    seen = np.abs(errors[soon.valid])
-    from_rest = bool(len(seen) and np.all(seen < numbers.at_rest * measurement.deviation))
-    lead_in, begin = None, state
-    if not from_rest:
-        cut = min(2 * fast.settling, record.n_samples // 4)
-        lead_in, record = (record.part(0, cut), fast), record.part(cut, record.n_samples)
-        begin = nominal.predict(np.zeros((0, 1)), *lead_in, state).final[: len(state), 0]
-
-    def predicted_at(level: float) -> tuple[FitData, LoopPrediction]:
-        gain = gain_at(level)
-        lost = lost_commands(record, nominal, gain, begin, pose, numbers)
-        known = spread_of(lost.record, gain, measurement, from_rest=from_rest)
-        spread = lost.spread(known)
-        check_enough_left(lost.record, known, spread, numbers)
-        spread[:, ~record.predicted] = np.inf
-        usable = _with_usable_tool(lost.record)
-        data = FitData(usable, gain, state, spread, measurement, settings, level, from_rest, lead_in, pose=pose)
-        predicted = data.predict(nominal, np.zeros((0, 1)), record_states=bool(usable.sensors))
-        errors = data.weighted(predicted.innovation[:, :, :1])
-        return replace(data, nominal_level=float(np.sum(errors**2) / np.isfinite(spread).sum())), predicted
-
-    chosen = settings.level if level is None else level
-    adapts = level is None and record.premises.floor_is_noise  # a measured log is tied as its tolerance says
-    data, predicted = predicted_at(_settled(gain_at, settings, record.n_samples) if adapts else chosen)
-    while adapts and not data.nominal_level <= numbers.far_off:
-        if 10 * data.level > numbers.starting_level:
-            break
-        data, predicted = predicted_at(10 * data.level)
-    _check_bounded(predicted, record)
-    data = _with_tool(data, nominal, np.zeros(0))
-    data = _with_sensors(data, nominal, predicted)
-    return _with_initial_state_errors(data, nominal, np.zeros(0))
+    measurement = measurement_of(record, model.robot, settings) if measurement is None else measurement
+    nominal = ObservedModel.of(record, model, measurement, settings.residuals)
+    beginning = nominal.beginning()
+    if level is None and record.premises.floor_is_noise:
+        data, predicted = _followed(nominal, beginning, settings)
+    else:  # a measured log is tied as its tolerance says
+        data, predicted = _weighed(nominal, beginning, settings, settings.level if level is None else level)
+    _check_bounded(predicted, beginning.record)
+    data = _with_tool(data, nominal.predictor, np.zeros(0))
+    data = _with_sensors(data, nominal.predictor, predicted)
+    return _with_initial_state_errors(data, nominal.predictor, np.zeros(0))
 
 
-def _settled(gain_at: Callable[[float], ObserverGain], settings: DiagnosisSettings, n_samples: int) -> float:
-    """Return the least torque noise, from `settings.level` in steps of two, whose gain settles early in the log [1]."""
-    level, numbers = settings.level, settings.residuals
-    while 2 * level <= numbers.starting_level and gain_at(level).settling > numbers.settles_within * n_samples:
-        level *= 2
-    return level
+def _followed(
+    nominal: ObservedModel, beginning: Beginning, settings: DiagnosisSettings
+) -> tuple[FitData, LoopPrediction]:
+    """Weigh a log with an observer that settles early and follows it more closely while the model is far off."""
+    numbers = settings.residuals
+    level = nominal.settled_level(settings.level, beginning.record.n_samples)
+    data, predicted = _weighed(nominal, beginning, settings, level)
+    while not data.nominal_level <= numbers.far_off and 10 * data.level <= numbers.starting_level:
+        data, predicted = _weighed(nominal, beginning, settings, 10 * data.level)
+    return data, predicted
+
+
+def _weighed(
+    nominal: ObservedModel, beginning: Beginning, settings: DiagnosisSettings, level: float
+) -> tuple[FitData, LoopPrediction]:
+    """Weigh the motors of a log, and predict it with the nominal model.
+
+    Args:
+        nominal: The nominal model.
+        beginning: How the log begins.
+        settings: Settings of the diagnosis.
+        level: Torque noise that the observer allows for, relative [1].
+    """
+    record, gain, measurement = beginning.record, nominal.gain(level), nominal.measurement
+    lost = lost_commands(record, nominal.predictor, gain, beginning.state, nominal.pose, settings.residuals)
+    known = spread_of(lost.record, gain, measurement, from_rest=beginning.from_rest)
+    spread = lost.spread(known)
+    check_enough_left(lost.record, known, spread, settings.residuals)
+    spread[:, ~record.predicted] = np.inf
+    data = FitData(
+        record=_with_usable_tool(lost.record),
+        gain=gain,
+        initial_state=beginning.initial_state,
+        spread=spread,
+        measurement=measurement,
+        settings=settings,
+        level=level,
+        from_rest=beginning.from_rest,
+        lead_in=beginning.lead_in,
+        pose=nominal.pose,
+    )
+    predicted = data.predict(nominal.predictor, NOTHING, record_states=bool(data.record.sensors))
+    errors = data.weighted(predicted.innovation[:, :, :1])
+    return replace(data, nominal_level=float(np.sum(errors**2) / np.isfinite(spread).sum())), predicted
 
 
 def _with_tool(data: FitData, predictor: Predictor, theta: FloatArray) -> FitData:

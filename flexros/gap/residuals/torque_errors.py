@@ -41,6 +41,10 @@ if TYPE_CHECKING:
 
 KEPT = 512
 """Torques of laws that are kept (chosen): those of the sets of parameters that a fit compares."""
+PARTS = 64
+"""Laws whose parts are kept (chosen): those of all laws of a hypothesis, and of a step of each parameter of shape."""
+BODIES = 16
+"""Torques of the bodies that are kept (chosen): many sets of parameters have the same ones of the robot."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,9 +100,7 @@ class TorqueErrors:
         return np.stack([self._of_one(predictor, theta) for theta in thetas.T], axis=-1)
 
     def _of_one(self, predictor: Predictor, theta: FloatArray) -> FloatArray:
-        numbers = predictor.numbers(theta)
-        values = np.array([one.nominal for one in standard_parameters(predictor.robot, numbers=numbers)])
-        needed = self.regressor @ values + self.known
+        needed = self._rows_of_bodies(predictor.robot, tuple(predictor.numbers(theta).items())).copy()
         gains, late = np.ones(self.robot.n_motors), np.full(self.robot.n_motors, -self.delay)
         for candidate, sizes in zip(predictor.hypothesis, predictor.values(theta), strict=True):
             if candidate.effect.delays_commands:
@@ -115,6 +117,17 @@ class TorqueErrors:
         return errors
 
     @cached_property
+    def _rows_of_bodies(self) -> Callable[[Robot, tuple[tuple[str, float], ...]], FloatArray]:
+        """Function of the torque that a robot with other numbers needs, and its known friction, in the rows."""
+
+        def rows(robot: Robot, numbers: tuple[tuple[str, float], ...]) -> FloatArray:
+            values = np.array([one.nominal for one in standard_parameters(robot, numbers=dict(numbers))])
+            needed: FloatArray = self.regressor @ values + self.known
+            return needed
+
+        return lru_cache(maxsize=BODIES)(rows)
+
+    @cached_property
     def _rows_of(self) -> Callable[[type[AbstractMotorLaw], int, tuple[float, ...]], FloatArray]:
         """Function of the torque that a motor needs against a law, in the rows; of many sets few laws differ."""
         return lru_cache(maxsize=KEPT)(self._law)
@@ -123,31 +136,25 @@ class TorqueErrors:
         needed = _needed_torque(kind)
         if needed is None:
             return np.zeros(len(self.torque))
-        if needed.parts is None:
-            return self._along_motion(needed.torque, motor, numbers)[:, 0]
-        torque: FloatArray = self._parts_of(kind, motor) @ np.asarray(needed.monomials(numbers)).ravel()
+        shape = tuple(0.0 if size else number for number, size in zip(numbers, needed.sizes, strict=True))
+        torque: FloatArray = self._parts_of(kind, motor, shape) @ np.asarray(needed.monomials(numbers)).ravel()
         return torque
 
     @cached_property
-    def _parts_of(self) -> Callable[[type[AbstractMotorLaw], int], FloatArray]:
-        """Function of the parts of a law that is a polynomial of its parameters, in the rows."""
+    def _parts_of(self) -> Callable[[type[AbstractMotorLaw], int, tuple[float, ...]], FloatArray]:
+        """Function of the parts of a law with the parameters of its shape, in the rows, shape (m, parts)."""
+        M, robot = self.robot.n_motors, self.robot
 
-        def parts(kind: type[AbstractMotorLaw], motor: int) -> FloatArray:
+        def parts(kind: type[AbstractMotorLaw], motor: int, shape: tuple[float, ...]) -> FloatArray:
             needed = _needed_torque(kind)
             assert needed is not None
-            assert needed.parts is not None
-            return self._along_motion(needed.parts, motor, (0.0,) * needed.monomials.size1_in(0))
+            time, position, speed, torque, load = self.motion[[0, *(1 + row * M + motor for row in range(4))]]
+            state = np.stack([time, position, robot.rotor_turns[motor] * position, speed, torque, load])
+            viscous = robot.parameters[f"{robot.joint_names[motor]}.viscous_friction"].value
+            values = np.asarray(needed.parts(state, np.array([viscous, *shape])), dtype=float).T
+            return decimate(values, self.factor)[self.counts]
 
-        return cache(parts)
-
-    def _along_motion(self, function: ca.Function, motor: int, numbers: tuple[float, ...]) -> FloatArray:
-        """Evaluate outputs of a law at a motor along the measured motion, in the rows, shape (m, outputs)."""
-        M = self.robot.n_motors
-        time, position, speed, torque, load = self.motion[[0, *(1 + row * M + motor for row in range(4))]]
-        viscous = self.robot.parameters[f"{self.robot.joint_names[motor]}.viscous_friction"].value
-        state = np.stack([time, position, self.robot.rotor_turns[motor] * position, speed, torque, load])
-        values = np.asarray(function(state, np.array([viscous, *numbers])), dtype=float).T
-        return decimate(values, self.factor)[self.counts]
+        return lru_cache(maxsize=PARTS)(parts)
 
 
 def torque_errors(record: Record, model: RobotWithEffects, delay: float, deviation: FloatArray) -> TorqueErrors | None:
@@ -198,20 +205,20 @@ def _in_gears(robot: Robot, motion: MotionEstimate) -> FloatArray:
 
 @dataclass(frozen=True)
 class _Needed:
-    """Functions of the torque that a law takes from a motor in a given motion.
+    """The torque that a law takes from a motor in a given motion: a polynomial of second degree in its sizes.
 
-    Their arguments are (time, position, angle of the rotor, speed, torque, torque in the gear) and (nominal viscous
-    friction, parameters of the law).
+    A fit asks for the parts of the polynomial once for each set of the other parameters, those of its shape, and not
+    for each set of all.
 
     Attributes:
-        torque: The torque.
-        parts: Where it is a polynomial of second degree in the parameters: the torque per unit of each monomial. A fit
-            asks for them once, and not for each set of parameters.
-        monomials: The monomials of the parameters of the law.
+        sizes: Whether a parameter is a size.
+        parts: Torque per unit of each monomial, a function of (time, position, angle of the rotor, speed, torque,
+            torque in the gear) and (nominal viscous friction, parameters with all sizes zero).
+        monomials: The monomials of the sizes, a function of the parameters.
     """
 
-    torque: ca.Function
-    parts: ca.Function | None
+    sizes: tuple[bool, ...]
+    parts: ca.Function
     monomials: ca.Function
 
 
@@ -219,7 +226,8 @@ class _Needed:
 def _needed_torque(kind: type[AbstractMotorLaw]) -> _Needed | None:
     """Build the torque that a law takes from a motor; None for one between command and motor.
 
-    Bristles count as bent; own states that are not functions of time as zero.
+    Bristles count as bent; own states that are not functions of time as zero. `feedforward.compensation.motors` adds
+    the same torques to a planned motion, with signs that are smoothed and own states that are integrated.
     """
     effect = kind.model_construct()
     state, numbers = ca.SX.sym("state", 6), ca.SX.sym("numbers", 1 + len(effect.parameter_values))
@@ -240,12 +248,23 @@ def _needed_torque(kind: type[AbstractMotorLaw]) -> _Needed | None:
     if not taken:
         return None
     torque, own_numbers = ca.SX(sum(taken)), numbers[1:]
-    curvature, slope = ca.hessian(torque, own_numbers)
-    pairs = [(j, k) for k in range(own_numbers.numel()) for j in range(k + 1) if not curvature[j, k].is_zero()]
-    products = [own_numbers[j] * own_numbers[k] / (1 + (j == k)) for j, k in pairs]
+    chosen = _sizes_in(torque, own_numbers)
+    sizes = own_numbers[chosen]
+    curvature, slope = ca.hessian(torque, sizes)
+    pairs = [(j, k) for k in range(len(chosen)) for j in range(k + 1) if not curvature[j, k].is_zero()]
+    products = [sizes[j] * sizes[k] / (1 + (j == k)) for j, k in pairs]
     parts = ca.vertcat(torque, slope, *(curvature[j, k] for j, k in pairs))
     return _Needed(
-        ca.Function("needed", [state, numbers], [ca.densify(torque)]),
-        ca.Function("parts", [state, numbers], [ca.densify(parts)]) if ca.is_quadratic(torque, own_numbers) else None,
-        ca.Function("monomials", [own_numbers], [ca.densify(ca.vertcat(1, own_numbers, *products))]),
+        tuple(k in chosen for k in range(own_numbers.numel())),
+        ca.Function("parts", [state, numbers], [ca.densify(parts)]),
+        ca.Function("monomials", [own_numbers], [ca.densify(ca.vertcat(1, sizes, *products))]),
     )
+
+
+def _sizes_in(torque: ca.SX, numbers: ca.SX) -> list[int]:
+    """Choose parameters of which a torque is a polynomial of second degree: the first ones that are together."""
+    chosen: list[int] = []
+    for k in range(numbers.numel()):
+        if ca.is_quadratic(torque, numbers[[*chosen, k]]):
+            chosen.append(k)
+    return chosen

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from flexros.gap.candidates.tolerance import Tolerance
     from flexros.gap.fit.arm_torque import ArmTorque
     from flexros.gap.fit.null_fit import NullFit
-    from flexros.gap.fit.torque_regression import TorqueRegression
+    from flexros.gap.fit.torque_solution import TorqueRegression
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.settings import DiagnosisSettings, TorqueStartSettings
     from flexros.record.record import Record

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
     from flexros.arrays import FloatArray
     from flexros.logs.time_series import Log
-    from flexros.record.read import TorqueSource
     from flexros.record.record import Record
+    from flexros.record.topic_reader import TorqueSource
     from flexros.robot import Robot
 
 SMOOTHING = 0.01

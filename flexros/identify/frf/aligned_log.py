@@ -16,14 +16,14 @@ from flexros.identify.frf.checks.record_timing import check_equal_rates, check_n
 from flexros.logs.stamps import START_NS
 from flexros.record.joint_columns import motor_columns
 from flexros.record.missing_samples import MOST_BRIDGED, bridged_motion
-from flexros.record.read import torque_source
+from flexros.record.topic_reader import torque_source
 from flexros.record.torque_hold import HeldCommands
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray, IntArray
     from flexros.identify.experiment.plan import ExperimentPlan
     from flexros.logs.time_series import JointSeries, Log
-    from flexros.record.read import TorqueSource
+    from flexros.record.topic_reader import TorqueSource
 
 MOST_HELD = 0.01
 """Largest share of samples without a measurement, or without a command, of their own (chosen)."""

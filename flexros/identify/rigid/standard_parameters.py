@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -89,13 +89,27 @@ def _value(robot: Robot, numbers: Mapping[str, float], name: str) -> float:
     return robot.parameters[name].value if given is None else given
 
 
-def _of_body(name: str, value: Callable[[str], float]) -> list[StandardParameter]:
-    mass = value(f"{name}.mass")
-    center = np.array([value(f"{name}.center_of_mass.{axis}") for axis in "xyz"])
-    inertia = {entry: value(f"{name}.inertia.{entry}") for entry in INERTIA_COMPONENTS}
-    at_joint = inertia_at_joint(inertia, mass, center)
-    moment = mass * center
-    return [
+def _of_body(name: str, value: Callable[[str], float]) -> tuple[StandardParameter, ...]:
+    center = tuple(value(f"{name}.center_of_mass.{axis}") for axis in "xyz")
+    inertia = tuple(value(f"{name}.inertia.{entry}") for entry in INERTIA_COMPONENTS)
+    return _body_parameters(name, value(f"{name}.mass"), center, inertia)
+
+
+@lru_cache(maxsize=256)
+def _body_parameters(
+    name: str, mass: float, center: tuple[float, ...], inertia: tuple[float, ...]
+) -> tuple[StandardParameter, ...]:
+    """Compute the parameters of a body; of the sets of numbers that a fit compares, few differ in one of many bodies.
+
+    Args:
+        name: Name of the body.
+        mass: Its mass [kg].
+        center: Its centre of mass [m], length 3.
+        inertia: Its inertia about that centre [kg m2], in the order of `INERTIA_COMPONENTS`.
+    """
+    at_joint = inertia_at_joint(dict(zip(INERTIA_COMPONENTS, inertia, strict=True)), mass, np.array(center))
+    moment = mass * np.array(center)
+    return (
         *[
             StandardParameter(
                 f"{name}.inertia_at_joint.{entry}", f"inertia {entry} of {name} at its joint", "kg m2", at_joint[entry]
@@ -109,7 +123,7 @@ def _of_body(name: str, value: Callable[[str], float]) -> list[StandardParameter
             for row, axis in enumerate("xyz")
         ],
         StandardParameter(f"{name}.mass", f"mass of {name}", "kg", mass),
-    ]
+    )
 
 
 def _body_friction(robot: Robot, value: Callable[[str], float]) -> list[StandardParameter]:
@@ -125,18 +139,27 @@ def _body_friction(robot: Robot, value: Callable[[str], float]) -> list[Standard
     ]
 
 
-def _friction(robot: Robot, index: int, asymmetric: bool, value: Callable[[str], float]) -> list[StandardParameter]:
+def _friction(
+    robot: Robot, index: int, asymmetric: bool, value: Callable[[str], float]
+) -> tuple[StandardParameter, ...]:
     motor = robot.motors[index]
-    name = motor.name
-    units = {"viscous": motor.unit("damping"), "coulomb": motor.torque_unit}
-    viscous = value(f"{name}.viscous_friction")
+    kinds = ASYMMETRIC_FRICTION if asymmetric else FRICTION
+    viscous = value(f"{motor.name}.viscous_friction")
+    return _friction_parameters(motor.name, kinds, viscous, motor.unit("damping"), motor.torque_unit)
+
+
+@lru_cache(maxsize=256)
+def _friction_parameters(
+    name: str, kinds: tuple[str, ...], viscous: float, damping_unit: str, torque_unit: str
+) -> tuple[StandardParameter, ...]:
+    """List the parameters of the friction of a motor, of which the viscous one has a nominal value [SI]."""
     parameters = []
-    for kind in ASYMMETRIC_FRICTION if asymmetric else FRICTION:
+    for kind in kinds:
         first, _, rest = kind.partition("_")
-        unit = units.get(first, units["coulomb"])
+        unit = damping_unit if first == "viscous" else torque_unit
         words = f"{first} {rest.replace('_', ' ')} of {name}"
         parameters.append(StandardParameter(f"{name}.{kind}", words, unit, viscous if first == "viscous" else 0.0))
-    return parameters
+    return tuple(parameters)
 
 
 def inertia_at_joint(inertia: dict[str, float], mass: float, center: FloatArray, sign: float = 1.0) -> dict[str, float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,7 +17,7 @@ from flexros.record.quantization import encoder_step
 from flexros.record.smoothing import noise_power, smooth_motion
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from flexros.arrays import BoolArray, FloatArray
     from flexros.record.balance.joint_assignments import JointAssignment
@@ -49,7 +49,7 @@ TINY = 1e-6
 """Share of the power of a torque below which numerical errors are left of it [1]."""
 
 SLOW = 4.0
-"""Frequency up to which the agreement over the whole motion needs the motion [Hz] (chosen): weight and slow moves."""
+"""Frequency up to which the torque of the arm needs the whole motion [Hz] (chosen): weight and slow moves."""
 
 FASTEST_LOOK = 50.0
 """Corner frequency of the low-pass for the motion [Hz] (chosen)."""
@@ -96,6 +96,23 @@ class CheckedRecord:
         fits = own_fits(self.balance, self.robot.n_motors)
         return tuple(fit if moves else None for fit, moves in zip(fits, self.moves.tolist(), strict=True))
 
+    def rigid_torque(self, highest: float = SLOW) -> FloatArray:
+        """Torque that the rigid arm needs for the recorded motion [Nm or N], shape (n, M).
+
+        Args:
+            highest: Frequency up to which it is required [Hz].
+        """
+        return self._rigid_torques(highest)
+
+    @cached_property
+    def _rigid_torques(self) -> Callable[[float], FloatArray]:
+        """Function of the frequency; several checks ask for the same one."""
+
+        def torques(highest: float) -> FloatArray:
+            return rigid_inverse_dynamics(self.robot, self.position, self.record.sample_time, highest)
+
+        return cache(torques)
+
     @cached_property
     def over_all(self) -> tuple[FloatArray, FloatArray]:
         """Comparison of torques with those of the rigid arm over the whole motion.
@@ -108,7 +125,7 @@ class CheckedRecord:
             (M,).
         """
         record, tiny = self.record, np.finfo(float).tiny
-        arm = rigid_inverse_dynamics(self.robot, self.position, record.sample_time, SLOW)[record.valid]
+        arm = self.rigid_torque()[record.valid]
         given = record.torque[record.valid]
         size = np.sqrt(np.mean(given**2, axis=0) / np.maximum(np.mean(arm**2, axis=0), tiny))
         arm, given = arm - arm.mean(axis=0), given - given.mean(axis=0)

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.record.balance.inverse_dynamics import rigid_inverse_dynamics
 from flexros.record.balance.regression import coefficients
 from flexros.record.checks.checked_record import FOREIGN, SLOW, CheckedRecord
 from flexros.record.checks.other_robot import LEAST
@@ -67,7 +66,7 @@ def _unexplained(checked: CheckedRecord) -> FloatArray:
     """
     record, T = checked.record, checked.record.sample_time
     position, speed, acceleration = smooth_motion(checked.position, T, SLOW)
-    arm = rigid_inverse_dynamics(checked.robot, checked.position, T, SLOW)
+    arm = checked.rigid_torque()
     torque = smooth_motion(bridged(record.torque, record.valid), T, SLOW)[0]
     parts = np.stack(
         [arm, speed, np.sign(speed), acceleration, np.cos(position), np.sin(position), np.ones_like(position)], axis=-1

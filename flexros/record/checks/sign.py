@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from flexros.record.balance.inverse_dynamics import rigid_inverse_dynamics
 from flexros.record.balance.regression import coefficients
 from flexros.record.checks.base import AbstractCheck, Finding
 
@@ -39,7 +38,7 @@ UNLIKE = 0.3
 """Agreement of torque and inverse-dynamics torque below which the model explains nothing that speaks for the sign
 (chosen)."""
 
-SLOW = 20.0
+BESIDE_FRICTION = 20.0
 """Frequency up to which the inverse-dynamics torque beside that friction needs the motion [Hz] (chosen)."""
 
 
@@ -97,7 +96,7 @@ def _brakes(checked: CheckedRecord, motor: int) -> bool:
     torque = checked.record.torque[valid, motor]
     if not _correlation(torque, speed) < BRAKES:
         return False
-    arm = rigid_inverse_dynamics(checked.robot, checked.position, checked.record.sample_time, SLOW)[valid, motor]
+    arm = checked.rigid_torque(BESIDE_FRICTION)[valid, motor]
     if not _correlation(torque - arm, speed) < BRAKES:
         return False  # other joints drive it, and its motor takes their power
     weight = np.column_stack([arm, np.ones_like(arm), np.cos(position), np.sin(position), acceleration])

@@ -10,11 +10,11 @@ from flexros.record.balance.inverse_dynamics import rigid_inverse_dynamics
 from flexros.record.balance.joint_assignments import WEIGHTLESS
 from flexros.record.balance.regression import coefficients
 from flexros.record.checks.base import AbstractCheck, Finding
+from flexros.record.checks.checked_record import SLOW
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.record.checks.checked_record import CheckedRecord
-    from flexros.robot import Robot
 
 CARRIES = 0.5
 """Change of the weight that a motor carries over its torque, both rms without their means, from which the weight shows
@@ -26,9 +26,6 @@ FEWEST = 2
 LESS, LEFT = 0.5, 0.5
 """Largest rest of a torque without the weight, over that with it and over the torque, both rms, at each of these motors
 (chosen): what a robot file lacks of masses leaves more."""
-
-SLOW = 4.0
-"""Frequency up to which the torque of the arm needs the motion [Hz] (chosen): weight and slow moves."""
 
 
 class Weight(AbstractCheck):
@@ -42,7 +39,9 @@ class Weight(AbstractCheck):
         record, robot = checked.record, checked.robot
         if not any(robot.spec.gravity.value) or checked.balance is None or checked.order_is_wrong:
             return ()
-        with_weight, without = (_arm_torque(checked, one) for one in (robot, robot.with_values(WEIGHTLESS)))
+        weightless = robot.with_values(WEIGHTLESS)
+        unloaded = rigid_inverse_dynamics(weightless, checked.position, record.sample_time, SLOW)
+        with_weight, without = checked.rigid_torque()[record.valid], unloaded[record.valid]
         size = np.maximum(np.std(record.torque[record.valid], axis=0), 1e-300)
         carrying = (np.std(with_weight - without, axis=0) > CARRIES * size) & checked.moves
         if carrying.sum() < FEWEST:
@@ -57,12 +56,6 @@ class Weight(AbstractCheck):
             "torques: give 'gravity: [0, 0, 0]' in the robot file, or map torques that contain it"
         )
         return (Finding(text, hopeless=True, like_parameters=True),)
-
-
-def _arm_torque(checked: CheckedRecord, robot: Robot) -> FloatArray:
-    """Return the torque that the rigid arm needs for the recorded motion [Nm or N], shape (n_valid, M)."""
-    torque = rigid_inverse_dynamics(robot, checked.position, checked.record.sample_time, SLOW)
-    return np.asarray(torque[checked.record.valid])
 
 
 def _rest(checked: CheckedRecord, arm: FloatArray) -> FloatArray:

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from flexros.logs.time_series import Log
     from flexros.record.proposal.joints import JointMatch
     from flexros.record.proposal.topics import BagTopics
-    from flexros.record.read import TorqueSource
+    from flexros.record.topic_reader import TorqueSource
     from flexros.robot import Robot
 
 DESCRIPTION = "robot_description"

@@ -10,13 +10,16 @@ from flexros.gap.diagnose import diagnose
 from flexros.gap.held_out.prediction_gap import AheadErrors
 from flexros.gap.report.verdict import verdict_sentence
 from flexros.gap.result import DiagnosisResult
-from flexros.gap.settings import DiagnosisSettings
+from flexros.gap.settings import DiagnosisSettings, SearchSettings
 from tests.gap.diagnosis_logs import data_of
 from tests.gap.rigid_arm import arm, record_of_arm
 
 pytestmark = pytest.mark.slow
 
-SETTINGS = DiagnosisSettings(where=None, next_experiment=None)
+FRICTION = ("coulomb_friction", "viscous_friction", "stribeck_friction")
+SETTINGS = DiagnosisSettings(
+    where=None, next_experiment=None, sensitivity=None, search=SearchSettings(effects=(*FRICTION, "payload_error"))
+)
 
 
 @pytest.fixture(scope="module")

@@ -37,6 +37,19 @@ def test_inertia_is_that_of_motors_and_bodies_but_not_zero_ones() -> None:
     assert all(robot.parameters[name].value != 0 for name in names)
 
 
+def test_the_inertia_of_a_motor_of_prescribed_motion_is_no_number_of_the_robot() -> None:
+    robot = load_robot("elbow")
+    stated = tolerance_of(robot, {"inertia": 0.02})
+    left = set(stated.names) - set(tolerance_of(robot, {"inertia": 0.02}, (1,)).names)
+    assert left == {"motor_2.inertia"}
+
+
+def test_a_stiffness_of_any_size_has_its_tolerance() -> None:
+    """One motor of prescribed motion has an inertia of 1e9: a spring of 1e9 is none."""
+    robot = load_robot("four_mass_linear").with_values({"body_2.rz.stiffness": 1e9})
+    assert "body_2.rz.stiffness" in tolerance_of(robot, {"stiffness": 0.05}).names
+
+
 def test_unknown_kinds_are_named() -> None:
     with pytest.raises(InputError, match="kind of tolerance.*stifness.*stiffness"):
         tolerance_of(load_robot("four_mass_linear"), {"stifness": 0.05})

@@ -16,7 +16,8 @@ from flexros.gap.diagnose import diagnose
 from flexros.gap.fit.missing_load import bodies_are_off, load_before_bodies
 from flexros.gap.fit.missing_rotors import STEPS
 from flexros.gap.fit.rough_bodies import fitted_bodies, with_rough_bodies
-from flexros.gap.fit.torque_regression import TorqueRegression, regress_torque
+from flexros.gap.fit.torque_regression import regress_torque
+from flexros.gap.fit.torque_solution import TorqueRegression
 from flexros.gap.fit.unknown_numbers import UnknownNumbers, unknown_numbers
 from flexros.gap.measure_gap import measure_gap
 from flexros.gap.settings import DiagnosisSettings, TorqueStartSettings

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from flexros.arrays import FloatArray
-from flexros.effects import RobotWithEffects, place_effects
+from flexros.effects import RobotWithEffects, effects, place_effects
 from flexros.effects.kinds.bristle_friction import AbstractBristleFriction
 from flexros.effects.kinds.dry_friction import AbstractDryFriction
-from flexros.effects.kinds.motor_law import AbstractMotorTorque
+from flexros.effects.kinds.motor_law import AbstractMotorLaw, AbstractMotorTorque
 from flexros.effects.torque_gain_error import TorqueGainError
 from flexros.feedforward.compensation.motors import with_motor_laws
 from flexros.feedforward.motion import Motion
@@ -146,6 +146,26 @@ def test_each_law_takes_the_torque_that_the_feedforward_adds(name: str) -> None:
     without, with_law = (of.errors(*predictor_of(values)).reshape(2, -1)[motor] for values in ({}, {name: sizes}))
     difference = DEVIATION[motor] * (without - with_law) - expected
     assert np.linalg.norm(difference) < 0.05 * np.linalg.norm(expected)
+
+
+@pytest.mark.parametrize(("name", "shape"), [
+    ("friction_curve@motor_1", {"speed"}),
+    ("stribeck_friction@motor_1", {"velocity", "exponent"}),
+    ("torque_curve@motor_1", {"low", "high"}),
+    ("torque_ripple@motor_1", {"order", "phase"}),
+])  # fmt: skip
+def test_a_law_is_evaluated_along_the_motion_once_for_all_its_sizes(name: str, shape: set[str]) -> None:
+    """Only a parameter of its shape asks for another evaluation."""
+    kind = effects()[name.partition("@")[0]]
+    assert issubclass(kind, AbstractMotorLaw)
+    numbers = dict.fromkeys(kind.model_construct().parameter_values, 1.0)
+    of = replace(errors_of())
+    for size in (1.0, 2.0, 3.0):
+        of._rows_of(kind, 0, tuple(value if key in shape else size for key, value in numbers.items()))
+    assert of._parts_of.cache_info().misses == 1  # type: ignore[attr-defined]
+    for key in shape:
+        of._rows_of(kind, 0, tuple((numbers | {key: 2.0}).values()))
+    assert of._parts_of.cache_info().misses == 1 + len(shape)  # type: ignore[attr-defined]
 
 
 def test_a_gain_divides_the_torque_that_is_needed() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -31,6 +32,13 @@ FRICTION, SOFT = "coulomb_friction@motor_1:level=0.05", "stiffness_error@body_2.
 SOME = ("coulomb_friction", "stiffness_error", "motor_inertia_error", "torque_bias")
 
 
+@cache
+def explained(*effects: str, among: tuple[str, ...] = SOME) -> tuple[Search, Explanations]:
+    """Explain a log with these effects; tests that look at the same answer share it."""
+    search = search_of(*effects, among=among)
+    return search, explain(search)
+
+
 def names(found: Explanations) -> set[str]:
     return set(found.chosen.names)
 
@@ -43,7 +51,7 @@ def test_without_gap_the_nominal_model_is_chosen() -> None:
 
 
 def test_one_effect_is_enough_where_one_is_there() -> None:
-    found = explain(search_of(FRICTION, among=SOME))
+    found = explained(FRICTION)[1]
     assert found.detected
     assert names(found) == {FRICTION.partition(":")[0]}
     assert found.remainder == 0.0
@@ -145,14 +153,13 @@ def test_what_ends_at_a_limit_when_another_effect_is_left_out_is_no_finding(monk
 
 
 def test_rivals_are_no_richer_than_what_was_chosen() -> None:
-    found = explain(search_of(FRICTION, among=SOME))
+    found = explained(FRICTION)[1]
     assert max(len(one.predictor.hypothesis) for one in found.rivals) == 1
     assert sum(not one.predictor.hypothesis for one in found.rivals) == 1
 
 
 def test_what_ended_at_a_limit_is_no_rival_of_what_did_not(monkeypatch: pytest.MonkeyPatch) -> None:
-    search = search_of(FRICTION, among=SOME)
-    found = explain(search)
+    search, found = explained(FRICTION)
     other = next(one for one in found.comparison.fits if one.names != found.chosen.names and one.hypothesis)
     better = replace(other, chi2=0.9 * found.chosen.chi2)
     comparison = compared(search, [found.chosen, better])
@@ -167,8 +174,8 @@ def test_what_ended_at_a_limit_is_no_rival_of_what_did_not(monkeypatch: pytest.M
 def test_a_fit_with_two_other_effects_that_leaves_clearly_more_is_no_rival_of_a_crowd(
     others: int, expected: bool
 ) -> None:
-    search = search_of(*(FRICTION, SOFT, "torque_bias@motor_1:level=0.02"), among=(*SOME, "damping_error"))
-    chosen = explain(search).chosen
+    search, found = explained(FRICTION, SOFT, "torque_bias@motor_1:level=0.02", among=(*SOME, "damping_error"))
+    chosen = found.chosen
     assert len(chosen.names) == 3
     further = [one for one in search.candidates() if one.name not in chosen.names][:others]
     predictor = search.null.predictor((*chosen.hypothesis[: 3 - others], *further))
@@ -179,8 +186,7 @@ def test_a_fit_with_two_other_effects_that_leaves_clearly_more_is_no_rival_of_a_
 
 
 def test_what_was_chosen_is_a_rival_also_where_less_explains_as_much(monkeypatch: pytest.MonkeyPatch) -> None:
-    search = search_of(FRICTION, among=SOME)
-    found = explain(search)
+    search, found = explained(FRICTION)
     monkeypatch.setattr(forward_selection, "simplest", lambda _search, comparison, *_: comparison.null)
     again = forward_selection.explanations_of(search, found.comparison, found.chosen, detected=True)
     assert any(one is found.chosen for one in again.rivals)

@@ -25,6 +25,12 @@ from flexros.robot import Robot, load_robot, robot_from_data
 from tests.gap.rigid_arm import ARM, COULOMB, INERTIA, VISCOUS, arm, record_of_arm
 
 FRICTION = {f"{effect}@motor_{motor}" for effect in ("coulomb_friction", "viscous_friction") for motor in (1, 2)}
+RIVALS = (
+    *("coulomb_friction", "viscous_friction", "stribeck_friction", "load_dependent_friction"),
+    *("torque_bias", "torque_gain_error", "motor_inertia_error", "payload_error", "counterbalance"),
+)
+"""What is most like friction, loads and counterbalances; in the first diagnosis all effects compete."""
+FEW = DiagnosisSettings(where=None, next_experiment=None, sensitivity=None, search=SearchSettings(effects=RIVALS))
 
 
 @cache
@@ -130,9 +136,8 @@ def test_a_base_that_gains_no_more_than_chance_is_none() -> None:
 
 @pytest.mark.slow
 def test_clear_asymmetry_of_friction_is_found() -> None:
-    settings = DiagnosisSettings(where=None, next_experiment=None)
     uneven = [record_of_arm(imported=True, seed=seed, asymmetry=0.4) for seed in (5, 6)]
-    found = diagnose(uneven[0], arm(), holdout=uneven[1], settings=settings).diagnosis
+    found = diagnose(uneven[0], arm(), holdout=uneven[1], settings=FEW).diagnosis
     assert {f"{cause.effect}@{cause.location}" for cause in found.causes} == FRICTION
     parameters = {f"{cause.effect}@{cause.location}": cause.parameters for cause in found.causes}
     assert parameters["viscous_friction@motor_1"]["asymmetry"].value == pytest.approx(0.4, rel=0.1)
@@ -150,9 +155,8 @@ def complete_arm() -> Robot:
 @pytest.mark.slow
 def test_friction_whose_mean_is_nominal_returns_for_its_asymmetry() -> None:
     """The torques show no viscous friction beyond the nominal one, so it is left out at first."""
-    settings = DiagnosisSettings(where=None, next_experiment=None)
     uneven = [record_of_arm(imported=True, seed=seed, asymmetry=1.0) for seed in (5, 6)]
-    found = diagnose(uneven[0], complete_arm(), holdout=uneven[1], settings=settings).diagnosis
+    found = diagnose(uneven[0], complete_arm(), holdout=uneven[1], settings=FEW).diagnosis
     parameters = {f"{cause.effect}@{cause.location}": cause.parameters for cause in found.causes}
     assert parameters.keys() == FRICTION - {"viscous_friction@motor_2"}
     assert parameters["viscous_friction@motor_1"]["asymmetry"].value == pytest.approx(1.0, rel=0.1)
@@ -166,8 +170,7 @@ def test_friction_of_the_nominal_model_that_is_too_large_is_reduced() -> None:
     model = RobotWithEffects(arm(), ()).with_effects([PlacedEffect(level, "motor_1")])
     unknown = unknown_numbers(record, model, tolerance_of(model.robot, {}))
     assert list(unknown.inertias.values()) == pytest.approx(INERTIA, rel=0.1)
-    settings = DiagnosisSettings(where=None, next_experiment=None)
-    found = diagnose(record, model, holdout=record_of_arm(imported=True, seed=6), settings=settings).diagnosis
+    found = diagnose(record, model, holdout=record_of_arm(imported=True, seed=6), settings=FEW).diagnosis
     levels = {one.location: one.parameters["level"].value for one in found.causes if one.effect == "coulomb_friction"}
     assert levels["motor_1"] == pytest.approx(-0.5 * COULOMB[0], rel=0.05)
     assert levels["motor_2"] == pytest.approx(COULOMB[1], rel=0.05)
@@ -176,9 +179,8 @@ def test_friction_of_the_nominal_model_that_is_too_large_is_reduced() -> None:
 @pytest.mark.slow
 def test_a_load_of_many_times_the_last_body_is_found() -> None:
     """Its search ends at nine times the mass and is widened."""
-    settings = DiagnosisSettings(where=None, next_experiment=None)
     loaded = [record_of_arm(imported=True, seed=seed, load=11.0) for seed in (5, 6)]
-    found = diagnose(loaded[0], complete_arm(), holdout=loaded[1], settings=settings).diagnosis
+    found = diagnose(loaded[0], complete_arm(), holdout=loaded[1], settings=FEW).diagnosis
     causes = {f"{cause.effect}@{cause.location}": cause.parameters for cause in found.causes}
     assert causes["payload_error@tool"]["relative"].value == pytest.approx(11.0, rel=0.15)
     assert not causes["payload_error@tool"]["relative"].at_limit
@@ -205,10 +207,9 @@ def test_small_torque_over_the_position_is_no_counterbalance() -> None:
 
 @pytest.mark.slow
 def test_counterbalance_is_named_with_its_size() -> None:
-    settings = DiagnosisSettings(where=None, next_experiment=None)
     log, held = (record_of_arm(imported=True, seed=seed, balance=(40.0, -15.0)) for seed in (5, 6))
     known = arm().with_values({"motor_1.inertia": INERTIA[0], "motor_2.inertia": INERTIA[1]})
-    found = diagnose(log, known, holdout=held, settings=settings)
+    found = diagnose(log, known, holdout=held, settings=FEW)
     causes = {f"{one.effect}@{one.location}": one for one in found.diagnosis.causes}
     assert found.diagnosis.verdict == "explained"
     assert set(causes) == {*FRICTION, "counterbalance@motor_1"}

@@ -141,12 +141,13 @@ def test_larger_number_of_cases_goes_on_and_false_alarms_are_made_again_without_
 
 
 @pytest.mark.slow
-def test_two_short_logs_give_a_page(tmp_path: Path) -> None:
+def test_a_short_log_gives_a_page(tmp_path: Path) -> None:
     with connected(threads=1) as client:
-        result = QuantizedNulls(settings(2)).run(CampaignRequest(tmp_path, client))
+        result = QuantizedNulls(settings(1)).run(CampaignRequest(tmp_path, client))
     page = result.files["quantized_nulls.md"]
-    assert "of 2; goal at most 1 %" in page
+    assert "of 1; goal at most 1 %" in page
     assert "| four_mass_linear |" in page
     assert result.record["failures"] == {}
-    assert [0.1 <= row["conditions"]["encoder_step"] <= 1.0 for row in result.record["cases"]] == [True, True]
-    assert [row["verdict"] for row in result.record["cases"]] != [None, None]
+    (row,) = result.record["cases"]
+    assert 0.1 <= row["conditions"]["encoder_step"] <= 1.0
+    assert row["verdict"] is not None
