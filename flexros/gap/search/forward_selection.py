@@ -14,6 +14,8 @@ from flexros.gap.search.curves import curves_of, in_place_of_laws, with_curves
 from flexros.gap.search.elimination import reduced, with_asymmetry, with_dropped
 from flexros.gap.search.growth import extended, resumed, tidied, with_more
 from flexros.gap.search.lines import beside_line
+from flexros.gap.search.within_floor import grown_within_floor
+from flexros.gap.search.within_tolerance import without_tolerated
 from flexros.gap.search.worth import compared, simplest, unique, worth
 
 if TYPE_CHECKING:
@@ -101,6 +103,7 @@ def explain(search: Search) -> Explanations:
         return explain(beside)
     if search.from_torques and chosen.names != first.names:
         chosen = with_dropped(search, chosen, fits)
+    chosen = grown_within_floor(search, chosen, directions, fits)
     if len(chosen.hypothesis) > 1:
         chosen = resumed(search, chosen, tidied(search, chosen, directions, fits), directions, fits)
     elif search.deadline.over:
@@ -109,6 +112,7 @@ def explain(search: Search) -> Explanations:
     curved = with_curves(search, chosen, directions, fits)
     if curved is not chosen:
         chosen = _beside_curves(search, first, curved, directions, fits)
+    chosen = without_tolerated(search, chosen, fits)
     comparison = compared(search, unique(fits))
     (chosen,) = (fit for fit in comparison.fits if fit.names == chosen.names)
     return _pruned(search, explanations_of(search, comparison, chosen, detected=True))
