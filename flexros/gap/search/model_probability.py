@@ -48,7 +48,7 @@ class ModelComparison:
     fits: tuple[CandidateFit, ...]
     n_values: int
     floor_error: float = 0.0
-    noise_level: float = 1.0
+    noise_level: float = 0.0
     rounding: float = 0.0
     exact: bool = False
     distance: Callable[[CandidateFit, CandidateFit], float] | None = None
@@ -297,7 +297,7 @@ def compare(
         fits=tuple(fits),
         n_values=data.n_values,
         floor_error=data.floor_error,
-        noise_level=data.noise_level if measurement.signal_tolerance else 1.0,
+        noise_level=data.noise_level,
         rounding=measurement.rounding,
         exact=exact,
         distance=distance,

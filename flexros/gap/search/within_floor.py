@@ -23,9 +23,9 @@ def grown_within_floor(
 
     The floor is the stated tolerance of torques. Within it an effect must leave less than half of what there is without
     it, as it does where the torques are known far better. Of several that are missing none does so before the others
-    are there. So they are added for as long as each step removes a part of what is left. Where little is left then,
-    the needless ones are left out again, one by one, each judged with all others in place; where not, what is left is
-    of another kind, and none of them is a finding.
+    are there. So they are added for as long as each step removes a good part of what is left. Where little is left
+    then, the needless ones are left out again, one by one, each judged with all others in place; where not, what is
+    left is of another kind, and none of them is a finding.
 
     Args:
         search: The search.
@@ -47,7 +47,7 @@ def grown_within_floor(
         if grown is None:
             break
         grown = search.completed(grown)  # slopes of the base lead numbers of the model astray where effects are many
-        if not _beyond_noise(search, grown) < (1 - settings.removed_by_step) * _beyond_noise(search, trial):
+        if not _beyond_noise(search, grown) < (1 - settings.removed) * _beyond_noise(search, trial):
             break
         trial = grown
     most = settings.within_floor * _beyond_noise(search, begin)

@@ -248,7 +248,7 @@ class SearchSettings(Settings):
         "tolerance of 5 % of the rms torque, 1 % of it",
     )
     rounds_within_floor: int = Field(
-        default=6,
+        default=4,
         ge=0,
         description="most steps of effects that are added on trial within these floors: several that are missing hide "
         "each other there [1] (chosen)",
