@@ -174,4 +174,4 @@ def test_sizes_of_hysteresis_allow_for_laws_of_other_shapes_on_measured_logs() -
     measured = replace(data, record=replace(data.record, imported=True))
     (ours,), (theirs,) = (parameters_of(found, one, RankingSettings()) for one in (data, measured))
     assert theirs["spread"].std == pytest.approx(0.5, rel=0.05)
-    assert theirs["angle"].std > 2 * ours["angle"].std
+    assert theirs["angle"].std > 1.4 * ours["angle"].std
