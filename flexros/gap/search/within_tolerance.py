@@ -1,6 +1,4 @@
-"""Numbers of the model once an explanation of a measured log is complete: errors within tolerance are none, those far
-beyond it are named.
-"""
+"""Numbers of the model in a complete explanation: errors within tolerance are none, those far beyond it are named."""
 
 from __future__ import annotations
 
