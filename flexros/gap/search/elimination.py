@@ -7,15 +7,10 @@ from functools import partial
 from math import hypot, log, log1p
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from flexros.effects.friction.coulomb_friction import CoulombFriction
-from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.kinds.relative_error import AbstractRelativeError
 from flexros.effects.torque_bias import TorqueBias
 from flexros.gap.fit.estimates import parameters_of
 from flexros.gap.search.worth import compared, strains, unique, worth
-from flexros.record.smoothing import motion_cutoff, smooth_motion
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -221,22 +216,11 @@ def _tolerated(search: Search, candidate: Candidate) -> float:
 
 
 def _tolerated_torque(search: Search, candidate: Candidate) -> float:
-    """Return the size up to which a constant torque or friction at a motor is within the tolerance of its torques.
-
-    A constant torque is, up to that tolerance [Nm or N]. Friction is clear of it by its form, but a small part of it
-    is nothing that anybody asks for: Coulomb friction [Nm or N], and viscous friction by the rms speed [Nm s/rad or
-    N s/m]. Other effects have no such size: 0.
-    """
-    share = 1.0 if candidate.effect is TorqueBias else search.settings.search.least_of_tolerance
-    if candidate.effect not in (TorqueBias, CoulombFriction, ViscousFriction):
+    """Return the constant torque at a motor that counts as no gap [Nm or N]; 0 of other effects."""
+    if candidate.effect is not TorqueBias:
         return 0.0
     data, motor = search.data, search.null.model.robot.joint_names.index(candidate.location)
-    torque = share * float(data.measurement.tolerated_torque(data.record)[motor])
-    if candidate.effect is not ViscousFriction:
-        return torque
-    record = data.record
-    speed = smooth_motion(record.position[:, [motor]], record.sample_time, motion_cutoff(record.sample_time))[1]
-    return torque / max(float(np.sqrt(np.mean(speed**2))), 1e-300)
+    return float(data.measurement.tolerated_torque(data.record)[motor])
 
 
 def _all_at_once(search: Search) -> bool:

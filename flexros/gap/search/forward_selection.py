@@ -15,7 +15,7 @@ from flexros.gap.search.elimination import reduced, with_asymmetry, with_dropped
 from flexros.gap.search.growth import extended, resumed, tidied, with_more
 from flexros.gap.search.lines import beside_line
 from flexros.gap.search.within_floor import grown_within_floor
-from flexros.gap.search.within_tolerance import with_far_numbers, without_tolerated
+from flexros.gap.search.within_tolerance import with_far_numbers, without_slight_friction, without_tolerated
 from flexros.gap.search.worth import compared, simplest, unique, worth
 
 if TYPE_CHECKING:
@@ -112,7 +112,8 @@ def explain(search: Search) -> Explanations:
     curved = with_curves(search, chosen, directions, fits)
     if curved is not chosen:
         chosen = _beside_curves(search, first, curved, directions, fits)
-    chosen = with_far_numbers(search, without_tolerated(search, chosen, fits), fits)
+    for step in (without_tolerated, with_far_numbers, without_slight_friction):
+        chosen = step(search, chosen, fits)
     comparison = compared(search, unique(fits))
     (chosen,) = (fit for fit in comparison.fits if fit.names == chosen.names)
     return _pruned(search, explanations_of(search, comparison, chosen, detected=True))

@@ -7,14 +7,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.effects.friction.coulomb_friction import CoulombFriction
+from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.kinds.relative_error import AbstractRelativeError
 from flexros.gap.fit.least_squares import fit as fit_candidate
 from flexros.gap.fit.tolerance_takeover import takeover
 from flexros.gap.search.candidate_fits import Addition
 from flexros.gap.search.model_probability import compare
 from flexros.gap.search.worth import compared, worth
+from flexros.record.smoothing import motion_cutoff, smooth_motion
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from flexros.arrays import FloatArray
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.least_squares import CandidateFit
@@ -52,6 +57,39 @@ def with_far_numbers(search: Search, chosen: CandidateFit, fits: list[CandidateF
             chosen = named
         refused.add(name)
     return chosen
+
+
+def without_slight_friction(search: Search, chosen: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
+    """Leave out friction whose torque is a small part of what is tolerated at its motor.
+
+    However clear it is, nobody asks for it, and the numerical friction of a simulator is of that size. Friction that
+    differs between directions stays, as its mean may be nominal.
+
+    Args:
+        search: The search.
+        chosen: The explanation.
+        fits: All fits so far; new ones are appended.
+    """
+    if search.premises.floor_is_noise or search.data.record.command is not None:
+        return chosen
+    values = zip(chosen.hypothesis, chosen.predictor.values(chosen.theta), strict=True)
+    slight = [one.name for one, sizes in values if len(one.free) == 1 and _is_slight_friction(search, one, sizes)]
+    if not slight or len(slight) == len(chosen.hypothesis) or search.deadline.stops_finishing():
+        return chosen
+    fits.append(search.completed(search.without(chosen, *slight)))
+    return fits[-1]
+
+
+def _is_slight_friction(search: Search, one: Candidate, sizes: Mapping[str, float]) -> bool:
+    """Return whether the torque of Coulomb friction, or of viscous friction at the rms speed, is hardly anything."""
+    if one.effect not in (CoulombFriction, ViscousFriction):
+        return False
+    data, motor = search.data, search.null.model.robot.joint_names.index(one.location)
+    record = data.record
+    speed = smooth_motion(record.position[:, [motor]], record.sample_time, motion_cutoff(record.sample_time))[1]
+    usual = 1.0 if one.effect is CoulombFriction else float(np.sqrt(np.mean(speed**2)))
+    least = search.settings.search.least_of_tolerance * float(data.measurement.tolerated_torque(record)[motor])
+    return abs(sizes[one.free[0].name]) * usual < least
 
 
 def _farthest(search: Search, chosen: CandidateFit, refused: set[str]) -> Addition | None:

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
 
-import numpy as np
 import pytest
 
 from flexros.effects import effects
@@ -57,16 +56,12 @@ class Search:
     def __init__(self, chi2: dict[frozenset[str], float], estimated: dict[str, float], base: tuple[str, ...]) -> None:
         self.chi2, self.estimated = chi2, estimated
         self.base = Fit(base, 0.0)
-        robot = SimpleNamespace(n_coordinates=2, n_motors=2, joint_names=("motor_1", "motor_2"))
+        robot = SimpleNamespace(n_coordinates=2, n_motors=2)
         tolerance = Tolerance(("motor_1.inertia",), (0.03,))
         null = SimpleNamespace(predictor=SimpleNamespace(tolerance=tolerance))
         self.null = SimpleNamespace(fit=null, model=SimpleNamespace(robot=robot))
         self.premises = MEASURED
-        time = 0.01 * np.arange(200)
-        position = np.sin(np.outer(time, [3.0, 5.0]))  # rms speeds 2.1 and 3.5 rad/s
-        tolerated = SimpleNamespace(tolerated_torque=lambda _: np.full(2, 0.2))
-        record = SimpleNamespace(position=position, sample_time=0.01)
-        self.data = SimpleNamespace(n_values=N, measurement=tolerated, record=record)
+        self.data = SimpleNamespace(n_values=N)
         self.settings = DiagnosisSettings()
         self.deadline = Deadline()
 
@@ -202,20 +197,6 @@ def test_an_inertia_is_wrong_from_twice_its_tolerance_on(
     search: Any = Search({frozenset({COULOMB}): 2000.0}, {COULOMB: 900.0, INERTIA: 1.0}, (COULOMB, INERTIA))
     found = elimination.reduced(search, Fit((COULOMB, INERTIA), 2000.0), [], 0.2)  # type: ignore[arg-type]
     assert (INERTIA in found.names) is kept
-
-
-@pytest.mark.parametrize(("name", "size", "kept"), [
-    (COULOMB, 0.038, False), (COULOMB, 0.042, True), (VISCOUS, 0.017, False), (VISCOUS, 0.021, True),
-])  # fmt: skip
-def test_friction_far_within_the_tolerance_of_torques_is_none(
-    name: str, size: float, kept: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """However clear: a fifth of 0.2 Nm, for viscous friction by the rms speed of 2.1 rad/s."""
-    sizes = {name: size_of(size, 1e-5), BIAS: size_of(1.0, 0.1)}
-    monkeypatch.setattr(elimination, "parameters_of", lambda fit, _: [{"size": sizes[one]} for one in fit.kept])
-    search: Any = Search({frozenset({BIAS}): 2000.0}, {BIAS: 900.0, name: 1.0}, (BIAS, name))
-    found = elimination.reduced(search, Fit((BIAS, name), 2000.0), [], 0.2)  # type: ignore[arg-type]
-    assert (name in found.names) is kept
 
 
 def test_a_needed_effect_does_not_keep_a_needless_one_that_was_left_out_with_it(

@@ -117,3 +117,28 @@ def test_an_error_that_the_tolerance_takes_up_at_the_final_misfit_is_none(
     found = within_tolerance.without_tolerated(search, full, [])
     assert (PAYLOAD in found.names) is worth
     assert set(used) == {1.0}
+
+
+@pytest.mark.parametrize(("effect", "size", "kept"), [
+    ("coulomb_friction", 0.018, False), ("coulomb_friction", 0.022, True),
+    ("viscous_friction", 0.008, False), ("viscous_friction", 0.011, True),
+])  # fmt: skip
+def test_friction_far_within_the_tolerance_of_torques_is_none(effect: str, size: float, kept: bool) -> None:
+    """A fifth of 0.1 Nm, for viscous friction by the rms speed of 2.1 rad/s; not where its directions differ."""
+    time = 0.01 * np.arange(630)
+    record = SimpleNamespace(position=np.sin(3.0 * time)[:, None], sample_time=0.01, command=None)
+    rest = fit(1001.0, 1.0)
+    search: Any = Search(rest)
+    measurement = SimpleNamespace(tolerated_torque=lambda _: np.array([0.1]))
+    search.data = SimpleNamespace(record=record, measurement=measurement)
+    search.null.model.robot.joint_names = ("motor_1",)
+    name = f"{effect}@motor_1"
+    full = fit(1000.0, 1.0)
+    free = (SimpleNamespace(name="size"),)
+    one = SimpleNamespace(name=name, effect=effects()[effect], location="motor_1", free=free)
+    full.hypothesis[0].free = free
+    full.hypothesis, full.names = (*full.hypothesis, one), full.names | {name}
+    full.predictor.values = lambda _: [{"size": 1.0}, {"size": size}]
+    assert (name in within_tolerance.without_slight_friction(search, full, []).names) is kept
+    one.free = (*free, SimpleNamespace(name="asymmetry"))
+    assert name in within_tolerance.without_slight_friction(search, full, []).names
