@@ -68,6 +68,14 @@ class ObserverGain:
             covariance = self.transition @ covariance @ self.transition.T + added
         return np.sqrt(variances)
 
+    @property
+    def spread_of_noise(self) -> FloatArray:
+        """Standard deviation of the prediction errors by measurement noise alone [rad or m], shape (M,)."""
+        R, C, carried = np.diag(self.noise**2), self.readout, self.motion @ self.gain
+        covariance = stationary_covariance(self.transition, carried @ R @ carried.T)
+        result: FloatArray = np.sqrt(np.diag(C @ covariance @ C.T + R))
+        return result
+
     def ahead(self, samples: int) -> FloatArray:
         """Return the standard deviation of the prediction error several samples ahead, noise included, without gap.
 

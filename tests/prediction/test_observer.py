@@ -69,6 +69,15 @@ def test_errors_without_gap_have_the_spread_that_it_states(tolerated: np.ndarray
     assert found.spread[0] > NOISE[0]
 
 
+def test_of_the_errors_measurement_noise_alone_makes_those_without_torques() -> None:
+    lenient = observer_gain(ROBOT, STEP, 0.1, NOISE, tolerated=np.array([0.3]))
+    now, _ = errors(replace(lenient, taken=np.zeros_like(lenient.taken)), lenient.settling, 1)
+    np.testing.assert_allclose(now, lenient.spread_of_noise, rtol=0.08)
+    assert lenient.spread_of_noise[0] < 0.97 * lenient.spread[0]
+    exact = observer_gain(ROBOT, STEP, 0.1, NOISE)
+    np.testing.assert_allclose(exact.spread_of_noise, exact.spread)
+
+
 def test_an_error_of_the_start_decays_to_a_thousandth() -> None:
     found = observer_gain(ROBOT, STEP, 0.1, NOISE)
     decayed = np.linalg.matrix_power(found.transition, found.settling)

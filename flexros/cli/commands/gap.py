@@ -55,7 +55,8 @@ def gap(
     with progress_shown() as show:
         show("reading", 0.0)
         log = read_log(bag, namespace=namespace or None)
-        record = checked_log(log, nominal.robot, name=bag.name, torque=source, prescribed=names_in(prescribed))
+        known = nominal if repaired is None else repaired  # a load that the model lacks looks like a wrong unit
+        record = checked_log(log, known.robot, name=bag.name, torque=source, prescribed=names_in(prescribed))
         measured = measure_gap(
             record, nominal, repaired=repaired, tolerance=tolerances, settings=settings, progress=show
         )

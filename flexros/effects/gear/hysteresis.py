@@ -37,6 +37,10 @@ class Hysteresis(AbstractGearLaw):
     Prandtl), at 1 the first loading is F (1 - exp(-d / a)), the curve of Dahl and of Bouc-Wen with exponent 1, and
     more spreads further. A loop of large amplitude D has the area 4 F (D - mean of the w_i).
 
+    Laws of Dahl and of Bouc-Wen with a transition length L have the stiffness F / L at the first loading, but 2 F / L
+    at a reversal from full slip, where these elements have F / a at both: fitted to such a law, a is between L / 2 and
+    L.
+
     Reference: Maxwell-slip: Iwan 1966, J. Applied Mechanics 33; Al-Bender, Lampaert, Swevers 2005, IEEE Trans.
     Automatic Control 50; Bouc-Wen: Wen 1976, J. Engineering Mechanics 102.
     """
@@ -53,6 +57,7 @@ class Hysteresis(AbstractGearLaw):
             "spread": Range("relative", 0.25, 2.0, 1, source="chosen: around the curve of Dahl and Bouc-Wen"),
         }
     )
+    shape_doubt: ClassVar[Mapping[str, float]] = MappingProxyType({"spread": 0.5})  # half of its usual range (chosen)
     signatures: ClassVar[tuple[str, ...]] = ("torsion_over_torque", "detection_lines")
     fingerprint: ClassVar[str] = (
         "a closed loop of torque over twist at every reversal, independent of speed: a loss factor that is "

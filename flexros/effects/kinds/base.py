@@ -66,6 +66,9 @@ class AbstractEffect(Settings, ABC):
     plain: ClassVar[bool] = False
     """Whether it is one parameter of the model or of a signal, without a shape of its own. A diagnosis allows such an
     effect less model-form error than a law of friction, backlash or ripple."""
+    shape_doubt: ClassVar[Mapping[str, float]] = MappingProxyType({})
+    """Standard deviation of parameters that shape the law, by how other laws of the same thing look like another shape:
+    on a log whose law may be any of them, sizes are known no better than this leaves them."""
     harmonics: ClassVar[tuple[HarmonicEntry, ...]] = ()
     """Where its harmonic of the rotor angle enters, for effects with an `order`, which a diagnosis finds in the
     prediction errors."""

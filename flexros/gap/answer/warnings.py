@@ -23,8 +23,8 @@ SCALED, SEVERAL = 0.3, 2
 such drives [1] (chosen): torque constants drop by 10 % when hot."""
 
 BETTER, LEAST_STATED = 0.1, 0.001
-"""Mean squared error that an explanation leaves of that of the tolerance of the torques, from which a smaller one is
-proposed, and the smallest that is [1] (chosen)."""
+"""Mean squared error beyond noise that an explanation leaves of that of the tolerance of the torques, from which a
+smaller one is proposed, and the smallest that is [1] (chosen)."""
 
 STRAINED, SHOWN = 4.0, 3
 """Deviation of a number of the model over its tolerance from which it is stated, and how many at most (chosen): of some
@@ -128,10 +128,11 @@ def _strained(findings: Findings) -> list[str]:
 def _better_torques(findings: Findings) -> list[str]:
     """Propose a smaller tolerance of the torques where an imported log shows that they are far better than assumed."""
     tolerance = findings.data.measurement.signal_tolerance
-    level = max(
-        findings.explanations.comparison.level(findings.explanations.chosen),
-        findings.held_comparison.level(findings.held_chosen),
+    pairs = (
+        (findings.explanations.comparison, findings.explanations.chosen),
+        (findings.held_comparison, findings.held_chosen),
     )
+    level = max(comparison.beyond_noise(comparison.level(fit)) for comparison, fit in pairs)
     if not tolerance or level > BETTER:
         return []
     shown = max(float(f"{2 * np.sqrt(level) * tolerance:.1g}"), LEAST_STATED)

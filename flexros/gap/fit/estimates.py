@@ -127,7 +127,8 @@ def fit_covariance(fit: CandidateFit, data: FitData, form: RankingSettings | Non
     with the prior P of the tolerated deviations. With S = 1 this is H^-1. No law of a machine has exactly the form of
     the library's, and what differs is fitted by the sizes of all effects: the share `plain_form` or `shaped_form` of
     the spectrum of what each effect changes is added to S, all together at most `form_over_rest` times the power of
-    what is left. It is computed once for a fit and a log.
+    what is left. Laws of another form also look like another shape, see `_with_doubt_of_shapes`. It is computed once
+    for a fit and a log.
 
     Args:
         fit: The fit, at its minimum.
@@ -152,8 +153,33 @@ def fit_covariance(fit: CandidateFit, data: FitData, form: RankingSettings | Non
         meat += coloured(J[rows], r[rows, None], rows.stop - rows.start)
     inverse = inverse_of(line.information)
     covariance: FloatArray = inverse @ meat @ inverse
+    if form is not None and not data.record.premises.library_is_complete:
+        covariance = _with_doubt_of_shapes(covariance, inverse, fit)
     # where an unlikely fit nearly diverges, the spectrum overflows
     return covariance if np.all(np.isfinite(covariance)) else np.asarray(inverse)
+
+
+def _with_doubt_of_shapes(covariance: FloatArray, inverse: FloatArray, fit: CandidateFit) -> FloatArray:
+    """Widen the covariance by what laws of another form leave of a size, where the log may follow one of them.
+
+    A parameter s that shapes a law gets at least the deviation `shape_doubt` of its effect. Fitted with another shape,
+    all parameters move along b = column s of H^-1 over its diagonal element, so that (sd^2 - cov_ss) b b' is added.
+
+    Args:
+        covariance: Covariance in the units of the fit, shape (n_fitted, n_fitted).
+        inverse: H^-1, of the same shape.
+        fit: The fit.
+    """
+    slopes, index, result = fit.predictor.slopes(fit.theta), 0, covariance
+    for candidate in fit.hypothesis:
+        for free in candidate.free:
+            doubt = candidate.effect.shape_doubt.get(free.name, 0.0) / slopes[index]
+            added = doubt**2 - result[index, index]
+            if added > 0 and inverse[index, index] > 0:
+                along = inverse[:, index] / inverse[index, index]
+                result = result + added * np.outer(along, along)
+            index += 1
+    return result
 
 
 def inverse_of(information: FloatArray) -> FloatArray:

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from flexros.record.record import Record
     from flexros.robot import Robot
 
+UNBELIEVABLE = 3e-9
+"""Noise below which positions are no raw ones of an encoder [rad]: the rounding of one with 23 bits per turn of the
+motor is 2e-9 rad behind a gear of 100 (chosen)."""
 COLOURED_BELOW = 0.6
 """Power above the band over that of the declared noise below which the noise counts as coloured [1] (chosen)."""
 LEAST_JITTER = 0.3
@@ -141,7 +144,21 @@ def _undeclared(robot: Robot, used: FloatArray) -> tuple[str, ...]:
     ]
     if not names:
         return ()
-    return (f"the robot file declares no encoder noise, so that of the log is used ({', '.join(names)})",)
+    text = f"the robot file declares no encoder noise, so that of the log is used ({', '.join(names)})"
+    quiet = [
+        name
+        for name, motor, noise, stated in zip(robot.joint_names, robot.motors, used, robot.encoder_noise, strict=True)
+        if motor.rotary and not stated and noise < UNBELIEVABLE
+    ]
+    if not quiet:
+        return (text,)
+    return (
+        text,
+        f"the positions of {', '.join(quiet)} have less noise than any encoder: they were low-passed, or a simulator "
+        "wrote them without noise. A filter delays them and takes away what is fast, so that delays, lags, springs and "
+        "backlash are no findings then, and all errors of the model count far above the noise: log raw positions, or "
+        "state the resolution of the encoder as sensors.encoder_noise in the robot file",
+    )
 
 
 def measurement_in(record: Record, robot: Robot, measurement: Measurement, settings: DiagnosisSettings) -> Measurement:

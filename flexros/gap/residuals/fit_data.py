@@ -118,6 +118,18 @@ class FitData:
         of_line = 0 if self.line is None else self.line.number(n, self.record.sample_time)
         return np.asarray(np.isfinite(self.spread).sum(axis=0) - of_line)
 
+    @cached_property
+    def noise_level(self) -> float:
+        """Mean squared weighted error that noise alone leaves [1]: what a tolerance of torques adds is above it.
+
+        Errors of the torques have no noise of the encoders. Tool and further sensors are noise, and count as such.
+        """
+        scale = self.measurement.driving / self.gain.noise
+        tolerated = np.maximum(self.gain.spread**2 - self.gain.spread_of_noise**2, 0.0) * scale**2
+        used = np.isfinite(self.spread)
+        of_tolerance = np.sum(np.minimum(np.where(used, tolerated / self.spread**2, 0.0), 1.0))
+        return float((self._predicted - of_tolerance) / self.n_values)
+
     @property
     def floor_error(self) -> float:
         """Relative standard deviation of the variance of the noise, that of further sensors included [1]."""

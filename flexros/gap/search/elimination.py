@@ -140,6 +140,31 @@ def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit
     return fit
 
 
+def one_by_one(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
+    """Leave out the effects of a measured log that are not worth their parameters, each after a fit without it.
+
+    Linear theory proposes them, the one that seems least needed first. Effects that torques show are left out where
+    their size is not clear; of all others a fit decides.
+
+    Args:
+        search: The search.
+        fit: The fit.
+        fits: All fits so far; new ones are appended.
+    """
+    removed, kept = search.settings.search.removed_of_all, set[str]()
+    while len(fit.hypothesis) > 1 and not search.deadline.stops():
+        needless = [name for name in _needless(search, fit, removed) if name not in kept]
+        if not needless:
+            break
+        fits.append(search.completed(search.without(fit, needless[0])))
+        of_torques = needless[0] in search.base.names
+        if not of_torques and worth(search, compared(search, [fits[-1], fit]), fits[-1], fit, removed):
+            kept.add(needless[0])
+        else:
+            fit = fits[-1]
+    return fit
+
+
 def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
     """List effects that are not worth their parameters by linear theory, one of each motor while there is time.
 

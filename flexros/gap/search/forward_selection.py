@@ -15,6 +15,8 @@ from flexros.gap.search.curves import curves_of, in_place_of_laws, with_curves
 from flexros.gap.search.elimination import reduced, with_asymmetry, with_dropped
 from flexros.gap.search.growth import extended, resumed, tidied, with_more
 from flexros.gap.search.lines import beside_line
+from flexros.gap.search.within_floor import grown_within_floor
+from flexros.gap.search.within_tolerance import with_far_numbers, without_slight_friction, without_tolerated
 from flexros.gap.search.worth import compared, simplest, worth
 
 if TYPE_CHECKING:
@@ -102,6 +104,7 @@ def explain(search: Search) -> Explanations:
         return explain(beside)
     if search.from_torques and chosen.names != first.names:
         chosen = with_dropped(search, chosen, fits)
+    chosen = grown_within_floor(search, chosen, directions, fits)
     if len(chosen.hypothesis) > 1:
         chosen = resumed(search, chosen, tidied(search, chosen, directions, fits), directions, fits)
     elif search.deadline.over:
@@ -110,6 +113,8 @@ def explain(search: Search) -> Explanations:
     curved = with_curves(search, chosen, directions, fits)
     if curved is not chosen:
         chosen = _beside_curves(search, first, curved, directions, fits)
+    for step in (without_tolerated, with_far_numbers, without_slight_friction):
+        chosen = step(search, chosen, fits)
     comparison = compared(search, unique(fits))
     (chosen,) = (fit for fit in comparison.fits if fit.names == chosen.names)
     return _pruned(search, explanations_of(search, comparison, chosen, detected=True))

@@ -37,6 +37,7 @@ class ModelComparison:
         fits: All other fits.
         n_values: Number of prediction errors that count.
         floor_error: Relative standard deviation of the noise variance [1].
+        noise_level: Mean squared error by noise alone, below 1 where a tolerance of torques adds to it [1].
         rounding: Share of rounding in the noise variance, which no noise model describes exactly [1].
         exact: Whether the nominal model is exact but for the effects.
         distance: Sum of the squares by which the weighted prediction errors of two fits differ; None where not known.
@@ -47,6 +48,7 @@ class ModelComparison:
     fits: tuple[CandidateFit, ...]
     n_values: int
     floor_error: float = 0.0
+    noise_level: float = 0.0
     rounding: float = 0.0
     exact: bool = False
     distance: Callable[[CandidateFit, CandidateFit], float] | None = None
@@ -55,6 +57,14 @@ class ModelComparison:
     def level(self, fit: CandidateFit) -> float:
         """Return the mean squared weighted prediction error V of a fit [1]; 1 without gap."""
         return fit.chi2 / self.n_values
+
+    def beyond_noise(self, level: float) -> float:
+        """Return what a mean squared error has beyond noise, over what the tolerance of torques adds [1].
+
+        1 where errors are as large as the tolerance allows for, 0 where they are noise alone. The noise of encoders may
+        be most of the floor: beside it, torques that are known exactly hardly lower the level.
+        """
+        return max(level - self.noise_level, 0.0) / max(1.0 - self.noise_level, 1e-12)
 
     def gain(self, fit: CandidateFit) -> float:
         """Return twice the gain in log-likelihood over the nominal model, noise estimated: N ln(V0 / V) [1]."""
@@ -287,6 +297,7 @@ def compare(
         fits=tuple(fits),
         n_values=data.n_values,
         floor_error=data.floor_error,
+        noise_level=data.noise_level,
         rounding=measurement.rounding,
         exact=exact,
         distance=distance,

@@ -62,7 +62,7 @@ def worth(
         if comparison.level(before) <= search.settings.ranking.floors:
             if _completes(comparison, before, after):
                 return True
-            return comparison.level(after) < search.settings.search.within_floor * comparison.level(before)
+            return _within_floor(search, comparison, before, after)
     relieved = after.prior_penalty < (1 - removed) * before.prior_penalty
     if comparison.beyond_tolerance(before) and relieved and search.premises.floor_is_noise:
         return True
@@ -77,6 +77,16 @@ def _completes(comparison: ModelComparison, before: CandidateFit, after: Candida
     """Return whether further effects take what is left of a small gap, too much for an explanation, below the floor."""
     beyond = comparison.level(comparison.null) > comparison.settings.floors
     return beyond and not comparison.adequate(before) and comparison.level(after) <= 1.0
+
+
+def _within_floor(search: Search, comparison: ModelComparison, before: CandidateFit, after: CandidateFit) -> bool:
+    """Return whether further effects take most of what there is beyond noise, as they do where torques are known well.
+
+    An effect that is far smaller than the tolerance of the torques is within it.
+    """
+    numbers, first = search.settings.search, comparison.beyond_noise(comparison.level(before))
+    second = comparison.beyond_noise(comparison.level(after))
+    return second < numbers.within_floor * first and first - second > numbers.least_of_tolerance**2
 
 
 def _constant(search: Search, comparison: ModelComparison, before: CandidateFit, after: CandidateFit) -> bool:

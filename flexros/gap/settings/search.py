@@ -237,9 +237,21 @@ class SearchSettings(Settings):
         default=0.4,
         gt=0,
         lt=1,
-        description="level of the prediction errors, over that without them, up to which further effects are found "
-        "within the floors that an explanation of a real machine may leave, as they are where the torques are known "
-        "better than stated [1]",
+        description="what the prediction errors have beyond the noise of sensors, over that without them, up to which "
+        "further effects are found within the floors that an explanation of a real machine may leave, as they are "
+        "where the torques are known better than stated [1]",
+    )
+    least_of_tolerance: float = Field(
+        default=0.2,
+        ge=0,
+        description="size over that of the tolerated torques from which such an effect is one [1] (chosen): with a "
+        "tolerance of 5 % of the rms torque, 1 % of it",
+    )
+    rounds_within_floor: int = Field(
+        default=4,
+        ge=0,
+        description="most steps of effects that are added on trial within these floors: several that are missing hide "
+        "each other there [1] (chosen)",
     )
     line_width: float = Field(
         default=2.0,

@@ -31,6 +31,10 @@ LEAST = 0.01
 HINT = 0.2
 """Least gain of the mean agreement, and more than twice it, from which an assignment is worth a warning (chosen)."""
 
+ALIKE, LISTED = 0.003, 2
+"""Difference of the mean agreement up to which assignments fit alike, and how many of them are told beside the first
+(chosen): turning a wrist by 180 degrees and counting the next axis the other way is the same motion."""
+
 WEIGHTLESS = {f"gravity.{axis}": 0.0 for axis in "xyz"}
 """Parameters of a robot without gravity."""
 
@@ -121,11 +125,21 @@ def best_assignment(record: Record, robot: Robot, current: float | None) -> Join
     others += _weightless(record, robot)
     better = [other for other in others if clearly_better(other.agreement, current)]
     if better:
-        return max(better, key=lambda other: other.agreement)
-    best = max(others, key=lambda other: other.agreement, default=None)
-    if best is None or current is None or best.agreement < max(current + HINT, 2 * current):
+        return _first_of_alike(better)
+    if not others or current is None:
         return None
-    return replace(best, clear=False)
+    best = _first_of_alike(others)
+    return None if best.agreement < max(current + HINT, 2 * current) else replace(best, clear=False)
+
+
+def _first_of_alike(others: Sequence[JointAssignment]) -> JointAssignment:
+    """Return the first of the assignments that fit best, its text with the others that fit alike."""
+    most = max(other.agreement for other in others)
+    alike = {other.text: other for other in reversed(others) if other.agreement > most - ALIKE}
+    first, *further = reversed(alike.values())
+    texts = [other.text for other in further if other.opposite == first.opposite][:LISTED]
+    told = f" (or, which fits as well, with {' or '.join(texts)})" if texts else ""
+    return replace(first, text=first.text + told)
 
 
 def _most_active_part(record: Record, length: int) -> Record:

@@ -16,6 +16,13 @@ if TYPE_CHECKING:
 SIGNIFICANT = 5.0
 """Offset over its standard deviation above which it is significant (chosen)."""
 
+DOUBTFUL = 3.5
+"""The same for a lead of whole samples that is worth a warning: effects that the model lacks blur the offset, and no
+robot moves that long before its torque (chosen; right stamps showed up to 2.9 and less than a sample)."""
+
+WHOLE = 1.0
+"""Lead from which that holds [samples] (chosen)."""
+
 NOTED, REFUSED = 0.3, 0.6
 """Lead of a motion over its torque, which no robot has, for a warning and for rejection [samples] (chosen)."""
 
@@ -41,10 +48,10 @@ class TimeOffset(AbstractCheck):
         if checked.order_is_wrong or checked.fits_nominal_rate or checked.wrongly_assigned or checked.balance is None:
             return ()
         tau, T = checked.delay.time, checked.record.sample_time
-        if abs(tau) < SIGNIFICANT * checked.delay.deviation:
-            return ()
         declared = 0.0 if checked.record.measured_torque else checked.robot.delay
         early = -tau - declared  # lead of the motion, whatever the delay of the robot
+        if abs(tau) < SIGNIFICANT * checked.delay.deviation:
+            return _doubtful(early, checked) if abs(tau) > DOUBTFUL * checked.delay.deviation else ()
         if early > NOTED * T:
             text = (
                 f"the torques are stamped too late: the motions precede them by {1e3 * early:.2g} ms; give "
@@ -70,6 +77,18 @@ class TimeOffset(AbstractCheck):
             )
             return (Finding(text, hopeless=False),)
         return ()
+
+
+def _doubtful(early: float, checked: CheckedRecord) -> tuple[Finding, ...]:
+    """Warn of motions that seem to precede their torques by whole samples [s], which no robot does."""
+    if early < WHOLE * checked.record.sample_time:
+        return ()
+    text = (
+        f"the motions seem to precede the torques by {1e3 * early:.2g} ms ({early / checked.delay.deviation:.2g} times "
+        "its standard deviation), which no robot does: torques that are stamped too late hide and imitate effects; "
+        f"compare the clocks, and if that is so give 'time_offset: {-early:.2g}' at the torque columns when importing"
+    )
+    return (Finding(text, hopeless=False),)
 
 
 def _agreement(checked: CheckedRecord, delay: float) -> float:

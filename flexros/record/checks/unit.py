@@ -32,6 +32,10 @@ BARE = 5.0
 LOADED = 50.0
 """Factor up to which a load that the model lacks explains the torque of a light wrist (chosen)."""
 
+HEAVY = 0.01
+"""Power of the torque that a joint needs, over the largest one, from which it is no light wrist (chosen): of such
+joints those count whose torques agree, as the friction of the largest one may hide it."""
+
 FEWEST = 2
 """Fewest motors of an arm whose last ones are light (chosen)."""
 
@@ -112,10 +116,11 @@ def _model_may_be_rough(checked: CheckedRecord, refused: dict[int, BalanceFit]) 
     if any(fit.factor > LOADED or fit.factor < 1 for fit in refused.values()):
         return False
     power = np.sum(np.abs(balance.needed) ** 2, axis=0)
-    most = int(np.argmax([0.0 if fit is None else power[motor] for motor, fit in enumerate(checked.own)]))
-    largest = checked.own[most]
-    highest = BARE if rotor_unknown(checked.robot)[most] else REFUSED
-    return largest is not None and largest.agreement > LARGE_CLEAR and 1 / REFUSED < largest.factor < highest
+    power = np.array([0.0 if fit is None else power[motor] for motor, fit in enumerate(checked.own)])
+    large = np.flatnonzero(power > HEAVY * power.max())
+    bare = rotor_unknown(checked.robot)
+    clear = [(k, fit) for k in large if (fit := checked.own[k]) is not None and fit.agreement > LARGE_CLEAR]
+    return bool(clear) and all(1 / REFUSED < fit.factor < (BARE if bare[k] else REFUSED) for k, fit in clear)
 
 
 def _is_significant(fit: BalanceFit) -> bool:

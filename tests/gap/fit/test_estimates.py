@@ -162,3 +162,16 @@ def test_model_form_errors_of_effects_widen_the_deviations_of_all_sizes() -> Non
     assert np.all(np.array(deviations(limited)) < deviations(free))
     without = RankingSettings(plain_form=0.0, shaped_form=0.0)
     np.testing.assert_allclose(deviations(without), deviations(None))
+
+
+def test_sizes_of_hysteresis_allow_for_laws_of_other_shapes_on_measured_logs() -> None:
+    """Sizes that move with the shape are known no better than laws such as that of Dahl leave them."""
+    entry = "hysteresis@motor_1:level=2e-3,angle=1e-4,spread=1.0"
+    candidate = candidates_of(entry)["hysteresis@motor_1"]
+    data = data_of(entry, length=10.0)
+    start = np.array(encoded(candidate, level=2e-3, angle=1e-4, spread=1.0))
+    found = fit(predictor_of(candidate), data, start, 3, enough=FitSettings().exactly)
+    measured = replace(data, record=replace(data.record, imported=True))
+    (ours,), (theirs,) = (parameters_of(found, one, RankingSettings()) for one in (data, measured))
+    assert theirs["spread"].std == pytest.approx(0.5, rel=0.05)
+    assert theirs["angle"].std > 1.4 * ours["angle"].std

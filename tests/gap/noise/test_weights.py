@@ -149,6 +149,19 @@ def test_a_robot_file_without_noise_takes_that_of_the_log() -> None:
     assert any("declares no encoder noise" in text for text in found.warnings)
 
 
+@pytest.mark.parametrize(("noise", "said"), [(1e-10, True), (1e-8, False)])
+def test_positions_without_the_noise_of_an_encoder_are_said(
+    noise: float, said: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    silent = copy(ROBOT)
+    silent.__dict__["encoder_noise"] = np.zeros(1)
+    seen = Noise(np.array([noise]), np.zeros((1, 0)), 0.0, ("above the band",))
+    monkeypatch.setattr(weights, "measure_noise", lambda *_: seen)
+    monkeypatch.setattr(weights, "encoder_step", lambda *_: 0.0)
+    found = weights.measurement_of(record_of(), silent, SETTINGS)
+    assert any("have less noise than any encoder" in text for text in found.warnings) is said
+
+
 def off_instants(usual: float) -> Measurement:
     """Noise of which the instants add a multiple of that of the encoder at the usual speed of the log."""
     once = weights.off_instants(record_of(), measurement(np.ones((1, 1)), jitter=1.0))

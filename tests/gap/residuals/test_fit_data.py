@@ -28,6 +28,16 @@ def test_errors_that_do_not_count_are_zero() -> None:
     assert data.n_values == valid.sum() - data.initial_state_errors.number
 
 
+def test_what_noise_leaves_of_the_floor_of_a_measured_log() -> None:
+    """A right model of a log with noise and no errors of torques leaves that, and not what is tolerated."""
+    exact = data_of()
+    assert exact.noise_level == pytest.approx(1.0)
+    tolerant = fit_data(replace(record_of(), imported=True), MODEL, DiagnosisSettings())
+    residual = tolerant.residuals(predictor_of(), NOTHING)[:, 0]
+    assert 0.0 < tolerant.noise_level < 0.99
+    assert np.sum(residual**2) / tolerant.n_values == pytest.approx(tolerant.noise_level, rel=0.03)
+
+
 def test_a_log_that_begins_with_a_hole_in_motion_does_not_begin_at_rest() -> None:
     moving = record_of().part(9000, 20_000)
     valid = moving.valid.copy()

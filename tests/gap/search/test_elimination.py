@@ -211,6 +211,22 @@ def test_a_needed_effect_does_not_keep_a_needless_one_that_was_left_out_with_it(
     assert found.names == {COULOMB, STIFFNESS}
 
 
+def test_effects_within_the_floor_are_left_out_one_by_one_after_a_fit(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Linear theory takes two for needless; without the second one far more is left, and it stays."""
+    chi2 = {
+        frozenset({COULOMB, STIFFNESS}): 110.0,
+        frozenset({COULOMB, BIAS}): 900.0,
+        frozenset({COULOMB}): 950.0,
+    }
+    search: Any = Search(chi2, {COULOMB: 900.0, STIFFNESS: 12.0, BIAS: 10.0}, (COULOMB,))
+    search.completed = lambda fit: fit
+    search.null.model.robot.n_coordinates = 4
+    fits: list[Any] = []
+    found = elimination.one_by_one(search, Fit((COULOMB, STIFFNESS, BIAS), 100.0), fits)  # type: ignore[arg-type]
+    assert found.names == {COULOMB, STIFFNESS}
+    assert [fit.names for fit in fits] == [{COULOMB, STIFFNESS}, {COULOMB}]
+
+
 def over() -> Deadline:
     """Return a deadline that is over."""
     return Deadline(interrupted=lambda: True)

@@ -39,6 +39,15 @@ def test_within_what_an_explanation_of_a_real_machine_may_leave_only_much_of_it_
     assert worth(search, comparison, rest, fit, 0.4) is expected
 
 
+@pytest.mark.parametrize(("before", "after", "expected"), [
+    (0.95, 0.84, True), (0.95, 0.88, False), (0.83, 0.805, True), (0.807, 0.801, False), (0.79, 0.7, False),
+])  # fmt: skip
+def test_within_the_floor_noise_of_encoders_counts_for_nothing(before: float, after: float, expected: bool) -> None:
+    """Four fifths of the floor are noise that no effect removes; far less than the tolerance is within it."""
+    comparison, (rest, fit) = measured_fits(before, after)
+    assert worth(measured_search(), replace(comparison, noise_level=0.8), rest, fit, 0.4) is expected
+
+
 @pytest.mark.parametrize(("floor_error", "rounding", "level", "expected"), [
     (0.1, 0.9, 0.98, True),
     (0.1, 0.0, 0.98, False),

@@ -9,7 +9,7 @@ import pytest
 
 from flexros.arrays import FloatArray
 from flexros.record.balance import joint_assignments
-from flexros.record.balance.joint_assignments import DOUBTFUL, best_assignment, own_fits, score
+from flexros.record.balance.joint_assignments import DOUBTFUL, JointAssignment, best_assignment, own_fits, score
 from flexros.record.balance.spectra import torque_balance
 from flexros.record.record import Record
 from flexros.robot import load_robot
@@ -44,6 +44,17 @@ def test_all_inverted_axes_are_named_as_a_hint(record: Record, monkeypatch: pyte
     assert found is not None
     assert not found.clear  # an agreement of a half may have other reasons
     assert [name in found.text for name in load_robot("six_axis").joint_names] == (RIGHT < 0).tolist()
+
+
+def test_of_assignments_that_fit_alike_the_first_is_told_with_the_others() -> None:
+    """A wrist that is turned by half a turn moves as one whose next axis counts the other way."""
+    zero, sign, worse = (
+        JointAssignment(text, agreement, opposite=False)
+        for text, agreement in (("+180 deg at motor_4 added", 0.951), ("motor_5 inverted", 0.95), ("exchanged", 0.9))
+    )
+    found = joint_assignments._first_of_alike([worse, sign, sign, zero])
+    assert found.text == "motor_5 inverted (or, which fits as well, with +180 deg at motor_4 added)"
+    assert joint_assignments._first_of_alike([worse, zero]).text == zero.text
 
 
 def test_a_small_gain_is_no_hint(record: Record, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,6 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flexros.record.balance.torque_balance import Delay
+from flexros.record.checks.checked_record import CheckedRecord
 from flexros.record.record import Record
 
 
@@ -135,3 +137,14 @@ def test_measured_torque_may_be_noted_after_it_was_held(found, healthy) -> None:
     assert found("emps", record)[0].hopeless
     assert not found("emps", record, measured_torque=True)[0].hopeless
     assert found("emps", late(healthy("emps"), 2), measured_torque=True)[0].hopeless
+
+
+@pytest.mark.parametrize(("samples", "told"), [(2, True), (-2, False)])
+def test_a_lead_of_whole_samples_that_effects_blur_is_told(found, healthy, monkeypatch, samples: int, told) -> None:
+    """Four standard deviations are no proof, but no robot moves before its torque."""
+    record = late(healthy("e12"), samples)
+    delay = Delay(-samples * record.sample_time, abs(samples) * record.sample_time / 4.0, 0.0)
+    monkeypatch.setattr(CheckedRecord, "delay", property(lambda self: delay))
+    findings = [one for one in found("e12", record) if "seem to precede the torques by 1 ms" in one.text]
+    assert len(findings) == told
+    assert not any(one.hopeless for one in findings)

@@ -11,6 +11,7 @@ import pytest
 
 from flexros.record.balance.joint_assignments import WEIGHTLESS
 from flexros.record.balance.torque_balance import BalanceFit
+from flexros.record.checks import unit
 from flexros.record.checks.base import Finding
 from flexros.record.checks.run import findings
 from flexros.record.checks.unit import Unit, _refusal, _share_of_limits
@@ -133,3 +134,19 @@ def test_the_mistake_of_most_motors_is_named_though_friction_moves_the_factor_of
     robot: Any = SimpleNamespace(name="arm", joint_names=["motor_1", "motor_2", "motor_3"], motors=motors)
     off = {k: BalanceFit(factor, 0.9, 0.0, 0.9, 0.9) for k, factor in enumerate((0.0095, 0.0098, 0.0135))}
     assert "the other side of the gear (ratio 100)" in _refusal(off, robot, 3)
+
+
+@pytest.mark.parametrize(("factors", "rough"), [((1.3, 1.5, 1.2), True), ((1.3, 6.0, 1.2), False)])
+def test_where_friction_hides_the_largest_torque_other_heavy_joints_tell_the_unit(
+    factors: tuple[float, float, float], rough: bool
+) -> None:
+    """A load at a light wrist, and a shoulder whose torque hardly agrees: the joints between have the right unit."""
+    agreements = (0.23, 0.78, 0.88)
+    own = [SimpleNamespace(factor=f, agreement=a) for f, a in zip((*factors, 6.1), (*agreements, 0.5), strict=True)]
+    needed = np.sqrt(np.array([[3e8, 2e8, 1e7, 1e4]]))
+    robot = SimpleNamespace(n_motors=4)
+    checked: Any = SimpleNamespace(balance=SimpleNamespace(needed=needed), robot=robot, own=own)
+    refused: Any = {motor: fit for motor, fit in enumerate(own) if fit.factor > 2.7 and fit.agreement > 0.4}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(unit, "rotor_unknown", lambda _: np.zeros(4, dtype=bool))
+        assert unit._model_may_be_rough(checked, refused) is rough

@@ -1,0 +1,66 @@
+"""Several effects within the floor of a measured log, none of which would be found there alone."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from flexros.gap.search.elimination import one_by_one
+from flexros.gap.search.growth import with_more
+from flexros.gap.search.worth import compared
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.screening import Directions
+    from flexros.gap.search.candidate_fits import Search
+
+
+def grown_within_floor(
+    search: Search, chosen: CandidateFit, directions: Sequence[Directions], fits: list[CandidateFit]
+) -> CandidateFit:
+    """Add effects on trial within the floor of a measured log, and keep those that are worth it in the end.
+
+    The floor is the stated tolerance of torques. Within it an effect must leave less than half of what there is without
+    it, as it does where the torques are known far better. Of several that are missing none does so before the others
+    are there. So they are added for as long as each step removes a good part of what is left. Where little is left
+    then, the needless ones are left out again, one by one, each judged with all others in place; where not, what is
+    left is of another kind, and none of them is a finding.
+
+    Args:
+        search: The search.
+        chosen: The explanation.
+        directions: All candidates but those of harmonics.
+        fits: All fits so far; new ones are appended.
+    """
+    settings, ranking = search.settings.search, search.settings.ranking
+    if search.premises.floor_is_noise or search.deadline.stops():
+        return chosen
+    if compared(search, [chosen]).level(chosen) > ranking.floors:
+        return chosen
+    begin = trial = search.completed(chosen)
+    tried: list[CandidateFit] = []
+    for _ in range(settings.rounds_within_floor):
+        if search.deadline.stops() or len(trial.hypothesis) >= settings.most_effects:
+            break
+        grown = with_more(search, trial, directions, tried)
+        if grown is None:
+            break
+        grown = search.completed(grown)  # slopes of the base lead numbers of the model astray where effects are many
+        if not _beyond_noise(search, grown) < (1 - settings.removed) * _beyond_noise(search, trial):
+            break
+        trial = grown
+    most = settings.within_floor * _beyond_noise(search, begin)
+    if trial is begin or not _beyond_noise(search, trial) < most:
+        return chosen
+    kept = one_by_one(search, trial, tried)
+    if kept.names == chosen.names or not _beyond_noise(search, kept) < most:
+        return chosen
+    fits += [fit for fit in (begin, trial, *tried) if fit.names <= trial.names]
+    return kept
+
+
+def _beyond_noise(search: Search, fit: CandidateFit) -> float:
+    """Return what a fit leaves beyond the noise of sensors, over what the tolerance of torques adds to it [1]."""
+    comparison = compared(search, [fit])
+    return comparison.beyond_noise(comparison.level(fit))

@@ -1,0 +1,156 @@
+"""Numbers of the model in a complete explanation: errors within tolerance are none, those far beyond it are named."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.effects.friction.coulomb_friction import CoulombFriction
+from flexros.effects.friction.viscous_friction import ViscousFriction
+from flexros.effects.kinds.relative_error import AbstractRelativeError
+from flexros.gap.fit.least_squares import fit as fit_candidate
+from flexros.gap.fit.tolerance_takeover import takeover
+from flexros.gap.search.candidate_fits import Addition
+from flexros.gap.search.model_probability import compare
+from flexros.gap.search.worth import compared, worth
+from flexros.record.smoothing import motion_cutoff, smooth_motion
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flexros.arrays import FloatArray
+    from flexros.gap.candidates.candidate import Candidate
+    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.prediction.predictor import Predictor
+    from flexros.gap.search.candidate_fits import Search
+
+FAR = 4.0
+"""Deviation of a number of the model over its tolerance from which its error is named [1] (chosen): of some forty
+numbers of an arm one is beyond three now and then."""
+
+
+def with_far_numbers(search: Search, chosen: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
+    """Name the errors of numbers of the model that a good explanation moves far out of tolerance.
+
+    The prior of tolerances counts little beside many samples, so that a spring that is a fifth too soft is within a
+    tolerance of 3 % for all that predictions say, and no effect gains by taking its place. By what the tolerance means
+    it is wrong. An explanation that leaves more than its floors draws numbers out of tolerance for what it lacks.
+
+    Args:
+        search: The search.
+        chosen: The explanation.
+        fits: All fits so far; new ones are appended.
+    """
+    if search.premises.floor_is_noise or compared(search, [chosen]).level(chosen) > search.settings.ranking.floors:
+        return chosen
+    refused: set[str] = set()
+    while not search.deadline.stops_finishing():
+        found = _farthest(search, chosen, refused)
+        if found is None:
+            break
+        fits.append(search.completed(search.together(chosen, [found])))
+        named, name = fits[-1], found.candidate.name
+        freed = chosen.prior_penalty - named.prior_penalty
+        if named.chi2 < chosen.chi2 and freed > FAR**2 / 2 and _tolerances(search, named, found.candidate) > FAR:
+            chosen = named
+        refused.add(name)
+    return chosen
+
+
+def without_slight_friction(search: Search, chosen: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
+    """Leave out friction whose torque is a small part of what is tolerated at its motor.
+
+    However clear it is, nobody asks for it, and the numerical friction of a simulator is of that size. Friction that
+    differs between directions stays, as its mean may be nominal.
+
+    Args:
+        search: The search.
+        chosen: The explanation.
+        fits: All fits so far; new ones are appended.
+    """
+    if search.premises.floor_is_noise or search.data.record.command is not None:
+        return chosen
+    values = zip(chosen.hypothesis, chosen.predictor.values(chosen.theta), strict=True)
+    slight = [one.name for one, sizes in values if len(one.free) == 1 and _is_slight_friction(search, one, sizes)]
+    if not slight or len(slight) == len(chosen.hypothesis) or search.deadline.stops_finishing():
+        return chosen
+    fits.append(search.completed(search.without(chosen, *slight)))
+    return fits[-1]
+
+
+def _is_slight_friction(search: Search, one: Candidate, sizes: Mapping[str, float]) -> bool:
+    """Return whether the torque of Coulomb friction, or of viscous friction at the rms speed, is hardly anything."""
+    if one.effect not in (CoulombFriction, ViscousFriction):
+        return False
+    data, motor = search.data, search.null.model.robot.joint_names.index(one.location)
+    record = data.record
+    speed = smooth_motion(record.position[:, [motor]], record.sample_time, motion_cutoff(record.sample_time))[1]
+    usual = 1.0 if one.effect is CoulombFriction else float(np.sqrt(np.mean(speed**2)))
+    least = search.settings.search.least_of_tolerance * float(data.measurement.tolerated_torque(record)[motor])
+    return abs(sizes[one.free[0].name]) * usual < least
+
+
+def _farthest(search: Search, chosen: CandidateFit, refused: set[str]) -> Addition | None:
+    """Return the relative error that takes over most of the deviations of an explanation; None where none is far."""
+    best: Addition | None = None
+    for one in search.candidates():
+        if not issubclass(one.effect, AbstractRelativeError) or one.name in chosen.names | refused:
+            continue
+        found = takeover(one, chosen)
+        if found is not None and found.gain > max(FAR**2, 0.0 if best is None else best.gain):
+            best = Addition(one, found.gain, found.start, found.replaced, np.zeros(len(search.rows), dtype=np.float32))
+    return best
+
+
+def _tolerances(search: Search, fit: CandidateFit, candidate: Candidate) -> float:
+    """Return the size of a relative error of an explanation over the tolerance of the numbers that it changes [1]."""
+    assert issubclass(candidate.effect, AbstractRelativeError)
+    tolerance = search.null.fit.predictor.tolerance
+    deviations = dict(zip(tolerance.names, tolerance.deviations, strict=True))
+    changed = candidate.effect().scaled(search.null.model.robot, candidate.location)
+    values = next(v for one, v in zip(fit.hypothesis, fit.predictor.values(fit.theta), strict=True) if one is candidate)
+    least = max((deviations.get(name, 0.0) for name in changed), default=0.0)
+    return abs(float(np.log1p(max(values["relative"], -0.99)))) / max(least, 1e-300)
+
+
+def without_tolerated(search: Search, chosen: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
+    """Leave out errors of numbers of the model that their tolerances take up.
+
+    The prior of tolerances weighs by what the first effects of a measured log leave, the misfit. Where the explanation
+    leaves far less in the end, it weighs too much then, and the error of a number seems to be worth its parameter
+    because the same deviation within tolerance costs that much. So each is compared with the deviations at the misfit
+    that the explanation leaves.
+
+    Args:
+        search: The search.
+        chosen: The explanation.
+        fits: All fits so far; new ones are appended.
+    """
+    comparison = compared(search, [chosen])
+    left = max(comparison.level(chosen), 1.0)
+    if search.premises.floor_is_noise or search.data.misfit <= left:
+        return chosen
+    data, removed = replace(search.data, misfit=left), search.settings.search.removed_of_all
+    settings = search.settings.fit
+
+    def fitted(predictor: Predictor, start: FloatArray) -> CandidateFit:
+        enough, most = max(settings.exactly, data.negligible), settings.final_iterations
+        stop = search.deadline.of_fit(finishing=True)
+        return fit_candidate(predictor, data, start, most, enough=enough, settings=settings, stop=stop)
+
+    numbers = [one for one in chosen.hypothesis if takeover(one, chosen) and one.name not in search.base.names]
+    if not numbers:
+        return chosen
+    full = fitted(chosen.predictor, chosen.theta)
+    for one in numbers:
+        if len(chosen.hypothesis) == 1 or search.deadline.stops_finishing():
+            break
+        rest = tuple(other for other in full.hypothesis if other is not one)
+        start = full.theta[~full.columns([one.name])]
+        without = fitted(search.null.predictor(rest), start)
+        if not worth(search, compare(data, search.null.fit, [without, full]), without, full, removed):
+            full, chosen = without, search.completed(search.without(chosen, one.name))
+            fits.append(chosen)
+    return chosen

@@ -1,0 +1,68 @@
+"""Several effects within the floor of a measured log, which hide each other."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from flexros.gap.search import within_floor
+from flexros.gap.settings import DiagnosisSettings
+from flexros.record.premises import MEASURED
+
+LEVELS = {"base": 1.9, "base+one": 1.2, "base+one+two": 0.81, "base+one+two+three": 0.809}
+NOISE = 0.8
+
+
+def fit(*names: str, level: float) -> Any:
+    return SimpleNamespace(names=frozenset(names), hypothesis=names, level=level, chi2=level)
+
+
+def search() -> Any:
+    return SimpleNamespace(
+        settings=DiagnosisSettings(),
+        premises=MEASURED,
+        deadline=SimpleNamespace(stops=lambda: False),
+        completed=lambda one: one,
+    )
+
+
+@pytest.fixture
+def levels(monkeypatch: pytest.MonkeyPatch) -> dict[str, float]:
+    """Levels by the effects of a fit, in the order in which they are added."""
+    known, order = dict(LEVELS), ("base", "one", "two", "three")
+    comparison = SimpleNamespace(
+        level=lambda one: one.level, beyond_noise=lambda level: max(level - NOISE, 0.0) / (1 - NOISE)
+    )
+    monkeypatch.setattr(within_floor, "compared", lambda *_: comparison)
+
+    def with_more(_search: Any, one: Any, *_: Any) -> Any:
+        names = order[: len(one.hypothesis) + 1]
+        level = known.get("+".join(names))
+        return None if level is None else fit(*names, level=level)
+
+    monkeypatch.setattr(within_floor, "with_more", with_more)
+    monkeypatch.setattr(within_floor, "one_by_one", lambda _search, one, _fits: one)
+    return known
+
+
+def test_effects_that_leave_little_together_are_kept(levels: dict[str, float]) -> None:
+    """The first one alone leaves more than half; the third one removes hardly anything."""
+    begin = fit("base", level=levels["base"])
+    fits: list[Any] = []
+    found = within_floor.grown_within_floor(search(), begin, [], fits)
+    assert found.names == {"base", "one", "two"}
+    assert begin in fits
+    assert found in fits
+
+
+def test_effects_that_leave_much_are_none(levels: dict[str, float]) -> None:
+    levels |= {"base+one": 1.45, "base+one+two": 1.3}
+    begin = fit("base", level=levels["base"])
+    assert within_floor.grown_within_floor(search(), begin, [], []) is begin
+
+
+def test_above_the_floors_of_an_explanation_nothing_is_tried(levels: dict[str, float]) -> None:
+    begin = fit("base", level=2.1)
+    assert within_floor.grown_within_floor(search(), begin, [], []) is begin

@@ -1,0 +1,144 @@
+"""Numbers of the model at the end of a search in a measured log: within tolerance none, far beyond it named."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from flexros.effects import effects
+from flexros.gap.candidates.tolerance import Tolerance
+from flexros.gap.fit.tolerance_takeover import Takeover
+from flexros.gap.search import within_tolerance
+from flexros.gap.settings import DiagnosisSettings
+from flexros.record.premises import MEASURED
+
+STIFFNESS, PAYLOAD, BIAS = "stiffness_error@body_2.ry", "payload_error@tool", "torque_bias@motor_1"
+SPRING = "body_2.ry.stiffness"
+
+
+def fit(chi2: float, penalty: float, **relative: float) -> Any:
+    """Fit of a bias and of relative errors of these sizes, by the first word of their effect."""
+    names = [BIAS, *(name for name in (STIFFNESS, PAYLOAD) if name.split("_")[0] in relative)]
+    hypothesis = tuple(
+        SimpleNamespace(name=name, effect=effects()[name.split("@")[0]], location=name.split("@")[1]) for name in names
+    )
+    values = [{"level": 1.0}, *({"relative": relative[one.split("_")[0]]} for one in names[1:])]
+    predictor = SimpleNamespace(values=lambda _: values)
+    return SimpleNamespace(
+        names=frozenset(names),
+        hypothesis=hypothesis,
+        predictor=predictor,
+        theta=np.zeros(len(names)),
+        chi2=chi2,
+        prior_penalty=penalty,
+        columns=lambda left: np.array([name in left for name in names]),
+    )
+
+
+class Search:
+    """A search in which one fit follows from adding, and one from leaving out."""
+
+    premises = MEASURED
+    settings = DiagnosisSettings()
+
+    def __init__(self, after: Any, misfit: float = 1.0) -> None:
+        self.after = after
+        self.rows = np.zeros(0, dtype=int)
+        self.data = SimpleNamespace(misfit=misfit)
+        self.base = SimpleNamespace(names=frozenset())
+        self.deadline = SimpleNamespace(stops_finishing=lambda: False)
+        tolerance = Tolerance((SPRING,), (0.03,))
+        robot = SimpleNamespace(parameters={SPRING: 1.0})
+        null = SimpleNamespace(predictor=SimpleNamespace(tolerance=tolerance))
+        self.null = SimpleNamespace(fit=null, model=SimpleNamespace(robot=robot))
+
+    def candidates(self) -> list[Any]:
+        return [SimpleNamespace(name=STIFFNESS, effect=effects()["stiffness_error"], location="body_2.ry")]
+
+    def together(self, _: Any, additions: Any) -> Any:
+        (one,) = (one for one in self.after.hypothesis if one.name == additions[0].candidate.name)
+        additions[0].candidate.__dict__.update(one.__dict__)
+        self.after.hypothesis = (self.after.hypothesis[0], additions[0].candidate)
+        return self.after
+
+    def without(self, _: Any, name: str) -> Any:
+        assert name not in self.after.names
+        return self.after
+
+    def completed(self, one: Any) -> Any:
+        return one
+
+
+@pytest.fixture(autouse=True)
+def plain_rules(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A level below the floors; the penalty of a fit is that of the spring alone."""
+    monkeypatch.setattr(within_tolerance, "compared", lambda *_: SimpleNamespace(level=lambda one: 0.9))
+
+    def takeover(one: Any, chosen: Any) -> Takeover | None:
+        relative = issubclass(one.effect, within_tolerance.AbstractRelativeError)
+        return Takeover(chosen.prior_penalty, np.zeros(1), np.array([True])) if relative else None
+
+    monkeypatch.setattr(within_tolerance, "takeover", takeover)
+
+
+@pytest.mark.parametrize(("penalty", "size", "named"), [(49.0, -0.2, True), (9.0, -0.09, False), (20.0, -0.1, False)])
+def test_a_number_far_beyond_its_tolerance_is_an_effect(penalty: float, size: float, named: bool) -> None:
+    """Beyond four tolerances of 3 %, in what the numbers deviate and in the size of the effect."""
+    search: Any = Search(fit(1000.0, 1.0, stiffness=size))
+    fits: list[Any] = []
+    found = within_tolerance.with_far_numbers(search, fit(1000.0 + penalty, penalty), fits)
+    assert (STIFFNESS in found.names) is named
+
+
+@pytest.mark.parametrize("worth", [True, False])
+def test_an_error_that_the_tolerance_takes_up_at_the_final_misfit_is_none(
+    worth: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(
+        within_tolerance, "replace", lambda data, misfit: SimpleNamespace(misfit=misfit, negligible=0.0)
+    )
+    monkeypatch.setattr(within_tolerance, "compare", lambda *_: None)
+    monkeypatch.setattr(within_tolerance, "worth", lambda *_: worth)
+    used: list[float] = []
+
+    def fit_candidate(predictor: Any, data: Any, *_: Any, **__: Any) -> Any:
+        used.append(data.misfit)
+        return predictor
+
+    monkeypatch.setattr(within_tolerance, "fit_candidate", fit_candidate)
+    rest, full = fit(1010.0, 9.0), fit(1000.0, 1.0, payload=-0.06)
+    search: Any = Search(rest, misfit=4.9)
+    search.deadline.of_fit = lambda finishing: None
+    search.null.predictor = lambda hypothesis: rest
+    full.predictor = full
+    found = within_tolerance.without_tolerated(search, full, [])
+    assert (PAYLOAD in found.names) is worth
+    assert set(used) == {1.0}
+
+
+@pytest.mark.parametrize(("effect", "size", "kept"), [
+    ("coulomb_friction", 0.018, False), ("coulomb_friction", 0.022, True),
+    ("viscous_friction", 0.008, False), ("viscous_friction", 0.011, True),
+])  # fmt: skip
+def test_friction_far_within_the_tolerance_of_torques_is_none(effect: str, size: float, kept: bool) -> None:
+    """A fifth of 0.1 Nm, for viscous friction by the rms speed of 2.1 rad/s; not where its directions differ."""
+    time = 0.01 * np.arange(630)
+    record = SimpleNamespace(position=np.sin(3.0 * time)[:, None], sample_time=0.01, command=None)
+    rest = fit(1001.0, 1.0)
+    search: Any = Search(rest)
+    measurement = SimpleNamespace(tolerated_torque=lambda _: np.array([0.1]))
+    search.data = SimpleNamespace(record=record, measurement=measurement)
+    search.null.model.robot.joint_names = ("motor_1",)
+    name = f"{effect}@motor_1"
+    full = fit(1000.0, 1.0)
+    free = (SimpleNamespace(name="size"),)
+    one = SimpleNamespace(name=name, effect=effects()[effect], location="motor_1", free=free)
+    full.hypothesis[0].free = free
+    full.hypothesis, full.names = (*full.hypothesis, one), full.names | {name}
+    full.predictor.values = lambda _: [{"size": 1.0}, {"size": size}]
+    assert (name in within_tolerance.without_slight_friction(search, full, []).names) is kept
+    one.free = (*free, SimpleNamespace(name="asymmetry"))
+    assert name in within_tolerance.without_slight_friction(search, full, []).names
