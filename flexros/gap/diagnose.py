@@ -18,7 +18,7 @@ from flexros.gap.candidates.tolerance import driven_tolerance, tolerance_of, wit
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.elastic_timing import shift_of_explanation, with_torque_in_time_behind_springs
 from flexros.gap.fit.null_fit import fit_null
-from flexros.gap.fit.rough_gains import rough_gains
+from flexros.gap.fit.rough_gains import rough_gains, with_gains
 from flexros.gap.fit.unknown_numbers import unknown_numbers
 from flexros.gap.held_out.closed_loop_gap import closed_loop_gap, why_not_simulated
 from flexros.gap.held_out.predictions import prediction_of, sensor_errors, tool_errors
@@ -99,7 +99,10 @@ def diagnose(
     notes = () if in_closed_loop is None else why_not_simulated(in_closed_loop)
     stages, deadline = Stages(progress), Deadline(settings.time_limit, interrupted)
     rough = rough_gains(record, driven_model(given, record), settings.servo_start)
-    begun = given.with_effects(rough) if rough else given
+    begun = given
+    if rough:
+        begun = given.with_effects(rough)
+        record, holdout = with_gains(record, begun), None if holdout is None else with_gains(holdout, begun)
     task = _Task(begun, holdout, tolerance or {}, notes, settings, deadline, bool(rough))
     found = task.searched(record, stages)
     shift = shift_of_explanation(found.explanations.chosen, found.null, settings)

@@ -18,6 +18,7 @@ from flexros.gap.fit.torque_regression import KINDS, only_coulomb
 from flexros.gap.residuals.torque_rows import ActingTorque, torque_rows
 from flexros.identify.rigid.record import torque_as_it_acts
 from flexros.record.missing_samples import bridged_motion
+from flexros.record.servo_torque import servo_torque
 from flexros.robot.parameters import SERVO
 
 if TYPE_CHECKING:
@@ -60,6 +61,48 @@ def rough_gains(record: Record, model: RobotWithEffects, settings: ServoStartSet
         *(PlacedEffect(ServoStiffnessError(relative=error), name) for name, error in errors.items()),
         *(PlacedEffect(ServoDampingError(relative=errors[name]), name) for name in damped),
     )
+
+
+def with_gains(record: Record, model: RobotWithEffects) -> Record:
+    """Return a log of position commands with the torques of the servos of a model, which scale its tolerance.
+
+    Args:
+        record: The log.
+        model: The model.
+    """
+    if record.command is None:
+        return record
+    position = bridged_motion(record.position, record.valid)
+    torque = servo_torque(model.robot, record.command, position, record.sample_time)
+    return replace(record, torque=torque)
+
+
+def with_likely_gains(
+    record: Record, model: RobotWithEffects, repaired: RobotWithEffects | None, settings: ServoStartSettings
+) -> Record:
+    """Return a log of position commands with torques of likely gains, where those of a model are off by far.
+
+    They are those that carry the weight, or else those of a repair. Torques of servos that the robot does not have
+    would let the log tolerate errors of the torques as large as these.
+
+    Args:
+        record: The log.
+        model: The nominal model.
+        repaired: The model with a repair; None without one.
+        settings: Settings of the starts of servos.
+    """
+    if record.command is None:
+        return record
+    if rough := rough_gains(record, model, settings):
+        return with_gains(record, model.with_effects(rough))
+    if repaired is not None and not record.simulated:
+        gains = [
+            np.array([one.robot.parameters[f"{name}.{SERVO}stiffness"].value for name in model.robot.joint_names])
+            for one in (model, repaired)
+        ]
+        if abs(np.median(np.log(gains[1] / gains[0]))) > np.log(settings.rough_gain):
+            return with_gains(record, repaired)
+    return record
 
 
 def carrying_stiffness(record: Record, model: RobotWithEffects, settings: ServoStartSettings) -> FloatArray:

@@ -12,7 +12,7 @@ from flexros.effects.servos import ServoDampingError, ServoStiffnessError
 from flexros.gap.candidates.tolerance import driven_tolerance, tolerance_of
 from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
-from flexros.gap.fit.rough_gains import carrying_stiffness, rough_gains
+from flexros.gap.fit.rough_gains import carrying_stiffness, rough_gains, with_likely_gains
 from flexros.gap.prediction.driven_model import driven_model
 from flexros.gap.settings import ServoStartSettings
 from flexros.record.record import Record
@@ -83,3 +83,14 @@ def test_the_answer_is_relative_to_the_file() -> None:
     assert number.nominal == pytest.approx(30 * TRUE)
     assert number.value == pytest.approx(TRUE, rel=0.05)
     assert any("motor_1.servo_stiffness" in text for text in result.diagnosis.warnings)
+
+
+def test_a_gap_has_the_torques_of_likely_gains() -> None:
+    robot, settings = robot_with(30.0), ServoStartSettings()
+    record, true = record_of(robot), record_of(robot_with(1.0))
+    found = with_likely_gains(record, driven(robot), None, settings)
+    np.testing.assert_allclose(np.std(found.torque), np.std(true.torque), rtol=0.1)
+    short = settings.model_copy(update={"least_carried": 0.999})
+    assert with_likely_gains(record, driven(robot), None, short) is record
+    repaired = with_likely_gains(record, driven(robot), driven(robot_with(1.0)), short)
+    np.testing.assert_allclose(repaired.torque, true.torque)
