@@ -20,7 +20,7 @@ RATE, SUBSTEPS, JOINTS, LENGTH = 49.85, 10, 5, 3000
 MODEL = "SO-ARM100/Simulation/SO101/so101_new_calib.xml"
 LOGS = "sage/output/real/so101/custom"
 FIRST = np.concatenate([np.log(np.repeat([15.0, 0.2, 0.5, 0.02], JOINTS)), np.zeros(JOINTS), [0.02]])
-"""Logarithms of stiffness [Nm/rad], friction [Nm], damping [Nm s/rad] and armature [kg m2], offsets [rad], delay [s]."""
+"""Logarithms of stiffness, dry friction, damping and armature, then offsets and a delay [Nm, rad, s, kg m2]."""
 LOWEST = np.concatenate([np.log(np.repeat([1.0, 1e-3, 1e-3, 1e-4], JOINTS)), np.full(JOINTS, -0.1), [0.0]])
 HIGHEST = np.concatenate([np.log(np.repeat([500.0, 5.0, 20.0, 1.0], JOINTS)), np.full(JOINTS, 0.1), [0.2]])
 SCALE = np.concatenate([np.full(4 * JOINTS, 0.3), np.full(JOINTS, 0.02), [0.01]])
