@@ -14,7 +14,7 @@ from flexros.gap.answer.rough_gains import relative_to_file
 from flexros.gap.answer.sensitivity import sensitivity_of
 from flexros.gap.answer.withdrawal import confirmed
 from flexros.gap.candidates.competitors import competitors
-from flexros.gap.candidates.tolerance import driven_tolerance, tolerance_of, with_torque_tolerance
+from flexros.gap.candidates.tolerance import scaled_by_gravity, tolerance_of, with_torque_tolerance
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.elastic_timing import shift_of_explanation, with_torque_in_time_behind_springs
 from flexros.gap.fit.null_fit import fit_null
@@ -156,7 +156,7 @@ class _Task:
         notes: Sentences for the warnings.
         settings: Settings of the diagnosis.
         deadline: When the search ends.
-        rough_gains: Whether the servos have gains by the log, which effects correct and no tolerance does.
+        rough_gains: Whether the servos have gains by the log, whose scale gravity alone fixes.
     """
 
     given: RobotWithEffects
@@ -187,7 +187,7 @@ class _Task:
         fitted = replace(fitted, warnings=(*fitted.warnings, *unknown.warnings, *self.notes))
         model = unknown.given_to(model)
         tolerated = unknown.tolerated(tolerance_of(model.robot, self.tolerance), model.robot)
-        tolerated = driven_tolerance(tolerated, model.robot, known_gains=not self.rough_gains)
+        tolerated = scaled_by_gravity(tolerated) if self.rough_gains else tolerated
         give_memory_back()  # what was needed of a long log beside the part that is used
         data = fit_data(fitted, model, settings)
         measurement = measurement_in(held, model.robot, data.measurement, settings)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from flexros.blas_threads import one_blas_thread
-from flexros.gap.candidates.tolerance import driven_tolerance, tolerance_of, with_torque_tolerance
+from flexros.gap.candidates.tolerance import tolerance_of, with_torque_tolerance
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.elastic_timing import shift_of_explanation, with_torque_in_time_behind_springs
 from flexros.gap.fit.null_fit import fit_null
@@ -157,7 +157,6 @@ def _fitted(
     lacked = unknown.lacked_by(given)
     model = lacked.given_to(given)
     tolerated = lacked.tolerated(tolerance_of(model.robot, tolerance), model.robot)
-    tolerated = driven_tolerance(tolerated, model.robot, known_gains=True)
     return fit_null(data, model, tolerated, settings.fit, stop=deadline.stops)
 
 

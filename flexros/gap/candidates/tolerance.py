@@ -109,23 +109,20 @@ def with_torque_tolerance(settings: DiagnosisSettings, given: Mapping[str, float
     return settings.model_copy(update={"noise": noise})
 
 
-def driven_tolerance(tolerance: Tolerance, robot: Robot, *, known_gains: bool) -> Tolerance:
-    """Return a tolerance without what fixes the scale of the torques of servos, where positions are commanded.
+def scaled_by_gravity(tolerance: Tolerance) -> Tolerance:
+    """Return a tolerance without gravity and the gains of servos, for servos whose gains nobody knows.
 
-    Gravity is known far better than the numbers of a robot. With torques that nobody measured, a deviation of it would
-    stand for an error of all gains, frictions and rotors at once.
+    Gravity is known far better than the numbers of a robot. Where neither torques nor gains are known, it alone fixes
+    their scale, and a deviation of it would stand for an error of all gains, frictions and rotors at once. The gains
+    themselves are errors to be found.
 
     Args:
         tolerance: Tolerance of a model.
-        robot: Its robot.
-        known_gains: Whether the gains of the servos are those of the file, known within their tolerance.
     """
-    if robot.commands != "position":
-        return tolerance
     kept = [
         (name, deviation)
         for name, deviation in zip(tolerance.names, tolerance.deviations, strict=True)
-        if not name.startswith("gravity.") and (known_gains or f".{SERVO}" not in name)
+        if not name.startswith("gravity.") and f".{SERVO}" not in name
     ]
     return Tolerance(tuple(name for name, _ in kept), tuple(deviation for _, deviation in kept))
 

@@ -9,7 +9,7 @@ import pytest
 
 from flexros.effects import RobotWithEffects
 from flexros.effects.servos import ServoDampingError, ServoStiffnessError
-from flexros.gap.candidates.tolerance import driven_tolerance, tolerance_of
+from flexros.gap.candidates.tolerance import Tolerance, scaled_by_gravity
 from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
 from flexros.gap.fit.rough_gains import carrying_stiffness, rough_gains, with_likely_gains
@@ -60,13 +60,9 @@ def test_gains_that_are_off_by_far_are_replaced() -> None:
     assert damping.effect.relative == stiffness.effect.relative
 
 
-def test_gravity_has_no_tolerance_where_it_alone_fixes_the_scale() -> None:
-    model = driven(robot_with(1.0))
-    stated = replace(tolerance_of(model.robot, {"inertia": 0.03}), names=("gravity.z", "motor_1.servo_damping"))
-    stated = replace(stated, deviations=(0.03, 0.03))
-    assert driven_tolerance(stated, model.robot, known_gains=True).names == ("motor_1.servo_damping",)
-    assert driven_tolerance(stated, model.robot, known_gains=False).names == ()
-    assert driven_tolerance(stated, model.robot.commanded_by("torque"), known_gains=False) == stated
+def test_gravity_alone_fixes_the_scale_of_unknown_gains() -> None:
+    stated = Tolerance(("gravity.z", "body_1.mass", "motor_1.servo_damping"), (0.03, 0.02, 0.03))
+    assert scaled_by_gravity(stated) == Tolerance(("body_1.mass",), (0.02,))
 
 
 def test_the_answer_is_relative_to_the_file() -> None:
