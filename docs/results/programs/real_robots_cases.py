@@ -539,8 +539,8 @@ CASES = (
             )
         ),
         source="least squares of free runs of MuJoCo through 60 s of two of its logs by `python "
-        "docs/results/programs/measured/so101_free_runs.py fetched`, smallest and largest; they leave 3 to 4 mrad rms. Of "
-        "joints 1 and 5, which carry no weight, positions show the ratio of friction and stiffness alone",
+        "docs/results/programs/measured/so101_free_runs.py fetched`, smallest and largest; they leave 3 to 4 mrad "
+        "rms. Of joints 1 and 5, which carry no weight, positions show the ratio of friction and stiffness alone",
         by_mujoco=_NO_TORQUE,
         fetched=True,
     ),
