@@ -10,13 +10,15 @@ from flexros.effects import RobotWithEffects
 from flexros.errors import InputError
 from flexros.gap.answer.assemble import result_of
 from flexros.gap.answer.decision import findings_of
+from flexros.gap.answer.rough_gains import relative_to_file
 from flexros.gap.answer.sensitivity import sensitivity_of
 from flexros.gap.answer.withdrawal import confirmed
 from flexros.gap.candidates.competitors import competitors
-from flexros.gap.candidates.tolerance import tolerance_of, with_torque_tolerance
+from flexros.gap.candidates.tolerance import scaled_by_gravity, tolerance_of, with_torque_tolerance
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.elastic_timing import shift_of_explanation, with_torque_in_time_behind_springs
 from flexros.gap.fit.null_fit import fit_null
+from flexros.gap.fit.rough_gains import rough_gains, with_gains
 from flexros.gap.fit.unknown_numbers import unknown_numbers
 from flexros.gap.held_out.closed_loop_gap import closed_loop_gap, why_not_simulated
 from flexros.gap.held_out.predictions import prediction_of, sensor_errors, tool_errors
@@ -96,13 +98,20 @@ def diagnose(
     in_closed_loop = log if record.command is None else None
     notes = () if in_closed_loop is None else why_not_simulated(in_closed_loop)
     stages, deadline = Stages(progress), Deadline(settings.time_limit, interrupted)
-    task = _Task(given, holdout, tolerance or {}, notes, settings, deadline)
+    rough = rough_gains(record, driven_model(given, record), settings.servo_start)
+    begun = given
+    if rough:
+        begun = given.with_effects(rough)
+        record, holdout = with_gains(record, begun), None if holdout is None else with_gains(holdout, begun)
+    task = _Task(begun, holdout, tolerance or {}, notes, settings, deadline, bool(rough))
     found = task.searched(record, stages)
     shift = shift_of_explanation(found.explanations.chosen, found.null, settings)
     if shift and not deadline.stops():  # half a sample hid behind what the effects explain: all again with it
         stages = Stages(progress)
         found = task.searched(in_time(record, shift), stages)
     result = task.answered(found, stages)
+    if rough:
+        result = relative_to_file(result, rough, given)
 
     if in_closed_loop is not None:
         stages.begin("closed loop", 1.0)
@@ -147,6 +156,7 @@ class _Task:
         notes: Sentences for the warnings.
         settings: Settings of the diagnosis.
         deadline: When the search ends.
+        rough_gains: Whether the servos have gains by the log, whose scale gravity alone fixes.
     """
 
     given: RobotWithEffects
@@ -155,6 +165,7 @@ class _Task:
     notes: tuple[str, ...]
     settings: DiagnosisSettings
     deadline: Deadline
+    rough_gains: bool = False
 
     def searched(self, record: Record, stages: Stages) -> _Searched:
         """Weigh a log, and search for what explains it.
@@ -177,6 +188,7 @@ class _Task:
         fitted = replace(fitted, warnings=(*fitted.warnings, *unknown.warnings, *self.notes))
         model = unknown.given_to(model)
         tolerated = unknown.tolerated(tolerance_of(model.robot, self.tolerance, fitted.prescribed), model.robot)
+        tolerated = scaled_by_gravity(tolerated) if self.rough_gains else tolerated
         give_memory_back()  # what was needed of a long log beside the part that is used
         data = fit_data(fitted, model, settings)
         measurement = measurement_in(held, model.robot, data.measurement, settings)

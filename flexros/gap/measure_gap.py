@@ -10,6 +10,7 @@ from flexros.gap.candidates.tolerance import tolerance_of, with_torque_tolerance
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.elastic_timing import shift_of_explanation, with_torque_in_time_behind_springs
 from flexros.gap.fit.null_fit import fit_null
+from flexros.gap.fit.rough_gains import with_likely_gains
 from flexros.gap.fit.unknown_numbers import unknown_numbers
 from flexros.gap.held_out.prediction_gap import (
     errors_ahead,
@@ -112,6 +113,7 @@ def measure_gap(
     model = driven_model(model, record)
     record = with_torque_in_time_behind_springs(record, model.robot, settings)
     record = most_informative(record, settings.most_values)
+    record = with_likely_gains(record, model, repaired, settings.servo_start)
     stated = tolerance_of(model.robot, tolerance or {}, record.prescribed)
     unknown = unknown_numbers(record, model, stated, settings.torque_start, as_stated=True)
     record = replace(record, warnings=(*record.warnings, *unknown.warnings))

@@ -29,6 +29,7 @@ def log_record(
     positions: bool = False,
     parameters_known: bool = False,
     prescribed: Collection[str] | None = None,
+    foreign_counts: bool = False,
 ) -> Record:
     """Read and check a log: the record of identification and, with what `gap.checked_log` adds, of a diagnosis.
 
@@ -45,6 +46,8 @@ def log_record(
         parameters_known: Whether the nominal parameters are about right; see `check_record`.
         prescribed: Motors whose measured motion drives the model; so it does where a torque was not recorded or, on a
             real machine, has nothing to do with the motion. None: no motor's does.
+        foreign_counts: Whether a torque that has nothing to do with the motion counts all the same, as where the
+            nominal parameters are only a guess.
 
     Returns:
         The record of `read_record`, measured torques when they acted, of a very fast recorder at a lower rate. Samples
@@ -55,7 +58,7 @@ def log_record(
     """
     record = read_record(log, robot, name=name, torque=torque, positions=positions, prescribed=prescribed)
     give_memory_back()
-    if prescribed is not None:
+    if prescribed is not None and not foreign_counts:
         record = without_foreign_torque(record, robot)
     checked = check_record(with_torque_in_time(record, robot), robot, parameters_known=parameters_known)
     give_memory_back()

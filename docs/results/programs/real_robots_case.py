@@ -16,9 +16,10 @@ KINDS = {
     "viscous friction": (("viscous_friction", "coefficient"),),
     "asymmetric viscous friction": (("viscous_friction", "asymmetry"),),
     "inertia": (("rotor_inertia", "inertia"),),
+    "servo stiffness": (),
 }
 """Effects and parameters that state a known deviation."""
-NUMBERS = {"viscous friction": "viscous_friction", "inertia": "inertia"}
+NUMBERS = {"viscous friction": "viscous_friction", "inertia": "inertia", "servo stiffness": "servo_stiffness"}
 """Last part of the name of a number of the robot that states it, where it is counted from zero."""
 
 

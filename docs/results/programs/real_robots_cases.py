@@ -107,6 +107,18 @@ _GO2_FREE_RUNS = (
 )
 """Viscous friction [Nm s/rad], Coulomb friction [Nm] and rotor [kg m2] of hip, thigh and calf, of four legs."""
 
+_SO101_FREE_RUNS = {
+    2: ((9.37, 10.2), (0.337, 0.369)),
+    3: ((8.30, 10.8), (0.347, 0.433)),
+    4: ((11.6, 13.3), (0.148, 0.210)),
+}
+"""Stiffness of the servo [Nm/rad] and dry friction [Nm] of the joints that carry weight."""
+
+
+def _so101(motion: str) -> tuple[str, ...]:
+    """Return the files of a motion of the SO-101."""
+    return tuple(f"output/real/so101/custom/{motion}/{name}.csv" for name in ("state_motor", "control"))
+
 
 def _go2(leg: str, place: str) -> Case:
     """Return the case of a leg of the Go2."""
@@ -504,6 +516,34 @@ CASES = (
     _go2("FR", "front right"),
     _go2("RL", "rear left"),
     _go2("RR", "rear right"),
+    Case(
+        name="so101",
+        title="Five axes of an SO-101 under position commands",
+        about="NVIDIA SAGE, [github.com/isaac-sim2real/sage](https://github.com/isaac-sim2real/sage), Apache-2.0: "
+        "fetched by `fetch_real_robots.py`. Hobby servos, position commands alone that count, 50 Hz, 120 s each; the "
+        "currents have no sign and the gripper no angle. Nominal: the MJCF of the arm, "
+        "[github.com/TheRobotStudio/SO-ARM100](https://github.com/TheRobotStudio/SO-ARM100), Apache-2.0, by `flexros "
+        "import-mjcf --end gripper`, whose gain of 998 Nm/rad makes a simulator stiff, without its dry friction of "
+        "0.052 Nm, tolerance 3 %. The gains by the weight of the arm were written with this log in view.",
+        folder="sage",
+        robot="so101_robot.yaml",
+        mapping="so101.yaml",
+        fitted=_so101("multisine"),
+        further={name: _so101(name) for name in ("friction_gravity", "large_amplitude")},
+        known=tuple(
+            one
+            for joint, (stiffness, coulomb) in _SO101_FREE_RUNS.items()
+            for one in (
+                Known("servo stiffness", f"motor_{joint}", *stiffness, "Nm/rad", 998.22),
+                _coulomb(joint, *coulomb),
+            )
+        ),
+        source="least squares of free runs of MuJoCo through 60 s of two of its logs by `python "
+        "docs/results/programs/measured/so101_free_runs.py fetched`, smallest and largest; they leave 3 to 4 mrad "
+        "rms. Of joints 1 and 5, which carry no weight, positions show the ratio of friction and stiffness alone",
+        by_mujoco=_NO_TORQUE,
+        fetched=True,
+    ),
     Case(
         name="flexible_link",
         title="Rotary flexible link",

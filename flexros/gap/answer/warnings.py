@@ -151,7 +151,8 @@ def _unit_warnings(findings: Findings) -> list[str]:
         for one in placed_effects(findings.explanations.chosen)
         if isinstance(one.effect, TorqueGainError) and abs(one.effect.relative) > SCALED
     ]
-    if len(scaled) < SEVERAL or not findings.data.record.imported:
+    record = findings.data.record
+    if len(scaled) < SEVERAL or not record.imported or record.command is not None:
         return []
     motors = findings.model.robot.motors
     limits = [motors[findings.model.robot.joint_names.index(one.location)].torque_limit for one in scaled]

@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.feedforward.rigid_arm import rigid_arm
 from flexros.record.missing_samples import bridged_motion
 from flexros.record.prescribed_motion import without_prescribed
 from flexros.record.smoothing import motion_cutoff, smooth_motion
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Collection, Mapping
 
     from flexros.arrays import FloatArray
     from flexros.effects.kinds.ranges import Scale
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
 
 SMALLEST = 1e-9
 """Least size of a scale, for motors that do not move [its unit]."""
+
+LOOKED_AT = 500
+"""Positions at which the weight of an arm is looked at (chosen)."""
 
 
 @dataclass(frozen=True)
@@ -45,13 +49,14 @@ class Scales:
         return sizes.get(location, max(sizes.values()))
 
 
-def scales_of(robot: Robot, states: FloatArray, torque: FloatArray) -> Scales:
+def scales_of(robot: Robot, states: FloatArray, torque: FloatArray, prescribed: Collection[int] = ()) -> Scales:
     """Compute the scales of a log.
 
     Args:
         robot: The nominal robot.
         states: States [q, v] that the nominal model predicts, shape (n, n_states).
         torque: Torques of the motors [Nm or N], shape (n, M).
+        prescribed: Motors whose motion is prescribed, so that their torques say nothing.
     """
     n, rows = robot.n_coordinates, list(robot.motor_rows)
     position, speed = states[:, :n], states[:, n : 2 * n]
@@ -63,7 +68,7 @@ def scales_of(robot: Robot, states: FloatArray, torque: FloatArray) -> Scales:
         deflections[joint.name] = _largest(value)
     for motor in robot.motors:
         deflections[motor.name] = deflections[motor.joint.name]
-    return _scales(robot.joint_names, torque, speed[:, rows], position[:, rows], deflections)
+    return _scales(robot, torque, speed[:, rows], position[:, rows], deflections, prescribed)
 
 
 def scales_of_motors(robot: Robot, record: Record) -> Scales:
@@ -76,21 +81,48 @@ def scales_of_motors(robot: Robot, record: Record) -> Scales:
     position = bridged_motion(record.position, record.valid)
     speed = smooth_motion(position, record.sample_time, motion_cutoff(record.sample_time))[1]
     names = robot.joint_names
-    return _scales(names, without_prescribed(record).torque, speed, position, dict.fromkeys(names, SMALLEST))
+    torque, rigid = without_prescribed(record).torque, dict.fromkeys(names, SMALLEST)
+    return _scales(robot, torque, speed, position, rigid, record.prescribed)
 
 
 def _scales(
-    names: Sequence[str],
+    robot: Robot,
     torque: FloatArray,
     speed: FloatArray,
     position: FloatArray,
     deflections: Mapping[str, float],
+    prescribed: Collection[int],
 ) -> Scales:
     """Take the largest torques, speeds and angles of the motors, one column each."""
-    torques = {name: max(float(np.abs(torque[:, motor]).max()), SMALLEST) for motor, name in enumerate(names)}
+    names = robot.joint_names
     speeds = {name: _largest(speed[:, motor]) for motor, name in enumerate(names)}
     angles = {name: max(float(np.ptp(position[:, motor])), SMALLEST) for motor, name in enumerate(names)}
+    torques = {name: max(float(np.abs(torque[:, motor]).max()), SMALLEST) for motor, name in enumerate(names)}
+    driven = [name for motor, name in enumerate(names) if motor not in prescribed]
+    free = [name for name in driven if torques[name] <= SMALLEST < min(speeds[name], angles[name])]
+    if free:
+        moved = _torques_of_motion(robot, position, np.array(list(speeds.values())), np.array(list(angles.values())))
+        torques |= {name: max(float(moved[names.index(name)]), SMALLEST) for name in free}
     return Scales({"torque": torques, "speed": speeds, "angle": angles, "deflection": deflections})
+
+
+def _torques_of_motion(robot: Robot, position: FloatArray, speed: FloatArray, angle: FloatArray) -> FloatArray:
+    """Return the torques that a motion takes from motors which have none, as in a swing with drives off, shape (M,).
+
+    They are the largest weight, or inertia J times v^2 / (A / 2) for a swing over the angle A with the largest speed v.
+
+    Args:
+        robot: The nominal robot.
+        position: Motor positions [rad or m], shape (n, M).
+        speed: Their largest speeds, shape (M,).
+        angle: Their ranges, shape (M,).
+    """
+    some = position[:: max(1, len(position) // LOOKED_AT)]
+    weight = rigid_arm(robot).inverse_dynamics(np.stack([some, 0 * some, 0 * some])).torque
+    state = robot.equilibrium(motor_position=np.median(position, axis=0))
+    masses = robot.model.mass_matrix(state[: robot.n_coordinates], robot.model.parameter_values)
+    inertia = np.diag(np.asarray(masses, dtype=float))[list(robot.motor_rows)]
+    return np.asarray(np.maximum(np.abs(weight).max(axis=0), 2 * inertia * speed**2 / angle))
 
 
 def _largest(values: FloatArray) -> float:

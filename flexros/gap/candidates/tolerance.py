@@ -108,6 +108,24 @@ def with_torque_tolerance(settings: DiagnosisSettings, given: Mapping[str, float
     return settings.model_copy(update={"noise": noise})
 
 
+def scaled_by_gravity(tolerance: Tolerance) -> Tolerance:
+    """Return a tolerance without gravity and the gains of servos, for servos whose gains nobody knows.
+
+    Gravity is known far better than the numbers of a robot. Where neither torques nor gains are known, it alone fixes
+    their scale, and a deviation of it would stand for an error of all gains, frictions and rotors at once. The gains
+    themselves are errors to be found.
+
+    Args:
+        tolerance: Tolerance of a model.
+    """
+    kept = [
+        (name, deviation)
+        for name, deviation in zip(tolerance.names, tolerance.deviations, strict=True)
+        if not name.startswith("gravity.") and f".{SERVO}" not in name
+    ]
+    return Tolerance(tuple(name for name, _ in kept), tuple(deviation for _, deviation in kept))
+
+
 def tolerance_of(robot: Robot, given: Mapping[str, float], prescribed: Sequence[int] = ()) -> Tolerance:
     """Collect the tolerances of a robot: of all parameters that are neither zero nor exact.
 

@@ -34,6 +34,9 @@ PLACEHOLDER = 0.5
 """Share of such a friction that the torques of the log have at most, if it stands for none [1] (chosen)."""
 UNCERTAIN = 0.5
 """Standard deviation of the logarithm of an estimated inertia: the prediction errors decide (chosen)."""
+UNCERTAIN_LEAST = 1.5
+"""The same for an inertia that is only the least with which its joint can be stepped (chosen): it may be any larger
+one, as rotors of wrists are ten times as large."""
 UNCERTAIN_LOAD = 0.1
 """The same for mass and centre of the body with an estimated load (chosen): the weight shows them well."""
 
@@ -49,6 +52,7 @@ class UnknownNumbers:
         placeholders: Viscous friction in the file by motor, where it stands for none [Nm s/rad or N s/m].
         rough: Tolerance of masses, centres of mass and inertias of the bodies where they are off by more than that of
             the file allows for [1]; zero where they are not.
+        least: Motors whose inertia is not estimated, but the least with which their friction can be stepped.
     """
 
     inertias: Mapping[str, float] = field(default_factory=dict)
@@ -56,6 +60,7 @@ class UnknownNumbers:
     bare: float = 0.0
     placeholders: Mapping[str, float] = field(default_factory=dict)
     rough: float = 0.0
+    least: frozenset[str] = frozenset()
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -86,7 +91,8 @@ class UnknownNumbers:
         bare = self.load is not None and parameters[f"{last_moved(model.robot)}.mass"].value == self.bare
         repaired = {law.location for law in model.laws if isinstance(law.effect, ViscousFriction)}
         placeholders = {name: value for name, value in self.placeholders.items() if name not in repaired}
-        return UnknownNumbers(lacked, self.load if bare else None, self.bare, placeholders)
+        load = self.load if bare else None
+        return UnknownNumbers(lacked, load, self.bare, placeholders, least=self.least & lacked.keys())
 
     def given_to(self, model: RobotWithEffects) -> RobotWithEffects:
         """Return a model that lacks these numbers with them."""
@@ -113,7 +119,7 @@ class UnknownNumbers:
             tolerance: Tolerance of the model with these numbers.
             robot: The robot.
         """
-        uncertain = dict.fromkeys((f"{name}.inertia" for name in self.inertias), UNCERTAIN)
+        uncertain = {f"{name}.inertia": UNCERTAIN_LEAST if name in self.least else UNCERTAIN for name in self.inertias}
         uncertain |= dict.fromkeys(self._of_load(robot), UNCERTAIN_LOAD)
         bodies = with_rough_bodies(tolerance, self.rough)
         pairs = zip(bodies.names, bodies.deviations, strict=True)
@@ -184,7 +190,7 @@ def unknown_numbers(
     delay = torque_delay(record, model, tolerance, settings)
     regression = regress_balanced(record, model, tolerance, delay=delay, settings=settings)
     if regression is None:
-        return UnknownNumbers(needed)
+        return UnknownNumbers(needed, least=frozenset(needed))
     shown = _with_load_or_bodies(
         regression, record, model, tolerance, len(lacking), delay, settings, as_stated=as_stated
     )
@@ -198,7 +204,8 @@ def unknown_numbers(
     needed |= inertias_for_friction(robot, record.sample_time, friction, carried)
     inertias = {name: max(needed.get(name, 0.0), rotors.get(name, 0.0)) for name in (needed | rotors)}
     bare = robot.parameters[f"{last_moved(robot)}.mass"].value if shown.load else 0.0
-    return UnknownNumbers(inertias, shown.load, bare, placeholders, shown.rough)
+    least = frozenset(name for name, value in needed.items() if value > rotors.get(name, 0.0))
+    return UnknownNumbers(inertias, shown.load, bare, placeholders, shown.rough, least)
 
 
 def _inertias_of_bodies(record: Record, robot: Robot) -> dict[str, float]:

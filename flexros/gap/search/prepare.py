@@ -56,7 +56,9 @@ def prepare_search(
         if len(fit.deviations)
         else None,
         rows=_rows(data, settings.search.screened_values),
-        scales=scales_of(null.model.robot, fit.states(data), without_prescribed(data.record).torque),
+        scales=scales_of(
+            null.model.robot, fit.states(data), without_prescribed(data.record).torque, data.record.prescribed
+        ),
         distance=_distances(data),
         settings=settings,
         competitors=competitors(null.model.robot, settings.search, data.record.prescribed),

@@ -180,3 +180,17 @@ class ServoStartSettings(Settings):
     iterations: int = Field(
         default=8, ge=1, description="iterations after which the best one of the fits goes on alone (chosen)"
     )
+    rough_gain: float = Field(
+        default=5.0,
+        gt=1,
+        description="factor by which the gains of the robot file may differ from those with which servos carry the "
+        "weight of the arm before the diagnosis begins with the latter [1] (chosen): half of what is sought, on a "
+        "logarithmic scale",
+    )
+    least_carried: float = Field(
+        default=0.5,
+        gt=0,
+        lt=1,
+        description="share of the torque of the bodies that their weight is, and that distance, speed and acceleration "
+        "of a servo explain, from which its stiffness counts [1] (chosen)",
+    )

@@ -161,7 +161,9 @@ def rows_of_log(
         InputError: The log does not fit the robot, is too short, or has no motion or no torque.
     """
     robot = regressor.robot
-    record = log_record(log, robot, name=label, torque=settings.torque)
+    record = log_record(
+        log, robot, name=label, torque=settings.torque, prescribed=settings.prescribed, foreign_counts=True
+    )
     torque = torque_at_samples(record)
     if settings.hold and not record.measured_torque:
         acting, begin = torque_as_it_acts(record, robot.delay)

@@ -44,7 +44,8 @@ class RegressionRows:
         leading: Columns of the regressor that count, one per base parameter, length r.
         cutoff: Corner of the low-pass for the positions [Hz].
         counts: Decimated rows that no long hole of the record touches, shape (n_decimated,).
-        torque: Torques of the rows that count [Nm or N], shape (n, M).
+        torque: Torques of the rows that count [Nm or N], shape (n, M); zero, as their regressor, of motors whose motion
+            is prescribed, so that these say nothing.
         kept: Blocks of the regressor that were evaluated already; empty when it is too large to be kept.
     """
 
@@ -76,13 +77,16 @@ class RegressionRows:
         motion = estimate_motion(bridged_motion(record.position, record.valid), record.sample_time, cutoff)
         factor = decimation(record.sample_time, cutoff)
         counts = untouched_rows(long_holes(record.valid), factor)
-        return cls(record, motion, regressor, leading, cutoff, counts, decimate(torque, factor)[counts], [])
+        torques = decimate(torque, factor)[counts]
+        torques[:, list(record.prescribed)] = 0.0
+        return cls(record, motion, regressor, leading, cutoff, counts, torques, [])
 
     def torque_as_it_acts(self) -> FloatArray | None:
         """Return the torques with delay and hold of the command [Nm or N], shape (n, M); None for measured ones."""
         if self.record.measured_torque:
             return None
         acting, _ = torque_as_it_acts(self.record, self.regressor.robot.delay)
+        acting[:, list(self.record.prescribed)] = 0.0
         return self.decimated(acting)
 
     def decimated(self, values: FloatArray) -> FloatArray:
@@ -158,5 +162,6 @@ class RegressionRows:
             cut = slice(start, min(start + (_CHUNK_ROWS - 1) * factor + 2 * half + 1, n))
             signals = motion.position[cut], motion.velocity[cut], motion.acceleration[cut]
             H = decimate(self.regressor.matrix(*signals, self.leading), factor)
+            H[:, list(self.record.prescribed)] = 0.0
             yield H[self.counts[first : first + len(H)]]
             first += len(H)

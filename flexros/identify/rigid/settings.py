@@ -25,6 +25,12 @@ class RigidSettings(Settings):
         False, description="pair positions with the commanded torque as it acts: delayed and held, not with its samples"
     )
 
+    prescribed: tuple[str, ...] = Field(
+        (),
+        description="motors whose torque does not count, beside those without any: what they move is felt by the "
+        "torques of the others",
+    )
+
     def cutoff_at(self, rate: float) -> float:
         """Return the cut-off [Hz] at a sampling rate [Hz]."""
         return min(rate / 10, 100.0) if self.cutoff is None else self.cutoff

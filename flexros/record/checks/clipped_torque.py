@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from flexros.feedforward.rigid_arm import rigid_arm
 from flexros.record.checks.base import AbstractCheck, Finding
 from flexros.record.missing_samples import runs
 
@@ -30,6 +31,16 @@ BEYOND_LIMIT = 1.05
 """Torque over the limit of the robot file above which it is reported (chosen)."""
 
 
+FREE = 0.3
+"""Torque that the bodies need for a motion over that of their weight, rms, below which the arm swings freely [1]
+(chosen): friction is a small part of it, or the swing would end at once."""
+
+EVERY = 10
+"""Samples of which one is looked at there (chosen)."""
+
+NOTHING = "all torques are zero, so nothing drives the motion; record the commands or the measured torques"
+
+
 class ClippedTorque(AbstractCheck):
     """A torque that is clipped only in the log, or only at the motor, is not the one that acted."""
 
@@ -41,8 +52,7 @@ class ClippedTorque(AbstractCheck):
         """Find zero torques, flat tops, and torques beyond the limit."""
         record, robot = checked.record, checked.robot
         if not np.any(record.torque):
-            text = "all torques are zero, so nothing drives the motion; record the commands or the measured torques"
-            return (Finding(text, hopeless=True),)
+            return () if _swings(checked) else (Finding(NOTHING, hopeless=True),)
         problems = []
         for motor, name in enumerate(robot.joint_names):
             values, limit = record.torque[record.valid, motor], float(robot.torque_limits[motor])
@@ -51,6 +61,14 @@ class ClippedTorque(AbstractCheck):
             if levels:
                 problems.append(_clipped(name, levels, limit))
         return tuple(problems)
+
+
+def _swings(checked: CheckedRecord) -> bool:
+    """Return whether the weight of the arm drives its motion, as in a swing with its drives off."""
+    motion, arm = checked.motion[:, ::EVERY], rigid_arm(checked.robot)
+    needed = arm.inverse_dynamics(motion).torque
+    weight = arm.inverse_dynamics(motion * np.array([1.0, 0.0, 0.0])[:, None, None]).torque
+    return bool(np.sum(needed**2) < FREE**2 * np.sum(weight**2))
 
 
 def _flat_tops(values: FloatArray) -> list[float]:

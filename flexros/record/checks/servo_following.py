@@ -15,8 +15,12 @@ if TYPE_CHECKING:
 CLEAR = 0.7
 """Correlation of command and position above which a sign or a factor between them is significant (chosen)."""
 
-LIKE = 1.6
-"""Factor between the way of a motor and that of its command, either way, above which units differ (chosen)."""
+NOTED = 1.6
+"""Factor between the way of a motor and that of its command, either way, above which a warning is given (chosen)."""
+
+REFUSED = 4.0
+"""Factor above which the log is rejected: the units of one quantity differ by 6.28 or more, and gears by 4 or more as a
+rule, while dry friction and weight hold a weak servo back by up to about 3 (chosen)."""
 
 
 class ServoFollowing(AbstractCheck):
@@ -45,12 +49,24 @@ class ServoFollowing(AbstractCheck):
             if own < -CLEAR:
                 text = f"{names[motor]} moves against its commanded position; correct a sign (sign: -1) when importing"
                 problems.append(Finding(text, hopeless=True))
-            elif own > CLEAR and abs(np.log(size)) > np.log(LIKE):
+            elif own > CLEAR and abs(np.log(size)) > np.log(REFUSED):
                 text = (
                     f"{names[motor]} moves {size:.3g} times as far as its command, about 1 is expected of a servo: "
                     "position or command has another unit or is on the other side of the gear; correct it on import"
                 )
                 problems.append(Finding(text, hopeless=True))
+            elif own > CLEAR and size < 1.0 / NOTED:
+                text = (
+                    f"{names[motor]} moves {size:.3g} times as far as its command, as a weak servo does against dry "
+                    "friction or weight; where its gear ratio is in doubt, check gear_ratio of the mapping"
+                )
+                problems.append(Finding(text, hopeless=False))
+            elif own > CLEAR and size > NOTED:
+                text = (
+                    f"{names[motor]} moves {size:.3g} times as far as its command, as a servo near its resonance does; "
+                    "where its gear ratio is in doubt, check gear_ratio of the mapping"
+                )
+                problems.append(Finding(text, hopeless=False))
         return tuple(problems)
 
 

@@ -14,14 +14,17 @@ from flexros.gap.candidates.tolerance import Tolerance
 from flexros.robot import load_robot
 
 
-@pytest.mark.parametrize(("sizes", "imported", "warned"), [((-0.48, -0.66), True, True), ((-0.48, -0.1), True, False)])
+@pytest.mark.parametrize(
+    ("sizes", "servos", "warned"),
+    [((-0.48, -0.66), False, True), ((-0.48, -0.1), False, False), ((-0.48, -0.66), True, False)],
+)
 def test_torques_of_several_motors_that_act_by_other_factors_have_another_unit(
-    monkeypatch: pytest.MonkeyPatch, sizes: tuple[float, float], imported: bool, warned: bool
+    monkeypatch: pytest.MonkeyPatch, sizes: tuple[float, float], servos: bool, warned: bool
 ) -> None:
     robot = load_robot("elbow")
     placed = [parse_effect(f"torque_gain_error@motor_{k + 1}:relative={size}", "test") for k, size in enumerate(sizes)]
     monkeypatch.setattr(warnings, "placed_effects", lambda _: placed)
-    record = SimpleNamespace(imported=imported)
+    record = SimpleNamespace(imported=True, command=np.zeros((2, 2)) if servos else None)  # no torque was recorded
     findings: Any = SimpleNamespace(
         explanations=SimpleNamespace(chosen=None),
         data=SimpleNamespace(record=record),

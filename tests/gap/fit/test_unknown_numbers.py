@@ -18,7 +18,7 @@ from flexros.gap.fit.missing_rotors import STEPS
 from flexros.gap.fit.rough_bodies import fitted_bodies, with_rough_bodies
 from flexros.gap.fit.torque_regression import regress_torque
 from flexros.gap.fit.torque_solution import TorqueRegression
-from flexros.gap.fit.unknown_numbers import UnknownNumbers, unknown_numbers
+from flexros.gap.fit.unknown_numbers import UNCERTAIN, UNCERTAIN_LEAST, UnknownNumbers, unknown_numbers
 from flexros.gap.measure_gap import measure_gap
 from flexros.gap.settings import DiagnosisSettings, TorqueStartSettings
 from flexros.prediction.integration_step import least_inertia, stops_too_fast, substeps
@@ -57,7 +57,17 @@ def test_a_light_wrist_gets_the_inertia_with_which_the_friction_of_its_torques_c
     steps = substeps(arm(), T)
     assert found.inertias["motor_2"] == pytest.approx(least_inertia(FILE + VISCOUS[1], T, steps), rel=0.05)
     damped_wrist = found.given_to(model).robot.with_values({"motor_2.viscous_friction": FILE})
+    assert found.least == {"motor_2"}
     assert not stops_too_fast(damped_wrist, T, steps)
+
+
+def test_the_least_inertia_for_steps_may_be_any_larger_one() -> None:
+    numbers = UnknownNumbers({"motor_1": 1.0, "motor_2": 0.01}, least=frozenset({"motor_2"}))
+    model = arm()
+    tolerance = Tolerance(("motor_1.inertia", "motor_2.inertia"), (0.03, 0.03))
+    assert numbers.tolerated(tolerance, model).deviations == (UNCERTAIN, UNCERTAIN_LEAST)
+    bare = RobotWithEffects(model.with_values({"motor_1.inertia": 0.0, "motor_2.inertia": 0.0}), ())
+    assert numbers.lacked_by(bare).least == {"motor_2"}
 
 
 def test_friction_that_torques_do_not_show_stands_for_none() -> None:

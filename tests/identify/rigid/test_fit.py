@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -54,6 +55,21 @@ def test_base_parameters_and_torques_are_recovered(name: str, fourier_motion, ri
     assert fit.error.total < 0.05
     other = rigid_log(robot, fourier_motion(8000, 1e-3, robot.n_motors, seed=9), noise=2e-6, friction=friction, seed=4)
     assert cross_test(fit, other).total < 0.1
+
+
+def test_a_motor_without_torque_is_left_out(elbow, fourier_motion, rigid_log) -> None:
+    log = rigid_log(elbow, fourier_motion(4000, 1e-3, elbow.n_motors), noise=2e-6, friction=friction)
+    commands = log.joint_commands
+    wrong = commands.effort.copy()
+    wrong[:, 1] = 40 * np.random.default_rng(0).normal(size=len(wrong))
+    spoilt = replace(log, joint_commands=replace(commands, effort=wrong))
+    fit = fit_rigid(spoilt, elbow, SLOW.model_copy(update={"prescribed": ("motor_2",)}))
+    found, expected = dict(zip(fit.base.names, fit.values)), dict(zip(fit.base.names, truth(fit)))
+    assert found["motor_1.coulomb_friction"] == pytest.approx(expected["motor_1.coulomb_friction"], rel=0.02)
+    assert fit.error.total < 0.5
+    assert np.isnan(fit.error.motors[1])
+    assert any("motor_2.coulomb_friction" in one.name for one in fit.excitation.not_excited)
+    assert found["motor_2.coulomb_friction"] == 0.0  # nominal
 
 
 @pytest.mark.slow

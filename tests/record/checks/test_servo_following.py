@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from flexros.record.checks.base import Finding
 from flexros.record.checks.run import findings
@@ -36,6 +37,18 @@ def test_inverted_commands_are_refused() -> None:
 def test_commands_in_degrees_are_refused() -> None:
     (one,) = found(record_with(float(np.degrees(1.0))))
     assert "unit" in one.text
+
+
+@pytest.mark.parametrize("factor", [0.45, 2.2])
+def test_a_servo_that_is_held_back_or_overshoots_is_warned_of(factor: float) -> None:
+    (one,) = (one for one in findings(record_with(1 / factor), servo_robot()) if "gear_ratio" in one.text)
+    assert not one.hopeless
+    assert "motor_1" in one.text
+
+
+def test_a_gear_between_command_and_position_is_refused() -> None:
+    (one,) = found(record_with(5.0))
+    assert "gear" in one.text
 
 
 def test_checks_of_torques_are_left_out() -> None:

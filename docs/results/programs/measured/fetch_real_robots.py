@@ -1,6 +1,6 @@
 """Fetch public logs of robots: python docs/results/programs/measured/fetch_real_robots.py FOLDER [--from PATH]...
 
-The logs of twelve public repositories, most of them without a licence for copies, are brought into FOLDER, at the
+The logs of fourteen public repositories, most of them without a licence for copies, are brought into FOLDER, at the
 commits below and with their checksums; they are not part of this repository. `--from` names a clone, a bare clone or a
 plain folder of one of them that is there already. What cannot be reached is skipped with its reason, and the exit code
 is then 1.
@@ -65,6 +65,10 @@ TIAGO_PARTS = (921, 3921, 6791)
 
 GEN3 = "pyDynaMapp/data/kinova"
 """Folder of the logs of the Gen3, a table each."""
+
+
+SO101 = "output/real/so101/custom"
+"""Folder of the motions of the SO-101, a folder each: positions, and commanded positions."""
 
 
 WAM = "pest_2dof_nogravity/wam_data"
@@ -252,6 +256,41 @@ REPOSITORIES = (
         {
             "ur10_inverse_dynamics_solver/bagfiles/ur10_exciting_trajectory.db3": (
                 "14244fc39e9b42047039824f3c20ab984f9d1b28d5a67e9415cc1b3cc0ac3369"
+            ),
+        },
+    ),
+    Repository(
+        "isaac-sim2real",
+        "sage",
+        "4ffd2627df9d23e279b35712a67e629ce0c0dfa7",
+        {
+            f"{SO101}/multisine/state_motor.csv": ("97d4112d4e83567b62e39e67c1eed515540bbba271a226df5ac796163e35d27b"),
+            f"{SO101}/multisine/control.csv": ("99562591fb0e8cecae236670e14a13458d49a146bb6448c26cdec25935cd5a80"),
+            f"{SO101}/friction_gravity/state_motor.csv": (
+                "2f4ad531531dd6ee112ee874ec08f186b7f5b364a7176c4d14227a8e650a35e2"
+            ),
+            f"{SO101}/friction_gravity/control.csv": (
+                "f2e53e26d4050ea8631542f10a6c6baa71274114641d9b688fbd4bca165dde0b"
+            ),
+            f"{SO101}/chirp_sweep/state_motor.csv": (
+                "85e9bd89fbc1cb97d21eba269242aca4437a8faa2116859e96b458b7001579d8"
+            ),
+            f"{SO101}/chirp_sweep/control.csv": ("9b87d99cdbddfe72cf2f7ceddbde9290b5a47de996fe35f8f2c9a83a84917670"),
+            f"{SO101}/large_amplitude/state_motor.csv": (
+                "5df5a72a2473e9fbcfd939c41f733cc68a814d857e0e4edda9748c371e7deb94"
+            ),
+            f"{SO101}/large_amplitude/control.csv": (
+                "8d9190103ee6d3e15cd01f20e9b404d9ce4f2c31cf8e5db574820af03294fae7"
+            ),
+        },
+    ),
+    Repository(
+        "TheRobotStudio",
+        "SO-ARM100",
+        "fda892cba81032c46c40976a48c9ceadbf40a9ca",
+        {
+            "Simulation/SO101/so101_new_calib.xml": (
+                "d75253eb568e8a7214db9c631ab7bed4217f608a26f7276ebe9a7636cac82580"
             ),
         },
     ),

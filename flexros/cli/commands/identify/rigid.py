@@ -10,7 +10,7 @@ import typer
 from flexros.atomic_file import write_result
 from flexros.cli.commands.identify.table import fitting_table
 from flexros.cli.model import linear_robot
-from flexros.cli.options import NamespaceOption, TorqueOption, torque_source
+from flexros.cli.options import NamespaceOption, PrescribedOption, TorqueOption, names_in, torque_source
 from flexros.cli.output import console, print_json, say
 from flexros.cli.progress import progress_bar
 from flexros.errors import InputError
@@ -39,6 +39,7 @@ def rigid(
         False, "--hold", help="Pair positions with the command as it acts (delayed, held), not with its samples."
     ),
     torque: TorqueOption = "command",
+    prescribed: PrescribedOption = "",
     namespace: NamespaceOption = "",
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
@@ -55,7 +56,9 @@ def rigid(
     robot = linear_robot(model)
     logs = {label: read_log(path, namespace=namespace or None) for label, path in _labelled(log).items()}
     fitted, *tested = logs
-    settings = RigidSettings(cutoff=cutoff, asymmetric=asymmetric, hold=hold, torque=torque_source(torque))
+    settings = RigidSettings(
+        cutoff=cutoff, asymmetric=asymmetric, hold=hold, torque=torque_source(torque), prescribed=names_in(prescribed)
+    )
     with progress_bar() as progress:
         task = progress.add_task("regression", total=len(logs))
 
