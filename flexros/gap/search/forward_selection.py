@@ -104,7 +104,6 @@ def explain(search: Search) -> Explanations:
         return explain(beside)
     if search.from_torques and chosen.names != first.names:
         chosen = with_dropped(search, chosen, fits)
-    chosen = grown_within_floor(search, chosen, directions, fits)
     if len(chosen.hypothesis) > 1:
         chosen = resumed(search, chosen, tidied(search, chosen, directions, fits), directions, fits)
     elif search.deadline.over:
@@ -113,6 +112,9 @@ def explain(search: Search) -> Explanations:
     curved = with_curves(search, chosen, directions, fits)
     if curved is not chosen:
         chosen = _beside_curves(search, first, curved, directions, fits)
+    else:  # what no law explains would be imitated there
+        grown = grown_within_floor(search, chosen, directions, fits)
+        chosen = chosen if grown is chosen else tidied(search, grown, directions, fits)
     for step in (without_tolerated, with_far_numbers, without_slight_friction):
         chosen = step(search, chosen, fits)
     comparison = compared(search, unique(fits))

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.effects.kinds.curve import AbstractCurve
 from flexros.gap.candidates.candidate import simpler
 from flexros.gap.fit.constancy import constancies
 from flexros.gap.search.model_probability import ModelComparison, compare
@@ -82,9 +83,13 @@ def _completes(comparison: ModelComparison, before: CandidateFit, after: Candida
 def _within_floor(search: Search, comparison: ModelComparison, before: CandidateFit, after: CandidateFit) -> bool:
     """Return whether further effects take most of what there is beyond noise, as they do where torques are known well.
 
-    An effect that is far smaller than the tolerance of the torques is within it.
+    An effect that is far smaller than the tolerance of the torques is within it. Beside a curve, which is no law, what
+    is left beyond noise is the form that it lacks, and others would imitate that: then most of all must be taken.
     """
-    numbers, first = search.settings.search, comparison.beyond_noise(comparison.level(before))
+    numbers = search.settings.search
+    if any(issubclass(one.effect, AbstractCurve) for one in before.hypothesis):
+        return comparison.level(after) < numbers.within_floor * comparison.level(before)
+    first = comparison.beyond_noise(comparison.level(before))
     second = comparison.beyond_noise(comparison.level(after))
     return second < numbers.within_floor * first and first - second > numbers.least_of_tolerance**2
 

@@ -42,7 +42,8 @@ def test_torques_of_several_motors_that_act_by_other_factors_have_another_unit(
 def test_torques_that_are_far_better_than_assumed_bring_a_proposal(
     level: float, tolerance: float, proposed: str
 ) -> None:
-    comparison = SimpleNamespace(level=lambda _: level)
+    """By what is left beyond noise, which may be most of the floor."""
+    comparison = SimpleNamespace(level=lambda _: 0.8 + 0.2 * level, beyond_noise=lambda one: (one - 0.8) / 0.2)
     findings: Any = SimpleNamespace(
         explanations=SimpleNamespace(chosen=None, comparison=comparison),
         held_comparison=comparison,

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from flexros.effects import effects
 from flexros.gap.search.model_probability import ModelComparison
 from flexros.gap.search.worth import incomplete, simple_first, simplest, worth
 from flexros.gap.settings import DiagnosisSettings
@@ -48,6 +49,14 @@ def test_within_the_floor_noise_of_encoders_counts_for_nothing(before: float, af
     assert worth(measured_search(), replace(comparison, noise_level=0.8), rest, fit, 0.4) is expected
 
 
+def test_what_a_curve_lacks_beside_noise_is_no_effect() -> None:
+    comparison, (rest, fit) = measured_fits(0.95, 0.82)
+    comparison = replace(comparison, noise_level=0.8)
+    assert worth(measured_search(), comparison, rest, fit, 0.4)
+    rest.hypothesis = (SimpleNamespace(effect=effects()["spring_curve"]),)
+    assert not worth(measured_search(), comparison, rest, fit, 0.4)
+
+
 @pytest.mark.parametrize(("floor_error", "rounding", "level", "expected"), [
     (0.1, 0.9, 0.98, True),
     (0.1, 0.0, 0.98, False),
@@ -77,7 +86,9 @@ def test_an_effect_that_brings_numbers_of_the_model_back_into_tolerance_is_worth
 def measured_fits(*levels: float) -> tuple[ModelComparison, list[Any]]:
     """Fits of a log of 20,000 values that leave these mean squared errors, without tolerances."""
     predictor = SimpleNamespace(n_effect=1, tolerance=SimpleNamespace(n_free=0))
-    fits: list[Any] = [SimpleNamespace(chi2=20_000 * level, predictor=predictor, prior_penalty=0.0) for level in levels]
+    fits: list[Any] = [
+        SimpleNamespace(chi2=20_000 * level, predictor=predictor, prior_penalty=0.0, hypothesis=()) for level in levels
+    ]
     return ModelComparison(fits[0], tuple(fits[1:]), 20_000), fits
 
 
