@@ -18,7 +18,7 @@ from flexros.gap.candidates.tolerance import scaled_by_gravity, tolerance_of, wi
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.elastic_timing import shift_of_explanation, with_torque_in_time_behind_springs
 from flexros.gap.fit.null_fit import fit_null
-from flexros.gap.fit.rough_gains import rough_gains, with_gains
+from flexros.gap.fit.rough_gains import likely_gains, with_gains
 from flexros.gap.fit.unknown_numbers import unknown_numbers
 from flexros.gap.held_out.closed_loop_gap import closed_loop_gap, why_not_simulated
 from flexros.gap.held_out.predictions import prediction_of, sensor_errors, tool_errors
@@ -98,7 +98,7 @@ def diagnose(
     in_closed_loop = log if record.command is None else None
     notes = () if in_closed_loop is None else why_not_simulated(in_closed_loop)
     stages, deadline = Stages(progress), Deadline(settings.time_limit, interrupted)
-    rough = rough_gains(record, driven_model(given, record), settings.servo_start)
+    rough = likely_gains(record, driven_model(given, record), settings)
     begun = given
     if rough:
         begun = given.with_effects(rough)

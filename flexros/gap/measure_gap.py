@@ -113,7 +113,7 @@ def measure_gap(
     model = driven_model(model, record)
     record = with_torque_in_time_behind_springs(record, model.robot, settings)
     record = most_informative(record, settings.most_values)
-    record = with_likely_gains(record, model, repaired, settings.servo_start)
+    record = with_likely_gains(record, model, repaired, settings)
     stated = tolerance_of(model.robot, tolerance or {}, record.prescribed)
     unknown = unknown_numbers(record, model, stated, settings.torque_start, as_stated=True)
     record = replace(record, warnings=(*record.warnings, *unknown.warnings))

@@ -12,9 +12,9 @@ from flexros.effects.servos import ServoDampingError, ServoStiffnessError
 from flexros.gap.candidates.tolerance import Tolerance, scaled_by_gravity
 from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
-from flexros.gap.fit.rough_gains import carrying_stiffness, rough_gains, with_likely_gains
+from flexros.gap.fit.rough_gains import carrying_stiffness, likely_gains, rough_gains, with_likely_gains
 from flexros.gap.prediction.driven_model import driven_model
-from flexros.gap.settings import ServoStartSettings
+from flexros.gap.settings import DiagnosisSettings, ServoStartSettings
 from flexros.record.record import Record
 from flexros.robot import Robot
 from tests.gap.diagnosis_logs import settings_of
@@ -82,11 +82,20 @@ def test_the_answer_is_relative_to_the_file() -> None:
 
 
 def test_a_gap_has_the_torques_of_likely_gains() -> None:
-    robot, settings = robot_with(30.0), ServoStartSettings()
+    robot, settings = robot_with(30.0), DiagnosisSettings()
     record, true = record_of(robot), record_of(robot_with(1.0))
     found = with_likely_gains(record, driven(robot), None, settings)
     np.testing.assert_allclose(np.std(found.torque), np.std(true.torque), rtol=0.1)
-    short = settings.model_copy(update={"least_carried": 0.999})
-    assert with_likely_gains(record, driven(robot), None, short) is record
-    repaired = with_likely_gains(record, driven(robot), driven(robot_with(1.0)), short)
+    none = settings.servo_start.model_copy(update={"least_carried": 0.999})
+    unknown = settings.model_copy(update={"servo_start": none})
+    assert with_likely_gains(record, driven(robot), None, unknown) is record
+    repaired = with_likely_gains(record, driven(robot), driven(robot_with(1.0)), unknown)
     np.testing.assert_allclose(repaired.torque, true.torque)
+
+
+def test_an_offset_of_the_positions_is_no_weak_servo() -> None:
+    robot = robot_with(1.0)
+    record = record_of(robot)
+    offset = replace(record, position=record.position + 0.3)
+    assert rough_gains(offset, driven(robot), ServoStartSettings())
+    assert likely_gains(offset, driven(robot), DiagnosisSettings()) == ()
