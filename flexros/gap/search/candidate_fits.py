@@ -13,7 +13,7 @@ from flexros.effects import effects
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.effects.kinds.tool_error import AbstractToolError
 from flexros.gap.candidates.candidate import list_candidates
-from flexros.gap.fit.least_squares import CandidateFit, linearise, starts_of
+from flexros.gap.fit.least_squares import CandidateFit, linearise, starts_of, unique
 from flexros.gap.fit.pruning import without_least_parameter
 from flexros.gap.fit.screening import directions_of, surroundings_of, switched_off
 from flexros.gap.fit.tolerance_takeover import with_takeover
@@ -215,7 +215,8 @@ class Search(LogFits):
     def singles(self, directions: Sequence[Directions]) -> list[CandidateFit]:
         """Fit the candidates that promise most, each alone: all for a few iterations, the best ones to the end.
 
-        An effect that extends simpler ones starts from their fits, and only where one of those gains anything.
+        An effect that extends simpler ones starts from the fit of the one that gains most, and only where that gains
+        anything.
 
         Args:
             directions: The candidates.
@@ -234,13 +235,11 @@ class Search(LogFits):
         )[: self.settings.search.fitted]
         fits = self.parallel("single effects", lambda pair: self._single(pair[0], surroundings), promising, needed=1)
         worth = float(np.log(self.data.n_values))
-        gaining = [fit for fit in fits if self.null.fit.chi2 - fit.chi2 > worth]
-        pairs = [
-            (direction.candidate, fit)
-            for direction in directions
-            for fit in gaining
-            if _extends(direction.candidate, fit)
+        gaining = [fit for fit in unique(fits) if self.null.fit.chi2 - fit.chi2 > worth]
+        simpler = [
+            (one.candidate, next((fit for fit in gaining if _extends(one.candidate, fit)), None)) for one in directions
         ]
+        pairs = [(candidate, fit) for candidate, fit in simpler if fit is not None]
         fits += self.parallel("richer effects", lambda pair: self._extended(*pair), pairs)
         return self.finished(fits)
 
