@@ -94,24 +94,24 @@ def bristle_step(
         1 + reach * mobility * (stiffness * reach + damping)
     )
     mean = free - reach * mobility * ca.fmin(ca.fmax(elastic, -level), level)
-    per_middle = (2 - 2 * theta) * stiffness
-    per_end = (2 * theta - 1) * stiffness + damping / step
+    at_middle, at_end, damper = (2 - 2 * theta) * stiffness, (2 * theta - 1) * stiffness, damping / step
     slip, yielding = stiffness * step / level, reach * mobility
 
-    def torque_of(end: ca.SX, middle: ca.SX) -> ca.SX:
-        return per_middle * middle + per_end * (end - deflection) + (2 * theta - 1) * stiffness * deflection
+    def moved_with(mean: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
+        """Return the final deflection, the torque, and the slope of the torque over a mean speed."""
+        decay, average, rise, fall = _slip_factors(slip * ca.fabs(mean))
+        end = deflection * decay + mean * step * average
+        middle = deflection * average + mean * step * rise
+        torque = at_middle * middle + at_end * end + damper * (end - deflection)
+        slope = ((at_end + damper) * decay + at_middle * fall) * (step - ca.sign(mean) * slip * deflection)
+        return end, torque, slope
 
     for _ in range(PASSES):
-        decay, average, rise, fall = _slip_factors(slip * ca.fabs(mean))
-        torque = torque_of(deflection * decay + mean * step * average, deflection * average + mean * step * rise)
-        # the derivatives of (end, middle) to the mean speed are (decay, fall) times this
-        moved = step - ca.sign(mean) * slip * deflection
-        slope = 1 + yielding * (per_end * decay + per_middle * fall) * moved
-        # with a held level friction grows with speed, so the slope is at least one
-        mean = mean - (mean - free + yielding * torque) / ca.fmax(slope, 1)
-    decay, average, rise, _ = _slip_factors(slip * ca.fabs(mean))
-    end = deflection * decay + mean * step * average
-    return end, torque_of(end, deflection * average + mean * step * rise)
+        _, torque, slope = moved_with(mean)
+        # with a held level friction grows with speed, so the slope is at least zero
+        mean = mean - (mean - free + yielding * torque) / (1 + yielding * ca.fmax(slope, 0))
+    end, torque, _ = moved_with(mean)
+    return end, torque
 
 
 def _slip_factors(x: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
@@ -121,8 +121,9 @@ def _slip_factors(x: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
         x: Slip s0 |v| h / g of the step [1], zero or more.
 
     Returns:
-        exp(-x); its mean over the step, A = (1 - exp(-x)) / x; the mean of x A over x, (x - 1 + exp(-x)) / x^2; and
-        -dA/dx. Constants are multiplied, not divided by: of a whole step divisions take most of the time.
+        At the end of the step, exp(-x) of a deflection and A = (1 - exp(-x)) / x of a motion. As means over the step, A
+        of a deflection and (x - 1 + exp(-x)) / x^2 of a motion. Last, -dA/dx. Constants are multiplied, not divided by,
+        since divisions take longest.
     """
     small = x <= _SMALL
     inverse = 1 / ca.fmax(x, _SMALL)
