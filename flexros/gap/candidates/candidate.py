@@ -227,8 +227,8 @@ def list_candidates(
 ) -> tuple[Candidate, ...]:
     """List every effect at every location, but for effects without ranges, those with a harmonic, and curves.
 
-    The orders of harmonics are found in the prediction errors, see `flexros.gap.search.harmonic_candidates`. Curves
-    compete in what laws leave, see `flexros.gap.search.curves`.
+    The orders of harmonics are found in the prediction errors, see `flexros.gap.search.periodic`. Curves compete in
+    what laws leave, see `flexros.gap.search.curves`.
 
     Args:
         robot: The nominal robot.

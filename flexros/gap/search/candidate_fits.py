@@ -19,8 +19,8 @@ from flexros.gap.fit.screening import directions_of, surroundings_of, switched_o
 from flexros.gap.fit.tolerance_takeover import with_takeover
 from flexros.gap.fit.unknown_numbers import UNCERTAIN
 from flexros.gap.prediction.compiled_plant import LANES, grouped
-from flexros.gap.search.harmonic_candidates import harmonic_candidates, harmonics_in_place
 from flexros.gap.search.log_fits import LogFits
+from flexros.gap.search.periodic.harmonic_candidates import harmonic_candidates, harmonics_in_place
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping, Sequence

@@ -10,7 +10,7 @@ from flexros.gap.fit.least_squares import unique
 from flexros.gap.search.bristles import with_bristles
 from flexros.gap.search.elimination import reduced
 from flexros.gap.search.exchange import corrected, exchanged
-from flexros.gap.search.overtones import with_overtones
+from flexros.gap.search.periodic.overtones import with_overtones
 from flexros.gap.search.regrouping import regrouped
 from flexros.gap.search.worth import compared, incomplete, more_than_chance, simple_first, worth
 

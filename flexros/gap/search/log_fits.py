@@ -14,8 +14,8 @@ from flexros.gap.fit.estimates import placed_effects
 from flexros.gap.fit.least_squares import CandidateFit, best_of, chi2_of, unique
 from flexros.gap.fit.least_squares import fit as fit_candidate
 from flexros.gap.prediction.compiled_plant import LANES
-from flexros.gap.search.harmonic_candidates import neighbouring_orders
 from flexros.gap.search.model_probability import compare
+from flexros.gap.search.periodic.harmonic_candidates import neighbouring_orders
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -11,7 +11,7 @@ from flexros.effects import effects
 from flexros.gap.candidates.candidate import Candidate, FreeParameter
 from flexros.gap.fit.screening import changes_of
 from flexros.gap.prediction.compiled_plant import LANES
-from flexros.gap.search.harmonics import SEARCH, VALLEYS, OrderSearch
+from flexros.gap.search.periodic.harmonics import SEARCH, VALLEYS, OrderSearch
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray, IntArray
     from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.residuals.fit_data import FitData
-    from flexros.gap.search.harmonics import HarmonicFit
+    from flexros.gap.search.periodic.harmonics import HarmonicFit
     from flexros.gap.settings import SearchSettings
     from flexros.robot import Robot
 

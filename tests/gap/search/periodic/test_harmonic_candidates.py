@@ -11,8 +11,8 @@ from flexros.effects import effects
 from flexros.gap.candidates.candidate import Candidate
 from flexros.gap.fit.least_squares import CandidateFit, initial_values, linearise
 from flexros.gap.prediction.predictor import LANES
-from flexros.gap.search.harmonic_candidates import neighbouring_orders
-from flexros.gap.search.harmonics import VALLEYS
+from flexros.gap.search.periodic.harmonic_candidates import neighbouring_orders
+from flexros.gap.search.periodic.harmonics import VALLEYS
 from tests.gap.diagnosis_logs import candidates_of, encoded, predictor_of, search_of
 
 pytestmark = pytest.mark.slow

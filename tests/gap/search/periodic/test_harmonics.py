@@ -7,8 +7,8 @@ import pytest
 
 from flexros.arrays import FloatArray
 from flexros.effects.kinds.ranges import Entry
-from flexros.gap.search import harmonics
-from flexros.gap.search.harmonics import OrderSearch, _local_stiffness, _with_mean_stiffness, angle_spectrum
+from flexros.gap.search.periodic import harmonics
+from flexros.gap.search.periodic.harmonics import OrderSearch, _local_stiffness, _with_mean_stiffness, angle_spectrum
 from flexros.robot import load_robot
 from tests.gap.diagnosis_logs import ROBOT, record_of, search_of
 
