@@ -6,7 +6,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from flexros.gap.answer.decision import on_held_out
-from flexros.gap.fit.least_squares import unique
+from flexros.gap.fit.least_squares import best_of_each
 from flexros.gap.fit.null_fit import predicting_best
 from flexros.gap.held_out.prediction_gap import errors_ahead, share_between
 from flexros.gap.search.forward_selection import explanations_of
@@ -56,7 +56,7 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> tupl
         chosen = better
     if not withdrawn:
         return explanations, ()
-    comparison = compared(search, unique([fit for fit in fits if fit.names != chosen.names or fit is chosen]))
+    comparison = compared(search, best_of_each([fit for fit in fits if fit.names != chosen.names or fit is chosen]))
     return explanations_of(search, comparison, chosen, detected=True), tuple(withdrawn)
 
 

@@ -99,6 +99,10 @@ class Candidate:
         """Whether it limits the torque of a motor."""
         return issubclass(self.effect, AbstractCommandLaw) and self.effect.cuts_off
 
+    def motors(self, robot: Robot) -> list[int]:
+        """List the indices of the motors where it acts: its own one, or every motor of "all"."""
+        return [motor for motor, name in enumerate(robot.joint_names) if self.location in ("all", name)]
+
     def starts(self) -> list[tuple[float, ...]]:
         """List initial values of all free parameters in the units of the fit."""
         encoded = [[free.encode(value) for value in free.starts] for free in self.free]

@@ -400,7 +400,7 @@ def best_of(fits: Sequence[CandidateFit]) -> CandidateFit:
     return min(fits, key=lambda fit: fit.chi2)
 
 
-def unique(fits: Sequence[CandidateFit]) -> list[CandidateFit]:
+def best_of_each(fits: Sequence[CandidateFit]) -> list[CandidateFit]:
     """Keep the best fit of every set of effects, the best first."""
     best: dict[frozenset[str], CandidateFit] = {}
     for fit in fits:

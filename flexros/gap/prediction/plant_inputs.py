@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,6 +25,19 @@ if TYPE_CHECKING:
     """Values of the free parameters of every candidate [their units]."""
 
 
+@dataclass(frozen=True, eq=False)
+class ParameterSet:
+    """One set of fitted parameters, decoded.
+
+    Attributes:
+        values: Values of the free parameters of every candidate [their units].
+        column: Parameters of the plant [SI], shape (n_parameters,).
+    """
+
+    values: Values
+    column: FloatArray
+
+
 class PlantInputs:
     """Makes the inputs of a plant from the record of the commands.
 
@@ -44,39 +58,35 @@ class PlantInputs:
         self._delaying = [one for one in hypothesis if delays(one)]
         self.saturated = tuple(map(self._is_saturated_before, hypothesis))
 
-    def driving(self, record: Record, values: Sequence[Values], columns: Sequence[FloatArray]) -> FloatArray:
+    def driving(self, record: Record, sets: Sequence[ParameterSet]) -> FloatArray:
         """Return the input of every part of a sample, with a last axis of sets where these differ.
 
         Args:
             record: The log.
-            values: Values of the free parameters, of each set.
-            columns: Parameters of the plant, of each set.
+            sets: The sets of parameters.
         """
-        inputs = self._undelayed(record, values, columns)
+        inputs = self._undelayed(record, sets)
         if not self._delaying:
             return inputs[0] if len(inputs) == 1 else np.stack(inputs, axis=-1)
-        inputs = inputs * len(values) if len(inputs) == 1 else inputs
+        inputs = inputs * len(sets) if len(inputs) == 1 else inputs
         if self._plant.parts == 1:
-            late = [self._filtered(one, own) for one, own in zip(inputs, values, strict=True)]
+            late = [self._filtered(one, own.values) for one, own in zip(inputs, sets, strict=True)]
         else:
-            delayed = [self._late(own, record.prescribed) for own in values]
+            delayed = [self._late(own.values, record.prescribed) for own in sets]
             late = [delayed_halves(one, delay) for one, delay in zip(inputs, delayed, strict=True)]
         return late[0] if len(late) == 1 else np.stack(late, axis=-1)
 
-    def acting(
-        self, record: Record, values: Sequence[Values], columns: Sequence[FloatArray], samples: IntArray
-    ) -> FloatArray:
+    def acting(self, record: Record, sets: Sequence[ParameterSet], samples: IntArray) -> FloatArray:
         """Return the mean of the inputs just before and just after samples, shape (m, M, sets or 1).
 
         Args:
             record: The log.
-            values: Values of the free parameters, of each set.
-            columns: Parameters of the plant, of each set.
+            sets: The sets of parameters.
             samples: The samples, shape (m,).
         """
-        inputs = self._undelayed(record, values, columns)
-        differing = values[: None if self._delaying else 1]
-        late = np.stack([self._late(own, record.prescribed) for own in differing], axis=-1)
+        inputs = self._undelayed(record, sets)
+        differing = sets[: None if self._delaying else 1]
+        late = np.stack([self._late(own.values, record.prescribed) for own in differing], axis=-1)
         lanes = range(max(len(inputs), late.shape[1]))
         acting = np.empty((len(samples), self._robot.n_motors, len(lanes)))
         for lane in lanes:
@@ -87,26 +97,28 @@ class PlantInputs:
                 acting[:, motor, lane] = 0.5 * (held[after, motor] + held[before, motor])
         return acting
 
-    def _undelayed(self, record: Record, values: Sequence[Values], columns: Sequence[FloatArray]) -> list[FloatArray]:
+    def _undelayed(self, record: Record, sets: Sequence[ParameterSet]) -> list[FloatArray]:
         """Return the input of the model before all delays, of each set or one of all, shape (n, M) each."""
         if record.command is None:
             inputs = [record.torque]
         else:
             names = self._plant.model.parameter_names
-            leads = [servo_leads(self._robot, dict(zip(names, column))) for column in columns]
+            leads = [servo_leads(self._robot, dict(zip(names, one.column))) for one in sets]
             rate = record.command_rate
             rate = np.gradient(record.command, record.sample_time, axis=0) if rate is None else rate
             inputs = [record.command + lead * rate for lead in leads] if np.any(leads) else [record.command]
         if not any(self.saturated):
             return inputs
-        inputs = inputs * len(values) if len(inputs) == 1 else inputs
-        return [self._cut_off(one, own) for one, own in zip(inputs, values, strict=True)]
+        inputs = inputs * len(sets) if len(inputs) == 1 else inputs
+        return [self._cut_off(one, own.values) for one, own in zip(inputs, sets, strict=True)]
 
     def _filtered(self, commands: FloatArray, values: Values) -> FloatArray:
         """Delay the position commands of servos, beyond the delay of the robot."""
         for candidate, numbers in zip(self._hypothesis, values):
             if delays(candidate):
-                commands = delayed_commands(commands, numbers["time"] / self._sample_time, self._delayed_by(candidate))
+                commands = delayed_commands(
+                    commands, numbers["time"] / self._sample_time, candidate.motors(self._robot)
+                )
         return commands
 
     def _cut_off(self, torque: FloatArray, values: Values) -> FloatArray:
@@ -124,12 +136,8 @@ class PlantInputs:
         late = np.array(np.broadcast_to(self._plant.delay, self._robot.n_motors))
         for candidate, numbers in zip(self._hypothesis, values):
             if delays(candidate):
-                late[[motor for motor in self._delayed_by(candidate) if motor not in prescribed]] += numbers["time"]
+                late[[motor for motor in candidate.motors(self._robot) if motor not in prescribed]] += numbers["time"]
         return late / self._sample_time
-
-    def _delayed_by(self, candidate: Candidate) -> list[int]:
-        """List the motors whose inputs a candidate delays."""
-        return [motor for motor, name in enumerate(self._robot.joint_names) if candidate.location in ("all", name)]
 
     def _is_saturated_before(self, candidate: Candidate) -> bool:
         """Return whether a candidate saturates torques that another one delays."""

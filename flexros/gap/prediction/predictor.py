@@ -11,10 +11,10 @@ from flexros.effects.kinds.law import AbstractLaw
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.errors import InputError
 from flexros.gap.prediction.compiled_plant import LANES, CompiledPlant, delays, is_law
-from flexros.gap.prediction.plant_inputs import PlantInputs
+from flexros.gap.prediction.plant_inputs import ParameterSet, PlantInputs
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from flexros.arrays import FloatArray, IntArray
     from flexros.compile.loop.prediction import LoopPrediction
@@ -81,7 +81,7 @@ class Predictor:
         self._nominal = {name: self.robot.parameters[name].value for name in plant.robot_names}
         self._inputs = PlantInputs(plant, hypothesis, sample_time)
         self._places = [plant.place(one) if is_law(one) else None for one in hypothesis]
-        self._columns: dict[bytes, FloatArray] = {}
+        self._sets: dict[bytes, ParameterSet] = {}
 
     @property
     def n_effect(self) -> int:
@@ -153,15 +153,15 @@ class Predictor:
         Returns:
             Prediction errors and the requested records, with a last axis of lanes.
         """
-        sets = list(np.asarray(thetas).T)
-        columns = [self._column(theta) for theta in sets]
+        sets = [self._set(theta) for theta in np.asarray(thetas).T]
+        columns = [one.column for one in sets]
         states = [start] if start.ndim == 1 else list(start.T)
         plants = []
         for lane in range(max(len(sets), len(states))):
             column, state = columns[min(lane, len(sets) - 1)], states[min(lane, len(states) - 1)]
             near = self._rest(state, column) if from_rest else state
             plants.append(self.model.start(near, record.driving[0], column, time=record.begin))
-        driving = self._inputs.driving(record, [self.values(theta) for theta in sets], columns)
+        driving = self._inputs.driving(record, sets)
         parts = self.plant.parts
         prediction = self.loop.run(
             _in_all_lanes(plants),
@@ -195,9 +195,9 @@ class Predictor:
             horizon: Prediction horizon [samples].
             last: Number of samples up to the horizon whose states are recorded, at most horizon + 1.
         """
-        own, parts = self._column(theta), self.plant.parts
-        column = np.repeat(own[:, None], LANES, axis=1)
-        torque = self._inputs.driving(record, [self.values(theta)], [own])
+        own, parts = self._set(theta), self.plant.parts
+        column = np.repeat(own.column[:, None], LANES, axis=1)
+        torque = self._inputs.driving(record, [own])
         torque = torque if torque.ndim == 2 else torque[:, :, 0]
         length = parts * horizon + 1
         nothing = np.zeros((length, self.robot.n_motors))
@@ -247,13 +247,11 @@ class Predictor:
         Returns:
             Outputs, shape (m, n_sensors, lanes).
         """
-        sets = list(np.asarray(thetas).T)
-        columns = [self._column(theta) for theta in sets]
+        sets = [self._set(theta) for theta in np.asarray(thetas).T]
         function, driven = self.plant.sensors(wanted)
-        values = [self.values(theta) for theta in sets]
-        acting = self._inputs.acting(record, values, columns, samples) if driven else np.zeros((1, 1, 1))
+        acting = self._inputs.acting(record, sets, samples) if driven else np.zeros((1, 1, 1))
         acting = acting if acting.shape[-1] == 1 else _in_all_lanes(list(np.moveaxis(acting, -1, 0)))
-        return function(states, acting, _in_all_lanes(columns))
+        return function(states, acting, _in_all_lanes([one.column for one in sets]))
 
     def numbers(self, theta: FloatArray) -> dict[str, float]:
         """Return the numbers of the robot that the hypothesis or its tolerance may change, by name [SI].
@@ -261,27 +259,28 @@ class Predictor:
         Args:
             theta: Encoded parameters, shape (n_fitted,).
         """
-        return dict(zip(self.plant.robot_names, self._column(theta).tolist()))
+        return dict(zip(self.plant.robot_names, self._set(theta).column.tolist()))
 
-    def _column(self, theta: FloatArray) -> FloatArray:
-        """Return the parameters of the plant for one set of encoded parameters."""
+    def _set(self, theta: FloatArray) -> ParameterSet:
+        """Decode one set of fitted parameters, or return what is known of it."""
         key = theta.tobytes()
-        found = self._columns.get(key)
+        found = self._sets.get(key)
         if found is None:
-            if len(self._columns) >= KEPT:
-                self._columns.clear()
-            found = self._columns[key] = self._column_of(theta)
+            if len(self._sets) >= KEPT:
+                self._sets.clear()
+            values = self.values(theta)
+            found = self._sets[key] = ParameterSet(values, self._column(theta, values))
         return found
 
-    def _column_of(self, theta: FloatArray) -> FloatArray:
-        """Compute the parameters of the plant."""
+    def _column(self, theta: FloatArray, values: Sequence[Mapping[str, float]]) -> FloatArray:
+        """Compute the parameters of the plant from a set and the values that it gives to the candidates."""
         robot = dict(self._nominal)
         logarithms = np.clip(self.tolerance.logarithms(theta[self.n_effect :]), -MOST_LOGARITHM, MOST_LOGARITHM)
         for name, factor in zip(self.tolerance.names, np.exp(logarithms).tolist(), strict=True):
             robot[name] *= factor
         acting: dict[int, AbstractLaw] = {}
         for candidate, place, saturated, numbers in zip(
-            self.hypothesis, self._places, self._inputs.saturated, self.values(theta), strict=True
+            self.hypothesis, self._places, self._inputs.saturated, values, strict=True
         ):
             effect = candidate.placed(numbers).effect
             if place is not None:

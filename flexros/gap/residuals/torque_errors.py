@@ -104,7 +104,7 @@ class TorqueErrors:
         gains, late = np.ones(self.robot.n_motors), np.full(self.robot.n_motors, -self.delay)
         for candidate, sizes in zip(predictor.hypothesis, predictor.values(theta), strict=True):
             if candidate.effect.delays_commands:
-                late += [sizes["time"] * (candidate.location in ("all", name)) for name in self.robot.joint_names]
+                late[candidate.motors(self.robot)] += sizes["time"]
             if issubclass(candidate.effect, AbstractMotorLaw) and candidate.location in self.robot.joint_names:
                 effect = candidate.placed(sizes).effect
                 assert isinstance(effect, AbstractMotorLaw)

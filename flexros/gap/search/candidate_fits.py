@@ -13,7 +13,7 @@ from flexros.effects import effects
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.effects.kinds.tool_error import AbstractToolError
 from flexros.gap.candidates.candidate import list_candidates
-from flexros.gap.fit.least_squares import CandidateFit, linearise, starts_of, unique
+from flexros.gap.fit.least_squares import CandidateFit, best_of_each, linearise, starts_of
 from flexros.gap.fit.pruning import without_least_parameter
 from flexros.gap.fit.screening import directions_of, surroundings_of, switched_off
 from flexros.gap.fit.tolerance_takeover import with_takeover
@@ -235,7 +235,7 @@ class Search(LogFits):
         )[: self.settings.search.fitted]
         fits = self.parallel("single effects", lambda pair: self._single(pair[0], surroundings), promising, needed=1)
         worth = float(np.log(self.data.n_values))
-        gaining = [fit for fit in unique(fits) if self.null.fit.chi2 - fit.chi2 > worth]
+        gaining = [fit for fit in best_of_each(fits) if self.null.fit.chi2 - fit.chi2 > worth]
         simpler = [
             (one.candidate, next((fit for fit in gaining if _extends(one.candidate, fit)), None)) for one in directions
         ]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from flexros.effects.kinds.relative_error import AbstractRelativeError
 from flexros.effects.torque_bias import TorqueBias
 from flexros.gap.fit.estimates import parameters_of
-from flexros.gap.fit.least_squares import unique
+from flexros.gap.fit.least_squares import best_of_each
 from flexros.gap.search.worth import compared, strains, worth
 
 if TYPE_CHECKING:
@@ -100,7 +100,7 @@ def _without_one(
         tried = names[begin : begin + TRIED]
         without = search.parallel("effects left out", partial(search.without, fit), tried, needed=TRIED)
         fits += without
-        comparison = compared(search, unique(fits))
+        comparison = compared(search, best_of_each(fits))
         needless = [rest for rest in without if not worth(search, comparison, rest, fit, removed)]
         if needless:
             return min(needless, key=lambda rest: rest.chi2)

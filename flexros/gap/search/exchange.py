@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.candidates.candidate import simpler
-from flexros.gap.fit.least_squares import unique
+from flexros.gap.fit.least_squares import best_of_each
 from flexros.gap.search.worth import compared, incomplete, simplest
 
 if TYPE_CHECKING:
@@ -155,5 +155,5 @@ def _compared(
         return search.together(fit, [addition], without=(candidate.name,), plant=plant, rival=fit.chi2)
 
     fits += search.visible(search.parallel("effects exchanged", exchange, exchanges))
-    comparison = compared(search, unique(fits))
+    comparison = compared(search, best_of_each(fits))
     return comparison, [one for one in comparison.fits if len(one.hypothesis) == len(fit.hypothesis)]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.candidates.candidate import names_of
-from flexros.gap.fit.least_squares import unique
+from flexros.gap.fit.least_squares import best_of_each
 from flexros.gap.search.candidate_fits import at_limits
 from flexros.gap.search.curve_candidates import within_motion
 from flexros.gap.search.curves import curves_of, in_place_of_laws, with_curves
@@ -117,7 +117,7 @@ def explain(search: Search) -> Explanations:
         chosen = chosen if grown is chosen else tidied(search, grown, directions, fits)
     for step in (without_tolerated, with_far_numbers, without_slight_friction):
         chosen = step(search, chosen, fits)
-    comparison = compared(search, unique(fits))
+    comparison = compared(search, best_of_each(fits))
     (chosen,) = (fit for fit in comparison.fits if fit.names == chosen.names)
     return _pruned(search, explanations_of(search, comparison, chosen, detected=True))
 
@@ -155,14 +155,14 @@ def _beside_curves(
         small = reduced(search, fit, fits, removed)
         for _ in range(search.settings.search.rounds):
             grown = None if search.deadline.stops() else with_more(search, small, candidates, [])
-            if grown is None or not worth(search, compared(search, unique(fits)), small, grown, removed):
+            if grown is None or not worth(search, compared(search, best_of_each(fits)), small, grown, removed):
                 break
             fits.append(search.completed(within_motion(search, grown)))
             before, small = small, reduced(search, fits[-1], fits, removed)
             if small.names == before.names:
                 break
         found.append(small)
-    comparison = compared(search, unique(fits))
+    comparison = compared(search, best_of_each(fits))
     best, *others = comparison.ranked(found)
     for fewer in others:
         if fewer.names < best.names and not worth(search, comparison, fewer, best, removed):

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.fit.least_squares import unique
+from flexros.gap.fit.least_squares import best_of_each
 from flexros.gap.search.bristles import with_bristles
 from flexros.gap.search.elimination import reduced
 from flexros.gap.search.exchange import corrected, exchanged
@@ -37,7 +37,7 @@ def extended(
     seen = {chosen.names}
     for _ in range(settings.rounds_after_torques if search.torques_decide else settings.rounds):
         chosen = with_bristles(search, with_overtones(search, chosen, fits), fits)
-        comparison = compared(search, unique(fits))
+        comparison = compared(search, best_of_each(fits))
         if len(chosen.hypothesis) >= settings.most_effects or not incomplete(search, comparison, chosen):
             break
         if search.deadline.stops():
@@ -47,14 +47,15 @@ def extended(
             chosen = search.completed(chosen)  # what a fit in a long valley leaves is no effect that is missing
             fits.append(chosen)
         grown = with_more(search, chosen, directions, fits)
-        comparison = compared(search, unique(fits))
+        comparison = compared(search, best_of_each(fits))
         if grown is None or not worth(
             search, comparison, chosen, grown, _removed(search, chosen, settings.removed_by_step)
         ):
             break
         before, chosen = chosen, reduced(search, grown, fits, _removed(search, grown, settings.removed_by_step))
         other = chosen
-        if incomplete(search, compared(search, unique(fits)), chosen):  # else nothing is imitated; the end looks again
+        comparison = compared(search, best_of_each(fits))
+        if incomplete(search, comparison, chosen):  # else nothing is imitated; the end looks again
             other = corrected(search, chosen, directions, fits)
         if other is not chosen:
             chosen = reduced(search, other, fits, _removed(search, other, settings.removed_by_step))

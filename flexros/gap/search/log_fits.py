@@ -11,7 +11,7 @@ import numpy as np
 
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.estimates import placed_effects
-from flexros.gap.fit.least_squares import CandidateFit, best_of, chi2_of, unique
+from flexros.gap.fit.least_squares import CandidateFit, best_of, best_of_each, chi2_of
 from flexros.gap.fit.least_squares import fit as fit_candidate
 from flexros.gap.prediction.compiled_plant import LANES
 from flexros.gap.search.model_probability import compare
@@ -140,7 +140,7 @@ class LogFits:
         Of several fits of the same effects, from different initial values, the best one is carried on.
         """
         finished = self.settings.search.finished
-        ranked = unique(fits)
+        ranked = best_of_each(fits)
         best = [self._continued(fit, np.inf) for fit in ranked[:1]]
         rival = min((fit.chi2 for fit in best), default=np.inf)
         best += self.parallel(

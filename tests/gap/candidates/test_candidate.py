@@ -100,6 +100,11 @@ def test_all_and_the_only_motor_are_one_place() -> None:
     assert set(distinct_locations(effect, load_robot("elbow"))) == {"all", "motor_1", "motor_2"}
 
 
+def test_a_candidate_at_all_acts_at_every_motor() -> None:
+    robot, effect = load_robot("elbow"), effects()["delay"]
+    assert [Candidate(effect, place, ()).motors(robot) for place in ("all", "motor_2")] == [[0, 1], [1]]
+
+
 def test_hypotheses_are_named_by_effects_and_locations() -> None:
     pair = tuple(
         Candidate(effects()[name], location, ()) for name, location in (("backlash", "motor_1"), ("delay", "all"))

@@ -11,7 +11,16 @@ import pytest
 from flexros.arrays import FloatArray
 from flexros.gap.candidates.candidate import FreeParameter
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.fit.least_squares import FIT, CandidateFit, best_of, chi2_of, fit, initial_values, linearise, unique
+from flexros.gap.fit.least_squares import (
+    FIT,
+    CandidateFit,
+    best_of,
+    best_of_each,
+    chi2_of,
+    fit,
+    initial_values,
+    linearise,
+)
 from flexros.gap.prediction.compiled_plant import LANES
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.residuals.fit_data import FitData
@@ -292,4 +301,4 @@ def test_of_one_set_of_effects_the_best_fit_is_kept() -> None:
         return CandidateFit(predictor, np.zeros(predictor.n_fitted), chi2)
 
     fits = [fitted(3.0, friction.name, soft.name), fitted(1.0, soft.name, friction.name), fitted(2.0, soft.name)]
-    assert unique(fits) == [fits[1], fits[2]]
+    assert best_of_each(fits) == [fits[1], fits[2]]

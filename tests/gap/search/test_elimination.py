@@ -97,7 +97,7 @@ def plain_rules(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(elimination, "parameters_of", sizes)
     monkeypatch.setattr(elimination, "worth", worth)
-    monkeypatch.setattr(elimination, "unique", list)
+    monkeypatch.setattr(elimination, "best_of_each", list)
     monkeypatch.setattr(
         elimination, "compared", lambda *_: SimpleNamespace(threshold=6.0, beyond_tolerance=lambda _: False)
     )

@@ -43,7 +43,7 @@ def steps(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         "with_bristles": lambda _search, one, _fits: one,
         "with_overtones": lambda _search, one, _fits: one,
         "compared": lambda *_: nothing,
-        "unique": lambda fits: fits,
+        "best_of_each": lambda fits: fits,
         "incomplete": lambda *_: True,
         "worth": lambda *_: True,
         "_removed": lambda *_: 0.1,
