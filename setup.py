@@ -59,8 +59,9 @@ setup(
     install_requires=[
         "numpy>=1.26",
         "scipy>=1.11",
-        "casadi>=3.6.7",
+        "casadi>=3.6.7,<3.7",  # later ones release the interpreter lock while threads count references to shared nodes
         "llvmlite>=0.45",
+        "packaging>=22",
         "pydantic>=2.10",
         "ruamel.yaml>=0.18",
         "typer>=0.12",

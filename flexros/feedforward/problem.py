@@ -138,7 +138,8 @@ class FeedforwardProblem:
 
     def arm_position(self, gears: FloatArray) -> FloatArray:
         """Return arm coordinates (n, N) for gear coordinates (n, M) [rad or m]; elastic directions are zero."""
-        return self.robot.arm_from_gears(gears)
+        arm: FloatArray = self.robot.arm_from_gears(gears)
+        return arm
 
     @cached_property
     def commanded_pose(self) -> FloatArray:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import platform
-import re
 import sys
 from importlib import metadata
 from importlib.util import find_spec
+
+from packaging.requirements import Requirement
 
 from flexros.installation.finding import Finding
 
@@ -14,7 +15,6 @@ OLDEST, NEWEST = (3, 10), (3, 13)
 """First and last version of Python that FlexROS supports."""
 OPTIONAL = {"mujoco": "export to and comparison with MuJoCo", "cma": "tuning of controllers", "slycot": "H-infinity"}
 """Packages of extras, and what they are for."""
-_NAME = re.compile(r"^[A-Za-z0-9._-]+")
 
 
 def check_python(version: tuple[int, int] = sys.version_info[:2]) -> Finding:
@@ -32,20 +32,25 @@ def check_python(version: tuple[int, int] = sys.version_info[:2]) -> Finding:
 
 
 def check_packages() -> Finding:
-    """Check that the packages are there that the installed FlexROS states, and list their versions."""
+    """Check that the packages are there that the installed FlexROS states, in these versions, and list them."""
     try:
         required = metadata.requires("flexros") or []
         own = metadata.version("flexros")
     except metadata.PackageNotFoundError:
         text = "FlexROS runs from a folder and is not installed: commands of other packages and ROS nodes are not found"
         return Finding("packages", "limited", text, "pip install -e CHECKOUT")
-    names = [match.group() for line in required if ";" not in line and (match := _NAME.match(line))]
-    versions = {name: _version(name) for name in names}
-    missing = [name for name, version in versions.items() if not version]
+    needed = [one for one in map(Requirement, required) if one.marker is None]
+    versions = {one.name: _version(one.name) for one in needed}
     facts = {"flexros": own, **versions}
+    missing = [one.name for one in needed if not versions[one.name]]
     if missing:
         text = f"FlexROS {own} without {', '.join(missing)}"
         return Finding("packages", "broken", text, f"pip install {' '.join(missing)}", facts)
+    other = [one for one in needed if not one.specifier.contains(versions[one.name], prereleases=True)]
+    if other:
+        text = f"FlexROS {own} with {', '.join(f'{one.name} {versions[one.name]}' for one in other)}"
+        wanted = " ".join(f"'{one.name}{one.specifier}'" for one in other)
+        return Finding("packages", "broken", text, f"pip install {wanted}", facts)
     numeric = ", ".join(f"{name} {versions[name]}" for name in ("numpy", "casadi", "llvmlite") if name in versions)
     return Finding("packages", "ok", f"FlexROS {own} with {len(versions)} packages, among them {numeric}", facts=facts)
 

@@ -75,14 +75,15 @@ def _closed_form(
         angles = two_link_elbow(*lengths, target, sign)
         solutions.append(angles + 2 * np.pi * np.round((here - angles) / (2 * np.pi)))
     nearest = min(solutions, key=lambda angles: float(np.linalg.norm(angles - here)))
-    return robot.arm_from_gears(nearest)
+    arm: FloatArray = robot.arm_from_gears(nearest)
+    return arm
 
 
 def _numerical(robot: Robot, target: FloatArray, near: FloatArray, output: str) -> FloatArray:
     """Solve by damped Newton steps from a pose."""
     evaluate = robot.model.output_with_slope(output)
     gears = list(robot.gear_rows)
-    q = robot.arm_from_gears(near[gears])
+    q: FloatArray = robot.arm_from_gears(near[gears])
     pose = robot.spec.outputs[output].pose
     angles = [index for index, component in enumerate(pose) if component.startswith("r")]
     error = np.inf

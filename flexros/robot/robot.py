@@ -118,7 +118,8 @@ class Robot:
 
     def arm_from_gears(self, gears: Coordinates) -> Coordinates:
         """Embed gear coordinates or rates (..., M) in arm coordinates (..., N); see `Chain.arm_from_gears`."""
-        return self.chain.arm_from_gears(gears)
+        arm: Coordinates = self.chain.arm_from_gears(gears)
+        return arm
 
     @property
     def joint_names(self) -> tuple[str, ...]:

@@ -28,12 +28,6 @@ def test_unknown_operation_is_named() -> None:
         compile_function(function)
 
 
-def test_call_of_an_opaque_function_is_named() -> None:
-    inner = ca.Function("inner", [x], [ca.sin(x)], {"never_inline": True})
-    with pytest.raises(InputError, match="OP_CALL"):
-        compile_function(ca.Function("outer", [x], [inner(x)]))
-
-
 def test_free_variable_is_named() -> None:
     function = ca.Function("f", [x], [x * ca.SX.sym("gain")], {"allow_free": True})
     with pytest.raises(InputError, match=r"'f' depends on \['gain'\]"):

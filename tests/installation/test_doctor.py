@@ -28,6 +28,13 @@ def test_a_missing_package_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     assert finding.facts["numpy"]
 
 
+def test_a_package_of_another_version_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("importlib.metadata.requires", lambda _name: ["numpy>=1", "casadi>=3.6.7,<3.6.8,>=99"])
+    finding = packages.check_packages()
+    assert finding.state == "broken"
+    assert finding.remedy == "pip install 'casadi<3.6.8,>=3.6.7,>=99'"
+
+
 def test_without_ros_runs_are_in_process(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ros, "find_spec", lambda _name: None)
     finding = ros.check_ros({})

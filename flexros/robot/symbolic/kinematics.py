@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import casadi as ca
 import numpy as np
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 POINTS = 6
 """Mass points of a link that bends, beside two per mode (chosen: the inertia is exact to some 1e-9)."""
 
-Value = ca.SX | float
+Value: TypeAlias = ca.SX | float
 """A parameter of the model: a number, or a symbol where it is free."""
 
 
