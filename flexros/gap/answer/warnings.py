@@ -139,8 +139,8 @@ def _better_torques(findings: Findings) -> list[str]:
     if shown >= tolerance / 2:
         return []
     return [
-        f"the torques are better than the {tolerance:g} of their rms that counts as no gap, as those of a simulator or of a calibrated drive: "
-        f"with a stated tolerance of them, torque={shown:g}, smaller effects are looked for"
+        f"the torques are better than the {tolerance:g} of their rms that counts as no gap, as those of a simulator or "
+        f"of a calibrated drive: with a stated tolerance of them, torque={shown:g}, smaller effects are looked for"
     ]
 
 

@@ -156,8 +156,9 @@ def with_more(
     additions = simple_first(search, fit, search.additions(every, fit, surroundings))[: settings.screened]
     if not additions:
         return None
-    changes = np.stack([addition.change for addition in additions], axis=-1)
-    group = [additions[index] for index in surroundings.independent(changes, settings.grouped, settings.kept)]
+    distinct = list({one.candidate.name: one for one in reversed(additions)}.values())[::-1]  # the best order of each
+    changes = np.stack([addition.change for addition in distinct], axis=-1)
+    group = [distinct[index] for index in surroundings.independent(changes, settings.grouped, settings.kept)]
     if search.torques_decide:
         rest = fit.chi2 - search.data.n_values
         group = [addition for addition in group if addition.gain > settings.hopeful * settings.removed_of_all * rest]

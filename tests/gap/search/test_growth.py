@@ -5,6 +5,7 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from flexros.gap.search import growth
@@ -103,3 +104,25 @@ def test_small_changes_are_regrouped_before_single_effects_are_exchanged(
     search.completed = lambda one: one
     assert growth.tidied(search, fit("inertia", "spring"), [], []).names == {"load"}
     assert seen == [frozenset({"load"})]
+
+
+def test_two_orders_of_one_effect_are_not_added_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An explanation holds an effect at a place once; its rival orders would share a name, and be removed as one."""
+
+    def addition(name: str, gain: float) -> Any:
+        one = SimpleNamespace(candidate=SimpleNamespace(name=name), gain=gain, change=np.ones(3))
+        one.sized = lambda _size: one
+        return one
+
+    found = [addition("ripple@motor_1", 9.0), addition("ripple@motor_1", 8.0), addition("drag@motor_1", 1.0)]
+    tried: list[Any] = []
+    search = search_that_never_ends()
+    search.surroundings = lambda _fit: SimpleNamespace(
+        independent=lambda changes, *_: range(changes.shape[1]), sizes=lambda changes: np.ones(changes.shape[1])
+    )
+    search.harmonics, search.directions, search.additions = (lambda *_: []), (lambda *_: []), (lambda *_: found)
+    monkeypatch.setattr(growth, "simple_first", lambda _search, _fit, additions: additions)
+    monkeypatch.setattr(growth, "_removed", lambda *_: 0.1)
+    monkeypatch.setattr(growth, "_fitted", lambda _search, _fit, trials, _fits: tried.append(trials[0]) or fit("first"))
+    growth.with_more(search, fit(), [], [])
+    assert [one.gain for one in tried[0]] == [9.0, 1.0]

@@ -123,7 +123,7 @@ def neighbouring_orders(fit: CandidateFit, data: FitData, rows: IntArray) -> Flo
             found += _Neighbours(fit, data, rows, candidate, begin).by_least_squares(values)
         begin += len(candidate.free)
     found.sort(key=lambda pair: pair[0])
-    return np.array([start for _, start in found]).reshape(-1, len(fit.theta)).T
+    return np.array([start for _, start in found]).reshape(len(found), len(fit.theta)).T
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,7 +151,8 @@ class _Neighbours:
             values: Amplitude, order and phase in the fit.
 
         Returns:
-            Of each order the sum of squares that is left [1], and initial values, shape (n_fitted,).
+            Of each order the sum of squares that is left [1], and initial values, shape (n_fitted,); none of an order
+            whose prediction diverges.
         """
         robot, record = self.fit.predictor.robot, self.data.record
         motor = robot.joint_names.index(self.candidate.location)
@@ -167,6 +168,8 @@ class _Neighbours:
         found = []
         for index, (order, phase) in enumerate(pairs):
             X = changes[:, 2 * index : 2 * index + 2]
+            if not np.isfinite([X.sum(), rest.sum()]).all():
+                continue
             wave, *_ = np.linalg.lstsq(X.T @ X, -X.T @ rest, rcond=None)
             amplitude, lead = values["amplitude"] * float(np.hypot(*wave)), float(np.arctan2(wave[1], wave[0]))
             left = float(np.sum((rest + X @ wave) ** 2))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from flexros.effects import effects
 from flexros.gap.candidates.candidate import Candidate
 from flexros.gap.fit.least_squares import CandidateFit, initial_values, linearise
 from flexros.gap.prediction.predictor import LANES
+from flexros.gap.search.periodic import harmonic_candidates
 from flexros.gap.search.periodic.harmonic_candidates import neighbouring_orders
 from flexros.gap.search.periodic.harmonics import VALLEYS
 from tests.gap.diagnosis_logs import candidates_of, encoded, predictor_of, search_of
@@ -137,3 +139,26 @@ def test_ripple_in_proportion_to_the_torque_stays_below_it() -> None:
         one.placed({free.name: float(free.decode(np.array(end))) for free, end in zip(one.free, high, strict=True)})
         assert np.all(low <= initial_values(predictor_of(one))[:, 0])
         assert np.all(initial_values(predictor_of(one))[:, 0] <= high + 1e-12)
+
+
+def test_nothing_is_next_to_a_fit_without_parameters() -> None:
+    search = search_of("torque_ripple@motor_1:amplitude=0.02,order=6,phase=0.5")
+    found = neighbouring_orders(CandidateFit(predictor_of(), np.zeros(0), 1.0), search.data, search.rows)
+    assert found.shape == (0, 0)
+
+
+def test_orders_whose_prediction_diverges_are_no_neighbours(
+    of_ripple: list[Candidate], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    search = search_of("torque_ripple@motor_1:amplitude=0.02,order=6,phase=0.5")
+    (ripple,) = (one for one in of_ripple if one.effect.name == "torque_ripple" and not one.fixed)
+    fit = CandidateFit(predictor_of(ripple), np.array(encoded(ripple, amplitude=0.005, order=6, phase=0.0)), 1.0)
+    changes_of = harmonic_candidates.changes_of
+
+    def diverging(*arguments: Any) -> np.ndarray:
+        changes = changes_of(*arguments)
+        changes[:, 3] = np.inf
+        return changes
+
+    monkeypatch.setattr(harmonic_candidates, "changes_of", diverging)
+    assert neighbouring_orders(fit, search.data, search.rows).shape == (3, len(VALLEYS) - 1)
