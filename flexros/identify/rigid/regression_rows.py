@@ -97,6 +97,15 @@ class RegressionRows:
         """
         return decimate(values, self.factor)[self.counts]
 
+    def picked(self, values: FloatArray) -> FloatArray:
+        """Return values of the samples in the middle of the rows that count, without low-pass.
+
+        Args:
+            values: One per sample, shape (n, ...).
+        """
+        middle = edge(self.factor) + self.factor * np.arange(len(self.counts))
+        return np.asarray(values[middle[self.counts]])
+
     @property
     def factor(self) -> int:
         """Decimation factor."""
