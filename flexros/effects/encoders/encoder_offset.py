@@ -81,7 +81,8 @@ def _felt(robot: Robot) -> frozenset[int]:
 
 
 def _torques(robot: Robot, *motion: np.ndarray) -> np.ndarray:
-    """Return the torques of the arm in a motion of its gears [Nm or N], shape (N, POSES)."""
+    """Return the torques of the gears in a motion of theirs [Nm or N], shape (M, POSES)."""
     arm = robot.arm_from_gears(np.eye(robot.n_motors))
     q, v, a = ((row @ arm).T for row in motion)
-    return np.asarray(robot.model.arm_inverse_dynamics(q, v, a, robot.model.parameter_values), dtype=float)
+    torques = np.asarray(robot.model.arm_inverse_dynamics(q, v, a, robot.model.parameter_values), dtype=float)
+    return torques[list(robot.gear_rows)]

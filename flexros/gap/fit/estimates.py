@@ -122,9 +122,9 @@ def fit_covariance(fit: CandidateFit, data: FitData, form: RankingSettings | Non
     low where the predictor follows the noise, high where something is left. With the derivatives J of the residuals and
     their transforms J(f),
 
-        cov = H^-1 (sum_f J(f)^* S(f) J(f) / n + P) H^-1,    H = J'J + P,
+        cov = H^-1 (sum_f J(f)^* S(f) J(f) / n + P P) H^-1,    H = J'J + P,
 
-    with the prior P of the tolerated deviations. With S = 1 this is H^-1. No law of a machine has exactly the form of
+    with the weight P of the prior of the tolerated deviations, whose truth is of size 1. With S = P = 1 this is H^-1. No law of a machine has exactly the form of
     the library's, and what differs is fitted by the sizes of all effects: the share `plain_form` or `shaped_form` of
     the spectrum of what each effect changes is added to S, all together at most `form_over_rest` times the power of
     what is left. Laws of another form also look like another shape, see `_with_doubt_of_shapes`. It is computed once
@@ -140,7 +140,8 @@ def fit_covariance(fit: CandidateFit, data: FitData, form: RankingSettings | Non
     """
     line = linearise(fit.predictor, data, fit.theta)
     J, r = line.slopes, line.residual
-    meat = line.information - J.T @ J  # the prior
+    prior = line.information - J.T @ J
+    meat = prior @ prior  # the gradient of the prior at the truth, whose deviations are of size 1, however it weighs
     n, M = data.spread.shape
     left = r[: M * n, None] if form is None else np.column_stack([r[: M * n], _form_errors(fit, data, r, form)])
     for motor in range(M):

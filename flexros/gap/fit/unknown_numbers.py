@@ -292,7 +292,7 @@ def _clear_zeros(
     delay: float,
     settings: TorqueStartSettings,
 ) -> Mapping[int, float]:
-    """Return the offsets of encoders that explain more than a load or bodies that are far off, or clearly beside a load.
+    """Return offsets of encoders that explain more than a load or bodies that are far off, or clearly beside a load.
 
     Args:
         shown: What the torques show without offsets.
