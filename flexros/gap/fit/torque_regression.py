@@ -206,11 +206,10 @@ def _of_zeros(rows: RegressionRows, sought: Sought) -> FloatArray:
     if not sought.zeros:
         return columns
     nominal = np.array([parameter.nominal for parameter in rows.regressor.parameters])
-    q, v, a = (rows.picked(one) for one in (rows.motion.position, rows.motion.velocity, rows.motion.acceleration))
-    here = rows.regressor.matrix(q, v, a) @ nominal
+    here = np.concatenate([H @ nominal for H, _ in rows.blocks()])
     for column, motor in enumerate(sought.zeros):
-        moved = q - STEP_OF_ZERO * np.eye(q.shape[1])[motor]
-        columns[..., column] = (rows.regressor.matrix(moved, v, a) @ nominal - here) / STEP_OF_ZERO
+        moved = rows.at_zeros(STEP_OF_ZERO * np.eye(sought.robot.n_motors)[motor])
+        columns[..., column] = (np.concatenate([H @ nominal for H, _ in moved.blocks()]) - here) / STEP_OF_ZERO
     return columns
 
 

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from flexros.gap.candidates.candidate import Hypothesis
     from flexros.gap.prediction.predictor import Predictor
     from flexros.identify.rigid.motion_estimate import MotionEstimate
-    from flexros.identify.rigid.regressor import RigidRegressor
+    from flexros.identify.rigid.regression_rows import RegressionRows
     from flexros.record.record import Record
     from flexros.robot import Robot
 
@@ -65,8 +65,7 @@ class TorqueErrors:
             motion.
         motion: Time [s], then positions, speeds, torques and torques in the gears of all motors [SI], shape
             (1 + 4 M, n).
-        in_rows: Positions, speeds and accelerations of all motors in the rows [SI], shape (3, m, M).
-        rigid: What makes H of them.
+        rows: The rows.
         factor: Decimation from the motion to the rows.
         counts: Decimated rows that count, shape (n_decimated,).
     """
@@ -79,8 +78,7 @@ class TorqueErrors:
     known: FloatArray
     deviation: FloatArray
     motion: FloatArray
-    in_rows: FloatArray
-    rigid: RigidRegressor
+    rows: RegressionRows
     factor: int
     counts: BoolArray
 
@@ -147,20 +145,12 @@ class TorqueErrors:
 
     @cached_property
     def _moved_regressor(self) -> Callable[[tuple[float, ...]], FloatArray]:
-        """Function of the regressor at positions less the offsets of their encoders, shape (m, M, P).
-
-        What the offsets change is taken at the low-passed motion of the rows alone, which differs from its own low-pass
-        by a small part of that change.
-        """
+        """Function of the regressor at positions less the offsets of their encoders, shape (m, M, P)."""
 
         def regressor(zeros: tuple[float, ...]) -> FloatArray:
             if not any(zeros):
                 return self.regressor
-            q, v, a = self.in_rows
-            changed = self.rigid.matrix(q - np.array(zeros), v, a) - self.rigid.matrix(q, v, a)
-            changed[:, ~np.isfinite(self.deviation)] = 0.0
-            moved: FloatArray = self.regressor + changed
-            return moved
+            return np.concatenate([H for H, _ in self.rows.at_zeros(np.array(zeros)).blocks()])
 
         return lru_cache(maxsize=BODIES)(regressor)
 
@@ -222,8 +212,7 @@ def torque_errors(record: Record, model: RobotWithEffects, delay: float, deviati
         known=np.zeros_like(rows.torque),
         deviation=deviation,
         motion=np.vstack([time, motion.position.T, motion.velocity.T, torque.T, _in_gears(robot, motion)]),
-        in_rows=np.stack([rows.picked(one) for one in (motion.position, motion.velocity, motion.acceleration)]),
-        rigid=rows.regressor,
+        rows=rows,
         factor=rows.factor,
         counts=rows.counts,
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -97,14 +97,13 @@ class RegressionRows:
         """
         return decimate(values, self.factor)[self.counts]
 
-    def picked(self, values: FloatArray) -> FloatArray:
-        """Return values of the samples in the middle of the rows that count, without low-pass.
+    def at_zeros(self, offsets: FloatArray) -> RegressionRows:
+        """Return the same rows at positions less the offsets of their encoders.
 
         Args:
-            values: One per sample, shape (n, ...).
+            offsets: Offsets of all motors [rad or m], shape (M,).
         """
-        middle = edge(self.factor) + self.factor * np.arange(len(self.counts))
-        return np.asarray(values[middle[self.counts]])
+        return replace(self, motion=replace(self.motion, position=self.motion.position - offsets), kept=[])
 
     @property
     def factor(self) -> int:
