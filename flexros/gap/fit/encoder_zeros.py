@@ -24,12 +24,19 @@ ROUNDS = 3
 
 
 def with_zeros(
-    regress: Regress, without: TorqueRegression, robot: Robot, record: Record, settings: TorqueStartSettings
+    regress: Regress,
+    without: TorqueRegression,
+    robot: Robot,
+    record: Record,
+    settings: TorqueStartSettings,
+    *,
+    rough: bool = False,
 ) -> TorqueRegression | None:
     """Return the regression with offsets of those encoders whose torques ask for one; None for none.
 
     One motor after the other gets an offset, the one that lowers most of what is left, for as long as that is by
-    `settings.turned`. Then the torques are taken around these offsets.
+    `settings.turned`, or by `settings.explained_by_load` where bodies are known roughly: what they leave is as much
+    like a turned weight as like anything. Then the torques are taken around these offsets.
 
     Args:
         regress: The regression of the log.
@@ -37,7 +44,9 @@ def with_zeros(
         robot: The nominal robot.
         record: The log.
         settings: Settings of the regressions.
+        rough: Whether bodies of the robot file are far beyond their tolerance.
     """
+    least = settings.explained_by_load if rough else settings.turned
     if robot.commands != "torque" or record.simulated:
         return None
     sought = EncoderOffset()
@@ -48,13 +57,13 @@ def with_zeros(
     ]
     best = without
     together = regress(zeros=dict.fromkeys(left, 0.0)) if left else None
-    if together is None or lowered(without, together, settings) < settings.turned:
+    if together is None or lowered(without, together, settings) < least:
         return None
     while left:
         tried = [(regress(zeros=dict.fromkeys([*best.zeros, motor], 0.0)), motor) for motor in left]
         found = [(lowered(best, one, settings), one, motor) for one, motor in tried if one is not None]
         share, one, motor = max(found, key=lambda entry: entry[0], default=(0.0, best, -1))
-        if share < settings.turned:
+        if share < least:
             break
         best = one
         left.remove(motor)
@@ -65,4 +74,4 @@ def with_zeros(
         best = again
         if np.allclose(list(best.zeros.values()), list(before.zeros.values()), rtol=0, atol=1e-5):
             break
-    return best if best.zeros and lowered(without, best, settings) >= settings.turned else None
+    return best if best.zeros and lowered(without, best, settings) >= least else None

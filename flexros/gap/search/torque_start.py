@@ -17,6 +17,7 @@ from flexros.gap.fit.arm_torque import arm_torque
 from flexros.gap.fit.balanced_torques import regress_balanced
 from flexros.gap.fit.encoder_zeros import with_zeros
 from flexros.gap.fit.least_squares import CandidateFit, chi2_of, fit
+from flexros.gap.fit.rough_bodies import is_inertial, with_rough_bodies
 from flexros.gap.fit.torque_delay import torque_delay
 from flexros.gap.fit.torque_regression import only_coulomb, regress_torque
 from flexros.gap.residuals.torque_errors import torque_errors
@@ -150,7 +151,8 @@ def _balanced(
         balanced=next(iter(best.balance), None),
         settings=settings,
     )
-    best = with_zeros(regress, best, model.robot, record, settings) or best
+    rough = with_rough_bodies(tolerance, settings.rough_bodies) == tolerance and any(map(is_inertial, tolerance.names))
+    best = with_zeros(regress, best, model.robot, record, settings, rough=rough) or best
     if not best.bias.any():
         return best
     uneven = regress(uneven=True, zeros=best.zeros)
