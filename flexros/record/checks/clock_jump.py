@@ -26,7 +26,7 @@ ALIKE = 0.8
 FEWEST = 2
 """Fewest joints that move enough to show a jump by themselves (chosen): one alone may have hit something."""
 SHOWS = 3.0
-"""Jump over its standard deviation by one joint, from which it shows it [1] (chosen)."""
+"""Jump over its standard deviation by one joint, from which it shows it, and at twice of which it must [1] (chosen)."""
 RARE = 0.002
 """Largest share of samples with jumps (chosen): more is the jitter of a clock, which counts as noise."""
 
@@ -89,7 +89,10 @@ def _jumps(record: Record, rows: IntArray) -> tuple[IntArray, FloatArray]:
     size = np.sum(share * weighed, axis=1) / np.maximum(information, 1e-300)
     whole = np.sum(weighed**2, axis=1)
     left = np.sum((weighed - size[:, None] * share) ** 2, axis=1)
-    shown = np.sum((np.abs(size[:, None] * share) > SHOWS) & (weighed * share * size[:, None] > 0), axis=1) >= FEWEST
+    expected = size[:, None] * share
+    agrees = np.abs(weighed - expected) < np.abs(expected) / 2
+    shown = np.sum(agrees & (np.abs(expected) > SHOWS), axis=1) >= FEWEST
+    shown &= ~np.any(~agrees & (np.abs(expected) > 2 * SHOWS), axis=1)
     clear = (
         (np.abs(size) * np.sqrt(information) > CLEAR) & (np.abs(size) > LEAST) & (left <= (1 - ALIKE) * whole) & shown
     )
