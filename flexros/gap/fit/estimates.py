@@ -157,9 +157,8 @@ def fit_covariance(fit: CandidateFit, data: FitData, form: RankingSettings | Non
     for begin in range(end, len(r), (len(r) - end) // M or 1):
         rows = slice(begin, begin + (len(r) - end) // M)
         meat += coloured(J[rows], r[rows, None], rows.stop - rows.start)
-    timing = J.T @ _of_timing(fit, data, r)
-    meat += np.outer(timing, timing)
     inverse = inverse_of(line.information)
+    meat += _doubt_of_timing(_of_timing(fit, data, r), J, r, inverse)
     covariance: FloatArray = inverse @ meat @ inverse
     if form is not None and not data.record.premises.library_is_complete:
         covariance = _with_doubt_of_shapes(covariance, inverse, fit)
@@ -183,6 +182,23 @@ def _of_timing(fit: CandidateFit, data: FitData, residual: FloatArray) -> FloatA
         torques = replace(torques, torque=torques.torque - TIMING * record.sample_time * torques.rate)
     moved = replace(data, record=late, torques=torques).residuals(fit.predictor, fit.theta[:, None])[:, 0]
     return np.asarray(moved - residual)
+
+
+def _doubt_of_timing(changed: FloatArray, J: FloatArray, residual: FloatArray, inverse: FloatArray) -> FloatArray:
+    """Return the covariance of the gradient by a shift in time that a fit does not have, shape (n_fitted, n_fitted).
+
+    With the change c of the errors by a standard deviation of the shift, and its part a that no size takes up, the
+    errors tell the shift t = c'r / (1 + a'a) with the variance 1 / (1 + a'a) of what they leave open.
+
+    Args:
+        changed: The change c.
+        J: Derivatives of the errors.
+        residual: The errors r.
+        inverse: H^-1.
+    """
+    gradient = J.T @ changed
+    shown = 1.0 + max(float(changed @ changed - gradient @ inverse @ gradient), 0.0)
+    return np.asarray(((changed @ residual / shown) ** 2 + 1.0 / shown) * np.outer(gradient, gradient))
 
 
 def _with_doubt_of_shapes(covariance: FloatArray, inverse: FloatArray, fit: CandidateFit) -> FloatArray:

@@ -159,7 +159,9 @@ class TorqueErrors:
         """Function of the torque that a motor needs against a law, in the rows; of many sets few laws differ."""
         return lru_cache(maxsize=KEPT)(self._law)
 
-    def _law(self, kind: type[AbstractMotorLaw], motor: int, numbers: tuple[float, ...], zero: float) -> FloatArray:
+    def _law(
+        self, kind: type[AbstractMotorLaw], motor: int, numbers: tuple[float, ...], zero: float = 0.0
+    ) -> FloatArray:
         needed = _needed_torque(kind)
         if needed is None:
             return np.zeros(len(self.torque))
