@@ -236,3 +236,14 @@ def test_deviations_of_parameters_allow_for_the_spectrum_of_what_is_left_of_the_
         names, covariance = covariance_of(fitted, data)
         deviations.append(np.sqrt(covariance[names.index("coulomb_friction@motor_1.level")][0]))
     assert deviations[1] > 1.5 * deviations[0]
+
+
+def test_torques_of_an_encoder_with_another_zero_are_those_at_the_true_positions() -> None:
+    """The same torques, and positions that are read 0.1 rad too large: with that offset the errors are the old ones."""
+    record = record_of_arm(imported=True)
+    read = replace(record, position=record.position + np.array([0.0, 0.1]))
+    of = torque_errors(read, model(), 0.0, DEVIATION)
+    assert of is not None
+    offset = {"encoder_offset@motor_2": {"offset": 0.1}}
+    assert np.all(size_of(friction(), of) > 3 * size_of(friction()))
+    np.testing.assert_allclose(size_of({**friction(), **offset}, of), size_of(friction()), rtol=1e-3)
