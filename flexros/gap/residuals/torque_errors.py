@@ -19,7 +19,9 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
+from scipy.signal import lfilter, lfilter_zi
 
+from flexros.effects.actuator_lag import ActuatorLag
 from flexros.effects.encoders.encoder_offset import EncoderOffset
 from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.effects.kinds.bristle_friction import AbstractBristleFriction
@@ -109,10 +111,14 @@ class TorqueErrors:
         zeros = self._zeros(predictor.hypothesis, values)
         needed = self._rows_of_bodies(predictor.robot, tuple(predictor.numbers(theta).items()), zeros).copy()
         gains, late = np.ones(self.robot.n_motors), np.full(self.robot.n_motors, -self.delay)
+        lags: dict[int, float] = {}
         for candidate, sizes in zip(predictor.hypothesis, values, strict=True):
             if candidate.effect.delays_commands:
                 late += [sizes["time"] * (candidate.location in ("all", name)) for name in self.robot.joint_names]
-            if issubclass(candidate.effect, AbstractMotorLaw) and candidate.location in self.robot.joint_names:
+            if candidate.effect is ActuatorLag:
+                motor = self.robot.joint_names.index(candidate.location)
+                lags[motor] = lags.get(motor, 0.0) + sizes[ActuatorLag.size]
+            elif issubclass(candidate.effect, AbstractMotorLaw) and candidate.location in self.robot.joint_names:
                 effect = candidate.placed(sizes).effect
                 assert isinstance(effect, AbstractMotorLaw)
                 motor = self.robot.joint_names.index(candidate.location)
@@ -121,6 +127,8 @@ class TorqueErrors:
                 if isinstance(effect, TorqueGainError):
                     gains[motor] += effect.relative
         torque = self.torque - late * self.rate
+        for motor, lag in lags.items():
+            torque[:, motor] = self._lagged(motor, lag, float(late[motor]))
         errors: FloatArray = ((torque - needed / gains) / self.deviation).T.ravel()
         return errors
 
@@ -153,6 +161,20 @@ class TorqueErrors:
             return np.concatenate([H for H, _ in self.rows.at_zeros(np.array(zeros)).blocks()])
 
         return lru_cache(maxsize=BODIES)(regressor)
+
+    @cached_property
+    def _lagged(self) -> Callable[[int, float, float], FloatArray]:
+        """Function of a motor's torque behind a lag of first order and later by some time, in the rows, shape (m,)."""
+
+        def lagged(motor: int, lag: float, late: float) -> FloatArray:
+            time, torque = self.motion[[0, 1 + 2 * self.robot.n_motors + motor]]
+            slow = 2 * lag / (time[1] - time[0])  # the bilinear transform has the delay of the lag exactly
+            numerator, denominator = np.array([1.0, 1.0]) / (1 + slow), np.array([1.0, (1 - slow) / (1 + slow)])
+            at_rest = lfilter_zi(numerator, denominator) * torque[0]
+            behind = lfilter(numerator, denominator, torque, zi=at_rest)[0]
+            return decimate(np.interp(time - late, time, behind), self.factor)[self.counts]
+
+        return lru_cache(maxsize=KEPT)(lagged)
 
     @cached_property
     def _rows_of(self) -> Callable[[type[AbstractMotorLaw], int, tuple[float, ...], float], FloatArray]:
