@@ -231,6 +231,14 @@ def holding(text: str) -> Panels:
     return [panel("second link of the elbow", "angle [rad]", "torque at rest [Nm]", curves)]
 
 
+def holding_by_reading(text: str) -> Panels:
+    """Draw the torque that holds the second link of the elbow over its measured angle."""
+    angles, offset = np.linspace(-1.5, 1.5, 61), float(text.partition("=")[2])
+    torques = np.array([ELBOW.holding_torque(ELBOW.equilibrium([0.0, angle]))[1] for angle in angles])
+    curves = [nominal(angles, torques), changed(angles + offset, torques)]
+    return [panel("second link of the elbow", "measured angle [rad]", "torque at rest [Nm]", curves)]
+
+
 def over_angle(text: str) -> Panels:
     """Draw the disturbance torque at the second motor of the elbow over its angle."""
     from effects_in_motion import with_effects
@@ -276,6 +284,7 @@ DRAWINGS: dict[str, tuple[Callable[[str], Panels], str]] = {
     "damping_error": (lambda text: [responses(text)], "damping_error@body_1.rz:relative=2"),
     "delay": (step_response, "delay@all:time=3e-3"),
     "encoder_eccentricity": (encoder_error, "encoder_eccentricity@motor_1:amplitude=1e-4,order=300"),
+    "encoder_offset": (holding_by_reading, "encoder_offset@motor_2:offset=0.2"),
     "encoder_quantization": (staircase, "encoder_quantization@motor_1:step=2e-3"),
     "body_difference": (lambda text: [responses(text)], "body_difference@body_1:mass=4"),
     "extra_mode": (

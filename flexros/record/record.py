@@ -44,6 +44,8 @@ class Record:
             one.
         bridged: Samples of long holes, whose interpolated positions keep the prediction near the motion; they do not
             count, shape (n,); None where there are none, or where nothing was predicted yet.
+        jumps: By how much the clock of the recording jumps before each sample [samples], shape (n,); None where it
+            does not.
         velocity: Measured motor speeds [rad/s or m/s], shape (n, M); NaN for motors without, None where not recorded.
         effort: Measured motor torques at the samples [Nm or N], shape (n, M); NaN for motors without, None where not
             recorded.
@@ -76,6 +78,7 @@ class Record:
     valid: BoolArray
     late: BoolArray | None = None
     bridged: BoolArray | None = None
+    jumps: FloatArray | None = None
     velocity: FloatArray | None = None
     effort: FloatArray | None = None
     reference: FloatArray | None = None
@@ -171,6 +174,7 @@ class Record:
             valid=self.valid[cut],
             late=None if self.late is None else self.late[cut],
             bridged=None if self.bridged is None else self.bridged[cut],
+            jumps=None if self.jumps is None else self.jumps[cut],
             velocity=None if self.velocity is None else self.velocity[cut],
             effort=None if self.effort is None else self.effort[cut],
             reference=None if self.reference is None else self.reference[cut],

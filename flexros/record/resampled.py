@@ -98,6 +98,9 @@ def resampled(record: Record, sample_time: float, reason: str = "the rate of the
         command=None if record.command is None else mean(record.command),
         command_rate=linear(record.command_rate),
         valid=record.valid[left] & record.valid[right],
+        jumps=None
+        if record.jumps is None
+        else np.diff(np.cumsum(record.jumps)[right], prepend=0.0) * old / sample_time,
         late=None if record.late is None else record.late[left] | record.late[right],
         velocity=linear(record.velocity),
         effort=linear(record.effort, record.torque_shift),

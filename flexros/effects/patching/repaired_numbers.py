@@ -10,6 +10,7 @@ import numpy as np
 
 from flexros.effects.actuator_lag import ActuatorLag
 from flexros.effects.delay import Delay
+from flexros.effects.encoders.encoder_offset import EncoderOffset
 from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.effects.friction.presliding_friction import PreslidingFriction
 from flexros.effects.friction.viscous_friction import ViscousFriction
@@ -35,6 +36,9 @@ if TYPE_CHECKING:
     from flexros.robot.specification import Body
 
 ASYMMETRIC = "the two directions have one level; the mean is written"
+WRONG_ZERO = (
+    "it is in the encoder, not in the arm: correct the zero of the joint, or add it to positions that are measured"
+)
 NO_LAW = "no joint parameter represents it: add it as a force, or keep it in FlexROS"
 
 
@@ -151,6 +155,8 @@ class _Joint:
         }
         if type(effect) in takers:
             return takers[type(effect)](effect)
+        if isinstance(effect, EncoderOffset):
+            return False, WRONG_ZERO
         if isinstance(effect, ActuatorLag):
             return False, "a first-order lag: in MuJoCo an actuator `general` with dyntype filter and dynprm"
         return False, NO_LAW

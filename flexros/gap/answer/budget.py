@@ -193,7 +193,7 @@ def _estimated(findings: Findings) -> list[ModelNumber]:
     for placed in findings.unknown.fitted(chosen):
         name, effect = f"{placed.location}.inertia", placed.effect
         if isinstance(effect, ToolLoad):
-            numbers += _of_load(effect, robot, relative)
+            numbers += _of_load(effect, robot, relative, findings.unknown.bare)
             continue
         if isinstance(effect, ViscousFriction):
             continue  # no number of its own: it takes that of the file away
@@ -241,13 +241,25 @@ def _of_body(difference: BodyDifference, body: str, robot: Robot, relative: Mapp
     return numbers
 
 
-def _of_load(load: ToolLoad, robot: Robot, relative: Mapping[str, float]) -> list[ModelNumber]:
-    """List mass and place of a load, with the deviations of those of the body that carries it."""
+def _of_load(load: ToolLoad, robot: Robot, relative: Mapping[str, float], bare: float) -> list[ModelNumber]:
+    """List mass and place of a load, with the deviations of those of the body that carries it.
+
+    The log shows both together: what the body alone is known to is a doubt about the load.
+
+    Args:
+        load: The load.
+        robot: The robot with it.
+        relative: Relative deviations of the parameters by name [1].
+        bare: Mass of the body alone [kg].
+    """
     body = last_moved(robot)
     mass, center, _ = body_numbers(robot, body)
+    of_bare = robot.parameters[f"{body}.mass"].tolerance * bare
+    place = np.array([load.x, load.y, load.z])
+    apart = mass / max(bare, 1e-300) * float(np.linalg.norm(center - place))  # from the body alone
     of_center = [relative.get(f"{body}.center_of_mass.{axis}", 0.0) for axis in "xyz"]
-    deviation = float(relative.get(f"{body}.mass", 0.0)) * mass
-    farther = float(np.max(np.abs(center) * of_center)) * mass / max(load.mass, 1e-300)
+    deviation = float(np.hypot(relative.get(f"{body}.mass", 0.0) * mass, of_bare))
+    farther = float(np.hypot(np.max(np.abs(center) * of_center) * mass, of_bare * apart)) / max(load.mass, 1e-300)
     values = ("mass", load.mass, deviation, "kg"), *((axis, getattr(load, axis), farther, "m") for axis in "xyz")
     return [
         ModelNumber(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,6 +29,9 @@ FEWEST_LINES = 12
 """Least number of lines of a periodogram that are averaged, half of them to each side [1]."""
 BANDS = 12
 """Frequency bands with windows of their own, each up to twice the frequency of the last [1]."""
+TIMING = 0.144
+"""Standard deviation of the time between torques and positions of an imported log [samples]: half samples are looked
+for, which leaves a quarter of one to each side, all alike probable."""
 ROUNDING = 1e-9
 """Standard deviation over its value below which a fit is no minimum but one that has diverged [1]: no sensor is that
 exact, and no derivative by differences."""
@@ -122,13 +126,14 @@ def fit_covariance(fit: CandidateFit, data: FitData, form: RankingSettings | Non
     low where the predictor follows the noise, high where something is left. With the derivatives J of the residuals and
     their transforms J(f),
 
-        cov = H^-1 (sum_f J(f)^* S(f) J(f) / n + P) H^-1,    H = J'J + P,
+        cov = H^-1 (sum_f J(f)^* S(f) J(f) / n + P P) H^-1,    H = J'J + P,
 
-    with the prior P of the tolerated deviations. With S = 1 this is H^-1. No law of a machine has exactly the form of
-    the library's, and what differs is fitted by the sizes of all effects: the share `plain_form` or `shaped_form` of
-    the spectrum of what each effect changes is added to S, all together at most `form_over_rest` times the power of
-    what is left. Laws of another form also look like another shape, see `_with_doubt_of_shapes`. It is computed once
-    for a fit and a log.
+    with the weight P of the prior of the tolerated deviations, whose truth is of size 1. With S = P = 1 this is H^-1.
+    No law of a machine has exactly the form of the library's, and what differs is fitted by the sizes of all effects:
+    the share `plain_form` or `shaped_form` of the spectrum of what each effect changes is added to S, all together at
+    most `form_over_rest` times the power of what is left. What a shift in time of the torques of an imported log
+    changes is added as well, see `_of_timing`. Laws of another form also look like another shape, see
+    `_with_doubt_of_shapes`. It is computed once for a fit and a log.
 
     Args:
         fit: The fit, at its minimum.
@@ -140,7 +145,8 @@ def fit_covariance(fit: CandidateFit, data: FitData, form: RankingSettings | Non
     """
     line = linearise(fit.predictor, data, fit.theta)
     J, r = line.slopes, line.residual
-    meat = line.information - J.T @ J  # the prior
+    prior = line.information - J.T @ J
+    meat = prior @ prior  # the gradient of the prior at the truth, whose deviations are of size 1, however it weighs
     n, M = data.spread.shape
     left = r[: M * n, None] if form is None else np.column_stack([r[: M * n], _form_errors(fit, data, r, form)])
     for motor in range(M):
@@ -152,11 +158,47 @@ def fit_covariance(fit: CandidateFit, data: FitData, form: RankingSettings | Non
         rows = slice(begin, begin + (len(r) - end) // M)
         meat += coloured(J[rows], r[rows, None], rows.stop - rows.start)
     inverse = inverse_of(line.information)
+    meat += _doubt_of_timing(_of_timing(fit, data, r), J, r, inverse)
     covariance: FloatArray = inverse @ meat @ inverse
     if form is not None and not data.record.premises.library_is_complete:
         covariance = _with_doubt_of_shapes(covariance, inverse, fit)
     # where an unlikely fit nearly diverges, the spectrum overflows
     return covariance if np.all(np.isfinite(covariance)) else np.asarray(inverse)
+
+
+def _of_timing(fit: CandidateFit, data: FitData, residual: FloatArray) -> FloatArray:
+    """Return what a standard deviation of the time between torques and positions changes in the errors of a fit.
+
+    When in a sample encoders and torques were taken, and in which order a simulator integrates, nobody writes down.
+    A semi-implicit step of a quarter of a sample moves the motion by an eighth, which acts like viscous friction.
+    """
+    record = data.record
+    if not record.imported or record.command is not None:
+        return np.zeros_like(residual)
+    before = record.torque[np.maximum(np.arange(record.n_samples) - 1, 0)]
+    late = replace(record, torque=(1 - TIMING) * record.torque + TIMING * before)
+    torques = data.torques
+    if torques is not None:
+        torques = replace(torques, torque=torques.torque - TIMING * record.sample_time * torques.rate)
+    moved = replace(data, record=late, torques=torques).residuals(fit.predictor, fit.theta[:, None])[:, 0]
+    return np.asarray(moved - residual)
+
+
+def _doubt_of_timing(changed: FloatArray, J: FloatArray, residual: FloatArray, inverse: FloatArray) -> FloatArray:
+    """Return the covariance of the gradient by a shift in time that a fit does not have, shape (n_fitted, n_fitted).
+
+    With the change c of the errors by a standard deviation of the shift, and its part a that no size takes up, the
+    errors tell the shift t = c'r / (1 + a'a) with the variance 1 / (1 + a'a) of what they leave open.
+
+    Args:
+        changed: The change c.
+        J: Derivatives of the errors.
+        residual: The errors r.
+        inverse: H^-1.
+    """
+    gradient = J.T @ changed
+    shown = 1.0 + max(float(changed @ changed - gradient @ inverse @ gradient), 0.0)
+    return np.asarray(((changed @ residual / shown) ** 2 + 1.0 / shown) * np.outer(gradient, gradient))
 
 
 def _with_doubt_of_shapes(covariance: FloatArray, inverse: FloatArray, fit: CandidateFit) -> FloatArray:

@@ -76,14 +76,14 @@ def load_before_bodies(
     if load is None or load.mass < settings.light_load * _moved(robot):
         return None
     without = regress(Tolerance(), load=_kind(robot, lacking))
-    if without is None or _lowered(without, loaded, settings) < settings.before_bodies:
+    if without is None or lowered(without, loaded, settings) < settings.before_bodies:
         return None
     for bodies, least in (
         (tolerance, settings.before_bodies),
         (with_rough_bodies(tolerance, settings.rough_bodies), 1.0),
     ):
         within = regress(bodies)
-        if within is None or _lowered(within, loaded, settings) < least:
+        if within is None or lowered(within, loaded, settings) < least:
             return None
     return loaded, load
 
@@ -172,11 +172,17 @@ def _moved(robot: Robot) -> float:
 
 def _explains(loaded: TorqueRegression, without: TorqueRegression, settings: TorqueStartSettings) -> bool:
     """Return whether a load lowers what is left of the torques by enough, no motor counting for more than that."""
-    return _lowered(without, loaded, settings) >= settings.explained_by_load
+    return lowered(without, loaded, settings) >= settings.explained_by_load
 
 
-def _lowered(before: TorqueRegression, after: TorqueRegression, settings: TorqueStartSettings) -> float:
-    """Return the factor by which less is left of the torques, over all motors; none counts for more than is enough."""
+def lowered(before: TorqueRegression, after: TorqueRegression, settings: TorqueStartSettings) -> float:
+    """Return the factor by which less is left of the torques, over all motors; none counts for more than is enough.
+
+    Args:
+        before: One regression.
+        after: Another one of the same torques.
+        settings: Settings of the regressions.
+    """
     factors = np.minimum(before.left / np.maximum(after.left, 1e-300), settings.explained_by_load)
     return float(np.prod(factors))
 

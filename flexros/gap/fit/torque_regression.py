@@ -9,6 +9,8 @@ that the model lacks.
 
 from __future__ import annotations
 
+from dataclasses import replace
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,6 +26,8 @@ from flexros.record.missing_samples import bridged_motion
 from flexros.robot.parameters import INERTIA_COMPONENTS
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from flexros.arrays import FloatArray
     from flexros.effects import RobotWithEffects
     from flexros.gap.fit.arm_torque import ArmTorque
@@ -33,6 +37,8 @@ if TYPE_CHECKING:
     from flexros.record.record import Record
     from flexros.robot import Robot
 
+STEP_OF_ZERO = 1e-4
+"""Step of the derivatives to the offset of an encoder [rad or m]."""
 STEP = 1e-6
 """Relative step of the derivatives of the regression parameters to those of the robot [1]."""
 ONE_WAY = 0.96
@@ -49,6 +55,7 @@ def regress_torque(
     delay: float = 0.0,
     balanced: int | None = None,
     uneven: bool = False,
+    zeros: Mapping[int, float] = MappingProxyType({}),
     settings: TorqueStartSettings | None = None,
 ) -> TorqueRegression | None:
     """Regress the torques of a log on friction, motor inertias and tolerated parameters of the bodies.
@@ -65,6 +72,8 @@ def regress_torque(
         balanced: Index of a motor with a further torque over its own position, such as that of a spring or a gas
             cylinder that carries the weight of the arm; its first harmonic is free. None for none.
         uneven: Whether viscous friction that differs by direction stands for the offset of every motor.
+        zeros: Motors whose encoders may have another zero, with the offsets around which the torques are linear
+            [rad or m]; behind springs around none.
         settings: Settings of the regression.
 
     Returns:
@@ -73,7 +82,8 @@ def regress_torque(
     """
     settings, robot = settings or TorqueStartSettings(), model.robot
     acting = acting_torque(record, model, delay)
-    rows = torque_rows(record, robot, acting)
+    zeros = dict(zeros) if arm is None else dict.fromkeys(zeros, 0.0)
+    rows = torque_rows(at_zeros(record, zeros), robot, acting)
     if rows is None:
         return None
     tolerance = tolerance if load == "none" else Tolerance()
@@ -85,6 +95,7 @@ def regress_torque(
         load=load,
         servos=record.command is not None,
         tolerated=len(tolerance.names),
+        zeros=zeros,
     )
     A, b = _linear(rows, sought, tolerance, rigid=arm is None or load != "none")
     if arm is not None:
@@ -92,12 +103,26 @@ def regress_torque(
     own, others = np.split(A, [sought.of_motors.stop], axis=-1)
     own = _identifiable(own, rows, sought, uneven=uneven)
     b = b - own[..., sought.of_kind("coulomb_friction")] @ sought.known
-    further = (_of_balance(rows, balanced), _of_servos(rows, acting, sought))
+    further = (_of_balance(rows, balanced), _of_zeros(rows, sought), _of_servos(rows, acting, sought))
     A = np.concatenate([own, *further, others], axis=-1)
     A[:, ~record.predicted], b[:, ~record.predicted] = 0.0, 0.0  # a prescribed motion says nothing of its torque
     if not (np.isfinite(A).all() and np.isfinite(b).all()):  # the arm behind its springs ran away from the log
         return None
     return _with_point(A, b, sought, settings) if load == "point" else solve(A, b, sought, settings)
+
+
+def at_zeros(record: Record, zeros: Mapping[int, float]) -> Record:
+    """Return a log with positions less the offsets of encoders.
+
+    Args:
+        record: The log.
+        zeros: Offsets by the index of the motor [rad or m].
+    """
+    if not any(zeros.values()):
+        return record
+    offsets = np.zeros(record.position.shape[1])
+    offsets[list(zeros)] = list(zeros.values())
+    return replace(record, position=record.position - offsets)
 
 
 def _linear(
@@ -172,6 +197,19 @@ def _of_balance(rows: RegressionRows, motor: int | None) -> FloatArray:
     position = rows.decimated(bridged_motion(rows.record.position, rows.record.valid))
     columns: FloatArray = np.zeros((*position.shape, len(BALANCE)))
     columns[:, motor] = -np.stack([np.cos(position[:, motor]), np.sin(position[:, motor])], axis=-1)
+    return columns
+
+
+def _of_zeros(rows: RegressionRows, sought: Sought) -> FloatArray:
+    """Return how the torques of the nominal bodies change with the offsets of encoders, shape (n, M, zeros)."""
+    columns: FloatArray = np.zeros((*rows.torque.shape, len(sought.zeros)))
+    if not sought.zeros:
+        return columns
+    nominal = np.array([parameter.nominal for parameter in rows.regressor.parameters])
+    here = np.concatenate([H @ nominal for H, _ in rows.blocks()])
+    for column, motor in enumerate(sought.zeros):
+        moved = rows.at_zeros(STEP_OF_ZERO * np.eye(sought.robot.n_motors)[motor])
+        columns[..., column] = (np.concatenate([H @ nominal for H, _ in moved.blocks()]) - here) / STEP_OF_ZERO
     return columns
 
 

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from flexros.gap.settings import TorqueStartSettings
     from flexros.robot import Robot
 
+FARTHEST_ZERO = 0.5
+"""Largest change of the offset of an encoder in one linear solution [rad or m] (chosen): beyond it a sine is none."""
 ROUNDS = 8
 """Rounds in which each motor is weighted by what is left of its torque (chosen; few are needed)."""
 UNSEEN = 1e-9
@@ -48,6 +50,7 @@ class TorqueRegression:
         load: Mass [kg] and first moment [kg m] of a load on the last body that moves, shape (4,); zeros without one.
         servo_stiffness: Relative error of the stiffness of every servo [1], shape (M,); zeros where torques are known.
         balance: Numbers of a counterbalance [Nm], shape (2,), by the index of its motor; empty without one.
+        zeros: Offsets of encoders by the index of their motor [rad or m]; empty without one.
         inertia_deviation: Standard deviation of the added inertias [kg m2 or kg], shape (M,): of coloured errors, and
             of what bodies within their tolerance have in common with rotors; infinite where it is none.
     """
@@ -62,6 +65,7 @@ class TorqueRegression:
     load: FloatArray
     servo_stiffness: FloatArray
     balance: Mapping[int, FloatArray] = field(default_factory=dict)
+    zeros: Mapping[int, float] = field(default_factory=dict)
     inertia_deviation: FloatArray = field(default_factory=partial(np.zeros, 0))
 
 
@@ -69,8 +73,8 @@ class TorqueRegression:
 class Sought:
     """What a regression looks for, in the order of its columns.
 
-    These are the kinds of every motor, both numbers of a counterbalance, a load or the stiffness of every servo, and
-    tolerated parameters.
+    These are the kinds of every motor, both numbers of a counterbalance, offsets of encoders, a load or the stiffness
+    of every servo, and tolerated parameters.
 
     Attributes:
         robot: The nominal robot.
@@ -80,6 +84,7 @@ class Sought:
         load: Load that the last body that moves may carry.
         servos: Whether the torques are those of servos.
         tolerated: Number of tolerated parameters.
+        zeros: Offsets around which those of encoders are sought, by the index of their motor [rad or m].
     """
 
     robot: Robot
@@ -89,6 +94,7 @@ class Sought:
     load: Load
     servos: bool
     tolerated: int
+    zeros: Mapping[int, float] = field(default_factory=dict)
 
     def of_kind(self, kind: str) -> slice:
         """Return the columns of one of `KINDS`."""
@@ -107,9 +113,14 @@ class Sought:
         return slice(begin, begin + (0 if self.balanced is None else len(BALANCE)))
 
     @property
+    def of_zeros(self) -> slice:
+        """Columns of the offsets of encoders."""
+        return slice(self.of_balance.stop, self.of_balance.stop + len(self.zeros))
+
+    @property
     def of_load(self) -> slice:
         """Columns of a load, or of the servos."""
-        begin, of_load = self.of_balance.stop, {"none": 0, "body": 1, "point": len(LOAD)}[self.load]
+        begin, of_load = self.of_zeros.stop, {"none": 0, "body": 1, "point": len(LOAD)}[self.load]
         return slice(begin, begin + (self.robot.n_motors if self.servos else of_load))
 
     @property
@@ -136,6 +147,7 @@ class Sought:
             low[self.of_load] = -most_reduced
         elif self.load != "none":
             low[self.of_load.start] = 0.0  # its mass, or the share of the body
+        low[self.of_zeros], high[self.of_zeros] = -FARTHEST_ZERO, FARTHEST_ZERO
         low[self.of_tolerance], high[self.of_tolerance] = -FARTHEST, FARTHEST
         return low, high
 
@@ -193,6 +205,10 @@ def solve(A: FloatArray, b: FloatArray, sought: Sought, settings: TorqueStartSet
         load=load,
         servo_stiffness=stiffness,
         balance={} if sought.balanced is None else {sought.balanced: found.values[sought.of_balance]},
+        zeros={
+            motor: before + float(change)
+            for (motor, before), change in zip(sought.zeros.items(), found.values[sought.of_zeros], strict=True)
+        },
         inertia_deviation=_deviation(A, b, sought, found)[sought.of_kind("inertia")],
     )
 

@@ -12,19 +12,20 @@ from flexros.effects import PlacedEffect
 from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.left_out.rotor_inertia import RotorInertia
 from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_moved
+from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.balanced_torques import regress_balanced
+from flexros.gap.fit.encoder_zeros import with_zeros
 from flexros.gap.fit.missing_load import bodies_are_off, clear_load, load_before_bodies, may_carry, rest_of
 from flexros.gap.fit.missing_rotors import inertias_for_friction, inertias_to_step, least_rotors
 from flexros.gap.fit.rough_bodies import CENTER, fitted_bodies, is_inertial, with_rough_bodies
 from flexros.gap.fit.torque_delay import torque_delay
-from flexros.gap.fit.torque_regression import only_coulomb, regress_torque
+from flexros.gap.fit.torque_regression import at_zeros, only_coulomb, regress_torque
 from flexros.gap.settings import TorqueStartSettings
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from flexros.effects import RobotWithEffects
-    from flexros.gap.candidates.tolerance import Tolerance
     from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.fit.torque_solution import TorqueRegression
     from flexros.record.record import Record
@@ -191,9 +192,21 @@ def unknown_numbers(
     regression = regress_balanced(record, model, tolerance, delay=delay, settings=settings)
     if regression is None:
         return UnknownNumbers(needed, least=frozenset(needed))
-    shown = _with_load_or_bodies(
-        regression, record, model, tolerance, len(lacking), delay, settings, as_stated=as_stated
+    with_load_or_bodies = partial(
+        _with_load_or_bodies,
+        model=model,
+        tolerance=tolerance,
+        n_lacking=len(lacking),
+        delay=delay,
+        settings=settings,
+        as_stated=as_stated,
     )
+    shown = with_load_or_bodies(regression, record)
+    zeros = _clear_zeros(shown, regression, record, model, tolerance, delay, settings)
+    if zeros:
+        moved = at_zeros(record, zeros)
+        regression = regress_balanced(moved, model, tolerance, delay=delay, settings=settings) or regression
+        shown = with_load_or_bodies(regression, moved)
     rotors = _clear_rotors(shown.regression, robot, of_bodies, lacking, settings)
     changes = dict(zip(robot.joint_names, shown.regression.viscous_friction.tolist(), strict=True))
     viscous = {name: robot.parameters[f"{name}.viscous_friction"].value for name in lacking}
@@ -268,6 +281,39 @@ def _with_load_or_bodies(
     if loaded is not None and (of_rough is None or rest_of(loaded) < rest_of(of_rough)):
         return _Shown(loaded, load)  # what explains more stands for both
     return _Shown(regression) if of_rough is None else _Shown(of_rough, rough=settings.rough_bodies)
+
+
+def _clear_zeros(
+    shown: _Shown,
+    regression: TorqueRegression,
+    record: Record,
+    model: RobotWithEffects,
+    tolerance: Tolerance,
+    delay: float,
+    settings: TorqueStartSettings,
+) -> Mapping[int, float]:
+    """Return offsets of encoders that explain more than a load or bodies that are far off, or clearly beside a load.
+
+    Args:
+        shown: What the torques show without offsets.
+        regression: Their regression with neither.
+        record: The log.
+        model: The nominal model.
+        tolerance: Parameters of the robot that may deviate.
+        delay: Delay of the torques beyond that of the model [s].
+        settings: Settings of the regressions.
+    """
+    regress = partial(regress_torque, record, model, delay=delay, settings=settings)
+    alone = partial(regress, tolerance, balanced=next(iter(regression.balance), None))
+    turned = with_zeros(alone, regression, model.robot, record, settings)
+    if turned is not None and rest_of(turned) < rest_of(shown.regression):
+        return turned.zeros
+    if shown.load is None:
+        return {}
+    loaded = partial(regress, Tolerance(), load="point", balanced=next(iter(shown.regression.balance), None))
+    beside = loaded()
+    both = None if beside is None else with_zeros(loaded, beside, model.robot, record, settings)
+    return {} if both is None else both.zeros
 
 
 def _clear_rotors(

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.effects.encoders.encoder_offset import EncoderOffset
 from flexros.effects.kinds.law import AbstractLaw
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.errors import InputError
@@ -125,6 +126,29 @@ class Predictor:
         """
         pairs = zip(theta, self._parameters)
         return np.array([one.high if one.signed else float(np.exp(number)) for number, (_, one) in pairs])
+
+    def behind_encoders(self, start: FloatArray, thetas: FloatArray) -> FloatArray:
+        """Move a state of the robot at measured positions to those of hypotheses whose encoders have another zero.
+
+        Args:
+            start: State at the measured positions, shape (2 n_coordinates,), or (2 n_coordinates, sets).
+            thetas: Encoded parameters, shape (n_fitted, sets).
+
+        Returns:
+            States of the same shape, or of all sets where a hypothesis has such an encoder.
+        """
+        offset = [candidate.effect is EncoderOffset for candidate in self.hypothesis]
+        if not any(offset):
+            return start
+        sets = thetas.shape[1]
+        moved = np.repeat(start[:, None], sets, axis=1) if start.ndim == 1 else start.copy()
+        for column, theta in enumerate(thetas.T):
+            for candidate, sizes, off in zip(self.hypothesis, self.values(theta), offset, strict=True):
+                if off:
+                    motor = self.robot.joint_names.index(candidate.location)
+                    rows = sorted({self.robot.motor_rows[motor], self.robot.gear_rows[motor]})
+                    moved[rows, column] -= sizes[EncoderOffset.size]
+        return moved
 
     def predict(
         self,

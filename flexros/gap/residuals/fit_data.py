@@ -176,7 +176,7 @@ class FitData:
             pose_samples: Samples whose tool pose is recorded, increasing, shape (m,); None for none.
             record_states: Whether to record the states.
         """
-        start = self.initial_state
+        start = predictor.behind_encoders(self.initial_state, thetas)
         if self.lead_in is not None:
             before, gain = self.lead_in
             start = predictor.predict(thetas, before, gain, start).final[: len(start)]

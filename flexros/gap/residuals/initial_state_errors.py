@@ -97,7 +97,12 @@ def _moved_initial_states(
         group = states[:, begin : begin + LANES]
         sets = np.repeat(theta[:, None], group.shape[1], axis=1)
         prediction = predictor.predict(
-            sets, record, data.gain, group, pose_samples=early, record_states=data.sensors is not None
+            sets,
+            record,
+            data.gain,
+            predictor.behind_encoders(group, sets),
+            pose_samples=early,
+            record_states=data.sensors is not None,
         )
         assert prediction.tool_pose is not None
         if data.sensors is not None:

@@ -34,8 +34,8 @@ class LostCommands:
 
     Attributes:
         record: The log, with torques interpolated where they are not known, and positions in long holes.
-        deviation: Standard deviation of the prediction errors by the unknown torques [rad or m], shape (n, M); infinite
-            in long holes and until the prediction has settled behind them.
+        deviation: Standard deviation of the prediction errors by unknown torques and jumps of the clock [rad or m],
+            shape (n, M); infinite in long holes and until the prediction has settled behind them.
     """
 
     record: Record
@@ -80,16 +80,15 @@ def lost_commands(
         pose: Arm coordinates at which the gain was computed [rad or m], shape (N,).
         settings: Settings of the residuals.
     """
-    nothing = np.zeros_like(record.position)
     late = np.zeros(record.n_samples, dtype=bool) if record.late is None else record.late
     # a measured torque is lost with its sample, though one that is held over a few does no harm
     lost = long_holes(record.valid) if record.measured_torque else late & ~record.valid
     if np.any(late & ~lost) and _better_interpolated(record, late, nominal, gain, state, settings.lost_commands):
         lost = late
+    variance = _variance_of_jumps(nominal.robot, record, gain)
     if not lost.any():
-        return LostCommands(record, nothing)
+        return LostCommands(record, np.sqrt(variance))
     delay = 0.0 if record.measured_torque else nominal.robot.delay / record.sample_time
-    variance = nothing**2
     begins, lengths = runs(lost)
     for length in np.unique(lengths[lengths <= MOST_BRIDGED]).tolist():
         added = _variance(nominal.robot, record, gain, pose, length, delay)
@@ -149,6 +148,25 @@ def _variance(
     errors = np.sum(total**2, axis=2)
     early, late = (np.vstack([np.zeros((1 + int(d), errors.shape[1])), errors]) for d in (delay, np.ceil(delay)))
     return np.asarray(np.maximum(np.vstack([early, np.zeros((len(late) - len(early), early.shape[1]))]), late))
+
+
+def _variance_of_jumps(robot: Robot, record: Record, gain: ObserverGain) -> FloatArray:
+    """Return the squares of the prediction errors behind jumps of the clock [rad2 or m2], shape (n, M).
+
+    What was predicted is late by the motion within the jump, and that decays as an error of a state does.
+    """
+    variance: FloatArray = np.zeros_like(record.position)
+    if record.jumps is None:
+        return variance
+    steps = np.gradient(record.position, axis=0)
+    for begin in np.flatnonzero(record.jumps).tolist():
+        state = np.zeros(gain.transition.shape[0])
+        for motor, step in enumerate(steps[begin]):
+            state[[robot.motor_rows[motor], robot.gear_rows[motor]]] = record.jumps[begin] * step
+        for sample in range(begin, min(begin + gain.settling, record.n_samples)):
+            variance[sample] += (gain.readout @ state) ** 2
+            state = gain.transition @ state
+    return variance
 
 
 def _interpolation_error(torque: FloatArray, length: int) -> FloatArray:

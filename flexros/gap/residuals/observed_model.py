@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.feedforward.compensation.encoder_reading import position_of_reading
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.noise.weights import noise_of_positions
 from flexros.gap.prediction.predictor import Predictor
@@ -120,7 +121,8 @@ class ObservedModel:
     def beginning(self) -> Beginning:
         """Find whether the log begins at rest; the first part of one that does not is for finding the state."""
         record, fast = self.record, self.gain(self.settings.starting_level)
-        state = self.robot.equilibrium(motor_position=record.position[0])
+        first = position_of_reading(self.robot, self.predictor.plant.model.laws, record.position[0])
+        state = self.robot.equilibrium(motor_position=first)
         if self._begins_at_rest(state, fast):
             return Beginning(record, state, state)
         cut = min(2 * fast.settling, record.n_samples // 4)

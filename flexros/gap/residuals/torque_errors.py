@@ -6,9 +6,9 @@ the measured motion q, the torque that a hypothesis needs is
     u = (H(q, q', q'') pi + f(q, q')) / g,
 
 with the standard parameters pi of the robot (Moberg 2007, eq. 4.11), the torques f of laws at the motors and the gain g
-of the torque. Errors of predicted positions are these errors divided by the inertia, so that more inertia leaves less
-of any of them, and light joints outweigh all others. The errors of the torques do not have this fault, but they show no
-springs, and of a delay only that it moves the torques.
+of the torque; q is the position less the offset of its encoder. Errors of predicted positions are these errors divided
+by the inertia, so that more inertia leaves less of any of them, and light joints outweigh all others. The errors of the
+torques do not have this fault, but they show no springs, and of a delay only that it moves the torques.
 """
 
 from __future__ import annotations
@@ -19,7 +19,10 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
+from scipy.signal import lfilter, lfilter_zi
 
+from flexros.effects.actuator_lag import ActuatorLag
+from flexros.effects.encoders.encoder_offset import EncoderOffset
 from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.effects.kinds.bristle_friction import AbstractBristleFriction
 from flexros.effects.kinds.dry_friction import AbstractDryFriction
@@ -30,12 +33,14 @@ from flexros.identify.rigid.motion_estimate import decimate
 from flexros.identify.rigid.standard_parameters import standard_parameters
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping, Sequence
 
     from flexros.arrays import BoolArray, FloatArray
     from flexros.effects import RobotWithEffects
+    from flexros.gap.candidates.candidate import Hypothesis
     from flexros.gap.prediction.predictor import Predictor
     from flexros.identify.rigid.motion_estimate import MotionEstimate
+    from flexros.identify.rigid.regression_rows import RegressionRows
     from flexros.record.record import Record
     from flexros.robot import Robot
 
@@ -62,6 +67,7 @@ class TorqueErrors:
             motion.
         motion: Time [s], then positions, speeds, torques and torques in the gears of all motors [SI], shape
             (1 + 4 M, n).
+        rows: The rows.
         factor: Decimation from the motion to the rows.
         counts: Decimated rows that count, shape (n_decimated,).
     """
@@ -74,6 +80,7 @@ class TorqueErrors:
     known: FloatArray
     deviation: FloatArray
     motion: FloatArray
+    rows: RegressionRows
     factor: int
     counts: BoolArray
 
@@ -100,55 +107,100 @@ class TorqueErrors:
         return np.stack([self._of_one(predictor, theta) for theta in thetas.T], axis=-1)
 
     def _of_one(self, predictor: Predictor, theta: FloatArray) -> FloatArray:
-        needed = self._rows_of_bodies(predictor.robot, tuple(predictor.numbers(theta).items())).copy()
+        values = predictor.values(theta)
+        zeros = self._zeros(predictor.hypothesis, values)
+        needed = self._rows_of_bodies(predictor.robot, tuple(predictor.numbers(theta).items()), zeros).copy()
         gains, late = np.ones(self.robot.n_motors), np.full(self.robot.n_motors, -self.delay)
-        for candidate, sizes in zip(predictor.hypothesis, predictor.values(theta), strict=True):
+        lags: dict[int, float] = {}
+        for candidate, sizes in zip(predictor.hypothesis, values, strict=True):
             if candidate.effect.delays_commands:
                 late[candidate.motors(self.robot)] += sizes["time"]
-            if issubclass(candidate.effect, AbstractMotorLaw) and candidate.location in self.robot.joint_names:
+            if candidate.effect is ActuatorLag:
+                motor = self.robot.joint_names.index(candidate.location)
+                lags[motor] = lags.get(motor, 0.0) + sizes[ActuatorLag.size]
+            elif issubclass(candidate.effect, AbstractMotorLaw) and candidate.location in self.robot.joint_names:
                 effect = candidate.placed(sizes).effect
                 assert isinstance(effect, AbstractMotorLaw)
                 motor = self.robot.joint_names.index(candidate.location)
-                needed[:, motor] += self._rows_of(type(effect), motor, tuple(effect.parameter_values.values()))
+                numbers = tuple(effect.parameter_values.values())
+                needed[:, motor] += self._rows_of(type(effect), motor, numbers, zeros[motor])
                 if isinstance(effect, TorqueGainError):
                     gains[motor] += effect.relative
         torque = self.torque - late * self.rate
+        for motor, lag in lags.items():
+            torque[:, motor] = self._lagged(motor, lag, float(late[motor]))
         errors: FloatArray = ((torque - needed / gains) / self.deviation).T.ravel()
         return errors
 
-    @cached_property
-    def _rows_of_bodies(self) -> Callable[[Robot, tuple[tuple[str, float], ...]], FloatArray]:
-        """Function of the torque that a robot with other numbers needs, and its known friction, in the rows."""
+    def _zeros(self, hypothesis: Hypothesis, values: Sequence[Mapping[str, float]]) -> tuple[float, ...]:
+        """Return the offsets of the encoders under a hypothesis [rad or m], one per motor."""
+        zeros = dict.fromkeys(self.robot.joint_names, 0.0)
+        for candidate, sizes in zip(hypothesis, values, strict=True):
+            if candidate.effect is EncoderOffset:
+                zeros[candidate.location] += sizes[EncoderOffset.size]
+        return tuple(zeros.values())
 
-        def rows(robot: Robot, numbers: tuple[tuple[str, float], ...]) -> FloatArray:
+    @cached_property
+    def _rows_of_bodies(self) -> Callable[[Robot, tuple[tuple[str, float], ...], tuple[float, ...]], FloatArray]:
+        """Function of the torque that a robot with other numbers and zeros needs, and its known friction, in rows."""
+
+        def rows(robot: Robot, numbers: tuple[tuple[str, float], ...], zeros: tuple[float, ...]) -> FloatArray:
             values = np.array([one.nominal for one in standard_parameters(robot, numbers=dict(numbers))])
-            needed: FloatArray = self.regressor @ values + self.known
+            needed: FloatArray = self._moved_regressor(zeros) @ values + self.known
             return needed
 
         return lru_cache(maxsize=BODIES)(rows)
 
     @cached_property
-    def _rows_of(self) -> Callable[[type[AbstractMotorLaw], int, tuple[float, ...]], FloatArray]:
+    def _moved_regressor(self) -> Callable[[tuple[float, ...]], FloatArray]:
+        """Function of the regressor at positions less the offsets of their encoders, shape (m, M, P)."""
+
+        def regressor(zeros: tuple[float, ...]) -> FloatArray:
+            if not any(zeros):
+                return self.regressor
+            return np.concatenate([H for H, _ in self.rows.at_zeros(np.array(zeros)).blocks()])
+
+        return lru_cache(maxsize=BODIES)(regressor)
+
+    @cached_property
+    def _lagged(self) -> Callable[[int, float, float], FloatArray]:
+        """Function of a motor's torque behind a lag of first order and later by some time, in the rows, shape (m,)."""
+
+        def lagged(motor: int, lag: float, late: float) -> FloatArray:
+            time, torque = self.motion[[0, 1 + 2 * self.robot.n_motors + motor]]
+            slow = 2 * lag / (time[1] - time[0])  # the bilinear transform has the delay of the lag exactly
+            numerator, denominator = np.array([1.0, 1.0]) / (1 + slow), np.array([1.0, (1 - slow) / (1 + slow)])
+            at_rest = lfilter_zi(numerator, denominator) * torque[0]
+            behind = lfilter(numerator, denominator, torque, zi=at_rest)[0]
+            return decimate(np.interp(time - late, time, behind), self.factor)[self.counts]
+
+        return lru_cache(maxsize=KEPT)(lagged)
+
+    @cached_property
+    def _rows_of(self) -> Callable[[type[AbstractMotorLaw], int, tuple[float, ...], float], FloatArray]:
         """Function of the torque that a motor needs against a law, in the rows; of many sets few laws differ."""
         return lru_cache(maxsize=KEPT)(self._law)
 
-    def _law(self, kind: type[AbstractMotorLaw], motor: int, numbers: tuple[float, ...]) -> FloatArray:
+    def _law(
+        self, kind: type[AbstractMotorLaw], motor: int, numbers: tuple[float, ...], zero: float = 0.0
+    ) -> FloatArray:
         needed = _needed_torque(kind)
         if needed is None:
             return np.zeros(len(self.torque))
         shape = tuple(0.0 if size else number for number, size in zip(numbers, needed.sizes, strict=True))
-        torque: FloatArray = self._parts_of(kind, motor, shape) @ np.asarray(needed.monomials(numbers)).ravel()
+        torque: FloatArray = self._parts_of(kind, motor, shape, zero) @ np.asarray(needed.monomials(numbers)).ravel()
         return torque
 
     @cached_property
-    def _parts_of(self) -> Callable[[type[AbstractMotorLaw], int, tuple[float, ...]], FloatArray]:
+    def _parts_of(self) -> Callable[[type[AbstractMotorLaw], int, tuple[float, ...], float], FloatArray]:
         """Function of the parts of a law with the parameters of its shape, in the rows, shape (m, parts)."""
         M, robot = self.robot.n_motors, self.robot
 
-        def parts(kind: type[AbstractMotorLaw], motor: int, shape: tuple[float, ...]) -> FloatArray:
+        def parts(kind: type[AbstractMotorLaw], motor: int, shape: tuple[float, ...], zero: float) -> FloatArray:
             needed = _needed_torque(kind)
             assert needed is not None
             time, position, speed, torque, load = self.motion[[0, *(1 + row * M + motor for row in range(4))]]
+            position = position - zero
             state = np.stack([time, position, robot.rotor_turns[motor] * position, speed, torque, load])
             viscous = robot.parameters[f"{robot.joint_names[motor]}.viscous_friction"].value
             values = np.asarray(needed.parts(state, np.array([viscous, *shape])), dtype=float).T
@@ -184,13 +236,14 @@ def torque_errors(record: Record, model: RobotWithEffects, delay: float, deviati
         known=np.zeros_like(rows.torque),
         deviation=deviation,
         motion=np.vstack([time, motion.position.T, motion.velocity.T, torque.T, _in_gears(robot, motion)]),
+        rows=rows,
         factor=rows.factor,
         counts=rows.counts,
     )
     for law in model.laws:
         if isinstance(law.effect, CoulombFriction):
             motor, numbers = robot.joint_names.index(law.location), tuple(law.effect.parameter_values.values())
-            whole.known[:, motor] += whole._rows_of(CoulombFriction, motor, numbers)
+            whole.known[:, motor] += whole._rows_of(CoulombFriction, motor, numbers, 0.0)
     return whole
 
 

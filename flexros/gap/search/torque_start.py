@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flexros.effects.counterbalance import Counterbalance
+from flexros.effects.encoders.encoder_offset import EncoderOffset
 from flexros.gap.candidates.candidate import Candidate, free_parameter, list_candidates
 from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.scales import scales_of_motors
 from flexros.gap.fit.arm_torque import arm_torque
 from flexros.gap.fit.balanced_torques import regress_balanced
+from flexros.gap.fit.encoder_zeros import with_zeros
 from flexros.gap.fit.least_squares import CandidateFit, chi2_of, fit
+from flexros.gap.fit.rough_bodies import is_inertial, with_rough_bodies
 from flexros.gap.fit.torque_delay import torque_delay
 from flexros.gap.fit.torque_regression import only_coulomb, regress_torque
 from flexros.gap.residuals.torque_errors import torque_errors
@@ -68,6 +72,7 @@ class TorqueStart:
             values["coulomb_friction", name] = float(found.coulomb_friction[motor])
             values["torque_bias", name] = float(found.bias[motor]) if self.record.command is None else 0.0
             values["motor_inertia_error", name] = inertia / nominal if nominal > 0 else 0.0
+            values[EncoderOffset.name, name] = found.zeros.get(motor, 0.0)
             values["servo_stiffness_error", name] = float(found.servo_stiffness[motor])
         values["delay", "all"] = self.delay
         scales = scales_of_motors(self.robot, self.record)
@@ -129,17 +134,28 @@ def _balanced(
     delay: float,
     settings: TorqueStartSettings,
 ) -> TorqueRegression | None:
-    """Regress the torques, beside a counterbalance where there is one.
+    """Regress the torques, beside a counterbalance where there is one, with encoders at the zeros that they ask for.
 
     Viscous friction that differs by direction passes for an offset: where it leaves less, there is none.
     """
     best = regress_balanced(record, model, tolerance, arm, delay=delay, settings=settings)
-    if best is None or not best.bias.any():
-        return best
-    balanced = next(iter(best.balance), None)
-    uneven = regress_torque(
-        record, model, tolerance, arm, delay=delay, balanced=balanced, uneven=True, settings=settings
+    if best is None:
+        return None
+    regress = partial(
+        regress_torque,
+        record,
+        model,
+        tolerance,
+        arm,
+        delay=delay,
+        balanced=next(iter(best.balance), None),
+        settings=settings,
     )
+    rough = with_rough_bodies(tolerance, settings.rough_bodies) == tolerance and any(map(is_inertial, tolerance.names))
+    best = with_zeros(regress, best, model.robot, record, settings, rough=rough) or best
+    if not best.bias.any():
+        return best
+    uneven = regress(uneven=True, zeros=best.zeros)
     return best if uneven is None else replace(best, bias=np.where(uneven.rest < best.rest, 0.0, best.bias))
 
 

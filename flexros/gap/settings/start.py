@@ -115,6 +115,12 @@ class TorqueStartSettings(Settings):
         "`rough_bodies` leave no less either [1] (chosen): 1.6 to 10 on robots that carry a load, 1.02 and less on "
         "five that do not",
     )
+    turned: float = Field(
+        default=1.5,
+        ge=1,
+        description="the same product from which the encoder of a motor has another zero [1] (chosen): what tells a "
+        "load from errors of bodies tells a turned weight from them as well",
+    )
     rough_bodies: float = Field(
         default=0.15,
         gt=0,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -96,6 +96,14 @@ class RegressionRows:
             values: One per sample, shape (n, ...).
         """
         return decimate(values, self.factor)[self.counts]
+
+    def at_zeros(self, offsets: FloatArray) -> RegressionRows:
+        """Return the same rows at positions less the offsets of their encoders.
+
+        Args:
+            offsets: Offsets of all motors [rad or m], shape (M,).
+        """
+        return replace(self, motion=replace(self.motion, position=self.motion.position - offsets), kept=[])
 
     @property
     def factor(self) -> int:

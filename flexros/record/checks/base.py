@@ -12,7 +12,7 @@ from flexros.discovery import members
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flexros.arrays import BoolArray
+    from flexros.arrays import BoolArray, FloatArray
     from flexros.record.checks.checked_record import CheckedRecord
 
 
@@ -24,6 +24,7 @@ class Finding:
         text: One sentence without the name of the log: what was found, what is expected, what to do.
         hopeless: Whether a diagnosis of such a log would be wrong, so that it is rejected; else a warning is given.
         spoilt: Samples that must not count, shape (n,); None where all do.
+        jumps: By how much the clock jumps before each sample [samples], shape (n,); None where it does not.
         like_parameters: Whether wrong parameters of the nominal robot look the same. Identification, which estimates
             them, warns of such a finding only.
         of_model: Whether it doubts the nominal model and not the log. A diagnosis whose repair closes much of the gap
@@ -33,6 +34,7 @@ class Finding:
     text: str
     hopeless: bool
     spoilt: BoolArray | None = None
+    jumps: FloatArray | None = None
     like_parameters: bool = False
     of_model: bool = False
 

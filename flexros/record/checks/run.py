@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from flexros.errors import InputError
 from flexros.logs.reader import give_memory_back
 from flexros.record.checks.base import Finding, checks
@@ -50,7 +52,8 @@ def check_record(record: Record, robot: Robot, *, parameters_known: bool = True)
             False: findings that wrong parameters imitate are warnings then.
 
     Returns:
-        The record with the warnings of the checks. Samples that a check found unusable are not valid any more.
+        The record with the warnings of the checks. Samples that a check found unusable are not valid any more, and
+        those before which the clock jumps are marked.
 
     Raises:
         InputError: The log is hopeless; the message names the log, the problem and what to do.
@@ -65,9 +68,11 @@ def check_record(record: Record, robot: Robot, *, parameters_known: bool = True)
     for finding in problems:
         if finding.spoilt is not None:
             valid &= ~finding.spoilt
+    jumps = [finding.jumps for finding in problems if finding.jumps is not None]
     return replace(
         record,
         valid=valid,
+        jumps=np.sum(jumps, axis=0) if jumps else record.jumps,
         warnings=tuple(dict.fromkeys([*record.warnings, *(finding.text for finding in problems)])),
         doubts=tuple(finding.text for finding in problems if finding.of_model),
     )

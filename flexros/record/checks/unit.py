@@ -8,6 +8,7 @@ import numpy as np
 
 from flexros.record.balance.spectra import rotor_unknown
 from flexros.record.checks.base import AbstractCheck, Finding
+from flexros.record.checks.degrees import like_degrees
 
 if TYPE_CHECKING:
     from flexros.record.balance.torque_balance import BalanceFit
@@ -67,7 +68,12 @@ class Unit(AbstractCheck):
             return (Finding(text, hopeless=True, like_parameters=True),)
         refused = {motor: fit for motor, fit in off.items() if abs(np.log(fit.factor)) > np.log(REFUSED)}
         if refused and not _model_may_be_rough(checked, refused):
-            return (Finding(_refusal(refused, robot, len(robot.joint_names)), hopeless=True, like_parameters=True),)
+            common = _common_causes(refused, robot)
+            text = "" if common else like_degrees(checked)  # friction and weight blur the factor of single motors
+            if text:
+                return (Finding(text, hopeless=True),)
+            text = _refusal(refused, common, robot, len(robot.joint_names))
+            return (Finding(text, hopeless=True, like_parameters=True),)
         return tuple(
             Finding(
                 f"the torque of {robot.joint_names[motor]} is {fit.factor:.3g} times what robot {robot.name} needs for "
@@ -131,11 +137,15 @@ def _is_significant(fit: BalanceFit) -> bool:
     return bool(refused) and fit.agreement > LARGE_CLEAR and fit.agreement - fit.as_is > LARGE_GAIN
 
 
-def _refusal(off: dict[int, BalanceFit], robot: Robot, n_motors: int) -> str:
-    names = ", ".join(f"{robot.joint_names[motor]}: {fit.factor:.3g}" for motor, fit in off.items())
+def _common_causes(off: dict[int, BalanceFit], robot: Robot) -> list[str]:
+    """List the mistakes that explain the factors of most motors; friction moves those of single ones."""
     causes = [cause(fit.factor, robot, motor) for motor, fit in off.items()]
-    every = dict.fromkeys(text for texts in causes for text in texts)  # friction moves the factors of single motors
-    common = [text for text in every if sum(text in texts for texts in causes) > len(causes) / 2]
+    every = dict.fromkeys(text for texts in causes for text in texts)
+    return [text for text in every if sum(text in texts for texts in causes) > len(causes) / 2]
+
+
+def _refusal(off: dict[int, BalanceFit], common: list[str], robot: Robot, n_motors: int) -> str:
+    names = ", ".join(f"{robot.joint_names[motor]}: {fit.factor:.3g}" for motor, fit in off.items())
     likely = f"it looks like {' or '.join(common)}" if common else "the torques or the motions have another unit"
     sizes = np.abs(np.log([fit.factor / next(iter(off.values())).factor for fit in off.values()]))
     if not common and len(off) == n_motors > 1 and sizes.max() > np.log(LIKE):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +13,15 @@ from flexros.effects import effects
 from flexros.gap.candidates.candidate import Candidate, free_parameter
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit import estimates
-from flexros.gap.fit.estimates import covariance_of, parameters_of, placed_effects, smoothed, unit_of_parameter
+from flexros.gap.fit.estimates import (
+    _doubt_of_timing,
+    covariance_of,
+    fit_covariance,
+    parameters_of,
+    placed_effects,
+    smoothed,
+    unit_of_parameter,
+)
 from flexros.gap.fit.least_squares import CandidateFit, chi2_of, fit, initial_values
 from flexros.gap.settings import FitSettings, RankingSettings
 from flexros.random_streams import generator
@@ -175,3 +184,30 @@ def test_sizes_of_hysteresis_allow_for_laws_of_other_shapes_on_measured_logs() -
     (ours,), (theirs,) = (parameters_of(found, one, RankingSettings()) for one in (data, measured))
     assert theirs["spread"].std == pytest.approx(0.5, rel=0.05)
     assert theirs["angle"].std > 1.4 * ours["angle"].std
+
+
+def test_a_number_that_a_log_says_nothing_of_keeps_its_tolerance_however_the_prior_weighs(
+    fitted: CandidateFit, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The prior of a measured log weighs as much as what first effects leave: a gain was 10 times too certain."""
+    data = data_of()
+    rng, rows = np.random.default_rng(1), data.spread.size
+    J = np.column_stack([rng.standard_normal((rows, 2)), np.zeros(rows)])
+    for misfit in (1.0, 100.0):
+        line = SimpleNamespace(slopes=J, residual=np.zeros(rows), information=J.T @ J + np.diag([0.0, 0.0, misfit]))
+        monkeypatch.setattr(estimates, "linearise", lambda *_, line=line: line)
+        assert np.sqrt(fit_covariance(replace(fitted), replace(data), None)[2, 2]) == pytest.approx(1.0)
+
+
+def test_a_shift_in_time_is_a_doubt_where_the_errors_show_it_or_leave_it_open() -> None:
+    rng = np.random.default_rng(2)
+    J, other = rng.standard_normal((500, 1)), rng.standard_normal(500)
+    inverse = np.linalg.inv(J.T @ J)
+    alike, unlike = J[:, 0], J[:, 0] + 5 * (other - J[:, 0] * (J[:, 0] @ other) / (J[:, 0] @ J[:, 0]))
+    whole = float((J[:, 0] @ J[:, 0]) ** 2)
+    left_open = _doubt_of_timing(alike, J, np.zeros(500), inverse)
+    excluded = _doubt_of_timing(unlike, J, np.zeros(500), inverse)
+    shown = _doubt_of_timing(unlike, J, unlike - alike, inverse)
+    assert left_open[0, 0] == pytest.approx(whole)
+    assert excluded[0, 0] < 1e-3 * whole
+    assert shown[0, 0] == pytest.approx(whole, rel=0.01)

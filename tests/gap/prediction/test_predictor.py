@@ -9,6 +9,8 @@ import pytest
 
 from flexros.arrays import FloatArray
 from flexros.effects import RobotWithEffects, parse_effect, place_effects
+from flexros.effects.encoders.encoder_offset import EncoderOffset
+from flexros.gap.candidates.candidate import Candidate, free_parameter
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.prediction.predictor import LANES, Predictor
 from flexros.prediction.observer import observer_gain
@@ -211,3 +213,16 @@ def test_a_prediction_ahead_is_the_motion_without_corrections() -> None:
     starts = np.array([5, 800, 801, 1500, 1999, 2400, 2800, 3000, 3700])
     found = predictor.ahead(theta, record, alone.states[:, :, 0], starts, 200).positions
     np.testing.assert_allclose(found, positions[starts + 200], atol=1e-12)
+
+
+def test_a_hypothesis_of_another_zero_begins_at_the_true_position() -> None:
+    candidate = candidates_of()["coulomb_friction@motor_1"]
+    offset = Candidate(EncoderOffset, "motor_1", (free_parameter("offset", EncoderOffset.ranges["offset"], 1.0),))
+    data, thetas = data_of(), np.array([offset.free[0].encode(0.02), offset.free[0].encode(-0.01)])[None]
+    start = data.initial_state
+    moved = predictor_of(offset).behind_encoders(start, thetas)
+    rows = [ROBOT.motor_rows[0], ROBOT.gear_rows[0]]
+    np.testing.assert_allclose(start[rows, None] - moved[rows], [[0.02, -0.01]] * len(rows), atol=1e-15)
+    others = np.setdiff1d(np.arange(len(start)), rows)
+    np.testing.assert_array_equal(moved[others], np.repeat(start[others, None], 2, axis=1))
+    assert predictor_of(candidate).behind_encoders(start, thetas) is start

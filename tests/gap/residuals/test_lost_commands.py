@@ -100,3 +100,16 @@ def test_a_measured_torque_is_lost_with_its_sample() -> None:
     assert level(found) == pytest.approx(level(whole), rel=5 * np.sqrt(2 / found.n_values))
     assert not found.counted[late].any()
     assert found.counted.sum() > 0.9 * whole.counted.sum() - late.sum()
+
+
+def test_what_is_predicted_across_a_jump_of_the_clock_does_not_count_until_that_has_decayed() -> None:
+    record = record_of()
+    at = int(np.argmax(np.abs(np.gradient(record.position[1000:-4000, 0])))) + 1000
+    jumps = np.zeros(record.n_samples)
+    jumps[at] = 1.0
+    found = data(replace(record, jumps=jumps))
+    assert found.counted[:at].all()
+    assert not found.counted[at]
+    assert found.counted[at + found.gain.settling :].all()
+    slight = data(replace(record, jumps=1e-9 * jumps))
+    np.testing.assert_array_equal(slight.spread, data_of().spread)

@@ -236,3 +236,33 @@ def test_deviations_of_parameters_allow_for_the_spectrum_of_what_is_left_of_the_
         names, covariance = covariance_of(fitted, data)
         deviations.append(np.sqrt(covariance[names.index("coulomb_friction@motor_1.level")][0]))
     assert deviations[1] > 1.5 * deviations[0]
+
+
+def test_torques_of_an_encoder_with_another_zero_are_those_at_the_true_positions() -> None:
+    """The same torques, and positions that are read 0.1 rad too large: with that offset the errors are the old ones."""
+    record = record_of_arm(imported=True)
+    read = replace(record, position=record.position + np.array([0.0, 0.1]))
+    of = torque_errors(read, model(), 0.0, DEVIATION)
+    assert of is not None
+    offset = {"encoder_offset@motor_2": {"offset": 0.1}}
+    assert np.all(size_of(friction(), of) > 3 * size_of(friction()))
+    np.testing.assert_allclose(size_of({**friction(), **offset}, of), size_of(friction()), rtol=1e-3)
+
+
+@pytest.mark.parametrize("delay", [0.0, 2 * T])
+def test_torques_behind_a_lag_are_those_of_the_lag(delay: float) -> None:
+    """A lag left the torques as they are, so that a delay stood for it. The errors begin from a delay or without."""
+    record, lag, fine = record_of_arm(imported=True), 0.02, 50
+    time, dense = T * np.arange(record.n_samples), T / fine * np.arange(fine * record.n_samples)
+    acting = np.interp(dense, time, record.torque[:, 0])
+    command = acting + lag * np.gradient(acting, dense)
+    smooth = np.convolve(np.pad(command, fine // 2, "edge"), np.ones(fine) / fine, "same")[fine // 2 : -fine // 2]
+    torque = record.torque.copy()
+    torque[:, 0] = smooth[::fine][: record.n_samples]
+    of = torque_errors(replace(record, torque=torque), model(), delay, DEVIATION)
+    assert of is not None
+    name = "actuator_lag@motor_1"
+    with_lag = size_of({**friction(), name: {"time_constant": lag}}, of)[0]
+    with_delay = size_of({**friction(), "delay@motor_1": {"time": lag}}, of)[0]
+    assert with_lag < 0.5 * with_delay
+    assert with_lag < 0.3 * size_of(friction(), of)[0]

@@ -14,7 +14,7 @@ from flexros.record.balance.torque_balance import BalanceFit
 from flexros.record.checks import unit
 from flexros.record.checks.base import Finding
 from flexros.record.checks.run import findings
-from flexros.record.checks.unit import Unit, _refusal, _share_of_limits
+from flexros.record.checks.unit import Unit, _common_causes, _refusal, _share_of_limits
 from flexros.robot import load_robot
 
 pytestmark = pytest.mark.slow
@@ -112,6 +112,7 @@ def test_a_load_multiplies_the_torque_of_a_light_wrist_without_gravity_too(
         wrongly_assigned=False,
         robot=weightless,
         balance=SimpleNamespace(needed=np.array([[50.0, 30.0, 10.0, 1.0, 1.0, 0.1]])),
+        record=SimpleNamespace(position=np.zeros((2, 6)), valid=np.ones(2, dtype=bool)),
         own=tuple(BalanceFit(factor, 0.95, 0.5, 0.95, 0.9) for factor in factors),
     )
     assert any(finding.hopeless for finding in Unit().look(checked)) is hopeless
@@ -133,7 +134,7 @@ def test_the_mistake_of_most_motors_is_named_though_friction_moves_the_factor_of
     motors = [SimpleNamespace(torque_limit=np.inf, gear_ratio=100.0, rotary=True) for _ in range(3)]
     robot: Any = SimpleNamespace(name="arm", joint_names=["motor_1", "motor_2", "motor_3"], motors=motors)
     off = {k: BalanceFit(factor, 0.9, 0.0, 0.9, 0.9) for k, factor in enumerate((0.0095, 0.0098, 0.0135))}
-    assert "the other side of the gear (ratio 100)" in _refusal(off, robot, 3)
+    assert "the other side of the gear (ratio 100)" in _refusal(off, _common_causes(off, robot), robot, 3)
 
 
 @pytest.mark.parametrize(("factors", "rough"), [((1.3, 1.5, 1.2), True), ((1.3, 6.0, 1.2), False)])

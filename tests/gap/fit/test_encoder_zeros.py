@@ -1,0 +1,48 @@
+"""Encoders with another zero, by the torques of a log."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pytest
+
+from flexros.effects import RobotWithEffects
+from flexros.gap.candidates.tolerance import tolerance_of
+from flexros.gap.fit.encoder_zeros import with_zeros
+from flexros.gap.fit.torque_regression import regress_torque
+from flexros.gap.fit.torque_solution import TorqueRegression
+from flexros.gap.settings import TorqueStartSettings
+from tests.gap.rigid_arm import arm, record_of_arm
+
+SETTINGS = TorqueStartSettings()
+
+
+def zeros_of(*offsets: float, rough: bool = False, load: float = 0.0) -> TorqueRegression | None:
+    record = record_of_arm(imported=True, load=load)
+    record = replace(record, position=record.position + np.array(offsets))
+    regress = partial(regress_torque, record, RobotWithEffects(arm(), ()), tolerance_of(arm(), {}), settings=SETTINGS)
+    without = regress()
+    assert without is not None
+    return with_zeros(regress, without, arm(), record, SETTINGS, rough=rough)
+
+
+@pytest.mark.parametrize("offsets", [(0.05, 0.0), (0.0, -0.08), (0.04, 0.06), (0.3, 0.0)])
+def test_offsets_are_found_at_their_motors(offsets: tuple[float, float]) -> None:
+    found = zeros_of(*offsets)
+    assert found is not None
+    assert set(found.zeros) == {motor for motor, offset in enumerate(offsets) if offset}
+    for motor, offset in found.zeros.items():
+        assert offset == pytest.approx(offsets[motor], abs=0.004)
+
+
+def test_an_encoder_that_is_right_and_a_load_have_none() -> None:
+    assert zeros_of(0.0, 0.0) is None
+    assert zeros_of(0.0, 0.0, load=0.3) is None
+
+
+def test_beside_rough_bodies_an_offset_must_explain_far_more() -> None:
+    small = (0.0, 0.004)
+    assert zeros_of(*small) is not None
+    assert zeros_of(*small, rough=True) is None
