@@ -1,0 +1,48 @@
+"""Joints that stand still in a log of a real machine: their motion is prescribed, whatever holds them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexros.record.checks.standing_joint import without_standing_joints
+from flexros.record.record import Record
+from tests.gap.rigid_arm import arm, record_of_arm
+
+ENCODER = 4e-4  # rad
+
+
+def standing(*, imported: bool = True, driven: float = 0.05, **changes: object) -> Record:
+    """Return a log in which the second joint flickers by one step of its encoder at most [torque in Nm]."""
+    record = record_of_arm(imported=imported)
+    rng, n = np.random.default_rng(0), record.n_samples
+    position, torque = record.position.copy(), record.torque.copy()
+    position[:, 1] = 0.3 + ENCODER * (rng.random(n) < 0.01)
+    torque[:, 1] = torque[:, 1].mean() + driven * rng.normal(size=n)
+    return replace(record, position=position, torque=torque, **changes)
+
+
+def test_the_motion_of_a_standing_joint_is_prescribed() -> None:
+    record = without_standing_joints(standing(), arm())
+    assert record.prescribed == (1,)
+    assert (
+        "the measured motion of motor_2 drives the model there, since it stands still in this log"
+        in (record.warnings[-1])
+    )
+    assert without_standing_joints(record, arm()) is record
+
+
+def test_a_stuck_encoder_is_no_standing_joint() -> None:
+    """A torque that would move the joint is left to the check of the encoder."""
+    record = standing(driven=10.0 * record_of_arm(imported=True).torque.std())
+    assert without_standing_joints(record, arm()) is record
+
+
+@pytest.mark.parametrize("case", ["all move", "simulated", "none moves"])
+def test_other_logs_stay_as_they_are(case: str) -> None:
+    record = {"all move": record_of_arm(imported=True), "simulated": standing(imported=False)}.get(case, standing())
+    if case == "none moves":
+        record = replace(record, position=np.tile(record.position[:1], (record.n_samples, 1)))
+    assert without_standing_joints(record, arm()) is record
