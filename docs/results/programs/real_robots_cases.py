@@ -388,9 +388,9 @@ CASES = (
         "(https://github.com/FrankJIE09/Dynamics_identification_Frank), no licence stated: fetched by "
         "`fetch_real_robots.py`. 50 Hz, 60 s. Nominal: its URDF by `flexros import-urdf`, tolerance 3 %, without "
         "rotors and friction. The arm is on its side, which its URDF does not say: with gravity along -z `flexros "
-        "diagnose` refuses the log and tells `gravity: [9.81, 0, 0]`, which the robot file here has. That check was written with "
-        "this robot in view; before, rotors of 133 kg m2 and a counterbalance of 43 Nm were found, and least squares "
-        "left 92 % of the torque. A single log: its last third is not fitted.",
+        "diagnose` refuses the log and tells `gravity: [9.81, 0, 0]`, which the robot file here has. That check was "
+        "written with this robot in view; before, rotors of 133 kg m2 and a counterbalance of 43 Nm were found, and "
+        "least squares left 92 % of the torque. A single log: its last third is not fitted.",
         folder="Dynamics_identification_Frank",
         robot="ar5_robot.yaml",
         mapping="ar5.yaml",

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 DRIVEN = 0.3
-"""Change of a torque beside that of the arm, over the largest of the joints that move, both rms, above which a joint
-would move [1] (chosen): then its encoder may be stuck, which a check tells."""
+"""Change of a torque beside that of the arm, over the largest of the joints that move, both rms, above which the
+encoder of a joint may be stuck whose position never changes at all [1] (chosen); a check tells that."""
 
 
 def without_standing_joints(record: Record, robot: Robot) -> Record:
@@ -38,8 +38,8 @@ def without_standing_joints(record: Record, robot: Robot) -> Record:
         return record
     driving = (checked.record.torque - checked.rigid_torque())[record.valid].std(axis=0)
     largest = checked.record.torque[record.valid][:, checked.moves].std(axis=0).max()
-    motors = np.flatnonzero(standing & (driving < DRIVEN * largest)).tolist()
+    alive = np.ptp(checked.record.position[record.valid], axis=0) > 0
+    motors = np.flatnonzero(standing & (alive | (driving < DRIVEN * largest))).tolist()
     if not motors or len({*motors, *record.prescribed}) == robot.n_motors:
         return record
-    reason = "it stands still in this log"
-    return with_prescribed_motion(record, robot, motors, reason)
+    return with_prescribed_motion(record, robot, motors, "it stands still in this log")
