@@ -31,6 +31,7 @@ def log_record(
     parameters_known: bool = False,
     prescribed: Collection[str] | None = None,
     foreign_counts: bool = False,
+    standing_counts: bool = False,
 ) -> Record:
     """Read and check a log: the record of identification and, with what `gap.checked_log` adds, of a diagnosis.
 
@@ -49,6 +50,7 @@ def log_record(
             real machine, has nothing to do with the motion or the joint stands still. None: no motor's does.
         foreign_counts: Whether a torque that has nothing to do with the motion counts all the same, as where the
             nominal parameters are only a guess.
+        standing_counts: Whether the torque of a joint that stands still counts all the same.
 
     Returns:
         The record of `read_record`, measured torques when they acted, of a very fast recorder at a lower rate. Samples
@@ -59,8 +61,10 @@ def log_record(
     """
     record = read_record(log, robot, name=name, torque=torque, positions=positions, prescribed=prescribed)
     give_memory_back()
+    if prescribed is not None and not standing_counts:
+        record = without_standing_joints(record, robot)
     if prescribed is not None and not foreign_counts:
-        record = without_foreign_torque(without_standing_joints(record, robot), robot)
+        record = without_foreign_torque(record, robot)
     checked = check_record(with_torque_in_time(record, robot), robot, parameters_known=parameters_known)
     give_memory_back()
     return at_usual_rate(checked)

@@ -7,6 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flexros.gap.checked_log import checked_log
+from flexros.logs.foreign.import_log import import_log
+from flexros.logs.foreign.mapping import load_mapping
 from flexros.record.checks.standing_joint import without_standing_joints
 from flexros.record.record import Record
 from tests.gap.rigid_arm import arm, record_of_arm
@@ -43,6 +46,23 @@ def test_a_stuck_encoder_is_no_standing_joint() -> None:
     constant[:, 1] = 0.3
     assert without_standing_joints(replace(record, position=constant), arm()).prescribed == ()
     assert without_standing_joints(replace(standing(), position=constant), arm()).prescribed == (1,)
+
+
+def test_what_stands_still_in_a_log_that_is_only_predicted_counts(tmp_path) -> None:
+    """It may move in the fitted one, of which nothing must be lost."""
+    table, mapping = tmp_path / "log.csv", tmp_path / "log.yaml"
+    record = standing()
+    columns = np.column_stack([record.position, record.torque])[:2000]
+    np.savetxt(table, columns, delimiter=",", header="q1,q2,u1,u2", comments="")
+    lines = [
+        f"  - {{column: {name}{k}, quantity: {quantity}, joint: motor_{k}, unit: {unit}}}"
+        for name, quantity, unit in (("q", "position", "rad"), ("u", "measured_torque", "Nm"))
+        for k in (1, 2)
+    ]
+    mapping.write_text("\n".join(["name: log", "source: test", "time: {rate: 200}", "columns:", *lines]))
+    log = import_log(load_mapping(str(mapping)), [table])
+    assert checked_log(log, arm(), name="log").prescribed == (1,)
+    assert checked_log(log, arm(), name="log", held_out=True).prescribed == ()
 
 
 @pytest.mark.parametrize("case", ["all move", "simulated", "none moves"])
