@@ -17,7 +17,13 @@ if TYPE_CHECKING:
 
 
 def checked_log(
-    log: Log, robot: Robot, *, name: str, torque: TorqueSource = "command", prescribed: Collection[str] = ()
+    log: Log,
+    robot: Robot,
+    *,
+    name: str,
+    torque: TorqueSource = "command",
+    prescribed: Collection[str] = (),
+    held_out: bool = False,
 ) -> Record:
     """Read a log, and check its record for wrong units, signs, joint order and clipping.
 
@@ -27,7 +33,9 @@ def checked_log(
         name: Name of the log, for messages.
         torque: Torque that is taken where both were recorded; the other one is taken where it alone was.
         prescribed: Motors whose measured motion drives the model. So it does where no torque of a motor was recorded,
-            and on a real machine where a torque has nothing to do with the motion.
+            and on a real machine where a torque has nothing to do with the motion or a joint stands still.
+        held_out: Whether the log is only predicted, beside one that is fitted: what stands still in it may move there,
+            and is predicted as there.
 
     Returns:
         The record, of a very fast recorder at a lower rate; its warnings state what was repaired or is doubtful.
@@ -36,6 +44,13 @@ def checked_log(
         InputError: There is no usable position or torque, or a check rejects the log.
     """
     record = log_record(
-        log, robot, name=name, torque=torque, positions=True, parameters_known=True, prescribed=prescribed
+        log,
+        robot,
+        name=name,
+        torque=torque,
+        positions=True,
+        parameters_known=True,
+        prescribed=prescribed,
+        standing_counts=held_out,
     )
     return with_recorded_parts(record, log)

@@ -8,6 +8,7 @@ from flexros.identify.rigid.torque_timing import with_torque_in_time
 from flexros.logs.reader import give_memory_back
 from flexros.record.checks.foreign_torque import without_foreign_torque
 from flexros.record.checks.run import check_record
+from flexros.record.checks.standing_joint import without_standing_joints
 from flexros.record.read import read_record
 from flexros.record.resampled import at_usual_rate
 
@@ -30,6 +31,7 @@ def log_record(
     parameters_known: bool = False,
     prescribed: Collection[str] | None = None,
     foreign_counts: bool = False,
+    standing_counts: bool = False,
 ) -> Record:
     """Read and check a log: the record of identification and, with what `gap.checked_log` adds, of a diagnosis.
 
@@ -45,9 +47,10 @@ def log_record(
         positions: Whether a log of position commands without torques is read; see `read_record`.
         parameters_known: Whether the nominal parameters are about right; see `check_record`.
         prescribed: Motors whose measured motion drives the model; so it does where a torque was not recorded or, on a
-            real machine, has nothing to do with the motion. None: no motor's does.
+            real machine, has nothing to do with the motion or the joint stands still. None: no motor's does.
         foreign_counts: Whether a torque that has nothing to do with the motion counts all the same, as where the
             nominal parameters are only a guess.
+        standing_counts: Whether the torque of a joint that stands still counts all the same.
 
     Returns:
         The record of `read_record`, measured torques when they acted, of a very fast recorder at a lower rate. Samples
@@ -58,6 +61,8 @@ def log_record(
     """
     record = read_record(log, robot, name=name, torque=torque, positions=positions, prescribed=prescribed)
     give_memory_back()
+    if prescribed is not None and not standing_counts:
+        record = without_standing_joints(record, robot)
     if prescribed is not None and not foreign_counts:
         record = without_foreign_torque(record, robot)
     checked = check_record(with_torque_in_time(record, robot), robot, parameters_known=parameters_known)

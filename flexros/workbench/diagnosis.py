@@ -190,8 +190,9 @@ def diagnose(
     for number, one in enumerate((log, holdout), 1):
         if one is not None:
             read = log_of(one)
+            name, second = name_of(one, number), number == 2
             records.append(
-                checked_log(read, known.robot, name=name_of(one, number), torque=torque, prescribed=prescribed)
+                checked_log(read, known.robot, name=name, torque=torque, prescribed=prescribed, held_out=second)
             )
             read = measured_alone(read)
     result = diagnosed(

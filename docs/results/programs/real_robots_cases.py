@@ -100,6 +100,17 @@ _GEN3_COULOMB = ((1.41, 2.71), (2.96, 10.0), (1.59, 4.48), (1.35, 4.76), (1.64, 
 _GEN3_VISCOUS = ((3.79, 4.31), (1.67, 10.2), (1.40, 3.23), (2.50, 5.28), (1.73, 4.87), (0.77, 1.56), (1.03, 1.74))
 """Their viscous friction [Nm s/rad]."""
 
+_AR5_COULOMB = (
+    (0.274, 0.287),
+    (0.150, 0.284),
+    (0.263, 0.284),
+    (0.496, 0.498),
+    (0.154, 0.167),
+    (0.440, 0.478),
+    (0.102, 0.112),
+)
+"""Coulomb friction of the seven joints: by least squares of the log, and published, smallest and largest [Nm]."""
+
 _GO2_FREE_RUNS = (
     ((0.2087, 0.2622), (0.1556, 0.2666), (0.0045, 0.0112)),
     ((0.1475, 0.2018), (0.1905, 0.2615), (0.0110, 0.0150)),
@@ -368,6 +379,25 @@ CASES = (
         known=tuple(_coulomb(joint, low, high) for joint, (low, high) in enumerate(_XMATE_COULOMB, start=1)),
         source="least squares of the torque of each of the three logs, with viscous friction beside it, which is zero "
         "within its deviation at most joints",
+        fetched=True,
+    ),
+    Case(
+        name="ar5",
+        title="Seven axes of a Rokae AR5",
+        about="[github.com/FrankJIE09/Dynamics_identification_Frank]"
+        "(https://github.com/FrankJIE09/Dynamics_identification_Frank), no licence stated: fetched by "
+        "`fetch_real_robots.py`. 50 Hz, 60 s. Nominal: its URDF by `flexros import-urdf`, tolerance 3 %, without "
+        "rotors and friction. The arm is on its side, which its URDF does not say: with gravity along -z `flexros "
+        "diagnose` refuses the log and tells `gravity: [9.81, 0, 0]`, which the robot file here has. That check was "
+        "written with this robot in view; before, rotors of 133 kg m2 and a counterbalance of 43 Nm were found, and "
+        "least squares left 92 % of the torque. A single log: its last third is not fitted.",
+        folder="Dynamics_identification_Frank",
+        robot="ar5_robot.yaml",
+        mapping="ar5.yaml",
+        fitted=("src/config/dynamics_identification_data_real.csv",),
+        known=tuple(_coulomb(joint, low, high) for joint, (low, high) in enumerate(_AR5_COULOMB, start=1)),
+        source="published with the data, and least squares of the torque of the whole log, with viscous friction "
+        "beside it, which is zero within its deviation at most joints and comes out negative at joints 4 and 6",
         fetched=True,
     ),
     Case(

@@ -71,7 +71,10 @@ def diagnose(
     for path in (bag, holdout):
         if path is not None:
             log = read_log(path, namespace=namespace or None, leave_out=("tool_reference",))
-            records.append(checked_log(log, known.robot, name=path.name, torque=source, prescribed=without))
+            second = path is holdout
+            records.append(
+                checked_log(log, known.robot, name=path.name, torque=source, prescribed=without, held_out=second)
+            )
             log = measured_alone(log)
     record, *others = records
     with progress_shown() as show:

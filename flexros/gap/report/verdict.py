@@ -53,7 +53,8 @@ def partial_sentence(diagnosis: Diagnosis) -> str:
     if partial is None:
         return ""
     what = "its time limit ended the diagnosis" if partial.reason == "time_limit" else "the diagnosis was interrupted"
-    text = f"Partial result: {what} after {number(partial.after, 3)} s, in step '{partial.step}'"
+    step = f"in step '{partial.step}'" if partial.step else "before its first step"
+    text = f"Partial result: {what} after {number(partial.after, 3)} s, {step}"
     if partial.step == NEXT_EXPERIMENT:
         return f"{text}; the search for causes was complete."
     return f"{text}. Effects may be missing or replace others, and the probabilities compare only what was tried."

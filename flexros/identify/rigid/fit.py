@@ -162,7 +162,13 @@ def rows_of_log(
     """
     robot = regressor.robot
     record = log_record(
-        log, robot, name=label, torque=settings.torque, prescribed=settings.prescribed, foreign_counts=True
+        log,
+        robot,
+        name=label,
+        torque=settings.torque,
+        prescribed=settings.prescribed,
+        foreign_counts=True,
+        standing_counts=True,
     )
     torque = torque_at_samples(record)
     if settings.hold and not record.measured_torque:

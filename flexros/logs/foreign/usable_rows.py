@@ -53,7 +53,8 @@ def usable_times(time: FloatArray, clock: str) -> tuple[BoolArray, tuple[str, ..
         first = int(np.argmax(step < 0))
         raise InputError(
             f"{clock}, row {rows[first + 1] + 1}: the time goes back ({time[rows[first]]:.9g} s, then "
-            f"{time[rows[first + 1]]:.9g} s; {np.count_nonzero(step < 0)} such rows), but must increase; sort the rows"
+            f"{time[rows[first + 1]]:.9g} s; {np.count_nonzero(step < 0)} such rows), but must increase; sort the "
+            "rows, or leave out those that are broken"
         )
     repeated = rows[1:][step == 0]
     if repeated.size:

@@ -58,12 +58,14 @@ class JointAssignment:
         opposite: Whether torque and position of a joint have opposite directions otherwise, which no parameters of a
             robot explain.
         clear: Whether it fits so much better that no effect explains the difference.
+        zeros: Whether it adds angles to positions, which a base that is mounted otherwise may look like.
     """
 
     text: str
     agreement: float
     opposite: bool
     clear: bool = True
+    zeros: bool = False
 
 
 def own_fits(balance: TorqueBalance | None, n_motors: int) -> tuple[BalanceFit | None, ...]:
@@ -212,7 +214,8 @@ def _zeros_elsewhere(record: Record, robot: Robot) -> Iterator[JointAssignment]:
         reached, best, angle = max(trials)
         turns[best] = angle
         text = ", ".join(f"{angle:+g} deg at {robot.joint_names[k]}" for k, angle in enumerate(turns) if angle)
-        yield JointAssignment(f"the zero of the positions elsewhere, {text} added", reached, opposite=False)
+        changed_zero = f"the zero of the positions elsewhere, {text} added"
+        yield JointAssignment(changed_zero, reached, opposite=False, zeros=True)
 
 
 def _weightless(record: Record, robot: Robot) -> Iterator[JointAssignment]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from flexros.record.balance.inverse_dynamics import rigid_inverse_dynamics
 from flexros.record.balance.joint_assignments import DOUBTFUL, best_assignment, clearly_better, own_fits, score
+from flexros.record.balance.posture import Motion, postures
 from flexros.record.balance.spectra import torque_balance
 from flexros.record.balance.torque_balance import Delay
 from flexros.record.missing_samples import bridged_motion
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 
     from flexros.arrays import BoolArray, FloatArray
     from flexros.record.balance.joint_assignments import JointAssignment
+    from flexros.record.balance.posture import Posture
     from flexros.record.balance.torque_balance import BalanceFit, TorqueBalance
     from flexros.record.record import Record
     from flexros.robot import Robot
@@ -193,6 +195,15 @@ class CheckedRecord:
     def wrongly_assigned(self) -> bool:
         """Whether another assignment fits so much better that no effect explains the difference."""
         return self.assignment is not None and self.assignment.clear
+
+    @cached_property
+    def postures(self) -> tuple[Posture, ...]:
+        """Other directions of gravity or zeros of joints that explain far more; none where other signs do."""
+        if self.order_is_wrong or self.fits_nominal_rate:
+            return ()
+        if self.assignment is not None and self.assignment.clear and not self.assignment.zeros:
+            return ()
+        return postures(Motion(self.record, self.robot, self.position, self.motion, self.moves, SLOW))
 
     @cached_property
     def fits_nominal_rate(self) -> bool:

@@ -18,7 +18,7 @@ class JointAssignmentCheck(AbstractCheck):
 
     def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
         """Try the log with joints inverted and each pair exchanged."""
-        if checked.assignment is None:
+        if checked.assignment is None or (checked.postures and not checked.assignment.clear):
             return ()
         if not checked.assignment.clear:
             text = (
@@ -28,7 +28,13 @@ class JointAssignmentCheck(AbstractCheck):
             return (Finding(text, hopeless=False),)
         text = (
             f"torques and motions fit robot {checked.robot.name} far better with {checked.assignment.text} (agreement "
-            f"{checked.assignment.agreement:.2f} of 1): correct signs, names or zeros (offset) when "
-            "importing, or give the right robot"
+            f"{checked.assignment.agreement:.2f} of 1){_or_mounted(checked)}: correct signs, names or zeros (offset) "
+            "when importing, or give the right robot"
         )
         return (Finding(text, hopeless=True, like_parameters=not checked.assignment.opposite),)
+
+
+def _or_mounted(checked: CheckedRecord) -> str:
+    """Return how the base may be mounted instead; empty where nothing speaks for it."""
+    mounted = [posture.told(checked.robot.joint_names) for posture in checked.postures if not posture.turned.any()]
+    return f", or with {mounted[0]}" if mounted else ""

@@ -36,7 +36,7 @@ class OtherRobot(AbstractCheck):
                 "were not compared; check units and zeros of the encoders, or give the right robot"
             )
             return (Finding(text, hopeless=False),)
-        if checked.order_is_wrong or checked.assignment or checked.fits_nominal_rate:
+        if checked.order_is_wrong or checked.assignment or checked.postures or checked.fits_nominal_rate:
             return ()
         unlike = np.array([fit is not None and fit.as_is < LEAST for fit in checked.own])
         if not np.any(unlike):

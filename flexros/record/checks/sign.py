@@ -54,7 +54,7 @@ class Sign(AbstractCheck):
 
     def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
         """Find negative factors between torque and inverse-dynamics torque."""
-        if checked.order_is_wrong or checked.wrongly_assigned:
+        if checked.order_is_wrong or checked.wrongly_assigned or checked.postures:
             return ()
         motors = [motor for motor, fit in enumerate(checked.own) if fit is not None and fit.factor < 0]
         inverted = [motor for motor in motors if _clear(checked.own[motor])]

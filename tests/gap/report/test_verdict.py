@@ -122,6 +122,12 @@ def test_a_partial_result_says_what_ended_it_when_and_where(diagnosed: Diagnosed
     assert partial_sentence(diagnosed("explained").diagnosis) == ""
 
 
+def test_a_partial_result_that_ended_before_any_step_names_none(diagnosed: Diagnosed) -> None:
+    partial = Partial(reason="time_limit", after=61.3, step="")
+    text = partial_sentence(diagnosed("explained").diagnosis.model_copy(update={"partial": partial}))
+    assert "after 61.3 s, before its first step. Effects may be missing" in text
+
+
 def test_a_result_that_only_lacks_the_next_experiment_has_all_causes(diagnosed: Diagnosed) -> None:
     partial = Partial(reason="time_limit", after=61.3, step=NEXT_EXPERIMENT)
     text = partial_sentence(diagnosed("ambiguous").diagnosis.model_copy(update={"partial": partial}))

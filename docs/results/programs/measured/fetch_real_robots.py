@@ -1,6 +1,6 @@
 """Fetch public logs of robots: python docs/results/programs/measured/fetch_real_robots.py FOLDER [--from PATH]...
 
-The logs of fourteen public repositories, most of them without a licence for copies, are brought into FOLDER, at the
+The logs of fifteen public repositories, most of them without a licence for copies, are brought into FOLDER, at the
 commits below and with their checksums; they are not part of this repository. `--from` names a clone, a bare clone or a
 plain folder of one of them that is there already. What cannot be reached is skipped with its reason, and the exit code
 is then 1.
@@ -197,6 +197,16 @@ REPOSITORIES = (
             KR300_LOG.format("A"): ("4c152c5b7f2c899731fdeebcf0d011cc103df72be19fac160caf47aa9b73ab75"),
             KR300_LOG.format("B"): ("edeb35f65c4ec4bb697e757fc1e4e9668551b6fe7b2c3dbbb526d040dd8d5ce7"),
             KR300_LOG.format("C"): ("c5d5688521ece941e6c4afd39643a01cd36ae8c7790342640277f8b15b5515b4"),
+        },
+    ),
+    Repository(
+        "FrankJIE09",
+        "Dynamics_identification_Frank",
+        "758dc8d6f78e63ecba0aac16d28255ae045f1d3c",
+        {
+            "src/config/dynamics_identification_data_real.csv": (
+                "1c58c840362a20bc00162f20e6c154dd40bae10e27f9b21bf2abd8b8cc50d578"
+            ),
         },
     ),
     Repository(
