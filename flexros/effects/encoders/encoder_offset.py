@@ -58,6 +58,10 @@ class EncoderOffset(AbstractSensor):
         """Return whether a torque of the robot depends on the position of the motor."""
         return robot.commands == "torque" and robot.joint_names.index(location) in _felt(robot)
 
+    def constant_error(self) -> float:
+        """Return the offset."""
+        return self.offset
+
     def read(self, position: ca.SX, angle: ca.SX, values: Mapping[str, Value]) -> ca.SX:
         """Add the offset."""
         del angle

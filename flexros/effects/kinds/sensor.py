@@ -29,6 +29,10 @@ class AbstractSensor(AbstractMotorLaw):
         """Return the motors."""
         return robot.joint_names
 
+    def constant_error(self) -> float:
+        """Return by how much the measurement is off wherever the motor is [rad or m]: a prediction begins there."""
+        return 0.0
+
     @abstractmethod
     def read(self, position: ca.SX, angle: ca.SX, values: Mapping[str, Value]) -> ca.SX:
         """Return the measured motor position [rad or m], SX (1, 1).

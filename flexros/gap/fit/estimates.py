@@ -32,6 +32,8 @@ BANDS = 12
 TIMING = 0.144
 """Standard deviation of the time between torques and positions of an imported log [samples]: half samples are looked
 for, which leaves a quarter of one to each side, all alike probable."""
+FARTHEST_SHIFT = 3**0.5
+"""Largest shift in time over its standard deviation [1]: that quarter. What errors show beyond is of another cause."""
 ROUNDING = 1e-9
 """Standard deviation over its value below which a fit is no minimum but one that has diverged [1]: no sensor is that
 exact, and no derivative by differences."""
@@ -188,7 +190,8 @@ def _doubt_of_timing(changed: FloatArray, J: FloatArray, residual: FloatArray, i
     """Return the covariance of the gradient by a shift in time that a fit does not have, shape (n_fitted, n_fitted).
 
     With the change c of the errors by a standard deviation of the shift, and its part a that no size takes up, the
-    errors tell the shift t = c'r / (1 + a'a) with the variance 1 / (1 + a'a) of what they leave open.
+    errors tell the shift t = c'r / (1 + a'a), a quarter of a sample at most, with the variance 1 / (1 + a'a) of what
+    they leave open.
 
     Args:
         changed: The change c.
@@ -198,7 +201,8 @@ def _doubt_of_timing(changed: FloatArray, J: FloatArray, residual: FloatArray, i
     """
     gradient = J.T @ changed
     shown = 1.0 + max(float(changed @ changed - gradient @ inverse @ gradient), 0.0)
-    return np.asarray(((changed @ residual / shown) ** 2 + 1.0 / shown) * np.outer(gradient, gradient))
+    shift = min(abs(float(changed @ residual)) / shown, FARTHEST_SHIFT)
+    return np.asarray((shift**2 + 1.0 / shown) * np.outer(gradient, gradient))
 
 
 def _with_doubt_of_shapes(covariance: FloatArray, inverse: FloatArray, fit: CandidateFit) -> FloatArray:

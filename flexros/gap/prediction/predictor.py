@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.effects.encoders.encoder_offset import EncoderOffset
 from flexros.effects.kinds.law import AbstractLaw
 from flexros.effects.kinds.model_change import AbstractChangedValues
+from flexros.effects.kinds.sensor import AbstractSensor
 from flexros.errors import InputError
 from flexros.gap.prediction.compiled_plant import LANES, CompiledPlant, delays, is_law
 from flexros.gap.prediction.plant_inputs import ParameterSet, PlantInputs
@@ -137,18 +137,27 @@ class Predictor:
         Returns:
             States of the same shape, or of all sets where a hypothesis has such an encoder.
         """
-        offset = [candidate.effect is EncoderOffset for candidate in self.hypothesis]
-        if not any(offset):
+        offsets = [self.encoder_offsets(theta) for theta in thetas.T]
+        if not np.any(offsets):
             return start
-        sets = thetas.shape[1]
-        moved = np.repeat(start[:, None], sets, axis=1) if start.ndim == 1 else start.copy()
-        for column, theta in enumerate(thetas.T):
-            for candidate, sizes, off in zip(self.hypothesis, self.values(theta), offset, strict=True):
-                if off:
-                    motor = self.robot.joint_names.index(candidate.location)
-                    rows = sorted({self.robot.motor_rows[motor], self.robot.gear_rows[motor]})
-                    moved[rows, column] -= sizes[EncoderOffset.size]
+        moved = np.repeat(start[:, None], len(offsets), axis=1) if start.ndim == 1 else start.copy()
+        for motor, rows in enumerate(zip(self.robot.motor_rows, self.robot.gear_rows, strict=True)):
+            moved[sorted(set(rows))] -= [offset[motor] for offset in offsets]
         return moved
+
+    def encoder_offsets(self, theta: FloatArray) -> FloatArray:
+        """Return by how much encoders are off wherever their motors are [rad or m], shape (M,).
+
+        Args:
+            theta: Encoded parameters, shape (n_fitted,).
+        """
+        offsets = np.zeros(self.robot.n_motors)
+        for candidate, sizes in zip(self.hypothesis, self._set(theta).values, strict=True):
+            if issubclass(candidate.effect, AbstractSensor):
+                effect = candidate.placed(sizes).effect
+                assert isinstance(effect, AbstractSensor)
+                offsets[candidate.motors(self.robot)] += effect.constant_error()
+        return offsets
 
     def predict(
         self,

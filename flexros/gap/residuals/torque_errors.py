@@ -22,7 +22,6 @@ import numpy as np
 from scipy.signal import lfilter, lfilter_zi
 
 from flexros.effects.actuator_lag import ActuatorLag
-from flexros.effects.encoders.encoder_offset import EncoderOffset
 from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.effects.kinds.bristle_friction import AbstractBristleFriction
 from flexros.effects.kinds.dry_friction import AbstractDryFriction
@@ -33,11 +32,10 @@ from flexros.identify.rigid.motion_estimate import decimate
 from flexros.identify.rigid.standard_parameters import standard_parameters
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable
 
     from flexros.arrays import BoolArray, FloatArray
     from flexros.effects import RobotWithEffects
-    from flexros.gap.candidates.candidate import Hypothesis
     from flexros.gap.prediction.predictor import Predictor
     from flexros.identify.rigid.motion_estimate import MotionEstimate
     from flexros.identify.rigid.regression_rows import RegressionRows
@@ -107,8 +105,7 @@ class TorqueErrors:
         return np.stack([self._of_one(predictor, theta) for theta in thetas.T], axis=-1)
 
     def _of_one(self, predictor: Predictor, theta: FloatArray) -> FloatArray:
-        values = predictor.values(theta)
-        zeros = self._zeros(predictor.hypothesis, values)
+        values, zeros = predictor.values(theta), tuple(predictor.encoder_offsets(theta).tolist())
         needed = self._rows_of_bodies(predictor.robot, tuple(predictor.numbers(theta).items()), zeros).copy()
         gains, late = np.ones(self.robot.n_motors), np.full(self.robot.n_motors, -self.delay)
         lags: dict[int, float] = {}
@@ -131,14 +128,6 @@ class TorqueErrors:
             torque[:, motor] = self._lagged(motor, lag, float(late[motor]))
         errors: FloatArray = ((torque - needed / gains) / self.deviation).T.ravel()
         return errors
-
-    def _zeros(self, hypothesis: Hypothesis, values: Sequence[Mapping[str, float]]) -> tuple[float, ...]:
-        """Return the offsets of the encoders under a hypothesis [rad or m], one per motor."""
-        zeros = dict.fromkeys(self.robot.joint_names, 0.0)
-        for candidate, sizes in zip(hypothesis, values, strict=True):
-            if candidate.effect is EncoderOffset:
-                zeros[candidate.location] += sizes[EncoderOffset.size]
-        return tuple(zeros.values())
 
     @cached_property
     def _rows_of_bodies(self) -> Callable[[Robot, tuple[tuple[str, float], ...], tuple[float, ...]], FloatArray]:

@@ -211,3 +211,5 @@ def test_a_shift_in_time_is_a_doubt_where_the_errors_show_it_or_leave_it_open() 
     assert left_open[0, 0] == pytest.approx(whole)
     assert excluded[0, 0] < 1e-3 * whole
     assert shown[0, 0] == pytest.approx(whole, rel=0.01)
+    of_another_cause = _doubt_of_timing(unlike, J, 10 * (unlike - alike), inverse)  # 1.4 samples are no half sample
+    assert of_another_cause[0, 0] == pytest.approx(3 * whole, rel=0.01)
