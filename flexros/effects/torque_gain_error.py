@@ -54,6 +54,11 @@ class TorqueGainError(AbstractCommandLaw):
         del location
         return robot.commands == "torque"
 
+    @property
+    def gain(self) -> float:
+        """Torque of the motor over the commanded one [1]."""
+        return 1.0 + self.relative
+
     def passed(self, torque: ca.SX, own: ca.SX, values: Mapping[str, Value]) -> ca.SX:
         """Return the scaled torque."""
         del own

@@ -12,14 +12,9 @@ from flexros.gap.fit.elastic_timing import shift_of_explanation, with_torque_in_
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.fit.rough_gains import with_likely_gains
 from flexros.gap.fit.unknown_numbers import unknown_numbers
-from flexros.gap.held_out.prediction_gap import (
-    errors_ahead,
-    gap_numbers,
-    over_expected_floor,
-    settled,
-    tolerance_floor,
-    unknown_rounding,
-)
+from flexros.gap.held_out.errors_ahead import errors_ahead
+from flexros.gap.held_out.gap_floor import over_expected_floor, tolerance_floor, unknown_rounding
+from flexros.gap.held_out.gap_numbers import gap_numbers, settled
 from flexros.gap.prediction.driven_model import driven_model
 from flexros.gap.progress import Stages
 from flexros.gap.residuals.fit_data import fit_data
@@ -37,7 +32,7 @@ if TYPE_CHECKING:
     from flexros.effects import RobotWithEffects
     from flexros.gap.fit.null_fit import NullFit
     from flexros.gap.fit.unknown_numbers import UnknownNumbers
-    from flexros.gap.held_out.prediction_gap import AheadErrors
+    from flexros.gap.held_out.errors_ahead import AheadErrors
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.schema import GapNumbers
     from flexros.record.record import Record

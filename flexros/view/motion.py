@@ -9,7 +9,7 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.held_out.prediction_gap import HORIZON
+from flexros.gap.held_out.errors_ahead import HORIZON
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.settings import DiagnosisSettings
 from flexros.prediction.observer import observer_gain

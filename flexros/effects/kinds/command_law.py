@@ -54,6 +54,11 @@ class AbstractCommandLaw(AbstractMotorLaw):
             Torque [Nm or N], SX (1, 1).
         """
 
+    @property
+    def gain(self) -> float:
+        """Torque of the motor over the commanded one, where they are proportional [1]."""
+        return 1.0
+
     def cut_off(self, torque: FloatArray) -> FloatArray:
         """Limit recorded commands [Nm or N]; only where `cuts_off`."""
         return torque

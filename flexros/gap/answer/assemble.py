@@ -23,15 +23,10 @@ from flexros.gap.answer.limits import identifiability_limits
 from flexros.gap.answer.warnings import answer_warnings, record_warnings, sensor_warnings
 from flexros.gap.candidates.candidate import name_of
 from flexros.gap.fit.estimates import covariance_of, determined, parameters_of, placed_effects
-from flexros.gap.held_out.prediction_gap import (
-    closed_fraction,
-    errors_ahead,
-    gap_numbers,
-    over_expected_floor,
-    settled,
-    signal_gaps,
-    tolerance_floor,
-)
+from flexros.gap.held_out.closed_share import closed_fraction
+from flexros.gap.held_out.errors_ahead import errors_ahead
+from flexros.gap.held_out.gap_floor import over_expected_floor, tolerance_floor
+from flexros.gap.held_out.gap_numbers import gap_numbers, settled, signal_gaps
 from flexros.gap.held_out.predictions import prediction_of, signature_evidence
 from flexros.gap.next_experiment.choose import next_experiment
 from flexros.gap.result import DiagnosisResult, Explanation, RankedCandidate
@@ -45,7 +40,7 @@ if TYPE_CHECKING:
     from flexros.gap.answer.decision import Findings
     from flexros.gap.deadline import Deadline
     from flexros.gap.fit.least_squares import CandidateFit
-    from flexros.gap.held_out.prediction_gap import AheadErrors
+    from flexros.gap.held_out.errors_ahead import AheadErrors
     from flexros.gap.prediction.predicted_log import PredictedLog
     from flexros.gap.progress import Stages
     from flexros.gap.schema import NextExperiment, Verdict

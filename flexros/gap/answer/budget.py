@@ -20,7 +20,7 @@ from flexros.gap.answer.partial_repairs import PartialRepairs
 from flexros.gap.answer.unexplained import unexplained
 from flexros.gap.answer.waterfall import waterfalls
 from flexros.gap.fit.estimates import fit_covariance, parameters_of
-from flexros.gap.held_out.prediction_gap import closed_fraction, share_between
+from flexros.gap.held_out.closed_share import closed_fraction, share_between
 from flexros.gap.schema import BudgetShare, ModelNumber
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from flexros.effects import AbstractEffect
     from flexros.gap.answer.decision import Findings
-    from flexros.gap.held_out.prediction_gap import AheadErrors
+    from flexros.gap.held_out.errors_ahead import AheadErrors
     from flexros.gap.schema import EffectLocation, Unexplained, Waterfall
     from flexros.robot import Robot
 

@@ -15,7 +15,7 @@ from flexros.gap.answer.given_model import GivenModel
 from flexros.gap.fit.constancy import constancies
 from flexros.gap.fit.estimates import beyond_search, placed_effects
 from flexros.gap.fit.unknown_numbers import UnknownNumbers
-from flexros.gap.held_out.prediction_gap import unknown_rounding
+from flexros.gap.held_out.gap_floor import unknown_rounding
 from flexros.gap.schema import EffectLocation
 from flexros.gap.search.curves import curves_of
 from flexros.gap.search.model_probability import RANKING, ModelComparison, allowing_for_doubt, compare

@@ -12,7 +12,7 @@ from flexros.effects.left_out.rotor_inertia import RotorInertia
 from flexros.effects.left_out.tool_load import ToolLoad
 from flexros.gap.fit.least_squares import fit
 from flexros.gap.fit.null_fit import predicting_best
-from flexros.gap.held_out.prediction_gap import HORIZON, errors_ahead
+from flexros.gap.held_out.errors_ahead import HORIZON, errors_ahead
 from flexros.gap.prediction.driven_model import driven_model
 from flexros.gap.prediction.predictor import Predictor
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from flexros.gap.answer.decision import Findings
     from flexros.gap.candidates.candidate import Hypothesis
     from flexros.gap.fit.least_squares import CandidateFit
-    from flexros.gap.held_out.prediction_gap import AheadErrors
+    from flexros.gap.held_out.errors_ahead import AheadErrors
     from flexros.gap.prediction.compiled_plant import CompiledPlant
     from flexros.gap.residuals.fit_data import FitData
 

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.fit.least_squares import chi2_of, linearise
-from flexros.gap.held_out.prediction_gap import errors_ahead_of, over_expected_floor
+from flexros.gap.held_out.errors_ahead import errors_ahead_of
+from flexros.gap.held_out.gap_floor import over_expected_floor
 from flexros.gap.prediction.compiled_plant import LANES
 
 if TYPE_CHECKING:
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
     from flexros.arrays import FloatArray
     from flexros.gap.answer.decision import Findings
-    from flexros.gap.held_out.prediction_gap import AheadErrors
+    from flexros.gap.held_out.errors_ahead import AheadErrors
     from flexros.gap.prediction.predictor import Predictor
     from flexros.gap.residuals.fit_data import FitData
 

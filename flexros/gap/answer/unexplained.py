@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.fft import rfft
 
-from flexros.gap.held_out.prediction_gap import HORIZON, signed_errors_ahead
+from flexros.gap.held_out.errors_ahead import HORIZON, signed_errors_ahead
 from flexros.gap.schema import BandShare, Unexplained
 from flexros.gap.where.bands import OctaveBands
 from flexros.gap.where.motion import motion_of
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from flexros.arrays import BoolArray, FloatArray
     from flexros.gap.answer.decision import Findings
-    from flexros.gap.held_out.prediction_gap import AheadErrors
+    from flexros.gap.held_out.errors_ahead import AheadErrors
 
 LEAST_SHARE = 0.005
 """Share of the gap from which the rest at a joint or in a regime is listed [1] (chosen)."""

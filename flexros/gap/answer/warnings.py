@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.effects.kinds.command_law import AbstractCommandLaw
 from flexros.effects.torque_drift import TorqueDrift
-from flexros.effects.torque_gain_error import TorqueGainError
 from flexros.gap.fit.estimates import placed_effects
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ def _without_finding(findings: Findings) -> list[str]:
     lost = {
         f"{one.effect.name}@{one.location}"
         for one in placed_effects(findings.explanations.chosen)
-        if isinstance(one.effect, TorqueGainError) and one.effect.relative < 0
+        if isinstance(one.effect, AbstractCommandLaw) and one.effect.gain < 1
     }
     return [
         f"the torque of {name.partition('@')[2]} in the log does not explain its motion: predictions are better the "
@@ -149,7 +149,7 @@ def _unit_warnings(findings: Findings) -> list[str]:
     scaled = [
         one
         for one in placed_effects(findings.explanations.chosen)
-        if isinstance(one.effect, TorqueGainError) and abs(one.effect.relative) > SCALED
+        if isinstance(one.effect, AbstractCommandLaw) and abs(one.effect.gain - 1) > SCALED
     ]
     record = findings.data.record
     if len(scaled) < SEVERAL or not record.imported or record.command is not None:
@@ -157,9 +157,9 @@ def _unit_warnings(findings: Findings) -> list[str]:
     motors = findings.model.robot.motors
     limits = [motors[findings.model.robot.joint_names.index(one.location)].torque_limit for one in scaled]
     factors = ", ".join(
-        f"{one.location}: {1 + one.effect.relative:.3g}" + (f" with a limit of {limit:g}" if np.isfinite(limit) else "")
+        f"{one.location}: {one.effect.gain:.3g}" + (f" with a limit of {limit:g}" if np.isfinite(limit) else "")
         for one, limit in zip(scaled, limits)
-        if isinstance(one.effect, TorqueGainError)
+        if isinstance(one.effect, AbstractCommandLaw)
     )
     return [
         f"the recorded torques act by other factors ({factors}): a wrong unit, as per cent of a rated torque or a "

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 from flexros.gap.answer.decision import on_held_out
 from flexros.gap.fit.least_squares import best_of_each
 from flexros.gap.fit.null_fit import predicting_best
-from flexros.gap.held_out.prediction_gap import errors_ahead, share_between
+from flexros.gap.held_out.closed_share import share_between
+from flexros.gap.held_out.errors_ahead import errors_ahead
 from flexros.gap.search.forward_selection import explanations_of
 from flexros.gap.search.worth import compared
 

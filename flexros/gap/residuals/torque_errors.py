@@ -21,12 +21,11 @@ import casadi as ca
 import numpy as np
 from scipy.signal import lfilter, lfilter_zi
 
-from flexros.effects.actuator_lag import ActuatorLag
-from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.effects.kinds.bristle_friction import AbstractBristleFriction
+from flexros.effects.kinds.command_law import AbstractCommandLaw
 from flexros.effects.kinds.dry_friction import AbstractDryFriction
+from flexros.effects.kinds.first_order_lag import AbstractFirstOrderLag
 from flexros.effects.kinds.motor_law import AbstractMotorLaw, AbstractMotorTorque, MotorState
-from flexros.effects.torque_gain_error import TorqueGainError
 from flexros.gap.residuals.torque_rows import acting_torque, torque_rows
 from flexros.identify.rigid.motion_estimate import decimate
 from flexros.identify.rigid.standard_parameters import standard_parameters
@@ -112,17 +111,17 @@ class TorqueErrors:
         for candidate, sizes in zip(predictor.hypothesis, values, strict=True):
             if candidate.effect.delays_commands:
                 late[candidate.motors(self.robot)] += sizes["time"]
-            if candidate.effect is ActuatorLag:
-                motor = self.robot.joint_names.index(candidate.location)
-                lags[motor] = lags.get(motor, 0.0) + sizes[ActuatorLag.size]
-            elif issubclass(candidate.effect, AbstractMotorLaw) and candidate.location in self.robot.joint_names:
-                effect = candidate.placed(sizes).effect
-                assert isinstance(effect, AbstractMotorLaw)
-                motor = self.robot.joint_names.index(candidate.location)
+            effect = candidate.placed(sizes).effect
+            if not isinstance(effect, AbstractMotorLaw) or candidate.location not in self.robot.joint_names:
+                continue
+            motor = self.robot.joint_names.index(candidate.location)
+            if isinstance(effect, AbstractFirstOrderLag):
+                lags[motor] = lags.get(motor, 0.0) + effect.time_constant
+            elif isinstance(effect, AbstractCommandLaw):
+                gains[motor] *= effect.gain
+            else:
                 numbers = tuple(effect.parameter_values.values())
                 needed[:, motor] += self._rows_of(type(effect), motor, numbers, zeros[motor])
-                if isinstance(effect, TorqueGainError):
-                    gains[motor] += effect.relative
         torque = self.torque - late * self.rate
         for motor, lag in lags.items():
             torque[:, motor] = self._lagged(motor, lag, float(late[motor]))
@@ -230,9 +229,9 @@ def torque_errors(record: Record, model: RobotWithEffects, delay: float, deviati
         counts=rows.counts,
     )
     for law in model.laws:
-        if isinstance(law.effect, CoulombFriction):
+        if isinstance(law.effect, AbstractMotorLaw):
             motor, numbers = robot.joint_names.index(law.location), tuple(law.effect.parameter_values.values())
-            whole.known[:, motor] += whole._rows_of(CoulombFriction, motor, numbers, 0.0)
+            whole.known[:, motor] += whole._rows_of(type(law.effect), motor, numbers, 0.0)
     return whole
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from flexros.gap.answer.given_model import errors_over_rest
 from flexros.gap.diagnose import diagnose
-from flexros.gap.held_out.prediction_gap import AheadErrors
+from flexros.gap.held_out.errors_ahead import AheadErrors
 from flexros.gap.report.verdict import verdict_sentence
 from flexros.gap.result import DiagnosisResult
 from flexros.gap.settings import DiagnosisSettings, SearchSettings

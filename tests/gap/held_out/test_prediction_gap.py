@@ -9,16 +9,10 @@ import pytest
 
 from flexros.effects import RobotWithEffects, parse_effect, place_effects
 from flexros.gap.fit.least_squares import CandidateFit
-from flexros.gap.held_out.prediction_gap import (
-    AheadErrors,
-    closed_fraction,
-    errors_ahead,
-    over_expected_floor,
-    share_between,
-    signal_gaps,
-    tolerance_floor,
-    unknown_rounding,
-)
+from flexros.gap.held_out.closed_share import closed_fraction, share_between
+from flexros.gap.held_out.errors_ahead import AheadErrors, errors_ahead
+from flexros.gap.held_out.gap_floor import over_expected_floor, tolerance_floor, unknown_rounding
+from flexros.gap.held_out.gap_numbers import signal_gaps
 from flexros.gap.residuals.fit_data import FitData, fit_data
 from flexros.record.quantization import Quantization
 from flexros.robot import load_robot

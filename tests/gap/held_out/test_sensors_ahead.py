@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from flexros.gap.fit.least_squares import CandidateFit
-from flexros.gap.held_out.prediction_gap import AheadErrors, errors_ahead, over_expected_floor, signal_gaps
+from flexros.gap.held_out.errors_ahead import AheadErrors, errors_ahead
+from flexros.gap.held_out.gap_floor import over_expected_floor
+from flexros.gap.held_out.gap_numbers import signal_gaps
 from tests.gap.diagnosis_logs import MODEL, ROBOT, predictor_of
 from tests.gap.sensor_logs import sensed, sensed_data
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from flexros.gap.held_out.prediction_gap import AheadErrors
+    from flexros.gap.held_out.errors_ahead import AheadErrors
     from flexros.gap.residuals.fit_data import FitData
     from flexros.record.record import Record
     from flexros.robot import Robot
@@ -77,7 +77,7 @@ def _third(record: Record, robot: Robot, truth: Truth) -> ThirdLog:
 
 def _budget(record: Record, robot: Robot, truth: Truth) -> tuple[TrueShare, ...]:
     """Add every effect first and remove it last; numbers of the nominal model are fitted within their tolerance."""
-    from flexros.gap.held_out.prediction_gap import closed_fraction
+    from flexros.gap.held_out.closed_share import closed_fraction
     from flexros.gap.residuals.fit_data import fit_data
 
     nominal = RobotWithEffects(robot, ())
@@ -108,7 +108,8 @@ def _errors(model: RobotWithEffects, data: FitData) -> AheadErrors:
     """Predict a log 0.1 s ahead; tolerated numbers of the model are fitted."""
     from flexros.gap.candidates.tolerance import tolerance_of
     from flexros.gap.fit.null_fit import fit_null
-    from flexros.gap.held_out.prediction_gap import errors_ahead, over_expected_floor
+    from flexros.gap.held_out.errors_ahead import errors_ahead
+    from flexros.gap.held_out.gap_floor import over_expected_floor
 
     null = fit_null(data, model, tolerance_of(model.robot, {}), case_settings().fit)
     return over_expected_floor(errors_ahead(null.fit, data), model, data)

@@ -31,7 +31,9 @@ def oracle_fraction(folder: Path, case: OpenCase, truth: Truth) -> float | None:
     """
     from flexros.gap.candidates.tolerance import tolerance_of
     from flexros.gap.fit.null_fit import fit_null
-    from flexros.gap.held_out.prediction_gap import closed_fraction, errors_ahead, over_expected_floor
+    from flexros.gap.held_out.closed_share import closed_fraction
+    from flexros.gap.held_out.errors_ahead import errors_ahead
+    from flexros.gap.held_out.gap_floor import over_expected_floor
     from flexros.gap.noise.weights import measurement_in
     from flexros.gap.residuals.fit_data import fit_data
     from flexros.gap.search.prepare import prepare_search

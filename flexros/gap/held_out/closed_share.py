@@ -1,0 +1,80 @@
+"""The share of a gap that a repair closes, with its interval."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexros.gap.held_out.errors_ahead import HORIZON, AheadErrors
+from flexros.random_streams import generator
+
+BOOTSTRAP_STREAM = 20
+"""Stream of random numbers of the bootstrap."""
+
+
+@dataclass(frozen=True)
+class ClosedShare:
+    """The share of a gap that a repair closes.
+
+    Attributes:
+        value: (E_before - E_after) / (E_before - 1), or such a difference of two repairs [1].
+        interval: Its 95 % interval [1].
+    """
+
+    value: float
+    interval: tuple[float, float]
+
+
+def closed_fraction(before: AheadErrors, after: AheadErrors, sample_time: float) -> ClosedShare | None:
+    """Compute the share of the gap that is closed, with a 95 % interval by a bootstrap over blocks of the log.
+
+    Args:
+        before: Errors of the nominal model.
+        after: Errors of the repaired model, at the same windows.
+        sample_time: Time between two samples [s].
+
+    Returns:
+        The share and its interval; None where the gap does not show in these errors.
+    """
+    return share_between(before, before, after, sample_time)
+
+
+def share_between(before: AheadErrors, more: AheadErrors, less: AheadErrors, sample_time: float) -> ClosedShare | None:
+    """Compute the share of a gap between two repairs, with a 95 % interval by a bootstrap over blocks of the log.
+
+    (E_more - E_less) / (E_before - 1), all of the same log. A gap within the noise of the floor has no share, which
+    would be a quotient of noise.
+
+    Args:
+        before: Errors of the nominal model.
+        more: Errors of the model that leaves more, at the same windows.
+        less: Errors of the one that leaves less.
+        sample_time: Time between two samples [s].
+
+    Returns:
+        The share and its interval; None where the gap does not show in these errors.
+    """
+    settings = before.settings
+    of_blocks = (before.starts * sample_time / settings.block).astype(int)
+    blocks = np.unique(of_blocks)
+    models = (before, more, less)
+    sums = np.array([[errors.squares[of_blocks == block].mean() for block in blocks] for errors in models])
+    counts = np.array([np.sum(of_blocks == block) for block in blocks], dtype=float)
+    draws = generator(0, BOOTSTRAP_STREAM).integers(0, len(blocks), size=(settings.draws, len(blocks)))
+    means = (sums * counts)[:, draws].sum(axis=-1) / counts[draws].sum(axis=-1)
+    least = settings.shows * sampling_error(before)
+    if before.mean - 1.0 <= least:
+        return None
+    means = means[:, means[0] - 1.0 > least]
+    low, high = np.quantile((means[1] - means[2]) / (means[0] - 1.0), [0.025, 0.975])
+    return ClosedShare((more.mean - less.mean) / (before.mean - 1.0), (float(low), float(high)))
+
+
+def sampling_error(errors: AheadErrors) -> float:
+    """Return the standard deviation of E without a gap, from noise and the error of the floor.
+
+    Overlapping windows count as one, which is conservative: most of the error is noise of the last sample.
+    """
+    independent = max(errors.squares.size * errors.settings.spacing / HORIZON, 1.0)
+    return float(np.hypot(np.sqrt(2.0 / independent), errors.floor_error))
