@@ -15,6 +15,10 @@ if TYPE_CHECKING:
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 PARTNER_ENDED = signal.SIGUSR1
 """Signal by which the parent process informs a node that a partner has exited."""
+REMINDER = signal.SIGVTALRM
+"""Signal by which a request that foreign code has swallowed is repeated."""
+REMINDED = 1.0
+"""Processor time after which it is [s], chosen: what ends in order is out of the block by then."""
 
 
 class Interruption:
@@ -42,17 +46,18 @@ class Interruption:
         """Handle a signal."""
         if number == PARTNER_ENDED:
             self.partner_ended = True
-        else:
-            self._requested = True
-            if self._raises:
-                raise KeyboardInterrupt
+            return
+        self._requested = self._requested or number != REMINDER
+        if self._requested and self._raises:
+            signal.setitimer(signal.ITIMER_VIRTUAL, REMINDED)
+            raise KeyboardInterrupt
 
     @contextmanager
     def raising(self) -> Iterator[None]:
         """Let a request to terminate raise KeyboardInterrupt within the block, also one that was made before.
 
-        Foreign code that runs the handler may swallow the exception and return nothing, as CasADi does: what fails then
-        fails because of the request.
+        Foreign code that runs the handler may swallow the exception, as CasADi does, and return nothing or go on: what
+        fails then fails because of the request, and what goes on is reminded of it.
         """
         self._raises += 1
         try:
@@ -111,10 +116,11 @@ def interruption() -> Iterator[Interruption]:
         return
     global _present
     outer, _present = _present, interrupted
-    before = {number: signal.signal(number, interrupted.note) for number in (*SIGNALS, PARTNER_ENDED)}
+    before = {number: signal.signal(number, interrupted.note) for number in (*SIGNALS, PARTNER_ENDED, REMINDER)}
     try:
         yield interrupted
     finally:
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
         _present = outer
         for number, handler in before.items():
             signal.signal(number, signal.SIG_DFL if handler is None else handler)

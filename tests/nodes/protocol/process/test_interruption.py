@@ -11,7 +11,7 @@ import threading
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from time import monotonic
+from time import monotonic, process_time
 
 import pytest
 
@@ -197,6 +197,20 @@ def test_request_that_foreign_code_swallows_still_ends_the_work(after: Callable[
         with pytest.raises(KeyboardInterrupt):
             work()
         assert interrupted()
+
+
+def test_work_that_goes_on_although_it_was_requested_to_end_is_reminded() -> None:
+    def work() -> None:
+        with suppress(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGTERM)
+        while process_time() - began < TIMEOUT:
+            sum(range(100_000))
+
+    began = process_time()
+    with interruption(), pytest.raises(KeyboardInterrupt), interruptible():
+        work()
+    assert process_time() - began < TIMEOUT
+    assert signal.getitimer(signal.ITIMER_VIRTUAL)[0] == 0
 
 
 def test_error_without_a_request_stays_what_it_is() -> None:
