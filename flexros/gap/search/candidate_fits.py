@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -16,65 +16,25 @@ from flexros.gap.candidates.candidate import list_candidates
 from flexros.gap.fit.least_squares import CandidateFit, best_of_each, linearise, starts_of
 from flexros.gap.fit.pruning import without_least_parameter
 from flexros.gap.fit.screening import directions_of, surroundings_of, switched_off
-from flexros.gap.fit.tolerance_takeover import with_takeover
 from flexros.gap.fit.unknown_numbers import UNCERTAIN
 from flexros.gap.prediction.compiled_plant import LANES, grouped
+from flexros.gap.search.additions import addition_of, best_starts
 from flexros.gap.search.log_fits import LogFits
 from flexros.gap.search.periodic.harmonic_candidates import harmonic_candidates, harmonics_in_place
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping, Sequence
 
-    from numpy.typing import NDArray
-
-    from flexros.arrays import BoolArray, FloatArray, IntArray
+    from flexros.arrays import FloatArray
     from flexros.gap.candidates.candidate import Candidate, Hypothesis
     from flexros.gap.candidates.competitors import Competitors
     from flexros.gap.candidates.scales import Scales
     from flexros.gap.fit.screening import Directions, Surroundings
     from flexros.gap.prediction.compiled_plant import CompiledPlant
+    from flexros.gap.search.additions import Addition
 
 REMEMBERED = 2
 """Explanations whose linearisation is kept (chosen): each has the size of some predictions."""
-SMALLEST = 1e-12
-"""Size over an initial one below which an effect does nothing [1]."""
-
-
-@dataclass(frozen=True, eq=False)
-class Addition:
-    """A candidate that may be added to a fit.
-
-    Attributes:
-        candidate: The candidate.
-        gain: Fall of the sum of squares that linear theory predicts [1].
-        start: Its initial value, in the units of the fit, shape (n_free,).
-        replaced: Whether the candidate takes over the deviation of a tolerated parameter, shape (n_names,).
-        change: Change of the prediction errors by the initial value, on the rows of the search, shape (n_rows,).
-    """
-
-    candidate: Candidate
-    gain: float
-    start: FloatArray
-    replaced: BoolArray
-    change: NDArray[np.float32]
-
-    def sized(self, size: float) -> Addition:
-        """Return the same with its sizes scaled; one that linear theory turns around begins where it does nothing.
-
-        A candidate in place of a tolerated number keeps its initial value, and so do parameters that shape it.
-
-        Args:
-            size: Size over the initial one, positive or negative [1].
-        """
-        if self.replaced.any():
-            return self
-        start = self.start.copy()
-        for index, free in enumerate(self.candidate.free):
-            low, high = free.bounds
-            if self.candidate.neutral(free) not in (None, high):
-                scaled = start[index] * size if free.signed else start[index] + np.log(max(size, SMALLEST))
-                start[index] = np.clip(scaled, low, high)
-        return replace(self, start=start)
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,7 +205,7 @@ class Search(LogFits):
 
     def _single(self, direction: Directions, surroundings: Surroundings) -> CandidateFit:
         """Fit a candidate from its two best initial values."""
-        best = _best_starts(direction, surroundings)
+        best = best_starts(direction, surroundings)
         deviations = np.repeat(self.null.fit.deviations[:, None], len(best), axis=1)
         starts = np.vstack([direction.starts[:, best], deviations])
         return self._from_grid(self.null.predictor((direction.candidate,)), starts)
@@ -350,7 +310,7 @@ class Search(LogFits):
             surroundings: The same, linearised.
         """
         additions = [
-            _addition(direction, fit, surroundings)
+            addition_of(direction, fit, surroundings)
             for direction in directions
             if direction.candidate.name not in fit.names and direction.usable.any()
         ]
@@ -468,21 +428,6 @@ def _common_factor(fit: CandidateFit, locations: Collection[str]) -> str:
     values = zip(fit.hypothesis, fit.predictor.values(fit.theta), strict=True)
     factors = {one.location: one.name for one, v in values if v.get(one.effect.common_factor, 0.0) > 0}
     return next((factors[location] for location in locations if location in factors), "")
-
-
-def _best_starts(direction: Directions, surroundings: Surroundings, most: int = 2) -> IntArray:
-    """Return the indices of the initial values that lower the sum of squares most, without scaling."""
-    lowered = np.where(direction.usable, surroundings.gains(direction.changes)[1], -np.inf)
-    return np.argsort(-lowered)[:most]
-
-
-def _addition(direction: Directions, fit: CandidateFit, surroundings: Surroundings) -> Addition:
-    """Prepare the addition of a candidate to a fit, in place of tolerated deviations where that gains more."""
-    best = int(_best_starts(direction, surroundings, 1)[0])
-    gain = float(surroundings.gains(direction.changes)[0].max())
-    misfit = float(surroundings.prior.max(initial=1.0))
-    takeover = with_takeover(direction.candidate, fit, gain, direction.starts[:, best], misfit)
-    return Addition(direction.candidate, takeover.gain, takeover.start, takeover.replaced, direction.changes[:, best])
 
 
 def _extends(candidate: Candidate, simple: CandidateFit) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 
 from flexros.effects.kinds.curve import AbstractCurve
 from flexros.gap.candidates.candidate import simpler
-from flexros.gap.search.candidate_fits import Addition
+from flexros.gap.search.additions import Addition
 from flexros.gap.search.curve_candidates import list_curves, within_motion, without_shared
 from flexros.gap.search.worth import compared, worth
 

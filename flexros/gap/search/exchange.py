@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.fit.screening import Directions
-    from flexros.gap.search.candidate_fits import Addition, Search
+    from flexros.gap.search.additions import Addition
+    from flexros.gap.search.candidate_fits import Search
     from flexros.gap.search.model_probability import ModelComparison
 
 

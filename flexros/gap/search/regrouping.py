@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.fit.screening import changes_of
-from flexros.gap.search.candidate_fits import Addition
+from flexros.gap.search.additions import Addition
 from flexros.gap.search.worth import compared
 
 if TYPE_CHECKING:

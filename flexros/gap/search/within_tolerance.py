@@ -12,7 +12,7 @@ from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.kinds.relative_error import AbstractRelativeError
 from flexros.gap.fit.least_squares import fit as fit_candidate
 from flexros.gap.fit.tolerance_takeover import takeover
-from flexros.gap.search.candidate_fits import Addition
+from flexros.gap.search.additions import Addition
 from flexros.gap.search.model_probability import compare
 from flexros.gap.search.worth import compared, worth
 from flexros.record.smoothing import motion_cutoff, smooth_motion

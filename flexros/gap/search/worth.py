@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from flexros.gap.fit.least_squares import CandidateFit
-    from flexros.gap.search.candidate_fits import Addition, Search
+    from flexros.gap.search.additions import Addition
+    from flexros.gap.search.candidate_fits import Search
 
 
 def compared(search: Search, fits: Sequence[CandidateFit]) -> ModelComparison:

@@ -17,7 +17,7 @@ from flexros.gap.deadline import Deadline
 from flexros.gap.fit.least_squares import CandidateFit, chi2_of
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.residuals.fit_data import FitData, fit_data
-from flexros.gap.search.candidate_fits import Addition
+from flexros.gap.search.additions import Addition
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.settings import DiagnosisSettings, SearchSettings
 from flexros.prediction.integration_step import substeps

@@ -24,7 +24,7 @@ from tests.gap.diagnosis_logs import search_of
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from flexros.gap.search.candidate_fits import Addition
+    from flexros.gap.search.additions import Addition
 
 pytestmark = pytest.mark.slow
 
