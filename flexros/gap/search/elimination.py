@@ -171,6 +171,8 @@ def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
     Effects that torques show are worth it where their size is clearly not zero: at a joint that moves little or carries
     little they remove a small part of the gap of all joints, and are as real as at the others. A size that changes
     nothing, such as a small delay of commands whose servo is at its limit, has no deviation and is not clear.
+    Where a further effect at the same motor is not worth it either, that one goes first: beside friction by the load,
+    which removes little, Coulomb friction is not clear, and left out first it could not come back.
 
     Args:
         search: The search.
@@ -199,8 +201,10 @@ def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
             needless.append((least, candidate))
     if _all_at_once(search):
         return [candidate.name for _, candidate in sorted(needless, key=lambda pair: pair[0])]
-    first = {one.location: one.name for _, one in sorted(needless, key=lambda pair: -pair[0])}  # the least one is last
-    return list(first.values())
+    ordered = [one for _, one in sorted(needless, key=lambda pair: -pair[0])]  # the least one is last
+    first = {one.location: one.name for one in ordered}
+    further = {one.location: one.name for one in ordered if one.name not in search.base.names}
+    return list((first | further).values())
 
 
 def _tolerated(search: Search, candidate: Candidate) -> float:

@@ -16,6 +16,7 @@ from flexros.gap.settings import DiagnosisSettings
 from flexros.record.premises import MEASURED, SIMULATED, Premises
 
 INERTIA, STIFFNESS = "motor_inertia_error@motor_1", "stiffness_error@body_2.ry"
+LOAD = "load_dependent_friction@motor_1"
 COULOMB, VISCOUS, BIAS = "coulomb_friction@motor_1", "viscous_friction@motor_1", "torque_bias@motor_2"
 N = 1000
 
@@ -116,6 +117,20 @@ def test_a_further_effect_that_removes_little_is_left_out() -> None:
     every = Fit((COULOMB, BIAS), 2000.0)
     search: Any = Search({frozenset({COULOMB}): 2050.0}, {COULOMB: 900.0, BIAS: 50.0}, (COULOMB,))
     assert elimination.reduced(search, every, [], 0.2).names == {COULOMB}  # type: ignore[arg-type]
+
+
+def test_of_two_needless_effects_at_a_motor_the_one_that_torques_show_stays(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Beside friction by the load Coulomb friction is not clear; the part by the load removes little all the same."""
+
+    def sizes(fit: Fit, _: Any) -> list[dict[str, Any]]:
+        return [{"size": size_of(1.0, 1.0 if one == COULOMB and LOAD in fit.names else 0.1)} for one in fit.kept]
+
+    monkeypatch.setattr(elimination, "parameters_of", sizes)
+    base = (COULOMB, "coulomb_friction@motor_2")
+    chi2 = {frozenset(base): 2100.0, frozenset({LOAD, base[1]}): 2001.0}
+    search: Any = Search(chi2, {COULOMB: 1.0, LOAD: 100.0, base[1]: 900.0}, base)
+    found = elimination.reduced(search, Fit((*base, LOAD), 2000.0), [], 0.2)  # type: ignore[arg-type]
+    assert found.names == set(base)
 
 
 @pytest.mark.parametrize("premises", [SIMULATED, MEASURED], ids=["simulated", "measured"])
