@@ -188,7 +188,7 @@ class Diagnosis(Settings):
     verdict: Verdict = Field(description="the verdict")
     causes: tuple[Cause, ...] = Field(description="by probability, the most probable first")
     ambiguity_groups: tuple[tuple[EffectLocation, ...], ...] = Field(
-        description="effects that the log does not separate"
+        description="effects that the log does not separate; one alone: it does not show whether that is there"
     )
     where: tuple[Excess, ...] = Field(description="where the gap shows, before any hypothesis")
     gap: GapNumbers = Field(description="gap before and after the repair")

@@ -242,7 +242,10 @@ def best_rival(explanations: Explanations) -> CandidateFit | None:
 def groups_of(
     explanations: Explanations, settings: RankingSettings = RANKING, elsewhere: Collection[CandidateFit] = ()
 ) -> tuple[tuple[EffectLocation, ...], ...]:
-    """Collect the effects that replace one another in rival explanations; arguments as for `rivals_of`."""
+    """Collect the effects that replace one another in rival explanations; arguments as for `rivals_of`.
+
+    An effect that a rival has or lacks beside all others is a group alone: the log does not say whether it is there.
+    """
     chosen = [candidate.name for candidate in explanations.chosen.hypothesis]
     groups: dict[str, list[str]] = {}
     for rival in rivals_of(explanations, settings, elsewhere):
@@ -251,7 +254,9 @@ def groups_of(
             if name not in rival.names:
                 group = groups.setdefault(name, [name])
                 group += [other for other in others if other not in group]
-    return tuple(tuple(effect_location(name) for name in group) for group in groups.values() if len(group) > 1)
+        if rival.names > set(chosen):
+            groups |= {other: [other] for other in others if not any(other in group for group in groups.values())}
+    return tuple(tuple(effect_location(name) for name in group) for group in groups.values())
 
 
 def probability_of(name: str, findings: Findings, verdict: Verdict) -> float:

@@ -35,7 +35,9 @@ class RankingSection(AbstractSection["DiagnosisResult"]):
             return (Paragraph("No effects were compared: nothing exceeds noise and tolerance."),)
         groups = [
             Paragraph(
-                f"This log cannot distinguish {first_few([named(location) for location in group], 'from', 6)}.",
+                f"This log cannot distinguish {first_few([named(location) for location in group], 'from', 6)}."
+                if len(group) > 1
+                else f"This log does not show whether there is {named(group[0])}.",
                 "warning",
             )
             for group in result.diagnosis.ambiguity_groups

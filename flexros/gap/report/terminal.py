@@ -119,6 +119,8 @@ def group_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
     """List the groups of effects that the log cannot distinguish."""
     return tuple(
         f"Not distinguishable: {first_few([named(location) for location in group], most=6)}"
+        if len(group) > 1
+        else f"Not decided: whether there is {named(group[0])}"
         for group in diagnosis.ambiguity_groups
     )
 

@@ -137,6 +137,14 @@ def test_groups_are_the_effects_that_stand_for_one_another() -> None:
     assert groups_of(found.explanations) == ((effect_location(STIFFNESS), effect_location(INERTIA)),)
 
 
+@pytest.mark.parametrize("swapped", [False, True])
+def test_an_effect_that_a_rival_has_or_lacks_beside_all_others_is_a_group_alone(swapped: bool) -> None:
+    pair = [fitted(1.0, COULOMB, STIFFNESS), fitted(1.0, COULOMB)]
+    chosen, rival = reversed(pair) if swapped else pair
+    found = findings(chosen, [rival], [0.5, 0.5], TRUTH)
+    assert groups_of(found.explanations) == ((effect_location(STIFFNESS),),)
+
+
 def test_the_probability_of_an_effect_is_that_of_all_its_explanations() -> None:
     found = findings(
         fitted(1.0, COULOMB), [fitted(1.0, COULOMB, STIFFNESS), fitted(1.0, INERTIA)], [0.5, 0.3, 0.2], TRUTH

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from flexros.gap.report.terminal import gap_line
+from flexros.gap.report.terminal import gap_line, group_lines
 from flexros.gap.report.verdict import partial_sentence, reported_causes, verdict_sentence
 from flexros.gap.report.words import cause_words
 from flexros.gap.result import DiagnosisResult
@@ -92,6 +92,13 @@ def test_of_many_rivals_the_most_probable_are_reported(diagnosed: Diagnosed) -> 
     many = diagnosis.model_copy(update={"ambiguity_groups": ((*others, *diagnosis.ambiguity_groups[0]),)})
     text = verdict_sentence(many)
     assert "hysteresis at motor_1 (56 %), backlash at motor_1 (43 %), torque bias at motor_1 (0 %) from 2" in text
+
+
+def test_an_effect_whose_presence_is_not_decided_is_reported_alone(diagnosed: Diagnosed) -> None:
+    diagnosis = diagnosed("ambiguous").diagnosis
+    alone = diagnosis.model_copy(update={"ambiguity_groups": (diagnosis.ambiguity_groups[0][:1],)})
+    assert "does not show whether there is hysteresis at motor_1 (56 %)" in verdict_sentence(alone)
+    assert group_lines(alone) == ("Not decided: whether there is hysteresis at motor_1",)
 
 
 def test_no_share_is_stated_of_a_gap_below_the_floor(diagnosed: Diagnosed) -> None:
