@@ -51,7 +51,12 @@ def connected(address: str = "", threads: int | None = None) -> Iterator[Client]
         with client:
             yield client
         return
-    quiet = {"distributed.worker.memory.terminate": False, "distributed.admin.tick.limit": "1h"}
+    quiet = {
+        "distributed.worker.memory.terminate": False,
+        "distributed.admin.tick.limit": "1h",
+        # the worker is a part of this process: it is not lost where the machine sleeps, and no other takes its work
+        "distributed.scheduler.worker-ttl": None,
+    }
     with (
         TemporaryDirectory(prefix="flexros_") as scratch,
         dask.config.set(quiet),

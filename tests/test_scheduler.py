@@ -64,3 +64,9 @@ def listening() -> set[str]:
     """Addresses on which this process listens."""
     connections = psutil.Process().net_connections(kind="inet")
     return {f"{one.laddr.ip}:{one.laddr.port}" for one in connections if one.status == psutil.CONN_LISTEN}
+
+
+def test_a_worker_of_this_process_is_not_given_up_where_the_machine_sleeps() -> None:
+    """The scheduler removes workers of which it has not heard for minutes, and would wait for others for ever."""
+    with connected(threads=1) as client:
+        assert "worker-ttl" not in client.cluster.scheduler.periodic_callbacks
