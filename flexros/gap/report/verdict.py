@@ -151,9 +151,8 @@ def _ambiguous(diagnosis: Diagnosis) -> str:
     names = [f"{named(rival)} ({share_words(chances[rival])})" for rival in rivals]
     sure = [cause for cause in diagnosis.causes if cause.probability >= _SURE and not _in(cause, rivals)]
     addition = f"; in addition there {'are' if len(sure) > 1 else 'is'} {causes_words(sure)}" if sure else ""
-    doubt = f"cannot distinguish {first_few(names, 'from')}"
-    if len(rivals) == 1:
-        doubt = f"does not show whether there is {names[0]}"
+    alone = len(names) == 1
+    doubt = f"does not show whether there is {names[0]}" if alone else f"cannot distinguish {first_few(names, 'from')}"
     text = f"There is a gap, and this log {doubt}{addition}. {_closed(diagnosis.gap)} {guessed} {_next(diagnosis)}"
     return " ".join(text.split())
 
