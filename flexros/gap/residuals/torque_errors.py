@@ -111,9 +111,10 @@ class TorqueErrors:
         for candidate, sizes in zip(predictor.hypothesis, values, strict=True):
             if candidate.effect.delays_commands:
                 late[candidate.motors(self.robot)] += sizes["time"]
-            if not issubclass(candidate.effect, AbstractMotorLaw) or candidate.location not in self.robot.joint_names:
+            effect = candidate.placed(sizes).effect
+            if not isinstance(effect, AbstractMotorLaw) or candidate.location not in self.robot.joint_names:
                 continue
-            effect, motor = candidate.placed(sizes).effect, self.robot.joint_names.index(candidate.location)
+            motor = self.robot.joint_names.index(candidate.location)
             if isinstance(effect, AbstractFirstOrderLag):
                 lags[motor] = lags.get(motor, 0.0) + effect.time_constant
             elif isinstance(effect, AbstractCommandLaw):
