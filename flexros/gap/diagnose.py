@@ -16,7 +16,8 @@ from flexros.gap.answer.withdrawal import confirmed
 from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.tolerance import scaled_by_gravity, tolerance_of, with_torque_tolerance
 from flexros.gap.deadline import Deadline
-from flexros.gap.fit.elastic_timing import shift_of_explanation, with_torque_in_time_behind_springs
+from flexros.gap.fit.elastic_timing import with_torque_in_time_behind_springs
+from flexros.gap.fit.noted_timing import shift_of_noted
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.fit.rough_gains import likely_gains, with_gains
 from flexros.gap.fit.unknown_numbers import unknown_numbers
@@ -105,8 +106,8 @@ def diagnose(
         record, holdout = with_gains(record, begun), None if holdout is None else with_gains(holdout, begun)
     task = _Task(begun, holdout, tolerance or {}, notes, settings, deadline, bool(rough))
     found = task.searched(record, stages)
-    shift = shift_of_explanation(found.explanations.chosen, found.null, settings)
-    if shift and not deadline.stops():  # half a sample hid behind what the effects explain: all again with it
+    shift = shift_of_noted(found.explanations.chosen, found.null, settings)
+    if shift is not None and not deadline.stops():  # half a sample hid behind the effects: all again with it
         stages = Stages(progress)
         found = task.searched(in_time(record, shift), stages)
     result = task.answered(found, stages)
@@ -196,6 +197,9 @@ class _Task:
         start = torque_start(data, model, tolerated, settings)
         data = with_torques(data, start)
         null, base = _first_fits(data, model, tolerated, start, settings, deadline)
+        shift = shift_of_noted(base or null.fit, null, settings)
+        if shift is not None:
+            return self.searched(in_time(record, shift), stages)
         held_data = held_data.with_tool_frame_of(null.fit.predictor, null.fit.theta)
         prediction = prediction_of(null.fit, null.data)
 

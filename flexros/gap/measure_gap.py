@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 from flexros.blas_threads import one_blas_thread
 from flexros.gap.candidates.tolerance import tolerance_of, with_torque_tolerance
 from flexros.gap.deadline import Deadline
-from flexros.gap.fit.elastic_timing import shift_of_explanation, with_torque_in_time_behind_springs
+from flexros.gap.fit.elastic_timing import with_torque_in_time_behind_springs
+from flexros.gap.fit.noted_timing import shift_of_noted
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.fit.rough_gains import with_likely_gains
 from flexros.gap.fit.unknown_numbers import unknown_numbers
@@ -118,8 +119,8 @@ def measure_gap(
         stages.begin("repaired model", 1.0)
         before = _errors(null, data)
         null = _fitted(driven_model(repaired, record), unknown, data, tolerance or {}, settings, deadline)
-    shift = 0.0 if deadline.over else shift_of_explanation(null.fit, null, settings)
-    if shift:  # errors of springs in the nominal model hid when the torques acted
+    shift = None if deadline.over else shift_of_noted(null.fit, null, settings)
+    if shift is not None:  # errors of springs in the nominal model hid when the torques acted
         moved = in_time(record, shift)
         return measure_gap(moved, model, repaired=repaired, tolerance=tolerance, settings=settings, progress=progress)
     errors = _errors(null, data)

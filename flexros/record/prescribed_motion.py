@@ -80,11 +80,11 @@ def with_prescribed_motion(record: Record, robot: Robot, motors: Sequence[int], 
     samples, torque = np.arange(record.n_samples), record.torque.copy()
     for motor in further:  # the mean from a sample to the next, ahead by what the model delays it
         torque[:, motor] = INERTIA * np.interp(samples + 0.5 + delay, samples, acceleration[:, motor])
-    effort = record.effort
-    if effort is not None:
-        effort = effort.copy()
-        effort[:, further] = np.nan
-    return replace(record, torque=torque, effort=effort, prescribed=prescribed, warnings=(*record.warnings, text))
+    noted = record.noted
+    if noted is not None:
+        noted = noted.copy()
+        noted[:, further] = np.nan
+    return replace(record, torque=torque, noted=noted, prescribed=prescribed, warnings=(*record.warnings, text))
 
 
 def without_prescribed(record: Record) -> Record:

@@ -23,6 +23,7 @@ from flexros.record.prescribed_motion import motors_named, with_prescribed_motio
 from flexros.record.quantization import resolution_of
 from flexros.record.record import Record, ToolRecord
 from flexros.record.servo_torque import servo_torque
+from flexros.record.shifted_torque import HELD
 from flexros.record.stamp_jitter import positions_on_grid
 from flexros.record.topic_reader import Slots, TopicReader, has_position_commands, last_finite, torque_source
 
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from flexros.logs.time_series import Log
     from flexros.record.even_grid import EvenGrid
     from flexros.record.topic_reader import TorqueSource
+    from flexros.record.torque_hold import HeldTorque
     from flexros.robot import Robot
 
 MOST_LOST = 0.3
@@ -152,10 +154,19 @@ def _motion_and_drive(
         valid=known,
         late=held.late[rows] if held.late.any() else None,
         measured_torque=measured,
+        noted=_noted(reader, held, slots, rows, measured=measured) if command is None else None,
+        torque_shift=0.0 if measured else HELD,
         command=command,
         first=begin + rows.start,
     )
     return record, rows
+
+
+def _noted(reader: TopicReader, held: HeldTorque, slots: Slots, rows: slice, *, measured: bool) -> FloatArray | None:
+    """Return the torques that were noted with the positions."""
+    if measured:
+        return reader.measured(reader.log.joint_states.effort, slots, rows)
+    return None if held.noted is None else last_finite(held.noted)[0][rows]
 
 
 def _with_further_signals(record: Record, reader: TopicReader, slots: Slots, rows: slice) -> Record:
@@ -165,7 +176,6 @@ def _with_further_signals(record: Record, reader: TopicReader, slots: Slots, row
     return replace(
         record,
         velocity=reader.measured(states.velocity, slots, rows),
-        effort=reader.measured(states.effort, slots, rows),
         reference=reader.reference(slots.grid, rows),
         tool=_tool(log, slots.grid, rows),
         sensors=sensors,

@@ -47,13 +47,13 @@ class Record:
         jumps: By how much the clock of the recording jumps before each sample [samples], shape (n,); None where it
             does not.
         velocity: Measured motor speeds [rad/s or m/s], shape (n, M); NaN for motors without, None where not recorded.
-        effort: Measured motor torques at the samples [Nm or N], shape (n, M); NaN for motors without, None where not
-            recorded.
+        noted: Torques as they were noted with the positions [Nm or N], shape (n, M): measured ones, or commands that
+            have the stamps of the positions; NaN for motors without, None where the torque has stamps of its own.
         reference: Reference of the motor positions [rad or m], shape (n, M); None where not recorded.
         tool: Positions seen by a tool tracker; None without one.
         sensors: Further sensors: link-side encoders, joint torque sensors, accelerometer and gyroscope of the tool.
         measured_torque: Whether the torques were measured at the motor, behind the delay of the command.
-        torque_shift: Samples from the stamp of a measured torque to the middle of the time in which it counts [1].
+        torque_shift: Samples from the stamp of a noted torque to the middle of the time in which it counts [1].
         simulated: Whether the provenance names a scenario of this program.
         imported: Whether the log was imported from files of a real machine, whose model is never exact.
         command: Commanded positions of servos, each held to the next sample [rad or m], shape (n, M), for a log without
@@ -80,7 +80,7 @@ class Record:
     bridged: BoolArray | None = None
     jumps: FloatArray | None = None
     velocity: FloatArray | None = None
-    effort: FloatArray | None = None
+    noted: FloatArray | None = None
     reference: FloatArray | None = None
     tool: ToolRecord | None = None
     sensors: tuple[SensorRecord, ...] = ()
@@ -176,7 +176,7 @@ class Record:
             bridged=None if self.bridged is None else self.bridged[cut],
             jumps=None if self.jumps is None else self.jumps[cut],
             velocity=None if self.velocity is None else self.velocity[cut],
-            effort=None if self.effort is None else self.effort[cut],
+            noted=None if self.noted is None else self.noted[cut],
             reference=None if self.reference is None else self.reference[cut],
             tool=tool,
             sensors=tuple(sensor.part(*ends) for sensor in self.sensors),

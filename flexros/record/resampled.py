@@ -54,7 +54,7 @@ def resampled(record: Record, sample_time: float, reason: str = "the rate of the
     """Resample a record.
 
     Positions are interpolated by cubics, torques and commanded positions averaged over each new sample, and other
-    signals interpolated linearly. Measured torques keep their shift in samples, so each moves by what the sample time
+    signals interpolated linearly. Noted torques keep their shift in samples, so each moves by what the sample time
     changes of it. A new sample is valid where the old ones beside it are.
 
     Args:
@@ -103,7 +103,7 @@ def resampled(record: Record, sample_time: float, reason: str = "the rate of the
         else np.diff(np.cumsum(record.jumps)[right], prepend=0.0) * old / sample_time,
         late=None if record.late is None else record.late[left] | record.late[right],
         velocity=linear(record.velocity),
-        effort=linear(record.effort, record.torque_shift),
+        noted=linear(record.noted, record.torque_shift),
         reference=linear(record.reference),
         parts=(),
         first=round(record.first * old / sample_time),

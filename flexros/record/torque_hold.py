@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -68,6 +68,7 @@ class HeldTorque:
         first: First slot whose torque is known from its beginning.
         end: Slot after the last one that a command covers.
         warnings: What is doubtful, one sentence each.
+        noted: Torque as it was noted with each slot [Nm or N], shape (n_slots, M); None where it has stamps of its own.
     """
 
     torque: FloatArray
@@ -76,6 +77,7 @@ class HeldTorque:
     first: int
     end: int
     warnings: tuple[str, ...] = ()
+    noted: FloatArray | None = None
 
 
 def held_torque(
@@ -123,7 +125,8 @@ def _slot_by_slot(stamp: IntArray, effort: FloatArray, grid: EvenGrid, states: I
     end = int(np.searchsorted(ticks, stamp[-1], side="right"))
     age = (ticks - stamp[np.maximum(held.row, 0)]) * 1e-9
     T = grid.sample_time
-    return _with_holes(held.values(effort), age, 0.0, T, held.first, end)
+    values = held.values(effort)
+    return replace(_with_holes(values, age, 0.0, T, held.first, end), noted=values)
 
 
 def _with_holes(

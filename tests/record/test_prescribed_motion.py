@@ -30,10 +30,10 @@ def test_a_commanded_torque_is_ahead_by_the_delay_of_the_robot() -> None:
 
 
 def test_measured_torques_of_such_a_motor_are_not_known() -> None:
-    record = with_prescribed_motion(replace(record_of_arm(), effort=record_of_arm().torque), arm(), [0], "a test")
-    assert record.effort is not None
-    assert np.isnan(record.effort[:, 0]).all()
-    assert np.isfinite(record.effort[:, 1]).all()
+    record = with_prescribed_motion(replace(record_of_arm(), noted=record_of_arm().torque), arm(), [0], "a test")
+    assert record.noted is not None
+    assert np.isnan(record.noted[:, 0]).all()
+    assert np.isfinite(record.noted[:, 1]).all()
 
 
 def test_one_motor_at_least_must_be_predicted() -> None:

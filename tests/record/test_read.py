@@ -122,7 +122,7 @@ def test_measured_torque_is_used_where_it_is_wanted(emps: Robot) -> None:
     effort = column(3)
     record = read(replace(log, joint_states=replace(log.joint_states, effort=effort)), emps, "measured")
     assert record.measured_torque
-    np.testing.assert_array_equal(record.effort, effort)
+    np.testing.assert_array_equal(record.noted, effort)
     np.testing.assert_allclose(record.torque[:-1], (effort[1:] + effort[:-1]) / 2)
     assert record.warnings == ()
 

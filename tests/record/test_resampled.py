@@ -65,8 +65,8 @@ def test_a_very_fast_recorder_is_slowed_down_for_an_imported_log_alone() -> None
 def test_measured_torques_act_when_they_acted_before() -> None:
     fast = record_of(1 / 4000)
     ramp = np.arange(N, dtype=float)[:, None]
-    held = replace(fast, imported=True, measured_torque=True, effort=ramp, torque_shift=0.5)
+    held = replace(fast, imported=True, measured_torque=True, noted=ramp, torque_shift=0.5)
     slow = at_usual_rate(held)
-    assert slow.effort is not None
-    acting = moved_later(slow.effort, slow.torque_shift)[1:-1]
+    assert slow.noted is not None
+    acting = moved_later(slow.noted, slow.torque_shift)[1:-1]
     np.testing.assert_allclose(acting, 4 * np.arange(1, slow.n_samples - 1)[:, None] - 0.5)

@@ -13,7 +13,7 @@ torques do not have this fault, but they show no springs, and of a delay only th
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property, lru_cache
 from typing import TYPE_CHECKING
 
@@ -90,6 +90,10 @@ class TorqueErrors:
     def n_values(self) -> int:
         """Number of errors that count."""
         return int(np.isfinite(self.deviation).sum()) * len(self.torque)
+
+    def acting_later(self, time: float) -> TorqueErrors:
+        """Return the errors of torques that act later by some time [s] than the log has them."""
+        return replace(self, delay=self.delay - time)
 
     def errors(self, predictor: Predictor, thetas: FloatArray) -> FloatArray:
         """Compute the errors of a hypothesis over their standard deviation.

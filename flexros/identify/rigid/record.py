@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.record.missing_samples import bridged
-from flexros.record.shifted_torque import moved_later
+from flexros.record.shifted_torque import HELD, moved_later
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -23,8 +23,8 @@ def torque_at_samples(record: Record) -> FloatArray:
     Returns:
         The measured torque when it acted, bridged where it is missing, or the command [Nm or N], shape (n, M).
     """
-    if record.measured_torque and record.effort is not None:
-        return moved_later(bridged(record.effort, record.valid), record.torque_shift)
+    if record.noted is not None and (record.measured_torque or record.torque_shift != HELD):
+        return moved_later(bridged(record.noted, record.valid), record.torque_shift)
     return record.torque
 
 

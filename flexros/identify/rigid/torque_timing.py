@@ -1,4 +1,4 @@
-"""When a measured torque acted: at its stamp, in the sample before it, or in the one after it.
+"""When a noted torque acted: at its stamp, in the sample before it, or in the one after it.
 
 A recorder that notes position and torque once per sample says nothing of that. A simulator or a digital drive holds a
 torque over its sample, so that the one noted with a position acted before it or acts after it, half a sample from its
@@ -16,7 +16,7 @@ from flexros.errors import InputError
 from flexros.identify.rigid.base_parameters import base_parameters
 from flexros.identify.rigid.regression_rows import RegressionRows
 from flexros.identify.rigid.regressor import RigidRegressor
-from flexros.record.shifted_torque import moved_later, shifted
+from flexros.record.shifted_torque import HELD, moved_later, shifted, timing_is_open
 from flexros.record.smoothing import motion_cutoff
 
 if TYPE_CHECKING:
@@ -34,30 +34,39 @@ FEWEST = 3
 
 
 def with_torque_in_time(record: Record, robot: Robot) -> Record:
-    """Return a record whose measured torques are taken when they acted, as far as a rigid robot shows it.
+    """Return a record whose noted torques are taken when they acted, as far as a rigid robot shows it.
+
+    Commands that act later than held ones do so by a delay of the robot, so that they stay.
 
     Args:
         record: The log.
         robot: The nominal robot; only its geometry matters, its base parameters and friction are free.
     """
-    left = torques_left(record, robot) if record.measured_torque and record.imported else {}
+    left = torques_left(record, robot) if timing_is_open(record) else {}
     if not left:
         return record
-    best = min((-0.5, 0.5), key=left.__getitem__)
-    if not left[0.0] - left[best] > CLEAR or left[2 * best] < left[best]:
+    usual = record.torque_shift
+    best = min((-0.5, 0.5) if record.measured_torque else (-0.5, 0.0), key=left.__getitem__)
+    beyond = best + (0.5 if best > usual else -0.5)
+    if not left[usual] - left[best] > CLEAR or left[beyond] < left[best]:
         return record
     return in_time(record, best)
 
 
 def in_time(record: Record, shift: float) -> Record:
-    """Return a record whose measured torques act half a sample from their stamps, and that says so.
+    """Return a record whose noted torques act elsewhere in their sample, and that says so.
 
     Args:
         record: The log.
-        shift: 0.5 where a torque is held from its stamp on, -0.5 where it was held before.
+        shift: 0.5 where a torque is held from its stamp on, -0.5 where it was held before, 0 where it acts at it.
     """
-    words = "until the next one" if shift > 0 else "since the one before"
-    text = f"the measured torques fit the motion where each is held {words}, half a sample from its stamp"
+    kind = "measured torques" if record.measured_torque else "commands"
+    where = {
+        HELD: "where each is held until the next one, half a sample from its stamp",
+        -HELD: "where each was held since the one before, half a sample from its stamp",
+    }
+    thinned = "as values at their stamps, half a sample before they act if held: as where a recorder keeps some of them"
+    text = f"the {kind} fit the motion {where.get(shift, thinned)}"
     return replace(shifted(record, shift), warnings=(*record.warnings, text))
 
 
@@ -67,26 +76,26 @@ def torques_left(record: Record, robot: Robot) -> dict[float, float]:
     Each motor has base parameters of its own, which are fitted by least squares (Moberg 2007, eq. 4.11 to 4.13).
 
     Args:
-        record: The log.
+        record: The log, with noted torques.
         robot: The nominal robot.
 
     Returns:
         Sum of natural logarithms of rms torques for each of `SHIFTS`; empty where the log has no such regression: too
         short, no motion, torques missing, or links that bend.
     """
-    if record.effort is None or not np.isfinite(record.effort[:, record.predicted]).all():
-        return {}
-    effort = np.where(record.predicted, record.effort, 0.0)
+    assert record.noted is not None
+    noted = np.where(record.predicted, record.noted, 0.0)
+    late = 0.0 if record.measured_torque else robot.delay / record.sample_time
     try:
         regressor = RigidRegressor(robot)
         base = base_parameters(regressor, robot.n_motors)
-        rows = RegressionRows.of_record(record, effort, motion_cutoff(record.sample_time), regressor, base.leading)
+        rows = RegressionRows.of_record(record, noted, motion_cutoff(record.sample_time), regressor, base.leading)
     except InputError:
         return {}
     if not rows.motion.moving.any() or len(rows.torque) < FEWEST * len(base.leading):
         return {}
     H = np.concatenate([block for block, _ in rows.blocks()])
-    torque = np.stack([rows.decimated(moved_later(effort, shift)) for shift in SHIFTS], axis=2)
+    torque = np.stack([rows.decimated(moved_later(noted, shift + late)) for shift in SHIFTS], axis=2)
     rest = np.zeros(len(SHIFTS))
     for motor in np.flatnonzero(record.predicted).tolist():
         own = H[:, motor, :][:, np.any(H[:, motor] != 0, axis=0)]

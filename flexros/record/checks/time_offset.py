@@ -9,6 +9,7 @@ import numpy as np
 from flexros.record.balance.torque_balance import AGREED
 from flexros.record.checks.base import AbstractCheck, Finding
 from flexros.record.checks.thinned_commands import THINNED
+from flexros.record.shifted_torque import timing_is_open
 
 if TYPE_CHECKING:
     from flexros.record.checks.checked_record import CheckedRecord
@@ -26,8 +27,9 @@ WHOLE = 1.0
 NOTED, REFUSED = 0.3, 0.6
 """Lead of a motion over its torque, which no robot has, for a warning and for rejection [samples] (chosen)."""
 
-HELD = 0.5
-"""Part of such a lead that is that of a recorder which notes a measured torque after it was held [samples]."""
+EARLIEST = -0.5
+"""Samples from the stamp of a torque to the middle of the time in which it acts, where a recorder notes it after it was
+held [1]: so much of such a lead may be that of the recorder."""
 
 LONGEST = 0.01
 """Delay of the torque beyond which an offset between topics is more likely than a delay of the robot [s] (chosen)."""
@@ -67,8 +69,8 @@ class TimeOffset(AbstractCheck):
                     "file: then record every command; if the controller is as slow as the log, give "
                     f"'time_offset: {-early:.2g}' at the torque columns when importing"
                 )
-            held = HELD if checked.record.measured_torque and not checked.record.torque_shift else 0.0
-            hopeless = early > (REFUSED + held) * T and _agreement(checked, tau) > AGREED
+            noted = checked.record.torque_shift - EARLIEST if timing_is_open(checked.record) else 0.0
+            hopeless = early > (REFUSED + noted) * T and _agreement(checked, tau) > AGREED
             return (Finding(text, hopeless=hopeless, like_parameters=True),)
         if tau > LONGEST:
             text = (

@@ -22,7 +22,7 @@ def shift(
 ) -> float:
     """Return the shift of an explanation that leaves less or more of torques that act earlier or later."""
     record = record_of(length=10.0)
-    measured = replace(record, effort=record.torque, measured_torque=True, imported=True, torque_shift=known)
+    measured = replace(record, noted=record.torque, measured_torque=True, imported=True, torque_shift=known)
     names = ["coulomb_friction@motor_1", *([DELAY] if delayed else [])]
     found: Any = SimpleNamespace(
         hypothesis=tuple(SimpleNamespace(name=name) for name in names),

@@ -44,7 +44,7 @@ def log(noted: float, imported: bool = True) -> Record:
     effort = {-0.5: before, 0.0: (before + after) / 2, 0.5: after}[noted]
     mean = (effort + np.vstack([effort[1:], effort[-1:]])) / 2
     valid = np.ones(n, dtype=bool)
-    return Record("log", T, position, mean, valid, effort=effort, measured_torque=True, imported=imported)
+    return Record("log", T, position, mean, valid, noted=effort, measured_torque=True, imported=imported)
 
 
 @pytest.mark.parametrize("shift", [-0.5, 0.5])
@@ -61,7 +61,7 @@ def test_torques_of_their_stamps_and_of_own_logs_stay(robot: Robot) -> None:
 
 def test_shift_moves_the_mean_and_back() -> None:
     record = log(0.5)
-    assert record.effort is not None
-    np.testing.assert_array_equal(shifted(record, 0.5).torque, record.effort)
-    np.testing.assert_array_equal(shifted(record, -0.5).torque[:-1], record.effort[1:])
+    assert record.noted is not None
+    np.testing.assert_array_equal(shifted(record, 0.5).torque, record.noted)
+    np.testing.assert_array_equal(shifted(record, -0.5).torque[:-1], record.noted[1:])
     np.testing.assert_array_equal(shifted(shifted(record, 0.5), 0.0).torque, record.torque)
