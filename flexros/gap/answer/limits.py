@@ -44,6 +44,11 @@ def identifiability_limits(record: Record, robot: Robot, quantizations: Sequence
             "The torque is the commanded one: a wrong torque constant differs from a wrong inertia only through what "
             "does not scale with torque (springs, dampers, friction, gravity)."
         )
+    if record.imported and record.noted is not None:
+        limits.append(
+            f"The torques were noted with the positions: when in its sample of {record.sample_time * 1e3:.3g} ms each "
+            "acted is known as far as the motion shows it, and a delay below half a sample may be that of the recorder."
+        )
     largest = np.max(np.abs(record.torque), axis=0)
     if record.prescribed:
         names = ", ".join(robot.joint_names[motor] for motor in record.prescribed)

@@ -1,0 +1,124 @@
+"""When noted torques acted, by a fit of the log."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from flexros.gap.fit import noted_timing
+from flexros.gap.fit.noted_timing import shift_of_noted
+from tests.gap.diagnosis_logs import MODEL, record_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+N = 1000
+"""Prediction errors that count: a parameter costs ln N = 6.9."""
+FAR, NEAR = 5000.0, 1000.0
+"""Sums of squares that the hypothesis leaves of the log as it was noted: far from the floor, and near it."""
+DELAY, FRICTION = "delay@all", "viscous_friction@motor_1"
+
+
+def shift(
+    monkeypatch: pytest.MonkeyPatch,
+    left: Mapping[float, float],
+    *,
+    usual: float = FAR,
+    delayed: bool = False,
+    without_friction: Mapping[float, float] | None = None,
+    **recorded: Any,
+) -> float | None:
+    """Return the shift of a hypothesis that leaves more or less of torques that act earlier or later."""
+    record = record_of(length=10.0)
+    as_measured = {"measured_torque": True, "torque_shift": 0.0}
+    record = replace(record, **{"noted": record.torque, "imported": True, **as_measured, **recorded})
+    names = [FRICTION, *([DELAY] if delayed else [])]
+    effects = [SimpleNamespace(name=name, effect=SimpleNamespace(delays_commands=name == DELAY)) for name in names]
+    found: Any = SimpleNamespace(
+        hypothesis=tuple(effects),
+        columns=lambda of: np.array([name in of for name in names]),
+        theta=np.zeros(len(names)),
+        predictor=names,
+        chi2=usual,
+    )
+    data = _Data(record)
+    null: Any = SimpleNamespace(data=data, model=MODEL, predictor=lambda chosen: [one.name for one in chosen])
+
+    def fitted(predictor: list[str], moved: _Data, *_: Any, **__: Any) -> Any:
+        at = moved.record.torque_shift
+        if at == record.torque_shift:
+            return SimpleNamespace(chi2=usual)
+        if FRICTION not in predictor and without_friction is None:
+            return SimpleNamespace(chi2=2 * left[at])
+        return SimpleNamespace(chi2=(left if FRICTION in predictor else without_friction)[at])
+
+    monkeypatch.setattr(noted_timing, "fit", fitted)
+    monkeypatch.setattr(noted_timing, "_moved", lambda data, shift: _Data(replace(record, torque_shift=shift)))
+    return shift_of_noted(found, null)
+
+
+class _Data:
+    """What the timing needs of a log."""
+
+    negligible, n_values = 0.0, N
+
+    def __init__(self, record: Any) -> None:
+        self.record = record
+
+
+@pytest.mark.parametrize(
+    ("left", "expected"),
+    [
+        ({-0.5: 2000.0, 0.5: 9000.0, -1.0: 3000.0}, -0.5),
+        ({-0.5: 9000.0, 0.5: 2000.0, 1.0: 3000.0}, 0.5),
+        ({-0.5: 9000.0, 0.5: 3000.0, 1.0: 4000.0}, None),
+        ({-0.5: 9000.0, 0.5: 2000.0, 1.0: 1000.0}, None),
+    ],
+    ids=["before", "after", "not clear", "rather a delay"],
+)
+def test_far_from_the_floor_torques_act_elsewhere_where_that_leaves_clearly_less(
+    monkeypatch: pytest.MonkeyPatch, left: dict[float, float], expected: float | None
+) -> None:
+    assert shift(monkeypatch, left) == expected
+
+
+@pytest.mark.parametrize(("least", "expected"), [(986.0, 0.5), (988.0, None)])
+def test_near_the_floor_the_likelihood_tells(
+    monkeypatch: pytest.MonkeyPatch, least: float, expected: float | None
+) -> None:
+    """ln 1000 + 6 = 12.9 = 1000 ln(1000 / 987.2)."""
+    assert shift(monkeypatch, {-0.5: 1100.0, 0.5: least, 1.0: 1010.0}, usual=NEAR) == expected
+
+
+@pytest.mark.parametrize(("least", "expected"), [(993.0, 0.0), (995.0, None)])
+def test_an_effect_may_stand_for_half_a_sample(
+    monkeypatch: pytest.MonkeyPatch, least: float, expected: float | None
+) -> None:
+    """Without it one parameter less counts, 6.9 of the 12.9."""
+    commands = {"measured_torque": False, "torque_shift": 0.5}
+    left = {0.0: 992.0, -0.5: 1050.0}
+    found = shift(monkeypatch, left, usual=NEAR, without_friction={0.0: least, -0.5: 1050.0}, **commands)
+    assert found == expected
+
+
+def test_commands_act_earlier_than_held_ones_and_never_later(monkeypatch: pytest.MonkeyPatch) -> None:
+    commands = {"measured_torque": False, "torque_shift": 0.5}
+    assert shift(monkeypatch, {0.0: 900.0, -0.5: 950.0, 1.0: 100.0}, usual=NEAR, **commands) == 0.0
+    assert shift(monkeypatch, {0.0: 950.0, -0.5: 900.0, -1.0: 950.0}, usual=NEAR, **commands) == -0.5
+    assert shift(monkeypatch, {0.0: 100.0}, usual=NEAR, delayed=True, **commands) is None
+
+
+@pytest.mark.parametrize(("least", "expected"), [(950.0, 0.5), (1050.0, None)])
+def test_half_a_sample_comes_before_a_delay_that_does_no_better(
+    monkeypatch: pytest.MonkeyPatch, least: float, expected: float | None
+) -> None:
+    assert shift(monkeypatch, {-0.5: 9000.0, 0.5: least, 1.0: 3000.0}, usual=NEAR, delayed=True) == expected
+
+
+@pytest.mark.parametrize("recorded", [{"torque_shift": 0.5}, {"imported": False}, {"noted": None}])
+def test_timing_that_is_known_is_not_sought(monkeypatch: pytest.MonkeyPatch, recorded: dict[str, Any]) -> None:
+    assert shift(monkeypatch, {}, **recorded) is None
