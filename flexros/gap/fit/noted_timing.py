@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.fit.least_squares import fit
+from flexros.gap.fit.pruning import own_information
 from flexros.gap.settings import DiagnosisSettings
 from flexros.identify.rigid.torque_timing import CLEAR
 from flexros.record.shifted_torque import HELD, shifted, timing_is_open
@@ -34,10 +35,11 @@ NEAR = 2.0
 def shift_of_noted(found: CandidateFit, null: NullFit, settings: DiagnosisSettings | None = None) -> float | None:
     """Return when noted torques acted, as a fit shows it; None where that is at their stamps, or not known.
 
-    The hypothesis is fitted with torques that acted elsewhere in their sample, also without one of its effects, which
-    may stand for that. The best of these fits counts where n ln(V / V_shifted) exceeds ln n for each parameter that it
-    has more, and 6, while V is near the floor, else where ln(V / V_shifted) / 2 > 0.3, and where another half a sample
-    leaves more. A delay of measured torques may stand for half a sample: without it no more must be left.
+    The hypothesis is fitted with torques that acted elsewhere in their sample, also without the effect that it needs
+    least there, which may stand for that. The better of these counts where n ln(V / V_shifted) exceeds ln n for each
+    parameter that it has more, and 6, while V is near the floor, else where ln(V / V_shifted) / 2 > 0.3, and where
+    another half a sample leaves more. A delay of measured torques may stand for half a sample: without it no more must
+    be left.
 
     Args:
         found: The fit.
@@ -47,28 +49,23 @@ def shift_of_noted(found: CandidateFit, null: NullFit, settings: DiagnosisSettin
     Returns:
         Samples from the stamp of a torque to the middle of the time in which it acts.
     """
-    settings, data = settings or DiagnosisSettings(), null.data
-    names = {candidate.name for candidate in found.hypothesis}
+    tried, record = _Shifts(found, null, settings or DiagnosisSettings()), null.data.record
     delays = {candidate.name for candidate in found.hypothesis if candidate.effect.delays_commands}
-    commands = not data.record.measured_torque
-    if not timing_is_open(data.record) or (commands and delays):
+    commands = not record.measured_torque
+    if not timing_is_open(record) or (commands and delays):
         return None
-    others = (0.0, -HELD) if commands else (-HELD, HELD)
-    tried = _Shifts(found, null, settings)
-    left = {shift: tried.left(shift, delays) for shift in others}
-    best = min(left, key=left.__getitem__)
-    if left[best] >= tried.left(best + (HELD if best > 0 else -HELD), delays):
+    fits = {shift: tried.fitted(shift, delays) for shift in ((0.0, -HELD) if commands else (-HELD, HELD))}
+    best = min(fits, key=lambda shift: fits[shift].chi2)
+    least = fits[best].chi2
+    if least >= found.chi2 or least >= tried.fitted(best + (HELD if best > 0 else -HELD), delays).chi2:
         return None
     if delays:
-        return best if left[best] < found.chi2 else None
-    usual = tried.left(data.record.torque_shift, set())
-    if usual > NEAR * data.n_values:
-        return best if left[best] < np.exp(-2 * CLEAR) * usual else None
-    gain = tried.gain(usual, left[best])
-    if gain <= tried.needed:
-        gains = (tried.gain(usual, tried.left(best, {name})) + tried.penalty(name) for name in sorted(names))
-        gain = max(gains, default=0.0)
-    return best if gain > tried.needed else None
+        return best
+    usual = tried.fitted(record.torque_shift, delays).chi2
+    if usual > NEAR * null.data.n_values:
+        return best if least < np.exp(-2 * CLEAR) * usual else None
+    clear = tried.gain(usual, least) > tried.needed or tried.gain_without_one(usual, best, fits[best]) > tried.needed
+    return best if clear else None
 
 
 class _Shifts:
@@ -86,18 +83,36 @@ class _Shifts:
         """Return twice the gain in log-likelihood of a sum of squares over another one."""
         return self._null.data.n_values * float(np.log(usual / chi2))
 
-    def penalty(self, name: str) -> float:
-        """Return the penalty of the parameters of a candidate."""
+    def gain_without_one(self, usual: float, shift: float, fit: CandidateFit) -> float:
+        """Return that gain, and the penalty of its parameters, without the effect that a fit needs least."""
+        worth = {name: self.gain(rest, fit.chi2) - self._penalty(name) for name, rest in _without_each(fit).items()}
+        if not worth or self.gain(usual, fit.chi2) - min(worth.values()) <= self.needed:
+            return 0.0
+        least = min(worth, key=worth.__getitem__)
+        return self.gain(usual, self.fitted(shift, {least}).chi2) + self._penalty(least)
+
+    def _penalty(self, name: str) -> float:
         return float(self._found.columns([name]).sum() * np.log(self._null.data.n_values))
 
-    def left(self, shift: float, without: Collection[str]) -> float:
-        """Return the sum of squares that the hypothesis without some candidates leaves."""
+    def fitted(self, shift: float, without: Collection[str]) -> CandidateFit:
+        """Fit the hypothesis without some candidates."""
         found, data, settings = self._found, self._null.data, self._settings
         chosen = tuple(candidate for candidate in found.hypothesis if candidate.name not in without)
         predictor = found.predictor if len(chosen) == len(found.hypothesis) else self._null.predictor(chosen)
         start, enough = found.theta[~found.columns(without)], max(settings.fit.enough, data.negligible)
         moved = _moved(data, shift)
-        return fit(predictor, moved, start, settings.fit.joint_iterations, enough=enough, settings=settings.fit).chi2
+        return fit(predictor, moved, start, settings.fit.joint_iterations, enough=enough, settings=settings.fit)
+
+
+def _without_each(fit: CandidateFit) -> dict[str, float]:
+    """Estimate the sum of squares without each effect that has one parameter (Wald 1943)."""
+    left = {}
+    for candidate in fit.hypothesis if len(fit.information) else ():
+        neutral = [candidate.neutral(free) for free in candidate.free]
+        if len(neutral) == 1 and neutral[0] is not None:
+            at = int(np.flatnonzero(fit.columns([candidate.name]))[0])
+            left[candidate.name] = fit.chi2 + (fit.theta[at] - neutral[0]) ** 2 * own_information(fit.information, at)
+    return left
 
 
 def _moved(data: FitData, shift: float) -> FitData:

@@ -36,7 +36,7 @@ def without_least_parameter(fit: CandidateFit) -> tuple[Hypothesis, FloatArray] 
     if not any(may_go):
         return None
     rises = [
-        fit.theta[column] ** 2 * _own_information(fit.information, column) if may else np.inf
+        fit.theta[column] ** 2 * own_information(fit.information, column) if may else np.inf
         for column, may in enumerate(may_go)
     ]
     column = int(np.argmin(rises))
@@ -57,7 +57,7 @@ def _may_go(candidate: Candidate, index: int, values: dict[str, float]) -> bool:
     return isinstance(without, AbstractLaw) and not without.neutral
 
 
-def _own_information(information: FloatArray, index: int) -> float:
+def own_information(information: FloatArray, index: int) -> float:
     """Return the information on a parameter when all others are free (Schur complement)."""
     rest = np.delete(np.arange(len(information)), index)
     shared = information[rest, index]

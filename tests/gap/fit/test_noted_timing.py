@@ -29,7 +29,7 @@ def shift(
     *,
     usual: float = FAR,
     delayed: bool = False,
-    without_friction: Mapping[float, float] | None = None,
+    without_friction: float | None = None,
     **recorded: Any,
 ) -> float | None:
     """Return the shift of a hypothesis that leaves more or less of torques that act earlier or later."""
@@ -37,28 +37,35 @@ def shift(
     as_measured = {"measured_torque": True, "torque_shift": 0.0}
     record = replace(record, **{"noted": record.torque, "imported": True, **as_measured, **recorded})
     names = [FRICTION, *([DELAY] if delayed else [])]
-    effects = [SimpleNamespace(name=name, effect=SimpleNamespace(delays_commands=name == DELAY)) for name in names]
-    found: Any = SimpleNamespace(
-        hypothesis=tuple(effects),
-        columns=lambda of: np.array([name in of for name in names]),
-        theta=np.zeros(len(names)),
-        predictor=names,
-        chi2=usual,
-    )
-    data = _Data(record)
-    null: Any = SimpleNamespace(data=data, model=MODEL, predictor=lambda chosen: [one.name for one in chosen])
+
+    def fit(chosen: list[str], chi2: float) -> Any:
+        effects = [
+            SimpleNamespace(
+                name=name, effect=SimpleNamespace(delays_commands=name == DELAY), free=(0,), neutral=lambda free: 0.0
+            )
+            for name in chosen
+        ]
+        rise = 0.0 if without_friction is None else without_friction - chi2
+        return SimpleNamespace(
+            hypothesis=tuple(effects),
+            columns=lambda of: np.array([name in of for name in chosen]),
+            theta=np.ones(len(chosen)),
+            predictor=chosen,
+            chi2=chi2,
+            information=np.zeros((0, 0)) if without_friction is None else rise * np.eye(len(chosen)),
+        )
 
     def fitted(predictor: list[str], moved: _Data, *_: Any, **__: Any) -> Any:
         at = moved.record.torque_shift
-        if at == record.torque_shift:
-            return SimpleNamespace(chi2=usual)
-        if FRICTION not in predictor and without_friction is None:
-            return SimpleNamespace(chi2=2 * left[at])
-        return SimpleNamespace(chi2=(left if FRICTION in predictor else without_friction)[at])
+        if FRICTION not in predictor:
+            return fit(predictor, without_friction)
+        return fit(predictor, usual if at == record.torque_shift else left[at])
 
+    data = _Data(record)
+    null: Any = SimpleNamespace(data=data, model=MODEL, predictor=lambda chosen: [one.name for one in chosen])
     monkeypatch.setattr(noted_timing, "fit", fitted)
     monkeypatch.setattr(noted_timing, "_moved", lambda data, shift: _Data(replace(record, torque_shift=shift)))
-    return shift_of_noted(found, null)
+    return shift_of_noted(fit(names, usual), null)
 
 
 class _Data:
@@ -101,8 +108,7 @@ def test_an_effect_may_stand_for_half_a_sample(
     """Without it one parameter less counts, 6.9 of the 12.9."""
     commands = {"measured_torque": False, "torque_shift": 0.5}
     left = {0.0: 992.0, -0.5: 1050.0}
-    found = shift(monkeypatch, left, usual=NEAR, without_friction={0.0: least, -0.5: 1050.0}, **commands)
-    assert found == expected
+    assert shift(monkeypatch, left, usual=NEAR, without_friction=least, **commands) == expected
 
 
 def test_commands_act_earlier_than_held_ones_and_never_later(monkeypatch: pytest.MonkeyPatch) -> None:

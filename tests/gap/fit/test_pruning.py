@@ -9,7 +9,7 @@ import pytest
 
 from flexros.gap.fit.estimates import parameters_of, placed_effects
 from flexros.gap.fit.least_squares import CandidateFit
-from flexros.gap.fit.pruning import _own_information, without_least_parameter
+from flexros.gap.fit.pruning import own_information, without_least_parameter
 from flexros.gap.search.candidate_fits import Search
 from flexros.gap.search.forward_selection import explain
 from tests.gap.diagnosis_logs import FEW_EFFECTS, candidates_of, search_of
@@ -65,6 +65,6 @@ def test_information_is_what_the_other_numbers_leave() -> None:
     slopes = np.random.default_rng(0).normal(size=(50, 3))
     slopes[:, 2] = slopes[:, 0] - 2 * slopes[:, 1]
     information = slopes.T @ slopes
-    assert _own_information(information, 2) < 1e-9 * information[2, 2]
+    assert own_information(information, 2) < 1e-9 * information[2, 2]
     apart = slopes[:, :2].T @ slopes[:, :2]
-    assert _own_information(apart, 0) == pytest.approx(1 / np.linalg.inv(apart)[0, 0])
+    assert own_information(apart, 0) == pytest.approx(1 / np.linalg.inv(apart)[0, 0])
