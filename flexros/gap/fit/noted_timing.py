@@ -28,6 +28,12 @@ if TYPE_CHECKING:
 
 SURE = 6.0
 """Twice the gain in log-likelihood beyond the penalty of one parameter, from which a shift counts [1] (chosen)."""
+PARTS = 16
+"""Parts of a log whose gains must agree [1] (chosen)."""
+AGREED = 3.0
+"""Mean gain of the parts over its standard deviation, from which they agree [1] (chosen): 4.2 and more in logs of
+simulators that are not ours with thinned commands, 1.1 and less where a shift fits a log and predicts a second one
+worse (two measured robots)."""
 NEAR = 2.0
 """Mean squared error of a fit that is near enough to the floor for that; above, `CLEAR` counts [1] (chosen)."""
 
@@ -36,10 +42,10 @@ def shift_of_noted(found: CandidateFit, null: NullFit, settings: DiagnosisSettin
     """Return when noted torques acted, as a fit shows it; None where that is at their stamps, or not known.
 
     The hypothesis is fitted with torques that acted elsewhere in their sample, also without the effect that it needs
-    least there, which may stand for that. The better of these counts where n ln(V / V_shifted) exceeds ln n for each
-    parameter that it has more, and 6, while V is near the floor, else where ln(V / V_shifted) / 2 > 0.3, and where
-    another half a sample leaves more. A delay of measured torques may stand for half a sample: without it no more must
-    be left.
+    least there, which may stand for that. Near the floor the better of these counts where n ln(V / V_shifted) exceeds
+    ln n for each parameter that it has more, and 6, and the parts of the log agree; else where ln(V / V_shifted) / 2 >
+    0.3. Another half a sample must leave more. A delay of measured torques may stand for half a sample: without it no
+    more must be left.
 
     Args:
         found: The fit.
@@ -61,10 +67,10 @@ def shift_of_noted(found: CandidateFit, null: NullFit, settings: DiagnosisSettin
         return None
     if delays:
         return best
-    usual = tried.fitted(record.torque_shift, delays).chi2
-    if usual > NEAR * null.data.n_values:
-        return best if least < np.exp(-2 * CLEAR) * usual else None
-    clear = tried.gain(usual, least) > tried.needed or tried.gain_without_one(usual, best, fits[best]) > tried.needed
+    usual = tried.fitted(record.torque_shift, delays)
+    if usual.chi2 > NEAR * null.data.n_values:
+        return best if least < np.exp(-2 * CLEAR) * usual.chi2 else None
+    clear = tried.is_clear(usual, fits[best], best) or tried.is_clear_without_one(usual, fits[best], best)
     return best if clear else None
 
 
@@ -74,22 +80,41 @@ class _Shifts:
     def __init__(self, found: CandidateFit, null: NullFit, settings: DiagnosisSettings) -> None:
         self._found, self._null, self._settings = found, null, settings
 
+    def is_clear(self, usual: CandidateFit, fit: CandidateFit, shift: float, penalty: float = 0.0) -> bool:
+        """Return whether a fit at a shift is more likely than the usual one, and the parts of the log agree.
+
+        Args:
+            usual: The fit at the stamps.
+            fit: The fit at the shift.
+            shift: The shift [samples].
+            penalty: Penalty of the parameters that it has less [1].
+        """
+        if self._gain(usual.chi2, fit.chi2) + penalty <= self._needed:
+            return False
+        data = self._null.data
+        moved = _moved(data, shift)
+        before, after = (
+            data.squares_in_time(usual.residual(data), PARTS),
+            moved.squares_in_time(fit.residual(moved), PARTS),
+        )
+        gains = before - after + penalty / PARTS
+        return bool(gains.mean() > AGREED * gains.std(ddof=1) / np.sqrt(PARTS))
+
+    def is_clear_without_one(self, usual: CandidateFit, fit: CandidateFit, shift: float) -> bool:
+        """Return whether it is so without the effect that a fit needs least."""
+        cost = {name: self._gain(rest, fit.chi2) - self._penalty(name) for name, rest in _without_each(fit).items()}
+        if not cost or self._gain(usual.chi2, fit.chi2) - min(cost.values()) <= self._needed:
+            return False
+        least = min(cost, key=cost.__getitem__)
+        return self.is_clear(usual, self.fitted(shift, {least}), shift, self._penalty(least))
+
     @property
-    def needed(self) -> float:
+    def _needed(self) -> float:
         """Twice the gain in log-likelihood that a shift needs."""
         return float(np.log(self._null.data.n_values)) + SURE
 
-    def gain(self, usual: float, chi2: float) -> float:
-        """Return twice the gain in log-likelihood of a sum of squares over another one."""
+    def _gain(self, usual: float, chi2: float) -> float:
         return self._null.data.n_values * float(np.log(usual / chi2))
-
-    def gain_without_one(self, usual: float, shift: float, fit: CandidateFit) -> float:
-        """Return that gain, and the penalty of its parameters, without the effect that a fit needs least."""
-        worth = {name: self.gain(rest, fit.chi2) - self._penalty(name) for name, rest in _without_each(fit).items()}
-        if not worth or self.gain(usual, fit.chi2) - min(worth.values()) <= self.needed:
-            return 0.0
-        least = min(worth, key=worth.__getitem__)
-        return self.gain(usual, self.fitted(shift, {least}).chi2) + self._penalty(least)
 
     def _penalty(self, name: str) -> float:
         return float(self._found.columns([name]).sum() * np.log(self._null.data.n_values))

@@ -144,6 +144,22 @@ class FitData:
         of_torques = np.ones(0 if self.torques is None else self.torques.size, dtype=bool)
         return np.concatenate([np.isfinite(self.spread).T.ravel(), of_tool, of_sensors, of_torques])
 
+    def squares_in_time(self, residual: FloatArray, parts: int) -> FloatArray:
+        """Return the sum of squares of the errors of motors and of torques in each part of the log.
+
+        Args:
+            residual: Weighted errors in the order of `residuals`, shape (n_residuals,).
+            parts: Number of parts of equal length.
+
+        Returns:
+            Sums of squares [1], shape (parts,).
+        """
+        n, M = self.record.position.shape
+        of_torques = 0 if self.torques is None else self.torques.size
+        square = residual**2
+        groups = (square[: M * n].reshape(M, n), square[len(square) - of_torques :].reshape(M, -1))
+        return np.sum([[part.sum() for part in np.array_split(one, parts, axis=1)] for one in groups], axis=0)
+
     @property
     def torque_weight(self) -> float:
         """Weight of an error of the torques: all of them count as much as the prediction errors do [1].

@@ -30,6 +30,7 @@ def shift(
     usual: float = FAR,
     delayed: bool = False,
     without_friction: float | None = None,
+    in_one_part: bool = False,
     **recorded: Any,
 ) -> float | None:
     """Return the shift of a hypothesis that leaves more or less of torques that act earlier or later."""
@@ -37,6 +38,11 @@ def shift(
     as_measured = {"measured_torque": True, "torque_shift": 0.0}
     record = replace(record, **{"noted": record.torque, "imported": True, **as_measured, **recorded})
     names = [FRICTION, *([DELAY] if delayed else [])]
+
+    share = np.full(N, 1 / N)
+    if in_one_part:
+        share = np.zeros(N)
+        share[0] = 1.0
 
     def fit(chosen: list[str], chi2: float) -> Any:
         effects = [
@@ -52,6 +58,7 @@ def shift(
             theta=np.ones(len(chosen)),
             predictor=chosen,
             chi2=chi2,
+            residual=lambda data: np.sqrt(chi2 * share),
             information=np.zeros((0, 0)) if without_friction is None else rise * np.eye(len(chosen)),
         )
 
@@ -72,6 +79,9 @@ class _Data:
     """What the timing needs of a log."""
 
     negligible, n_values = 0.0, N
+    squares_in_time = staticmethod(
+        lambda residual, parts: np.array([part.sum() for part in np.split(residual[:992] ** 2, parts)])
+    )
 
     def __init__(self, record: Any) -> None:
         self.record = record
@@ -99,6 +109,12 @@ def test_near_the_floor_the_likelihood_tells(
 ) -> None:
     """ln 1000 + 6 = 12.9 = 1000 ln(1000 / 987.2)."""
     assert shift(monkeypatch, {-0.5: 1100.0, 0.5: least, 1.0: 1010.0}, usual=NEAR) == expected
+
+
+def test_near_the_floor_the_parts_of_a_log_must_agree(monkeypatch: pytest.MonkeyPatch) -> None:
+    left = {-0.5: 1100.0, 0.5: 900.0, 1.0: 1010.0}
+    assert shift(monkeypatch, left, usual=NEAR) == 0.5
+    assert shift(monkeypatch, left, usual=NEAR, in_one_part=True) is None
 
 
 @pytest.mark.parametrize(("least", "expected"), [(993.0, 0.0), (995.0, None)])
