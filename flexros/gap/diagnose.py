@@ -16,8 +16,7 @@ from flexros.gap.answer.withdrawal import confirmed
 from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.tolerance import scaled_by_gravity, tolerance_of, with_torque_tolerance
 from flexros.gap.deadline import Deadline
-from flexros.gap.fit.elastic_timing import with_torque_in_time_behind_springs
-from flexros.gap.fit.noted_timing import shift_of_noted
+from flexros.gap.fit.noted_timing import shift_of_noted, with_torque_in_time_behind_springs
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.fit.rough_gains import likely_gains, with_gains
 from flexros.gap.fit.unknown_numbers import unknown_numbers

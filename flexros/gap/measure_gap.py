@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 from flexros.blas_threads import one_blas_thread
 from flexros.gap.candidates.tolerance import tolerance_of, with_torque_tolerance
 from flexros.gap.deadline import Deadline
-from flexros.gap.fit.elastic_timing import with_torque_in_time_behind_springs
-from flexros.gap.fit.noted_timing import shift_of_noted
+from flexros.gap.fit.noted_timing import shift_of_noted, with_torque_in_time_behind_springs
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.fit.rough_gains import with_likely_gains
 from flexros.gap.fit.unknown_numbers import unknown_numbers

@@ -35,9 +35,9 @@ def log_record(
 ) -> Record:
     """Read and check a log: the record of identification and, with what `gap.checked_log` adds, of a diagnosis.
 
-    When a measured torque acted is found here where rigid links show it. On robots with springs at all motors it takes
-    the model of the diagnosis (`flexros.gap.fit.elastic_timing`), so diagnosis and gap alone allow for it there: a
-    measured torque may act half a sample from where `flexros identify` takes it.
+    When a noted torque acted is found here where rigid links show it clearly. What else a model shows of it
+    (`flexros.gap.fit.noted_timing`) diagnosis and gap alone allow for: a torque may act half a sample from where
+    `flexros identify` takes it.
 
     Args:
         log: The log.

@@ -1,4 +1,4 @@
-"""When the noted torques of a log acted, as a fit of it shows.
+"""When the noted torques of a log acted, as a model shows; see `flexros.identify.rigid.torque_timing` for rigid links.
 
 A log of positions and torques does not say where in its sample a torque acted. Half a sample more or less looks like
 viscous friction, for gravity changes with the position and acceleration with the torque. So it is sought before effects
@@ -13,10 +13,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.effects import RobotWithEffects
+from flexros.errors import InputError
+from flexros.gap.candidates.tolerance import tolerance_of
+from flexros.gap.fit.arm_torque import arm_torque
 from flexros.gap.fit.least_squares import fit
 from flexros.gap.fit.pruning import own_information
+from flexros.gap.fit.torque_regression import regress_torque
+from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.settings import DiagnosisSettings
-from flexros.identify.rigid.torque_timing import CLEAR
+from flexros.identify.rigid.torque_timing import CLEAR, in_time
 from flexros.record.shifted_torque import HELD, shifted, timing_is_open
 
 if TYPE_CHECKING:
@@ -25,7 +31,11 @@ if TYPE_CHECKING:
     from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.fit.null_fit import NullFit
     from flexros.gap.residuals.fit_data import FitData
+    from flexros.record.record import Record
+    from flexros.robot import Robot
 
+DELAYED = CLEAR / 2
+"""Further gain by a whole sample from which it is rather a delay [1] (chosen): springs that are far off leave much."""
 SURE = 6.0
 """Twice the gain in log-likelihood beyond the penalty of one parameter, from which a shift counts [1] (chosen)."""
 PARTS = 16
@@ -36,6 +46,41 @@ simulators that are not ours with thinned commands, 1.1 and less where a shift f
 worse (two measured robots)."""
 NEAR = 2.0
 """Mean squared error of a fit that is near enough to the floor for that; above, `CLEAR` counts [1] (chosen)."""
+
+
+def with_torque_in_time_behind_springs(
+    record: Record, robot: Robot, settings: DiagnosisSettings | None = None
+) -> Record:
+    """Return a record whose measured torques are taken when they acted, as far as the robot with its springs shows it.
+
+    Springs that are far off, or backlash, leave so much that half a sample is hidden; then a fit shows it.
+
+    Args:
+        record: The log.
+        robot: The nominal robot.
+        settings: Settings of the diagnosis.
+    """
+    settings = settings or DiagnosisSettings()
+    if not record.measured_torque or len(robot.flexible_motors) < robot.n_motors or not timing_is_open(record):
+        return record
+    model, tolerance = RobotWithEffects(robot, ()), tolerance_of(robot, {}, record.prescribed)
+    try:
+        data = fit_data(record, model, settings)
+    except InputError:
+        return record
+
+    def left(shift: float) -> float:
+        """Sum the logarithms of what the model leaves of the torques."""
+        part = shifted(data.record, shift)
+        arm = arm_torque(replace(data, record=part), model, tolerance)
+        found = regress_torque(part, model, tolerance, arm, settings=settings.torque_start)
+        return np.inf if found is None else float(np.log(np.maximum(found.rest, 1e-300)).sum())
+
+    usual, half = left(0.0), {shift: left(shift) for shift in (-0.5, 0.5)}
+    best = min(half, key=half.__getitem__)
+    if not usual - half[best] > CLEAR or half[best] - left(2 * best) > DELAYED:
+        return record
+    return in_time(record, best)
 
 
 def shift_of_noted(found: CandidateFit, null: NullFit, settings: DiagnosisSettings | None = None) -> float | None:

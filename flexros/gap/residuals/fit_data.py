@@ -158,7 +158,8 @@ class FitData:
         of_torques = 0 if self.torques is None else self.torques.size
         square = residual**2
         groups = (square[: M * n].reshape(M, n), square[len(square) - of_torques :].reshape(M, -1))
-        return np.sum([[part.sum() for part in np.array_split(one, parts, axis=1)] for one in groups], axis=0)
+        sums = np.array([[part.sum() for part in np.array_split(one, parts, axis=1)] for one in groups])
+        return np.asarray(sums.sum(axis=0))
 
     @property
     def torque_weight(self) -> float:

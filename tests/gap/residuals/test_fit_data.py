@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -52,6 +53,17 @@ def test_weighted_errors_are_errors_over_their_spread() -> None:
     counted = np.isfinite(data.spread[:, 0])
     expected = errors[counted, 0] / data.spread[counted]
     np.testing.assert_allclose(data.weighted(errors)[counted], expected)
+
+
+def test_squares_in_parts_of_a_log_add_up_with_those_of_its_torques() -> None:
+    data = data_of()
+    n = data.record.n_samples
+    data = replace(data, torques=SimpleNamespace(size=n // 10))
+    residual = np.arange(n + n // 10, dtype=float)
+    parts = data.squares_in_time(residual, 4)
+    assert parts.sum() == pytest.approx(np.sum(residual**2))
+    first = np.array_split(residual[:n], 4)[0], np.array_split(residual[n:], 4)[0]
+    assert parts[0] == pytest.approx(sum(np.sum(part**2) for part in first))
 
 
 def test_coloured_noise_becomes_white() -> None:
