@@ -144,7 +144,9 @@ def one_by_one(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> C
     """Leave out the effects of a measured log that are not worth their parameters, each after a fit without it.
 
     Linear theory proposes them, the one that seems least needed first. Effects that torques show are left out where
-    their size is not clear; of all others a fit decides.
+    their size is not clear; of all others a fit decides. A quick one does where it leaves hardly more than with the
+    effect, as a fit to the end leaves no more than that; only one that leaves much more is carried to its end. So is
+    what is left before further effects are judged, where linear theory sees that it is no minimum yet.
 
     Args:
         search: The search.
@@ -156,13 +158,21 @@ def one_by_one(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> C
         needless = [name for name in _needless(search, fit, removed) if name not in kept]
         if not needless:
             break
-        fits.append(search.completed(search.without(fit, needless[0])))
-        of_torques = needless[0] in search.base.names
-        if not of_torques and worth(search, compared(search, [fits[-1], fit]), fits[-1], fit, removed):
-            kept.add(needless[0])
-        else:
-            fit = fits[-1]
+        fits.append(search.without(fit, needless[0]))
+        if needless[0] not in search.base.names and _missed(search, fit, fits[-1], removed):
+            fits.append(search.completed(fits[-1]))
+            if _missed(search, fit, fits[-1], removed):
+                kept.add(needless[0])
+                continue
+        elif search.surroundings(fits[-1]).fall > max(search.settings.fit.enough, search.data.negligible):
+            fits.append(search.completed(fits[-1]))
+        fit = fits[-1]
     return fit
+
+
+def _missed(search: Search, fit: CandidateFit, rest: CandidateFit, removed: float) -> bool:
+    """Return whether the effects of a fit are worth more than those of another one that lacks some of them."""
+    return worth(search, compared(search, [rest, fit]), rest, fit, removed)
 
 
 def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
