@@ -9,6 +9,7 @@ which show little but weight, count as much as others.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache, cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,7 +18,7 @@ from flexros.record.balance.inverse_dynamics import rigid_inverse_dynamics
 from flexros.record.balance.regression import coefficients
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from flexros.arrays import BoolArray, FloatArray
     from flexros.record.record import Record
@@ -116,9 +117,13 @@ class Motion:
 
     def arm(self, gravity: FloatArray, turned: FloatArray) -> FloatArray:
         """Torque of the bodies at the valid samples [Nm or N], shape (n, M), with positions turned by angles [deg]."""
-        robot = self.robot.with_values(dict(zip(AXES, gravity.tolist(), strict=True)))
-        position = self.position + np.radians(turned)
+        robot, position = self._under(tuple(gravity.tolist())), self.position + np.radians(turned)
         return rigid_inverse_dynamics(robot, position, self.record.sample_time, self.highest)[self.record.valid]
+
+    @cached_property
+    def _under(self) -> Callable[[tuple[float, ...]], Robot]:
+        """Function of gravity [m/s2]: the robot under it; all postures are tried under the same few."""
+        return cache(lambda gravity: self.robot.with_values(dict(zip(AXES, gravity, strict=True))))
 
     def own(self, motor: int) -> FloatArray:
         """Offset, speed, its sign and acceleration of a motor at the valid samples, shape (n, 4)."""

@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 
+LONG = 100_000
+"""Positions of a log from which the memory of temporary arrays is given back after each check (chosen)."""
+
+
 def findings(record: Record, robot: Robot) -> tuple[Finding, ...]:
     """Collect the findings of all checks, up to the first stage with a hopeless one.
 
@@ -36,7 +40,8 @@ def findings(record: Record, robot: Robot) -> tuple[Finding, ...]:
         for member in members:
             if member.stage == stage:
                 problems += member.look(checked)
-                give_memory_back()  # temporary arrays of a long log
+                if record.position.size > LONG:
+                    give_memory_back()  # temporary arrays
         if any(finding.hopeless for finding in problems):
             break
     return tuple(sorted(problems, key=lambda finding: not finding.hopeless))
