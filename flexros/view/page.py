@@ -28,6 +28,8 @@ _SKY = 2.0
 """Intensity of the light from the sky (chosen: arms are as bright as with viser's surroundings)."""
 _GROUND = (160, 165, 175)
 """Colour of the light from the ground (chosen: no side of an arm is black)."""
+_LEAST_SCENE = 100
+"""Width and height below which a scene is not laid out yet [px] (chosen: no phone is that small)."""
 FLOOR_BELOW = 0.02
 """Distance of the floor below the arm at rest, relative to its size [1] (chosen)."""
 _WIDE = 1.1
@@ -67,7 +69,7 @@ class AbstractPage:
         self.server.stop()
 
     def _aim(self, target: FloatArray, away: FloatArray) -> None:
-        """Set where the camera is at first, and on phones.
+        """Set where the camera is at first, and where it is kept on phones.
 
         Args:
             target: Point that is looked at [m], shape (3,).
@@ -75,16 +77,36 @@ class AbstractPage:
         """
         camera = self.server.initial_camera
         camera.position, camera.look_at = tuple(target + away), tuple(target)
-        self.server.on_client_connect(lambda client: self._aim_narrow(client, target, away))
+        self.server.on_client_connect(lambda client: self._keep_in_view(client, target, away))
 
-    def _aim_narrow(self, client: Any, target: FloatArray, away: FloatArray) -> None:
-        if client.camera.image_width < PHONE:
-            self._aim_one(client, target, away)
+    def _keep_in_view(self, client: Any, target: FloatArray, away: FloatArray) -> None:
+        """Aim the camera of a narrow window, and again for as long as it is nowhere that its reader has moved it to.
+
+        A window takes the place of a wide one when it draws its first picture, also after it has been aimed; and its
+        first messages may tell of a scene that is not laid out yet, 2 px wide. So each message is looked at. Where a
+        narrow scene is seen from the place of a wide one, or a scene has changed its size and is still seen from where
+        it was aimed last, it is aimed anew.
+        """
+        aimed: list[tuple[Any, Any]] = []
+
+        def look(camera: Any) -> None:
+            with self._lock:
+                size, place = (camera.image_width, camera.image_height), (camera.position, camera.look_at)
+                if min(size) < _LEAST_SCENE:
+                    return
+                new = not aimed or np.allclose(place, (target + away, target), atol=1e-6)
+                resized = bool(aimed) and size != aimed[0][0] and np.allclose(place, aimed[0][1], atol=1e-6)
+                if resized or (new and _narrow(camera)):
+                    self._aim_one(client, target, away)
+                    aimed[:] = [(size, (camera.position, camera.look_at))]
+
+        client.camera.on_update(look)
+        look(client.camera)
 
     def _aim_one(self, client: Any, target: FloatArray, away: FloatArray) -> None:
         """Turn the camera of one window; in a narrow one further off, with the target in the upper half."""
         camera = client.camera
-        if camera.image_width < PHONE:
+        if _narrow(camera):
             away = away * max(1.0, _WIDE / camera.aspect)
             drop = 0.5 * float(np.linalg.norm(away)) * float(np.tan(0.5 * camera.fov))
             target = target - np.array([0.0, 0.0, drop])
@@ -95,6 +117,11 @@ class AbstractPage:
         """Start the thread that moves the page."""
         self._thread = threading.Thread(target=work, name="flexros view", daemon=True)
         self._thread.start()
+
+
+def _narrow(camera: Any) -> bool:
+    """Return whether a scene is that of a phone, and not one beside the panel of a wide window."""
+    return bool(camera.image_width < min(PHONE, camera.image_height))
 
 
 def check_viewer() -> None:
