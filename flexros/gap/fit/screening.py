@@ -222,8 +222,13 @@ class Surroundings:
     @property
     def least(self) -> float:
         """Sum of squares when all parameters are fitted again, by linear theory [1]."""
+        return self.weight * float(self.residual @ self.residual) - self.fall
+
+    @property
+    def fall(self) -> float:
+        """Fall of the sum of squares when all parameters are fitted again, by linear theory [1]."""
         gradient = self._gradient
-        return self.weight * float(self.residual @ self.residual) - float(gradient @ self._refitted(gradient))
+        return float(gradient @ self._refitted(gradient))
 
     @property
     def _gradient(self) -> FloatArray:

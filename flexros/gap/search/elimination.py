@@ -127,7 +127,7 @@ def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit
     while needless := [name for name in _needless(search, fit, removed) if name not in kept]:
         tried = needless[:1] if alone else needless
         fits.append(search.without(fit, *tried))
-        further = {one.name for one in fit.hypothesis if one.name in tried and not search.shown_by_torques(one, fit)}
+        further = set(tried) - search.shown_by_torques(fit)
         measured = search.base is not search.null.fit
         if further and measured and strains(search, compared(search, [fits[-1]]), fit, fits[-1]):
             # linear theory does not see what numbers of the model take over far from their tolerance, nor without which
@@ -144,7 +144,9 @@ def one_by_one(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> C
     """Leave out the effects of a measured log that are not worth their parameters, each after a fit without it.
 
     Linear theory proposes them, the one that seems least needed first. Effects that torques show are left out where
-    their size is not clear; of all others a fit decides.
+    their size is not clear; of all others a fit decides. A quick one does where it leaves hardly more than with the
+    effect, as a fit to the end leaves no more than that; only one that leaves much more is carried to its end. So is
+    what is left before further effects are judged, where linear theory sees that it is no minimum yet.
 
     Args:
         search: The search.
@@ -156,13 +158,21 @@ def one_by_one(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> C
         needless = [name for name in _needless(search, fit, removed) if name not in kept]
         if not needless:
             break
-        fits.append(search.completed(search.without(fit, needless[0])))
-        of_torques = any(one.name == needless[0] and search.shown_by_torques(one, fit) for one in fit.hypothesis)
-        if not of_torques and worth(search, compared(search, [fits[-1], fit]), fits[-1], fit, removed):
-            kept.add(needless[0])
-        else:
-            fit = fits[-1]
+        fits.append(search.without(fit, needless[0]))
+        if needless[0] not in search.shown_by_torques(fit) and _missed(search, fit, fits[-1], removed):
+            fits.append(search.completed(fits[-1]))
+            if _missed(search, fit, fits[-1], removed):
+                kept.add(needless[0])
+                continue
+        elif search.surroundings(fits[-1]).fall > max(search.settings.fit.enough, search.data.negligible):
+            fits.append(search.completed(fits[-1]))
+        fit = fits[-1]
     return fit
+
+
+def _missed(search: Search, fit: CandidateFit, rest: CandidateFit, removed: float) -> bool:
+    """Return whether the effects of a fit are worth more than those of another one that lacks some of them."""
+    return worth(search, compared(search, [rest, fit]), rest, fit, removed)
 
 
 def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
@@ -182,11 +192,11 @@ def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
     surroundings, n, comparison = search.surroundings(fit), search.data.n_values, compared(search, [fit])
     every, without = surroundings.least, [rest.least for rest in search.removals(fit, surroundings)]
     sizes = parameters_of(fit, search.data) if search.torques_decide else [{} for _ in fit.hypothesis]
-    needless: list[tuple[float, Candidate]] = []
+    shown, needless = search.shown_by_torques(fit), list[tuple[float, Candidate]]()
     for candidate, least, parameters in zip(fit.hypothesis, without, sizes, strict=True):
         cheaper = least * n ** (-len(candidate.free) / n)  # of the same score as with the parameters of the effect
         before, after = replace(fit, chi2=cheaper), replace(fit, chi2=every)
-        if search.shown_by_torques(candidate, fit):
+        if candidate.name in shown:
             clear, tolerated = search.settings.search.clear_in_torques, _tolerated(search, candidate)
             most = {one.name: one.high for one in candidate.free}
             nothing = _tolerated_torque(search, candidate)
@@ -203,7 +213,7 @@ def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
         return [candidate.name for _, candidate in sorted(needless, key=lambda pair: pair[0])]
     ordered = [one for _, one in sorted(needless, key=lambda pair: -pair[0])]  # the least one is last
     first = {one.location: one.name for one in ordered}
-    further = {one.location: one.name for one in ordered if not search.shown_by_torques(one, fit)}
+    further = {one.location: one.name for one in ordered if one.name not in shown}
     return list((first | further).values())
 
 

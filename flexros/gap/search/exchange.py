@@ -122,12 +122,12 @@ def _replacements(
     torque constant for an inertia. In place of a harmonic of a simulated log the others of its order compete too.
     Where nothing is left, a law that contains the effect only adds parameters, and its fit takes the longest of all.
     """
-    surroundings = search.surroundings(fit)
+    surroundings, shown = search.surroundings(fit), search.shown_by_torques(fit)
     for candidate, rest in zip(fit.hypothesis, search.removals(fit, surroundings), strict=True):
         competing = directions
         if candidate.effect.harmonics:
             competing = [*directions, *search.directions(search.harmonics_in_place(fit, candidate), fit)]
-        if search.shown_by_torques(candidate, fit):
+        if candidate.name in shown:
             competing = [one for one in directions if alike(one.candidate, candidate)]
         if competing:
             numbers, additions = search.settings.search, search.additions(competing, fit, rest)

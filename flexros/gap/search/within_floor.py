@@ -38,6 +38,8 @@ def grown_within_floor(
         return chosen
     if compared(search, [chosen]).level(chosen) > ranking.floors:
         return chosen
+    if not _beyond_noise(search, chosen) > settings.least_of_tolerance**2:
+        return chosen  # no effect that is missing would be as large as one must be
     begin = trial = search.completed(chosen)
     tried: list[CandidateFit] = []
     for _ in range(settings.rounds_within_floor):

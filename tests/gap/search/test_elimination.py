@@ -53,6 +53,7 @@ class Search:
     """
 
     torques_decide = True
+    fall = 0.0
 
     def __init__(self, chi2: dict[frozenset[str], float], estimated: dict[str, float], base: tuple[str, ...]) -> None:
         self.chi2, self.estimated = chi2, estimated
@@ -62,12 +63,12 @@ class Search:
         null = SimpleNamespace(predictor=SimpleNamespace(tolerance=tolerance))
         self.null = SimpleNamespace(fit=null, model=SimpleNamespace(robot=robot))
         self.premises = MEASURED
-        self.data = SimpleNamespace(n_values=N)
+        self.data = SimpleNamespace(n_values=N, negligible=0.0)
         self.settings = DiagnosisSettings()
         self.deadline = Deadline()
 
     def surroundings(self, fit: Fit) -> Any:
-        return SimpleNamespace(least=fit.chi2)
+        return SimpleNamespace(least=fit.chi2, fall=self.fall)
 
     def removals(self, fit: Fit, surroundings: Any) -> list[Any]:
         return [SimpleNamespace(least=surroundings.least + self.estimated[name]) for name in fit.kept]
@@ -239,7 +240,32 @@ def test_effects_within_the_floor_are_left_out_one_by_one_after_a_fit(monkeypatc
     fits: list[Any] = []
     found = elimination.one_by_one(search, Fit((COULOMB, STIFFNESS, BIAS), 100.0), fits)  # type: ignore[arg-type]
     assert found.names == {COULOMB, STIFFNESS}
-    assert [fit.names for fit in fits] == [{COULOMB, STIFFNESS}, {COULOMB}]
+    assert [fit.names for fit in fits] == [{COULOMB, STIFFNESS}, {COULOMB}, {COULOMB}]
+
+
+@pytest.mark.parametrize(
+    ("quick", "fall", "finished", "kept"),
+    [(110.0, 0.0, None, False), (110.0, 50.0, 109.0, False), (900.0, 0.0, 110.0, False), (900.0, 0.0, 890.0, True)],
+    ids=["little is left", "no minimum yet", "little in the end", "much in the end"],
+)
+def test_a_quick_fit_decides_where_one_to_the_end_cannot_decide_otherwise(
+    quick: float, fall: float, finished: float | None, kept: bool
+) -> None:
+    """The sum of squares falls further in a fit to the end: little stays little, and much may become little."""
+    search: Any = Search({frozenset({COULOMB}): quick}, {COULOMB: 900.0, BIAS: 10.0}, (COULOMB,))
+    search.null.model.robot.n_coordinates = 4
+    search.fall, ended = fall, []
+
+    def completed(fit: Fit) -> Fit:
+        assert finished is not None
+        ended.append(fit)
+        return Fit(fit.kept, finished)
+
+    search.completed = completed
+    found = elimination.one_by_one(search, Fit((COULOMB, BIAS), 100.0), [])  # type: ignore[arg-type]
+    assert found.names == ({COULOMB, BIAS} if kept else {COULOMB})
+    assert len(ended) == (finished is not None)
+    assert kept or found.chi2 == (finished or quick)
 
 
 def over() -> Deadline:

@@ -63,6 +63,15 @@ def test_effects_that_leave_much_are_none(levels: dict[str, float]) -> None:
     assert within_floor.grown_within_floor(search(), begin, [], []) is begin
 
 
+def test_where_hardly_more_than_noise_is_left_nothing_is_tried(levels: dict[str, float]) -> None:
+    """What an effect must take at least, a 25th of the tolerance, is not there."""
+    levels |= {"base+one": 0.8001, "base+one+two": 0.80005}
+    begin = fit("base", level=NOISE + 0.039 * (1 - NOISE))
+    assert within_floor.grown_within_floor(search(), begin, [], []) is begin
+    more = fit("base", level=NOISE + 0.041 * (1 - NOISE))
+    assert within_floor.grown_within_floor(search(), more, [], []).names == {"base", "one", "two"}
+
+
 def test_above_the_floors_of_an_explanation_nothing_is_tried(levels: dict[str, float]) -> None:
     begin = fit("base", level=2.1)
     assert within_floor.grown_within_floor(search(), begin, [], []) is begin
