@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import platform
 import subprocess
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -32,6 +33,7 @@ def machine() -> dict[str, object]:
     return {"processor": _processor(), "cores": os.cpu_count(), "system": platform.platform()}
 
 
+@cache
 def _version(package: str) -> str:
     try:
         return version(package)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
+from flexros.compile.over_rows import over_rows
 from flexros.errors import InputError
 from flexros.feedforward.tool_geometry import ToolGeometry
 from flexros.trajectory.joint_derivatives import OutputDerivatives, joint_derivatives
@@ -22,8 +23,6 @@ if TYPE_CHECKING:
 
 REST_TOLERANCE = 1e-9
 """Largest initial speed and acceleration, relative to the largest along the trajectory, that is taken as rest."""
-_POSES_AT_ONCE = 10_000
-"""Poses that are computed at once (chosen): CasADi hands over each number as a Python object."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,12 +143,7 @@ class FeedforwardProblem:
     @cached_property
     def commanded_pose(self) -> FloatArray:
         """Commanded tool pose: that of the rigid arm on the trajectory, for every method, shape (n, 7)."""
-        gears, pose = self.gear_motion(0)[0], self.tool.pose()
-        result = np.empty((len(gears), 7))
-        for first in range(0, len(gears), _POSES_AT_ONCE):
-            rows = slice(first, first + _POSES_AT_ONCE)
-            result[rows] = np.array(pose(self.arm_position(gears[rows]).T), dtype=float).T
-        return result
+        return over_rows(self.tool.pose(), self.arm_position(self.gear_motion(0)[0]))[0]
 
     @cached_property
     def rigid_start(self) -> FloatArray:

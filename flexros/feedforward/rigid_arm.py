@@ -6,8 +6,8 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import casadi as ca
-import numpy as np
 
+from flexros.compile.over_rows import over_rows
 from flexros.feedforward.compensation.arm_forces import arm_forces
 from flexros.feedforward.motion import Motion
 from flexros.feedforward.time_stepping.dae_equations import arm_residual, motor_torque
@@ -63,8 +63,7 @@ class RigidArm:
         key = len(motion), None if compliance is None else compliance.tobytes()
         if key not in self._functions:
             self._functions[key] = self._inverse_dynamics(len(motion), compliance)
-        evaluate = self._functions[key]
-        return Motion(*(np.array(part).T.copy() for part in evaluate(*[part.T for part in motion])))
+        return Motion(*over_rows(self._functions[key], *motion))
 
     def _inverse_dynamics(self, orders: int, compliance: FloatArray | None) -> ca.Function:
         robot, model, theta = self._robot, self._robot.model, self._theta

@@ -69,7 +69,9 @@ class ToolGeometry:
     def pose(self) -> ca.Function:
         """Return the tool pose [x y z qx qy qz qw] for arm coordinates, as a CasADi function."""
         q_a, model = ca.SX.sym("q_a", self.robot.n_arm), self.robot.model
-        return ca.Function("tool_pose", [q_a], [model.tool_pose(self._with_offsets(q_a), model.parameter_values)])
+        return ca.Function(
+            "tool_pose", [q_a], [ca.densify(model.tool_pose(self._with_offsets(q_a), model.parameter_values))]
+        )
 
     def _with_offsets(self, q_a: ca.SX) -> ca.SX:
         return q_a + ca.DM(self.offsets) if any(self.offsets) else q_a

@@ -140,8 +140,9 @@ def even_grid(stamp: IntArray, nominal: float, topic: str) -> EvenGrid:
     _check_rate(typical, topic)
     numbers, start, sample_time = _numbers(time, typical)
     warnings: list[str] = []
-    missing = 1 - len(np.unique(numbers)) / (numbers[-1] - numbers[0] + 1 - _paused(numbers))
-    if missing > MOST_MISSING or len(np.unique(numbers)) < (1 - MOST_MISSING) * len(numbers):
+    slots = _distinct(numbers)
+    missing = 1 - len(slots) / (numbers[-1] - numbers[0] + 1 - _paused(slots))
+    if missing > MOST_MISSING or len(slots) < (1 - MOST_MISSING) * len(numbers):
         numbers, start, sample_time = _by_count(time, topic, missing)
         warnings.append(
             f"{topic}: the stamps come in bursts, as the receive times of a recorder do; the samples are treated as "
@@ -163,12 +164,16 @@ def even_grid(stamp: IntArray, nominal: float, topic: str) -> EvenGrid:
     return EvenGrid(int(stamp[0]), start, sample_time, rows, numbers, deviation, tuple(warnings), irregular)
 
 
-def _paused(numbers: IntArray) -> int:
+def _distinct(numbers: IntArray) -> IntArray:
+    """Return increasing numbers without repetitions; those of nearly all logs are so already."""
+    return numbers if np.all(np.diff(numbers) > 0) else np.unique(numbers)
+
+
+def _paused(slots: IntArray) -> int:
     """Count the slots of pauses between experiments, as `flexros.record.missing_samples.pauses` marks them.
 
     It needs no row per slot: stamps in a wrong unit would make billions.
     """
-    slots = np.unique(numbers)
     skipped = np.diff(slots) - 1
     holes = np.flatnonzero(skipped > MOST_BRIDGED)
     stretches = np.diff(np.concatenate([[-1], holes, [len(slots) - 1]])) >= LEAST_STRETCH

@@ -38,27 +38,54 @@ def smooth_motion(position: FloatArray, sample_time: float, cutoff: float) -> Fl
     Returns:
         Position, velocity and acceleration, shape (3, n, M).
     """
-    from scipy.signal import sosfiltfilt  # here, because it loads slowly
-
-    sections = _low_pass(2 * cutoff * sample_time)
+    corner = 2 * cutoff * sample_time
     motion = np.zeros((3, *position.shape))
     for motor, column in enumerate(position.T):  # one by one: the filter makes several copies
-        smooth = sosfiltfilt(sections, column)
+        smooth = _to_and_fro(column, corner)
         motion[0, :, motor], motion[1, :, motor] = smooth, np.gradient(smooth, sample_time)
         motion[2, 1:-1, motor] = np.diff(smooth, 2) / sample_time**2
     return motion
 
 
+def _to_and_fro(column: FloatArray, corner: float) -> FloatArray:
+    """Filter forwards and backwards, as `scipy.signal.sosfiltfilt` does to the last bit.
+
+    That one designs the state at rest anew each time, which takes longer than to filter a short log.
+
+    Args:
+        column: Values, shape (n,).
+        corner: Corner frequency over half the sampling rate [1].
+
+    Raises:
+        ValueError: There are fewer values than it continues at either end.
+    """
+    from scipy.signal import sosfilt  # here, because it loads slowly
+
+    sections, at_rest = _low_pass(corner)
+    edge = 3 * (2 * len(sections) + 1)
+    if len(column) <= edge:
+        raise ValueError(f"{len(column)} values are too few, at least {edge + 1} are needed")
+    first, last = column[:1], column[-1:]
+    longer = np.concatenate([2 * first - column[edge:0:-1], column, 2 * last - column[-2 : -edge - 2 : -1]])
+    for _ in range(2):
+        longer = sosfilt(sections, longer, zi=at_rest * longer[0])[0][::-1]
+    return np.asarray(longer[edge:-edge])
+
+
 @lru_cache(maxsize=64)
-def _low_pass(corner: float) -> FloatArray:
-    """Design a Butterworth filter of order 4 in second-order sections; checks of a log ask for few of them, often.
+def _low_pass(corner: float) -> tuple[FloatArray, FloatArray]:
+    """Design a Butterworth filter of order 4; checks of a log ask for few of them, often.
 
     Args:
         corner: Corner frequency over half the sampling rate [1].
-    """
-    from scipy.signal import butter  # here, because it loads slowly
 
-    return np.asarray(butter(4, corner, output="sos"))
+    Returns:
+        Its second-order sections, and their state at rest at 1.
+    """
+    from scipy.signal import butter, sosfilt_zi  # here, because it loads slowly
+
+    sections = np.asarray(butter(4, corner, output="sos"))
+    return sections, np.asarray(sosfilt_zi(sections))
 
 
 def noise_power(position: FloatArray) -> FloatArray:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
+from flexros.compile.over_rows import over_rows
 from flexros.errors import InputError
 from flexros.trajectory.path import MAX_DERIVATIVES
 
@@ -85,15 +86,12 @@ class OutputDerivatives:
 
     def highest(self, motion: FloatArray) -> FloatArray:
         """Return the highest time derivative of Z of a joint motion, shape (n, n_out)."""
-        f = self.total[len(motion) - 1].map(motion.shape[1])
-        result: FloatArray = f(*(part.T for part in motion)).full().T
-        return result
+        return over_rows(self.total[len(motion) - 1], *motion)[0]
 
     def value_slope(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return Z and the Jacobian at n joint positions, shapes (n, n_out) and (n, n_out, n_joints)."""
-        n = q.shape[0]
-        value, slope = self.value_and_slope.map(n)(q.T)
-        return value.full().T, slope.full().reshape(self.n_out, n, self.size).transpose(1, 0, 2)
+        value, slope = over_rows(self.value_and_slope, q)
+        return value, slope.reshape(len(q), self.n_out, self.size)
 
 
 def joint_derivatives(
@@ -211,10 +209,10 @@ def _advance(
 def _newton(output: OutputDerivatives, target: FloatArray, q: FloatArray) -> FloatArray | None:
     """Solve Gamma(q) = target from an initial value; None if it does not converge."""
     for _ in range(60):
-        value, slope = output.value_and_slope(q)
-        error = target - value.full()[:, 0]
+        value, slope = output.value_slope(q[None])
+        error = target - value[0]
         try:
-            step = np.linalg.solve(slope.full(), error)
+            step = np.linalg.solve(slope[0], error)
         except np.linalg.LinAlgError:
             return None
         size = float(np.max(np.abs(step)))

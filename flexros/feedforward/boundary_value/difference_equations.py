@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
+from flexros.compile.over_rows import over_rows
 from flexros.feedforward.compensation.arm_forces import arm_forces
 from flexros.feedforward.time_stepping.dae_equations import arm_residual
 from flexros.feedforward.tool_geometry import ToolGeometry
@@ -136,10 +137,10 @@ class DifferenceEquations:
         rates = self.rates(x[:, : self.n_arm])
         rows = (x[1:-1], *rates, *(getattr(known, field.name) for field in fields(known)))
         blocks = [
-            function.call([ca.DM(row[first : first + BLOCK].T) for row in rows])[0]
+            over_rows(function, *(row[first : first + BLOCK] for row in rows))[0]
             for first in range(0, len(known), BLOCK)
         ]
-        return np.concatenate([np.array(block, dtype=float).T for block in blocks])
+        return np.concatenate(blocks)
 
 
 @lru_cache(maxsize=8)

@@ -21,6 +21,7 @@ import casadi as ca
 import numpy as np
 from scipy.signal import lfilter, lfilter_zi
 
+from flexros.compile.over_rows import over_rows
 from flexros.effects.kinds.bristle_friction import AbstractBristleFriction
 from flexros.effects.kinds.command_law import AbstractCommandLaw
 from flexros.effects.kinds.dry_friction import AbstractDryFriction
@@ -193,9 +194,9 @@ class TorqueErrors:
             assert needed is not None
             time, position, speed, torque, load = self.motion[[0, *(1 + row * M + motor for row in range(4))]]
             position = position - zero
-            state = np.stack([time, position, robot.rotor_turns[motor] * position, speed, torque, load])
+            state = np.stack([time, position, robot.rotor_turns[motor] * position, speed, torque, load], axis=-1)
             viscous = robot.parameters[f"{robot.joint_names[motor]}.viscous_friction"].value
-            values = np.asarray(needed.parts(state, np.array([viscous, *shape])), dtype=float).T
+            (values,) = over_rows(needed.parts, state, np.tile([viscous, *shape], (len(state), 1)))
             return decimate(values, self.factor)[self.counts]
 
         return lru_cache(maxsize=PARTS)(parts)

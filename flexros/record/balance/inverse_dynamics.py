@@ -93,7 +93,8 @@ def rigid_inverse_dynamics(robot: Robot, position: FloatArray, sample_time: floa
     """
     n = len(position)
     factor = max(1, int(1 / (sample_time * _PER_PERIOD * 2.5 * highest)))
-    samples = np.unique(np.append(np.arange(0, n, factor), n - 1))
+    samples = np.arange(0, n, factor)
+    samples = samples if samples[-1] == n - 1 else np.append(samples, n - 1)
     cutoff = min(2.5 * highest, 0.2 / sample_time)
     motions = [smooth_motion(column[:, None], sample_time, cutoff)[:, samples] for column in position.T]
     torque = rigid_arm(robot).inverse_dynamics(np.concatenate(motions, axis=2)).torque
