@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.fit.least_squares import FIT, CandidateFit, fit, linearise
-from flexros.gap.prediction.compiled_plant import LANES, CompiledPlant
+from flexros.gap.prediction.compiled_plant import LANES, compiled_plant
 from flexros.gap.prediction.predictor import Predictor
 
 if TYPE_CHECKING:
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from flexros.effects import RobotWithEffects
     from flexros.gap.candidates.candidate import Candidate, Hypothesis
     from flexros.gap.candidates.tolerance import Tolerance
+    from flexros.gap.prediction.compiled_plant import CompiledPlant
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.settings import FitSettings
 
@@ -54,10 +55,10 @@ class NullFit:
             steps: Integration steps per sample; None: as many as needed.
         """
         tolerance, record = self.fit.predictor.tolerance, self.data.record
-        return CompiledPlant(
+        return compiled_plant(
             self.model,
-            candidates,
-            tolerance,
+            tuple(candidates),
+            tolerance.names,
             record.sample_time,
             measured_torque=record.measured_torque,
             rough=rough,

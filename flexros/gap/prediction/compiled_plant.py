@@ -27,11 +27,12 @@ if TYPE_CHECKING:
 
     from flexros.effects import RobotWithEffects
     from flexros.gap.candidates.candidate import Candidate, Hypothesis
-    from flexros.gap.candidates.tolerance import Tolerance
     from flexros.robot import Robot
 
 LANES = 8
 """Parameter sets that are predicted in parallel."""
+PLANTS = 16
+"""Plants that are kept (chosen)."""
 STEPS_OF_BRISTLES = 2
 """Fewest steps per sample with bristles (chosen): as many as delayed torques need, with which they are compared. The
 error of one step of 0.5 ms was 0.6 % of what a delay gained, far more than what tells it from a lag."""
@@ -45,7 +46,7 @@ class CompiledPlant:
     Args:
         model: The nominal model: robot and laws of known effects.
         candidates: Effects in addition to these.
-        tolerance: Parameters of the robot that may deviate.
+        tolerated: Names of the parameters of the robot that may deviate.
         sample_time: Time between two samples [s].
         measured_torque: Whether the torques of the log were measured at the motors, after the nominal delay.
         rough: Whether it takes as few steps per sample as serve to compare its predictions with each other.
@@ -66,7 +67,7 @@ class CompiledPlant:
         self,
         model: RobotWithEffects,
         candidates: Sequence[Candidate],
-        tolerance: Tolerance,
+        tolerated: Sequence[str],
         sample_time: float,
         *,
         measured_torque: bool = False,
@@ -79,7 +80,7 @@ class CompiledPlant:
         self._keys = [_key(one) for one in self.laws]
         self._off = [_switched_off(one, law.effect) for one, law in zip(self.laws, laws, strict=True)]
         changed = [name for one in candidates for name in changed_names(self.robot, one)]
-        self.robot_names = tuple(sorted({*changed, *tolerance.names}))
+        self.robot_names = tuple(sorted({*changed, *tolerated}))
         names = [*self.robot_names, *(name for law in laws for name in law.parameters)]
         self.model = PlantModel(self.robot, (*_felt(model.laws), *laws), names)
         self.delay = self.model.delay_from(model.added_delay if measured_torque else self.robot.delay)
@@ -138,6 +139,26 @@ class CompiledPlant:
         for place, off in enumerate(self._off):
             numbers += acting[place].parameter_values.values() if place in acting else off
         return numbers
+
+
+@lru_cache(maxsize=PLANTS)
+def compiled_plant(
+    model: RobotWithEffects,
+    candidates: Hypothesis,
+    tolerated: tuple[str, ...],
+    sample_time: float,
+    *,
+    measured_torque: bool = False,
+    rough: bool = False,
+    steps: int | None = None,
+) -> CompiledPlant:
+    """Return a plant with some candidates; arguments as of `CompiledPlant`.
+
+    A search comes back to the same effects: with other initial values, in a fit to the end, in a gap on other data.
+    """
+    return CompiledPlant(
+        model, candidates, tolerated, sample_time, measured_torque=measured_torque, rough=rough, steps=steps
+    )
 
 
 def grouped(candidates: Sequence[Candidate], most: int) -> list[list[Candidate]]:

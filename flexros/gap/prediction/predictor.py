@@ -11,7 +11,7 @@ from flexros.effects.kinds.law import AbstractLaw
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.effects.kinds.sensor import AbstractSensor
 from flexros.errors import InputError
-from flexros.gap.prediction.compiled_plant import LANES, CompiledPlant, delays, is_law
+from flexros.gap.prediction.compiled_plant import LANES, compiled_plant, delays, is_law
 from flexros.gap.prediction.plant_inputs import ParameterSet, PlantInputs
 
 if TYPE_CHECKING:
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from flexros.effects import RobotWithEffects
     from flexros.gap.candidates.candidate import Hypothesis
     from flexros.gap.candidates.tolerance import Tolerance
+    from flexros.gap.prediction.compiled_plant import CompiledPlant
     from flexros.prediction.observer import ObserverGain
     from flexros.record.record import Record
 
@@ -76,7 +77,7 @@ class Predictor:
         self.hypothesis, self.tolerance = hypothesis, tolerance
         self.sample_time = sample_time
         if plant is None or not plant.covers(hypothesis):
-            plant = CompiledPlant(model, hypothesis, tolerance, sample_time, measured_torque=measured_torque)
+            plant = compiled_plant(model, hypothesis, tolerance.names, sample_time, measured_torque=measured_torque)
         self.plant, self.model, self.loop = plant, plant.model, plant.loop
         self._parameters = [(candidate, one) for candidate in hypothesis for one in candidate.free]
         self._nominal = {name: self.robot.parameters[name].value for name in plant.robot_names}

@@ -32,7 +32,7 @@ from flexros.identify.rigid.motion_estimate import decimate
 from flexros.identify.rigid.standard_parameters import standard_parameters
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from flexros.arrays import BoolArray, FloatArray
     from flexros.effects import RobotWithEffects
@@ -181,7 +181,7 @@ class TorqueErrors:
         if needed is None:
             return np.zeros(len(self.torque))
         shape = tuple(0.0 if size else number for number, size in zip(numbers, needed.sizes, strict=True))
-        torque: FloatArray = self._parts_of(kind, motor, shape, zero) @ np.asarray(needed.monomials(numbers)).ravel()
+        torque: FloatArray = self._parts_of(kind, motor, shape, zero) @ needed.monomials(numbers)
         return torque
 
     @cached_property
@@ -260,12 +260,21 @@ class _Needed:
         sizes: Whether a parameter is a size.
         parts: Torque per unit of each monomial, a function of (time, position, angle of the rotor, speed, torque,
             torque in the gear) and (nominal viscous friction, parameters with all sizes zero).
-        monomials: The monomials of the sizes, a function of the parameters.
+        squares: Which two sizes make each monomial of second degree.
     """
 
     sizes: tuple[bool, ...]
     parts: ca.Function
-    monomials: ca.Function
+    squares: tuple[tuple[int, int], ...]
+
+    def monomials(self, numbers: Sequence[float]) -> FloatArray:
+        """Return the monomials of the sizes: 1, each size, and the products of two, half of those of one with itself.
+
+        Args:
+            numbers: The parameters.
+        """
+        sizes = [number for number, size in zip(numbers, self.sizes, strict=True) if size]
+        return np.array([1.0, *sizes, *(sizes[j] * sizes[k] / (1 + (j == k)) for j, k in self.squares)])
 
 
 @cache
@@ -298,12 +307,11 @@ def _needed_torque(kind: type[AbstractMotorLaw]) -> _Needed | None:
     sizes = own_numbers[chosen]
     curvature, slope = ca.hessian(torque, sizes)
     pairs = [(j, k) for k in range(len(chosen)) for j in range(k + 1) if not curvature[j, k].is_zero()]
-    products = [sizes[j] * sizes[k] / (1 + (j == k)) for j, k in pairs]
     parts = ca.vertcat(torque, slope, *(curvature[j, k] for j, k in pairs))
     return _Needed(
         tuple(k in chosen for k in range(own_numbers.numel())),
         ca.Function("parts", [state, numbers], [ca.densify(parts)]),
-        ca.Function("monomials", [own_numbers], [ca.densify(ca.vertcat(1, sizes, *products))]),
+        tuple(pairs),
     )
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from flexros.effects import parse_effect
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.prediction.compiled_plant import CompiledPlant, grouped, switchable
+from flexros.gap.prediction.compiled_plant import CompiledPlant, compiled_plant, grouped, switchable
 from flexros.gap.prediction.predictor import Predictor
 from tests.gap.diagnosis_logs import MODEL, ROBOT, candidates_of, data_of
 
@@ -15,7 +15,7 @@ TOGETHER = ("coulomb_friction@motor_1", "viscous_friction@motor_1", "stiffness_e
 
 
 def plant_of(*names: str) -> CompiledPlant:
-    return CompiledPlant(MODEL, [candidates_of()[name] for name in names], Tolerance(), ROBOT.sample_time)
+    return CompiledPlant(MODEL, [candidates_of()[name] for name in names], (), ROBOT.sample_time)
 
 
 @pytest.mark.parametrize("name", TOGETHER)
@@ -26,6 +26,16 @@ def test_a_candidate_is_predicted_as_with_a_plant_of_its_own(name: str) -> None:
     theta = np.array(candidate.starts()[-1])[:, None]
     assert shared.plant is not own.plant
     np.testing.assert_allclose(data.residuals(shared, theta), data.residuals(own, theta), rtol=1e-6, atol=1e-6)
+
+
+def test_a_plant_is_compiled_once_for_the_same_effects() -> None:
+    every = candidates_of()
+    one, other = (every[name] for name in TOGETHER[:2])
+    model, step = MODEL, ROBOT.sample_time
+    found = compiled_plant(model, (one, other), (), step)
+    assert compiled_plant(model, (one, other), (), step) is found
+    assert compiled_plant(model, (one, other), ("body_1.mass",), step) is not found
+    assert compiled_plant(model, (one,), (), step) is not found
 
 
 def test_a_plant_with_all_laws_off_is_the_nominal_one() -> None:
@@ -60,7 +70,7 @@ def test_bristles_take_the_steps_of_delayed_torques_with_which_they_are_compared
     every = candidates_of()
     presliding, delay = (every[name] for name in ("presliding_friction@motor_1", "delay@all"))
     plain, bent, late, rough = (
-        CompiledPlant(MODEL, candidates, Tolerance(), 5e-4, rough=rough).steps
+        CompiledPlant(MODEL, candidates, (), 5e-4, rough=rough).steps
         for candidates, rough in (
             ((), False),
             ((presliding,), False),
@@ -91,11 +101,11 @@ def test_measured_torques_are_late_by_the_delay_of_a_patch_alone() -> None:
     patched = patched.with_effects([parse_effect("coulomb_friction@motor_1:level=0.1", "test")])
     assert patched.robot.delay == pytest.approx(ROBOT.delay + 0.003)
     plants = {
-        measured: CompiledPlant(patched, (), Tolerance(), ROBOT.sample_time, measured_torque=measured)
+        measured: CompiledPlant(patched, (), (), ROBOT.sample_time, measured_torque=measured)
         for measured in (False, True)
     }
     assert plants[True].delay == pytest.approx(0.003)
     assert plants[False].delay == pytest.approx(ROBOT.delay + 0.003)
     one = MODEL.with_effects([parse_effect("delay@motor_1:time=0.002", "test")])
-    late = CompiledPlant(one, (), Tolerance(), ROBOT.sample_time, measured_torque=True).delay
+    late = CompiledPlant(one, (), (), ROBOT.sample_time, measured_torque=True).delay
     assert np.ravel(late)[0] == pytest.approx(0.002)
