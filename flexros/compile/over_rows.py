@@ -38,9 +38,9 @@ def over_rows(function: ca.Function, *rows: FloatArray) -> tuple[FloatArray, ...
     if n:
         buffer, run = (function if n == 1 else _mapped(function, n)).buffer()
         for k, part in enumerate(inputs):
-            buffer.set_arg(k, memoryview(part))
+            buffer.set_arg(k, part.data)
         for k, result in enumerate(results):
-            buffer.set_res(k, memoryview(result))
+            buffer.set_res(k, result.data)
         run()
     return tuple(
         part[:, 0] if columns == 1 else part.transpose(0, 2, 1)

@@ -192,7 +192,8 @@ def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
     surroundings, n, comparison = search.surroundings(fit), search.data.n_values, compared(search, [fit])
     every, without = surroundings.least, [rest.least for rest in search.removals(fit, surroundings)]
     sizes = parameters_of(fit, search.data) if search.torques_decide else [{} for _ in fit.hypothesis]
-    shown, needless = search.shown_by_torques(fit), list[tuple[float, Candidate]]()
+    shown = search.shown_by_torques(fit)
+    needless: list[tuple[float, Candidate]] = []
     for candidate, least, parameters in zip(fit.hypothesis, without, sizes, strict=True):
         cheaper = least * n ** (-len(candidate.free) / n)  # of the same score as with the parameters of the effect
         before, after = replace(fit, chi2=cheaper), replace(fit, chi2=every)
