@@ -23,6 +23,8 @@ _BEAT = 0.5
 """Time between two looks whether a line is due [s] (chosen)."""
 _KNOWN = 0.02
 """Share that must be done before the time left is estimated [1] (chosen)."""
+_RISE = 0.02
+"""Rise of the share below which hardly more is done [1] (chosen)."""
 _LONG = 30.0
 """Time after which any share that is done will do for it [s] (chosen)."""
 
@@ -106,28 +108,32 @@ class ProgressBar(Progress):
             _tell(line(now - begin, task.description, share))
 
 
-def line(elapsed: float, stage: str, share: float | None) -> str:
+def line(elapsed: float, stage: str, share: float | None, standing: float = 0.0) -> str:
     """Write a line of progress.
 
     Args:
         elapsed: Time since the beginning [s].
         stage: What is done.
         share: Share of all that is done [1]; None where not known.
+        standing: Time for which hardly more is done [s].
     """
     done = "" if share is None else f", {100 * share:.0f} % done"
-    left = None if share is None else time_left(elapsed, share)
+    left = None if share is None else time_left(elapsed, share, standing)
     rest = ", time left not known" if elapsed >= QUIET and (share is None or share < 1.0) else ""
     if left is not None:
         rest = f", about {left:.0f} s left" if left < 100 else f", about {left / 60:.0f} min left"
     return f"flexros: {elapsed:.0f} s: {stage}{done}{rest}"
 
 
-def time_left(elapsed: float, share: float) -> float | None:
-    """Estimate the time left at the pace so far [s]; None at the begin and at the end."""
+def time_left(elapsed: float, share: float, standing: float = 0.0) -> float | None:
+    """Estimate the time left at the pace so far [s]; None at the begin and at the end.
+
+    Steps of unknown number may go on for a long time at the same share: for as long as they have, at least.
+    """
     enough = share >= _KNOWN or (elapsed >= _LONG and share > 0.0)
     if elapsed < QUIET or not enough or share >= 1.0:
         return None
-    return elapsed * (1.0 - share) / share
+    return max(elapsed * (1.0 - share) / share, standing)
 
 
 @contextmanager
@@ -164,16 +170,19 @@ class Lines:
         self._clock, self._begin, self._last = clock, clock(), -EVERY
         self._stages: set[str] = set()
         self._done = 0.0
+        self._rise = (0.0, 0.0)
 
     def __call__(self, stage: str, share: float) -> None:
         """Print a line, for a new stage at once; the share never falls where a step is done again."""
         self._done = max(self._done, share)
         now = self._clock() - self._begin
+        if self._done > self._rise[0] + _RISE:
+            self._rise = (self._done, now)
         if stage in self._stages and now - self._last < EVERY:
             return
         self._stages.add(stage)
         self._last = now
-        _tell(line(now, stage, self._done))
+        _tell(line(now, stage, self._done, now - self._rise[1]))
 
 
 def _tell(text: str) -> None:

@@ -64,6 +64,16 @@ def test_the_time_left_is_known_once_something_is_done() -> None:
     assert line(600.0, "fits", 0.5) == "flexros: 600 s: fits, 50 % done, about 10 min left"
 
 
+def test_what_stands_at_a_share_takes_at_least_as_long_again(capfd: pytest.CaptureFixture[str]) -> None:
+    clock = Clock()
+    show = Lines(clock)
+    for elapsed, share in ((60.0, 0.84), (120.0, 0.845), (180.0, 0.85)):
+        clock.time = 5.0 + elapsed
+        show("effects together", share)
+    last = capfd.readouterr().err.splitlines()[-1]
+    assert last == "flexros: 180 s: effects together, 85 % done, about 2 min left"
+
+
 def test_a_bar_without_a_terminal_is_silent_at_first_and_then_prints_lines(capfd: pytest.CaptureFixture[str]) -> None:
     clock = Clock()
     with ProgressBar(clock=clock) as bar:

@@ -25,42 +25,43 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 _TOPICS = ("joint_states", "joint_commands", "joint_reference", "link_states", "tool_imu")
+_MAPPINGS = (".yaml", ".yml")
 _DESCRIPTIONS = (".urdf", ".xml")
 _FIELDS = ("position", "velocity", "effort", "acceleration", "turning_rate")
 
 
 def import_log(
     mapping: str = typer.Argument(
-        help="Mapping YAML or built-in mapping (emps); or a ROS 2 bag (folder, .mcap or .db3) alone, to propose its "
-        "mapping.",
-        metavar="MAPPING|BAG",
+        help="Mapping YAML or built-in mapping (emps); or a log alone, to propose its mapping: a ROS 2 bag (folder, "
+        ".mcap or .db3), or a table whose names tell what its columns are (time, q1, tau1, elbow_position).",
+        metavar="MAPPING|LOG",
     ),
     file: list[Path] = typer.Argument(
         None,
         help="CSV, MATLAB (.mat), NumPy (.npz), JSON files or ROS 2 bags that hold the columns of MAPPING together.",
     ),
     out: Path = typer.Option(
-        None, "--out", help="Folder of the log (rosbag2) to write; without it the mapping of a BAG is proposed alone."
+        None, "--out", help="Folder of the log (rosbag2) to write; without it the mapping of a LOG is proposed alone."
     ),
     model: str = typer.Option(
         "",
         "--model",
-        help="Robot YAML, built-in robot, patch or URDF whose joints BAG has; default: the URDF on its topic "
+        help="Robot YAML, built-in robot, patch or URDF whose joints LOG has; default: the URDF on its topic "
         "robot_description.",
     ),
     proposed: Path = typer.Option(
         None,
         "--mapping",
-        help="Mapping YAML to write for a BAG; default: OUT, else the name of BAG, with _mapping.yaml.",
+        help="Mapping YAML to write for a LOG; default: OUT, else the name of LOG, with _mapping.yaml.",
     ),
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
-    """Convert a log of another recorder into a rosbag2 log, by a mapping of its columns or one proposed for a bag."""
+    """Convert a log of another recorder into a rosbag2 log, by a mapping of its columns or one proposed for it."""
     from flexros.logs.foreign.import_log import import_log as read_files
     from flexros.logs.foreign.mapping import load_mapping
     from flexros.logs.write_log import write_log
 
-    if not file and _is_bag(mapping):
+    if not file and (_is_bag(mapping) or _is_table(mapping)):
         _propose(Path(mapping), model, out, proposed, as_json)
         return
     _refuse_what_bags_need(mapping, file, out, model, proposed)
@@ -83,26 +84,25 @@ def _is_bag(name: str) -> bool:
     return Path(name).suffix in BAG_SUFFIXES or Path(name).is_dir()
 
 
+def _is_table(name: str) -> bool:
+    """Whether an argument is a file of columns and no mapping."""
+    path = Path(name)
+    return path.is_file() and path.suffix not in (*_MAPPINGS, ROS_1)
+
+
 def _refuse_what_bags_need(mapping: str, file: list[Path], out: Path, model: str, proposed: Path) -> None:
     """Refuse arguments that do not go with a mapping of the user."""
     if not file:
-        if Path(mapping).suffix == ROS_1:
-            open_source(Path(mapping))  # refuses it, with what to do
-        if Path(mapping).exists() and Path(mapping).suffix not in (".yaml", ".yml"):
-            raise InputError(
-                f"{mapping} is no ROS 2 bag (folder, .mcap or .db3), and columns of other files have no usual "
-                "names; write a mapping file and give it with its files"
-            )
-        raise InputError(
-            f"{mapping} is given without files; give the files that hold its columns, or a ROS 2 bag alone"
-        )
+        if Path(mapping).suffix not in ("", *_MAPPINGS):
+            open_source(Path(mapping))  # refuses a file that is not there or not read, with what to do
+        raise InputError(f"{mapping} is given without files; give the files that hold its columns, or a log alone")
     if out is None:
         raise InputError("no folder of the log is given; name a new one", "out")
     if _is_bag(mapping):
         raise InputError(f"{mapping} is a bag; give one bag alone, or a mapping and its files")
     for value, argument in ((model, "model"), (proposed, "proposed")):
         if value:
-            raise InputError(f"{value}: only the mapping of a bag is proposed, and {mapping} is a mapping", argument)
+            raise InputError(f"{value}: only the mapping of a log is proposed, and {mapping} is a mapping", argument)
 
 
 def _propose(bag: Path, model: str, out: Path | None, proposed: Path | None, as_json: bool) -> None:
@@ -117,7 +117,7 @@ def _propose(bag: Path, model: str, out: Path | None, proposed: Path | None, as_
             raise InputError(f"{each} exists already; give another name or remove it")
     with progress_shown() as show:
         show("robot", 0.0)
-        robot = _robot(model) if model else robot_in_bag(bag)
+        robot = _robot(model) if model else robot_in_bag(bag) if _is_bag(str(bag)) else None
         show("reading", 0.1)
         found = propose_mapping(bag, robot, lambda text: show(text, 0.5))
         if out is not None:

@@ -181,6 +181,12 @@ def simpler(candidate: Candidate) -> frozenset[str]:
     return frozenset(f"{name}@{candidate.location}" for name in candidate.effect.extends)
 
 
+def alike(one: Candidate, other: Candidate) -> bool:
+    """Return whether two candidates are relative errors of plain numbers at the same place."""
+    plain = one.effect.plain and other.effect.plain and one.location == other.location
+    return plain and "relative" in one.effect.ranges and "relative" in other.effect.ranges
+
+
 def names_of(hypothesis: Hypothesis) -> frozenset[str]:
     """Return the names of the candidates of a hypothesis."""
     return frozenset(candidate.name for candidate in hypothesis)

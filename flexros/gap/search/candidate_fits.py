@@ -12,7 +12,7 @@ import numpy as np
 from flexros.effects import effects
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.effects.kinds.tool_error import AbstractToolError
-from flexros.gap.candidates.candidate import list_candidates
+from flexros.gap.candidates.candidate import alike, list_candidates, names_of
 from flexros.gap.fit.least_squares import CandidateFit, best_of_each, linearise, starts_of
 from flexros.gap.fit.pruning import without_least_parameter
 from flexros.gap.fit.screening import directions_of, surroundings_of, switched_off
@@ -80,6 +80,20 @@ class Search(LogFits):
     def torques_decide(self) -> bool:
         """Whether it does so on a real machine, where torques tell more than predictions of simulated accuracy."""
         return self.from_torques and self.premises.torques_tell
+
+    def shown_by_torques(self, fit: CandidateFit) -> frozenset[str]:
+        """Return the names of the effects of a fit that torques show.
+
+        The regression takes a wrong torque constant for an inertia: exchanged for each other, they are as real. Of both
+        at a motor one may imitate what no effect explains.
+        """
+
+        def shown(one: Candidate) -> bool:
+            if any(alike(other, one) for other in fit.hypothesis if other is not one):
+                return False
+            return one.name in self.base.names or any(alike(other, one) for other in self.base.hypothesis)
+
+        return names_of(tuple(filter(shown, fit.hypothesis)))
 
     def candidates(self) -> tuple[Candidate, ...]:
         """List the candidates that come from the ranges of effects; those of harmonics follow from a fit.

@@ -127,7 +127,7 @@ def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit
     while needless := [name for name in _needless(search, fit, removed) if name not in kept]:
         tried = needless[:1] if alone else needless
         fits.append(search.without(fit, *tried))
-        further = set(tried) - search.base.names
+        further = set(tried) - search.shown_by_torques(fit)
         measured = search.base is not search.null.fit
         if further and measured and strains(search, compared(search, [fits[-1]]), fit, fits[-1]):
             # linear theory does not see what numbers of the model take over far from their tolerance, nor without which
@@ -159,7 +159,7 @@ def one_by_one(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> C
         if not needless:
             break
         fits.append(search.without(fit, needless[0]))
-        if needless[0] not in search.base.names and _missed(search, fit, fits[-1], removed):
+        if needless[0] not in search.shown_by_torques(fit) and _missed(search, fit, fits[-1], removed):
             fits.append(search.completed(fits[-1]))
             if _missed(search, fit, fits[-1], removed):
                 kept.add(needless[0])
@@ -192,11 +192,12 @@ def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
     surroundings, n, comparison = search.surroundings(fit), search.data.n_values, compared(search, [fit])
     every, without = surroundings.least, [rest.least for rest in search.removals(fit, surroundings)]
     sizes = parameters_of(fit, search.data) if search.torques_decide else [{} for _ in fit.hypothesis]
+    shown = search.shown_by_torques(fit)
     needless: list[tuple[float, Candidate]] = []
     for candidate, least, parameters in zip(fit.hypothesis, without, sizes, strict=True):
         cheaper = least * n ** (-len(candidate.free) / n)  # of the same score as with the parameters of the effect
         before, after = replace(fit, chi2=cheaper), replace(fit, chi2=every)
-        if candidate.name in search.base.names:
+        if candidate.name in shown:
             clear, tolerated = search.settings.search.clear_in_torques, _tolerated(search, candidate)
             most = {one.name: one.high for one in candidate.free}
             nothing = _tolerated_torque(search, candidate)
@@ -213,7 +214,7 @@ def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
         return [candidate.name for _, candidate in sorted(needless, key=lambda pair: pair[0])]
     ordered = [one for _, one in sorted(needless, key=lambda pair: -pair[0])]  # the least one is last
     first = {one.location: one.name for one in ordered}
-    further = {one.location: one.name for one in ordered if one.name not in search.base.names}
+    further = {one.location: one.name for one in ordered if one.name not in shown}
     return list((first | further).values())
 
 

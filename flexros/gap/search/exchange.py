@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.candidates.candidate import simpler
+from flexros.gap.candidates.candidate import alike, simpler
 from flexros.gap.fit.least_squares import best_of_each
 from flexros.gap.search.worth import compared, incomplete, simplest
 
@@ -122,13 +122,13 @@ def _replacements(
     torque constant for an inertia. In place of a harmonic of a simulated log the others of its order compete too.
     Where nothing is left, a law that contains the effect only adds parameters, and its fit takes the longest of all.
     """
-    surroundings = search.surroundings(fit)
+    surroundings, shown = search.surroundings(fit), search.shown_by_torques(fit)
     for candidate, rest in zip(fit.hypothesis, search.removals(fit, surroundings), strict=True):
         competing = directions
         if candidate.effect.harmonics:
             competing = [*directions, *search.directions(search.harmonics_in_place(fit, candidate), fit)]
-        if candidate.name in search.base.names:
-            competing = [one for one in directions if _alike(one.candidate, candidate)]
+        if candidate.name in shown:
+            competing = [one for one in directions if alike(one.candidate, candidate)]
         if competing:
             numbers, additions = search.settings.search, search.additions(competing, fit, rest)
             least = max(numbers.regained * (rest.least - fit.chi2), rest.least - numbers.within_reach * fit.chi2)
@@ -136,12 +136,6 @@ def _replacements(
             other = [addition for addition in additions if candidate.name not in simpler(addition.candidate)]
             nothing_left = len(other) < len(additions) and not incomplete(search, compared(search, [fit]), fit)
             yield candidate, other if nothing_left else additions
-
-
-def _alike(one: Candidate, other: Candidate) -> bool:
-    """Return whether two candidates are relative errors of plain numbers at the same place."""
-    plain = one.effect.plain and other.effect.plain and one.location == other.location
-    return plain and "relative" in one.effect.ranges and "relative" in other.effect.ranges
 
 
 def _compared(

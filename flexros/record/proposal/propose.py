@@ -1,4 +1,4 @@
-"""Propose the mapping of a bag: topics and joints by their names, units and signs by the log and the model."""
+"""Propose the mapping of a bag or table: quantities and joints by names, units and signs by the log and the model."""
 
 from __future__ import annotations
 
@@ -11,14 +11,17 @@ from flexros.config.yaml_file import parse_yaml
 from flexros.errors import InputError
 from flexros.logs.foreign.import_log import import_log
 from flexros.logs.foreign.mapping import LogMapping, MappedColumn, Scale
+from flexros.logs.foreign.quantities import TIME_UNITS
+from flexros.logs.foreign.signal_source import Signal, open_source
 from flexros.logs.foreign.sources.ros_bag import RosBag
 from flexros.record.proposal.assumption import Assumption
+from flexros.record.proposal.columns import clock_of_column, table_signals
 from flexros.record.proposal.effort_unit import effort_unit
 from flexros.record.proposal.joints import match_joints
 from flexros.record.proposal.motion_units import DEGREES, compare_velocity, in_degrees, unit_ratio
 from flexros.record.proposal.topics import bag_topics
 from flexros.record.proposal.words import about_effort, about_joints, about_rate, about_topics
-from flexros.record.read import read_record
+from flexros.record.read import MOST_LOST, read_record
 from flexros.robot import robot_from_data
 from flexros.robot.exchange.urdf.robot_import import skeleton_from_text
 
@@ -26,17 +29,18 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
 
-    from flexros.logs.foreign.signal_source import Signal
+    from flexros.arrays import FloatArray
+    from flexros.logs.foreign.mapping import Clock
     from flexros.logs.time_series import Log
+    from flexros.record.proposal.found_signals import FoundSignals
     from flexros.record.proposal.joints import JointMatch
-    from flexros.record.proposal.topics import BagTopics
     from flexros.record.topic_reader import TorqueSource
     from flexros.robot import Robot
 
 DESCRIPTION = "robot_description"
 """Topic on which the URDF of a robot is published."""
 TORQUES = ("measured_torque", "torque_command")
-POSITIONS = ("position", "reference_position")
+POSITIONS = ("position", "reference_position", "position_command")
 VELOCITIES = ("velocity", "reference_velocity")
 
 
@@ -72,10 +76,10 @@ def robot_in_bag(bag: Path) -> Robot | None:
 
 
 def propose_mapping(bag: Path, robot: Robot | None, progress: Callable[[str], None] | None = None) -> Proposal:
-    """Propose the mapping of a bag of another robot.
+    """Propose the mapping of a bag or table of another robot.
 
     Args:
-        bag: The bag: folder of rosbag2, .mcap or .db3 file.
+        bag: The bag: folder of rosbag2, .mcap or .db3 file; or a file of columns with names that tell what they are.
         robot: The model, whose joints the motors are; None to take the joints of the bag in their order.
         progress: Called with the name of each step.
 
@@ -84,15 +88,31 @@ def propose_mapping(bag: Path, robot: Robot | None, progress: Callable[[str], No
     """
     say = progress or (lambda _: None)
     say("reading")
-    source = RosBag(bag)
-    topics = bag_topics(source.names, str(bag))
+    source = open_source(bag)
+    of_bag = isinstance(source, RosBag)
+    topics = bag_topics(source.names, str(bag)) if of_bag else table_signals(source.names, str(bag))
     matches = match_joints(robot, topics.joints, str(bag))
     wanted = [topics.signals[quantity][m.joint] for quantity, m in _pairs(topics, matches)]
-    signals = source.read(list(dict.fromkeys(wanted)))
-    return _Proposer(bag, robot, topics, matches, signals, say).proposal()
+    signals, clock = source.read(list(dict.fromkeys(wanted))), None
+    if topics.time:
+        times = source.read([topics.time])[topics.time].values
+        clock = clock_of_column(topics.time, times[np.isfinite(times)])
+        signals = _usable_rows(signals, times * TIME_UNITS[clock.unit])
+    return _Proposer(bag, robot, topics, matches, signals, say, clock).proposal()
 
 
-def _pairs(topics: BagTopics, matches: Sequence[JointMatch]) -> list[tuple[str, JointMatch]]:
+def _usable_rows(signals: Mapping[str, Signal], time: FloatArray) -> dict[str, Signal]:
+    """Return the rows of a table with a later time than before and values of all columns that have most of theirs."""
+    finite = {name: np.isfinite(signal.values) for name, signal in signals.items()}
+    rows = np.isfinite(time) & np.all([own for own in finite.values() if np.mean(~own) < MOST_LOST], axis=0)
+    rows &= time > np.maximum.accumulate(np.concatenate([[-np.inf], np.where(rows, time, -np.inf)[:-1]]))
+    if not rows.any():
+        return dict(signals)  # the import says what is wrong
+    begin = time[rows][0]
+    return {name: Signal(signal.values[rows], time[rows] - begin) for name, signal in signals.items()}
+
+
+def _pairs(topics: FoundSignals, matches: Sequence[JointMatch]) -> list[tuple[str, JointMatch]]:
     """List quantities of which all joints have a signal, with the joints."""
     whole = [name for name, own in topics.signals.items() if all(m.joint in own for m in matches)]
     return [(name, match) for name in whole for match in matches]
@@ -105,13 +125,14 @@ class _Proposer:
         self,
         bag: Path,
         robot: Robot | None,
-        topics: BagTopics,
+        topics: FoundSignals,
         matches: Sequence[JointMatch],
         signals: Mapping[str, Signal],
         say: Callable[[str], None],
+        clock: Clock | None,
     ) -> None:
         self.bag, self.robot, self.topics, self.matches, self.signals = bag, robot, topics, matches, signals
-        self.say = say
+        self.say, self.clock = say, clock
         self.assumptions: list[Assumption] = []
         self.left_out: dict[str, str] = dict(topics.ignored)
         self.units: dict[str, str] = {}
@@ -126,7 +147,7 @@ class _Proposer:
         first = self._values("position", self.matches[0]).time
         assert first is not None
         self.assumptions += about_topics(self.topics, self.quantities, self.matches[0].joint)
-        self.assumptions.append(about_rate(first))
+        self.assumptions.append(about_rate(first, self.clock))
         self.assumptions += about_joints(self.robot, self.matches)
         others = [joint for joint in self.topics.joints if joint not in {m.joint for m in self.matches}]
         if others:
@@ -145,9 +166,14 @@ class _Proposer:
             self.assumptions.append(Assumption("effort", text, "no topic has an effort for every joint", True))
         if self.left_out:
             text = "left out: " + "; ".join(f"{topic} ({why})" for topic, why in self.left_out.items())
-            self.assumptions.append(Assumption("other topics", text, "map them by hand where they matter", True))
+            self.assumptions.append(Assumption("others", text, "map them by hand where they matter", True))
         mapping = self._mapping()
         return Proposal(mapping, tuple(self.assumptions), log, self.robot)
+
+    @property
+    def _said(self) -> str:
+        """What says that efforts are torques in Nm."""
+        return "names of columns say so" if self.clock else "sensor_msgs says so"
 
     def _values(self, quantity: str, match: JointMatch) -> Signal:
         return self.signals[self.topics.signals[quantity][match.joint]]
@@ -210,11 +236,8 @@ class _Proposer:
     def _about_effort(self, log: Log, torques: Sequence[str]) -> bool:
         """Find what the efforts are; returns whether that changes the mapping."""
         if self.robot is None:
-            text, ground = (
-                "torques in Nm",
-                "sensor_msgs says so; without a model nothing shows it: some drivers fill in currents",
-            )
-            self.assumptions.append(Assumption("effort", text, ground, False))
+            ground = f"{self._said}; without a model nothing shows it: some drivers fill in currents"
+            self.assumptions.append(Assumption("effort", "torques in Nm", ground, False))
             return False
         changed = False
         for quantity in torques:
@@ -227,7 +250,7 @@ class _Proposer:
                 self.signs[quantity, motor] = -1 if sign < 0 else 1
             if found.unit == "A":
                 self.scales |= {f"{quantity}.{m}": s for m, s in zip(self.robot.joint_names, found.scale, strict=True)}
-            self.assumptions.append(about_effort(name, found, self.robot))
+            self.assumptions.append(about_effort(name, found, self.robot, self._said))
             changed |= found.unit != "Nm" or min(found.signs) < 0
         return changed
 
@@ -252,8 +275,8 @@ class _Proposer:
                     )
                 )
         model = f" and robot {self.robot.name}" if self.robot else ""
-        text = f"Proposed from the topics and names of {self.bag.name}{model}."
-        return LogMapping(name=self.bag.stem, description=text, columns=tuple(columns))
+        text = f"Proposed from the names in {self.bag.name}{model}."
+        return LogMapping(name=self.bag.stem, description=text, time=self.clock, columns=tuple(columns))
 
 
 _SLIDING = {"rad": "m", "deg": "m", "rad/s": "m/s", "deg/s": "m/s", "Nm": "N", "mNm": "N", "kNm": "kN"}

@@ -6,6 +6,8 @@ import json
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
+from flexros.logs.foreign.mapping import Clock
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -22,12 +24,15 @@ def mapping_text(mapping: LogMapping, assumptions: Sequence[Assumption]) -> str:
         mapping: The mapping.
         assumptions: What was assumed.
     """
-    lines = [f"# {mapping.description}", "# Correct what is wrong, then import the bag by this file.", "#"]
+    lines = [f"# {mapping.description}", "# Correct what is wrong, then import the log by this file.", "#"]
     for each in assumptions:
         mark = "" if each.checked else " NOT CHECKED."
         said = f"{each.about}: {each.taken}. {each.ground[:1].upper()}{each.ground[1:]}.{mark}"
         lines += [f"# {line}" for line in wrap(said, WIDTH, subsequent_indent="  ")]
-    lines += [f"name: {json.dumps(mapping.name)}", f"description: {json.dumps(mapping.description)}", "columns:"]
+    lines += [f"name: {json.dumps(mapping.name)}", f"description: {json.dumps(mapping.description)}"]
+    if isinstance(mapping.time, Clock):
+        lines.append(f"time: {{column: {json.dumps(mapping.time.column)}, unit: {mapping.time.unit}}}")
+    lines.append("columns:")
     return "\n".join([*lines, *map(_column, mapping.columns)]) + "\n"
 
 

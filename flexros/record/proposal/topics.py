@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from flexros.errors import InputError
+from flexros.record.proposal.found_signals import FoundSignals
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -22,27 +22,7 @@ _REFERENCES = ("reference", "desired")
 """Fields of JointTrajectoryControllerState, in present and former distributions."""
 
 
-@dataclass(frozen=True)
-class BagTopics:
-    """Signals of the joints of a bag.
-
-    Attributes:
-        states: Topic of the measured states.
-        signals: Name of the signal by quantity and joint of the bag.
-        ignored: Topics with numbers that were left out, with the reason.
-    """
-
-    states: str
-    signals: Mapping[str, Mapping[str, str]]
-    ignored: Mapping[str, str] = field(default_factory=dict)
-
-    @property
-    def joints(self) -> tuple[str, ...]:
-        """Joints with a measured position, in the order of the messages."""
-        return tuple(self.signals["position"])
-
-
-def bag_topics(names: Iterable[str], bag: str) -> BagTopics:
+def bag_topics(names: Iterable[str], bag: str) -> FoundSignals:
     """Find states, commands and references among the signals of a bag.
 
     Args:
@@ -81,7 +61,7 @@ def bag_topics(names: Iterable[str], bag: str) -> BagTopics:
                     signals[quantity] = dict(found[topic][f"{kind}.{label}"])
                     used.add(topic)
     ignored = {topic: _why_left_out(topic, found, states) for topic in topics if topic not in used}
-    return BagTopics(states, signals, ignored)
+    return FoundSignals(states, signals, ignored)
 
 
 def _is_command(topic: str) -> bool:

@@ -12,23 +12,27 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from flexros.arrays import FloatArray
+    from flexros.logs.foreign.mapping import Clock
     from flexros.record.proposal.effort_unit import EffortUnit
+    from flexros.record.proposal.found_signals import FoundSignals
     from flexros.record.proposal.joints import JointMatch
-    from flexros.record.proposal.topics import BagTopics
     from flexros.robot import Robot
 
 STATES = ("position", "velocity", "measured_torque")
 """Quantities of the topic of states."""
 
 
-def about_topics(topics: BagTopics, quantities: Iterable[str], joint: str) -> list[Assumption]:
-    """State which topic holds which quantity.
+def about_topics(topics: FoundSignals, quantities: Iterable[str], joint: str) -> list[Assumption]:
+    """State which topic or which columns hold which quantity.
 
     Args:
-        topics: The topics of the bag.
+        topics: The signals of the bag or table.
         quantities: Quantities that are used.
         joint: A joint of the bag.
     """
+    if topics.time:
+        text = "; ".join(f"{_words(one)}: {', '.join(topics.signals[one].values())}" for one in quantities)
+        return [Assumption("columns", text, "words in their names", True)]
     states = ", ".join(_words(quantity) for quantity in quantities if quantity in STATES)
     found = [Assumption("topics", f"{topics.states} holds {states}", "names and fields of the topics", True)]
     for quantity in quantities:
@@ -38,15 +42,17 @@ def about_topics(topics: BagTopics, quantities: Iterable[str], joint: str) -> li
     return found
 
 
-def about_rate(time: FloatArray) -> Assumption:
+def about_rate(time: FloatArray, clock: Clock | None = None) -> Assumption:
     """State the rate of the positions.
 
     Args:
         time: Their times [s], shape (n,).
+        clock: The column of times of a table; None for messages.
     """
     duration, longest = float(time[-1] - time[0]), 1e3 * float(np.diff(time).max(initial=0.0))
     text = f"{(len(time) - 1) / duration:.5g} Hz over {duration:.4g} s, longest interval {longest:.3g} ms"
-    return Assumption("rate", text, "stamps of the messages", True)
+    ground = "stamps of the messages" if clock is None else f"column {clock.column}, taken in {clock.unit}"
+    return Assumption("rate", text, ground, True)
 
 
 def about_joints(robot: Robot | None, matches: Sequence[JointMatch]) -> list[Assumption]:
@@ -58,20 +64,20 @@ def about_joints(robot: Robot | None, matches: Sequence[JointMatch]) -> list[Ass
     """
     text = ", ".join(f"{match.motor} = {match.joint}" for match in matches)
     if robot is None:
-        ground = "no model was given: the joints of the bag in the order of its messages"
+        ground = "no model was given: the joints of the log in their order"
         return [Assumption("joints", text, ground, False)]
     if any(match.found == "order" for match in matches):
-        ground, sure = f"no name of robot {robot.name} is in the bag: by their order in the messages", False
+        ground, sure = f"no name of robot {robot.name} is in the log: by their order", False
     elif any(match.found != "name" for match in matches):
-        ground, sure = "the names of the bag end with those of the model", True
+        ground, sure = "the names in the log end with those of the model", True
     else:
-        ground, sure = "the names of the bag are those of the model, whatever their order in the messages", True
+        ground, sure = "the names in the log are those of the model, whatever their order", True
     against = [match.joint for match in matches if match.sign < 0]
     if against:
-        signs = f"{', '.join(against)} with the opposite sign, all others as in the bag"
+        signs = f"{', '.join(against)} with the opposite sign, all others as in the log"
         why = "the axis of the URDF points against that of the robot file there"
     else:
-        signs, why = "all joints count as in the bag", "no axis of the robot file is said to be opposite"
+        signs, why = "all joints count as in the log", "no axis of the robot file is said to be opposite"
     return [Assumption("joints", text, ground, sure), Assumption("signs", signs, why, True)]
 
 
@@ -79,13 +85,14 @@ def _words(quantity: str) -> str:
     return quantity.replace("_", " ")
 
 
-def about_effort(topic: str, found: EffortUnit, robot: Robot) -> Assumption:
+def about_effort(topic: str, found: EffortUnit, robot: Robot, said: str) -> Assumption:
     """State what an effort is taken for.
 
     Args:
         topic: Its topic.
         found: What the comparison with the model shows.
         robot: The model.
+        said: What says that efforts are torques in Nm.
     """
     opposite = [name for name, sign in zip(robot.joint_names, found.signs, strict=True) if sign < 0]
     taken = f"effort of {topic}: torque in {found.unit}"
@@ -95,7 +102,7 @@ def about_effort(topic: str, found: EffortUnit, robot: Robot) -> Assumption:
     if opposite:
         taken += f", opposite at {', '.join(opposite)}"
     if not found.compared:
-        ground = "sensor_msgs says so; friction, or little motion, hides what the model needs, so that nothing shows it"
+        ground = f"{said}; friction, or little motion, hides what the model needs, so that nothing shows it"
         return Assumption("effort", taken, ground, False)
     sizes = ", ".join(f"{name} {factor:.3g}" for name, factor in found.compared.items())
     ground = (

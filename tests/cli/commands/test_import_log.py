@@ -124,7 +124,8 @@ def test_without_a_folder_the_mapping_alone_is_written(flexros, bag, tmp_path: P
     ("arguments", "message"),
     [
         (["emps"], "emps is given without files"),
-        (["log.csv"], "no ROS 2 bag"),
+        (["log.csv"], "no column whose name says that it is a time"),
+        (["other.csv"], "there is no file other.csv"),
         (["emps", "log.csv"], "--out: no folder"),
         (["emps", "log.csv", "--out", "log", "--model", "two_mass"], "--model: two_mass"),
     ],

@@ -220,3 +220,20 @@ def test_a_raised_gain_of_a_servo_goes_before_the_friction_that_it_took_to_its_l
     found = search.within_limits(CandidateFit(predictor, theta, chi2_of(predictor, search.data, theta[:, None])[0]))
     assert found.names == {friction.name}
     assert found.predictor.values(found.theta)[0]["level"] == pytest.approx(0.25, rel=0.05)
+
+
+@pytest.mark.parametrize(("named", "shown"), [
+    (("motor_inertia_error@motor_1", "coulomb_friction@motor_1"), {"motor_inertia_error@motor_1"}),
+    (("torque_gain_error@motor_1",), {"torque_gain_error@motor_1"}),
+    (("torque_gain_error@motor_1", "motor_inertia_error@motor_1"), set()),
+])  # fmt: skip
+def test_a_relative_error_that_replaces_one_that_torques_show_is_shown_but_not_both(
+    named: tuple[str, ...], shown: set[str]
+) -> None:
+    search, every = search_of(), candidates_of()
+
+    def fit(*names: str) -> CandidateFit:
+        predictor = search.null.predictor(tuple(every[name] for name in names))
+        return CandidateFit(predictor, np.zeros(predictor.n_effect + len(search.null.fit.deviations)), 0.0)
+
+    assert replace(search, base=fit("motor_inertia_error@motor_1")).shown_by_torques(fit(*named)) == shown

@@ -67,6 +67,9 @@ class Search:
         self.settings = DiagnosisSettings()
         self.deadline = Deadline()
 
+    def shown_by_torques(self, fit: Fit) -> frozenset[str]:
+        return self.base.names & fit.names
+
     def surroundings(self, fit: Fit) -> Any:
         return SimpleNamespace(least=fit.chi2, fall=self.fall)
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from flexros.errors import InputError
+from flexros.logs.foreign.mapping import Clock
 from flexros.record.proposal.propose import propose_mapping, robot_in_bag
 from flexros.robot import load_robot
 
@@ -93,3 +96,21 @@ def test_robot_of_the_description_in_the_bag(written) -> None:
 def test_bag_of_another_robot_is_refused(written) -> None:
     with pytest.raises(InputError, match="robot elbow"):
         propose_mapping(written(), load_robot("elbow"))
+
+
+def test_a_table_is_proposed_by_the_names_of_its_columns(tmp_path: Path) -> None:
+    """Cells that are empty and times that repeat are normal life."""
+    time = np.arange(2000) / 100
+    q = np.rad2deg(np.column_stack([2 * np.sin(time), np.cos(time)]))
+    rows = np.column_stack([1e3 * time, q, 0.1 * q])
+    rows[3, 1], rows[7, 0] = np.nan, rows[6, 0]
+    file = tmp_path / "run.csv"
+    np.savetxt(file, rows, delimiter=",", header="time,q2,q1,tau2,tau1", comments="")
+    found = propose_mapping(file, None)
+    assert found.mapping.time == Clock(column="time", unit="ms")
+    assert [(one.column, one.joint, one.unit) for one in found.mapping.columns] == [
+        ("q1", "motor_1", "deg"), ("q2", "motor_2", "deg"), ("tau1", "motor_1", "Nm"), ("tau2", "motor_2", "Nm"),
+    ]  # fmt: skip
+    assert found.log.joint_states.position is not None
+    assert found.log.joint_states.position[0] == pytest.approx([1.0, 0.0])
+    assert "names of columns say so" in about(found, "effort")[0].ground

@@ -1,0 +1,119 @@
+"""Which columns of a table hold which quantity, by the words of their names: time, q1, dq1, tau1, elbow_position."""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.errors import InputError
+from flexros.logs.foreign.mapping import Clock
+from flexros.logs.foreign.quantities import TIME_UNITS
+from flexros.record.proposal.found_signals import FoundSignals
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.arrays import FloatArray
+
+_TOKEN = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+")
+_KINDS = {
+    "position": "q pos position positions angle angles theta th",
+    "velocity": "dq qd qdot vel velocity velocities speed speeds omega",
+    "torque": "tau torque torques trq effort efforts moment u",
+    "acceleration": "ddq qdd qddot acc acceleration accelerations",
+    "current": "current currents cur i",
+}
+_KIND = {word: kind for kind, words in _KINDS.items() for word in words.split()}
+_WANTED = {"ref", "reference", "des", "desired", "target", "setpoint", "d"} | {
+    "cmd", "command", "commands", "commanded", "goal"
+}  # fmt: skip
+_TIMES = {"t", "time", "timestamp", "timestamps", "stamp", "clock"}
+_SECONDS = {"s": "s", "sec": "s", "secs": "s", "seconds": "s"} | {unit: unit for unit in TIME_UNITS}
+_FILLING = {
+    "joint", "joints", "j", "motor", "m", "axis", "actual", "act", "measured", "meas", "state", "states", "raw",
+    "filtered", "present", "rad", "deg", "nm", "in", "of", "the",
+}  # fmt: skip
+"""Words of a name that say neither quantity nor joint."""
+_FASTEST, _SLOWEST = 50_000.0, 2.0
+"""Rates between which a log is expected, by which the unit of its times is told [Hz] (chosen)."""
+
+
+def table_signals(names: Sequence[str], file: str) -> FoundSignals:
+    """Find time, states, commands and references among the columns of a table.
+
+    Args:
+        names: Names of its columns.
+        file: The file, for error messages.
+
+    Raises:
+        InputError: No column is a time, or none a position.
+    """
+    signals: dict[str, dict[str, str]] = defaultdict(dict)
+    ignored, times = {}, list[str]()
+    for name in names:
+        words = [token.lower() for token in _TOKEN.findall(name)]
+        if words and words[0] in _TIMES and set(words) <= _TIMES | set(_SECONDS):
+            times.append(name)
+            continue
+        quantity, joint = _meaning(words)
+        if quantity is None:
+            ignored[name] = joint
+        elif joint in signals[quantity]:
+            ignored[name] = f"{signals[quantity][joint]} is taken"
+        else:
+            signals[quantity][joint] = name
+    if not signals["position"] or not times:
+        lacking, rate = ("position", "") if not signals["position"] else ("time", ", with 'time: {rate: HZ}'")
+        raise InputError(
+            f"{file} has no column whose name says that it is a {lacking} (time; q1, position_1, elbow_pos); its "
+            f"columns are {', '.join(names)}: rename them, or write a mapping file{rate} and give it with its files"
+        )
+    if "reference_position" in signals and not {"measured_torque", "torque_command"} & signals.keys():
+        signals["position_command"] = signals.pop("reference_position")  # nothing else drives the robot
+    ordered = {quantity: dict(sorted(own.items(), key=_place)) for quantity, own in signals.items() if own}
+    return FoundSignals(file, ordered, ignored, times[0])
+
+
+def _meaning(words: Sequence[str]) -> tuple[str | None, str]:
+    """Return quantity and joint by the words of a name, or None and why there is none."""
+    kinds = [_KIND[word] for word in words if word in _KIND]
+    if not kinds:
+        return None, "its name says no quantity"
+    kind, wanted = kinds[0], bool(_WANTED & set(words))
+    if kind == "position" and "dot" in words:
+        kind = "velocity"
+    left = [word for word in words if word not in _WANTED | _KIND.keys() | {"dot"}]
+    own = [word for word in left if word not in _FILLING]
+    joint = "_".join(left if any(word.isalpha() for word in own) else own)
+    if kind == "current":
+        return None, "a current needs a torque constant: map it by hand"
+    if kind == "acceleration":
+        return None, "not needed"
+    if kind == "torque":
+        return "torque_command" if wanted or "u" in words else "measured_torque", joint
+    return f"reference_{kind}" if wanted else kind, joint
+
+
+def _place(own: tuple[str, str]) -> tuple[int, ...]:
+    """Order numbered joints by their numbers; others stay in the order of the file."""
+    return tuple(int(word) for word in own[0].split("_")) if re.fullmatch(r"\d+(_\d+)*", own[0]) else ()
+
+
+def clock_of_column(name: str, values: FloatArray) -> Clock:
+    """Return the clock of a time column, whose unit its name tells, or else the rate.
+
+    Args:
+        name: Name of the column.
+        values: Its values, shape (n,).
+    """
+    for word in _TOKEN.findall(name):
+        if word.lower() in _SECONDS:
+            return Clock(column=name, unit=_SECONDS[word.lower()])
+    step = float(np.median(np.diff(values))) if len(values) > 1 else 1.0
+    for unit, size in TIME_UNITS.items():
+        if step > 0 and _SLOWEST <= 1 / (step * size) <= _FASTEST:
+            return Clock(column=name, unit=unit)
+    return Clock(column=name)

@@ -1,0 +1,31 @@
+"""The signals of a file by quantity and joint, as their names tell them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+
+@dataclass(frozen=True)
+class FoundSignals:
+    """Signals of the joints of a bag or a table.
+
+    Attributes:
+        states: Topic of the measured states of a bag; the file of a table.
+        signals: Name of the signal by quantity and joint of the file.
+        ignored: Topics or columns with numbers that were left out, with the reason.
+        time: Column of the times of a table; empty for a bag, whose messages have stamps.
+    """
+
+    states: str
+    signals: Mapping[str, Mapping[str, str]]
+    ignored: Mapping[str, str] = field(default_factory=dict)
+    time: str = ""
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Joints with a measured position, in the order of the messages, or of their numbers."""
+        return tuple(self.signals["position"])

@@ -1,0 +1,63 @@
+"""Columns of a table by the words of their names."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexros.errors import InputError
+from flexros.record.proposal.columns import clock_of_column, table_signals
+
+
+@pytest.mark.parametrize(("names", "expected"), [
+    (["t", "q1", "q2", "dq1", "dq2", "tau1", "tau2"],
+     {"position": ["q1", "q2"], "velocity": ["dq1", "dq2"], "measured_torque": ["tau1", "tau2"]}),
+    (["time", "u_0", "q_0", "q_d_0"],
+     {"position": ["q_0"], "torque_command": ["u_0"], "reference_position": ["q_d_0"]}),
+    (["timestamp", "target_q_0", "actual_q_0", "actual_qd_0", "target_qd_0", "target_moment_0"],
+     {"position": ["actual_q_0"], "velocity": ["actual_qd_0"], "reference_position": ["target_q_0"],
+      "reference_velocity": ["target_qd_0"], "torque_command": ["target_moment_0"]}),
+    (["time_ms", "elbowPosition", "shoulderPosition", "elbowTorque", "shoulderTorque"],
+     {"position": ["elbowPosition", "shoulderPosition"], "measured_torque": ["elbowTorque", "shoulderTorque"]}),
+    (["t", "q[0]", "q[1]", "tau[0]", "tau[1]"],
+     {"position": ["q[0]", "q[1]"], "measured_torque": ["tau[0]", "tau[1]"]}),
+    (["t", "goal_position", "present_position"],
+     {"position": ["present_position"], "position_command": ["goal_position"]}),
+    (["t", "q1", "q1dot", "effort1"], {"position": ["q1"], "velocity": ["q1dot"], "measured_torque": ["effort1"]}),
+])  # fmt: skip
+def test_usual_names_tell_their_quantity(names: list[str], expected: dict[str, list[str]]) -> None:
+    found = table_signals(names, "log.csv")
+    assert {quantity: list(own.values()) for quantity, own in found.signals.items()} == expected
+    assert found.time == names[0]
+
+
+def test_numbered_joints_are_in_the_order_of_their_numbers() -> None:
+    found = table_signals(["t", *(f"q{k}" for k in (10, 2, 1))], "log.csv")
+    assert found.joints == ("1", "2", "10")
+
+
+def test_named_joints_keep_their_names() -> None:
+    found = table_signals(["t", "shoulder_pan_joint_pos", "elbow_joint_pos"], "log.csv")
+    assert found.joints == ("shoulder_pan_joint", "elbow_joint")
+
+
+def test_what_is_left_out_has_a_reason() -> None:
+    found = table_signals(["t", "q1", "q1_filtered", "current1", "ddq1", "temperature"], "log.csv")
+    assert {name: reason.split()[0] for name, reason in found.ignored.items()} == {
+        "q1_filtered": "q1", "current1": "a", "ddq1": "not", "temperature": "its"
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(("names", "lacking"), [(["t", "a", "b"], "position"), (["q1", "tau1"], "time")])
+def test_a_table_whose_names_tell_nothing_is_refused(names: list[str], lacking: str) -> None:
+    with pytest.raises(InputError, match=rf"^log.csv has no column whose name says that it is a {lacking}"):
+        table_signals(names, "log.csv")
+
+
+@pytest.mark.parametrize(("name", "step", "unit"), [
+    ("t", 0.002, "s"), ("time", 2.0, "ms"), ("stamp", 2000.0, "us"), ("stamp", 2e6, "ns"), ("t", 0.0, "s"),
+    ("time_ms", 1.0, "ms"), ("timestamp_ns", 1e6, "ns"), ("time [s]", 0.1, "s"),
+])  # fmt: skip
+def test_the_unit_of_times_follows_from_the_name_or_the_rate(name: str, step: float, unit: str) -> None:
+    clock = clock_of_column(name, step * np.arange(50.0))
+    assert (clock.column, clock.unit) == (name, unit)
