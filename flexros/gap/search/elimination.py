@@ -127,8 +127,8 @@ def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit
     while needless := [name for name in _needless(search, fit, removed) if name not in kept]:
         tried = needless[:1] if alone else needless
         fits.append(search.without(fit, *tried))
-        further = set(tried) - search.base.names
-        measured = search.base is not search.null.fit
+        further = set(tried) - search.of_torques
+        measured = search.from_torques
         if further and measured and strains(search, compared(search, [fits[-1]]), fit, fits[-1]):
             # linear theory does not see what numbers of the model take over far from their tolerance, nor without which
             kept |= further if len(further) == 1 else set()
@@ -157,7 +157,7 @@ def one_by_one(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> C
         if not needless:
             break
         fits.append(search.completed(search.without(fit, needless[0])))
-        of_torques = needless[0] in search.base.names
+        of_torques = needless[0] in search.of_torques
         if not of_torques and worth(search, compared(search, [fits[-1], fit]), fits[-1], fit, removed):
             kept.add(needless[0])
         else:
@@ -186,7 +186,7 @@ def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
     for candidate, least, parameters in zip(fit.hypothesis, without, sizes, strict=True):
         cheaper = least * n ** (-len(candidate.free) / n)  # of the same score as with the parameters of the effect
         before, after = replace(fit, chi2=cheaper), replace(fit, chi2=every)
-        if candidate.name in search.base.names:
+        if candidate.name in search.of_torques:
             clear, tolerated = search.settings.search.clear_in_torques, _tolerated(search, candidate)
             most = {one.name: one.high for one in candidate.free}
             nothing = _tolerated_torque(search, candidate)
@@ -203,7 +203,7 @@ def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
         return [candidate.name for _, candidate in sorted(needless, key=lambda pair: pair[0])]
     ordered = [one for _, one in sorted(needless, key=lambda pair: -pair[0])]  # the least one is last
     first = {one.location: one.name for one in ordered}
-    further = {one.location: one.name for one in ordered if one.name not in search.base.names}
+    further = {one.location: one.name for one in ordered if one.name not in search.of_torques}
     return list((first | further).values())
 
 

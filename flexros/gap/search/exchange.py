@@ -37,7 +37,7 @@ def exchanged(
         fits: All fits so far; new ones are appended.
     """
     settings = search.settings.search
-    for _ in range(settings.rounds if len(fit.hypothesis) > 1 else 0):
+    for _ in range(settings.rounds if len(fit.hypothesis) > 1 or search.resumed else 0):
         if search.deadline.stops():
             break
         exchanges = [
@@ -127,7 +127,7 @@ def _replacements(
         competing = directions
         if candidate.effect.harmonics:
             competing = [*directions, *search.directions(search.harmonics_in_place(fit, candidate), fit)]
-        if candidate.name in search.base.names:
+        if candidate.name in search.of_torques:
             competing = [one for one in directions if _alike(one.candidate, candidate)]
         if competing:
             numbers, additions = search.settings.search, search.additions(competing, fit, rest)
