@@ -66,6 +66,8 @@ class FitData:
             than noise, the prior of tolerated parameters weighs as much more.
         line: What acts at one frequency, which is projected out of the errors of the motors; None for nothing.
         torques: Errors of the torques of a measured log, which count as well; None where they tell no more.
+        least_level: Torque noise that the predictor would allow for if the model were not far off [1]; infinite where
+            that does not matter, as in logs of real machines.
     """
 
     record: Record
@@ -85,6 +87,7 @@ class FitData:
     misfit: float = 1.0
     line: Line | None = None
     torques: TorqueErrors | None = None
+    least_level: float = np.inf
 
     @property
     def counted(self) -> BoolArray:
@@ -336,7 +339,7 @@ def _followed(
     data, predicted = _weighed(nominal, beginning, settings, level, around)
     while not data.nominal_level <= numbers.far_off and 10 * data.level <= numbers.starting_level:
         data, predicted = _weighed(nominal, beginning, settings, 10 * data.level, around)
-    return data, predicted
+    return replace(data, least_level=level), predicted
 
 
 def _weighed(

@@ -49,7 +49,7 @@ def looser_null(
         tolerance of its torques says.
     """
     data, fit = null.data, null.fit if around is None else around
-    if not record.premises.floor_is_noise or data.line is not None:
+    if not data.least_level < data.level or data.line is not None:
         return None
     again = fit_data(record, null.model, settings, data.measurement, around=(fit.predictor, fit.theta))
     if not again.level < data.level:
