@@ -71,7 +71,7 @@ def explain(search: Search) -> Explanations:
     Every effect alone, then forward selection: several candidates at a time whose gains add up, all fitted again
     together, and those that turn out to remove little left out again. What counts is the removal of an effect at the
     end, with all others in place: at the beginning each of many true effects removes only a small part of the gap.
-    A search that is resumed begins with the explanation that it has, and what that took in place of others is exchanged.
+    A search that is resumed begins with the explanation that it has, and exchanges what that took in place of others.
 
     Args:
         search: The log, the nominal model fitted to it and the settings.
