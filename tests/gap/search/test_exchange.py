@@ -63,7 +63,7 @@ def test_relative_errors_that_torques_show_compete_with_others_at_their_motor(
     directions: Any = [SimpleNamespace(candidate=every[one]) for one in names]
     search: Any = SimpleNamespace(
         settings=DiagnosisSettings(),
-        base=SimpleNamespace(names=frozenset({name})),
+        of_torques=frozenset({name}),
         additions=lambda competing, *_: [SimpleNamespace(candidate=one.candidate, gain=9.0) for one in competing],
         surroundings=lambda _: None,
         removals=lambda *_: [SimpleNamespace(least=20.0)],
@@ -89,7 +89,7 @@ def exchanges(
 
     search: Any = SimpleNamespace(
         settings=DiagnosisSettings(),
-        base=SimpleNamespace(names=frozenset()),
+        of_torques=frozenset(),
         additions=lambda competing, *_: [
             SimpleNamespace(candidate=one.candidate, gain=found[one.candidate.name]) for one in competing
         ],
