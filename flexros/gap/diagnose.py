@@ -28,7 +28,7 @@ from flexros.gap.prediction.driven_model import driven_model
 from flexros.gap.progress import Stages
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.search.forward_selection import explain
-from flexros.gap.search.looser import looser_null, looser_search
+from flexros.gap.search.looser import found_looser, looser_null
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.search.servo_start import fit_of_servos
 from flexros.gap.search.torque_start import base_fit, first_values, on_null, torque_start, with_torques
@@ -210,9 +210,7 @@ class _Task:
 
         stages.begin("causes", 0.85)
         search = prepare_search(null, settings, stages.inner, deadline, base)
-        explanations = explain(search)
-        while (found := looser_search(search, explanations.chosen, fitted, tolerated)) is not None:
-            search, explanations = found, explain(found)
+        search, explanations = found_looser(search, explain(search), fitted, tolerated)
         if search.null is not null:
             null, prediction = search.null, prediction_of(search.null.fit, search.null.data)
         best = explanations.chosen if search.resumed else null.fit

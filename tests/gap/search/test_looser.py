@@ -11,8 +11,9 @@ from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.diagnose import diagnose
 from flexros.gap.fit.null_fit import NullFit, fit_null
 from flexros.gap.residuals.fit_data import fit_data
-from flexros.gap.search.forward_selection import explain
-from flexros.gap.search.looser import looser_null, looser_search
+from flexros.gap.search.candidate_fits import Search
+from flexros.gap.search.forward_selection import Explanations, explain
+from flexros.gap.search.looser import found_looser, looser_null
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.settings import DiagnosisSettings
 from tests.gap.diagnosis_logs import MODEL, ROBOT, record_of, settings_of
@@ -45,17 +46,31 @@ def test_a_log_that_is_tied_as_its_tolerance_says_stays_so() -> None:
     assert looser_null(null, record, Tolerance(), DiagnosisSettings()) is None
 
 
+def first_search() -> tuple[Search, Explanations]:
+    """Search a log whose large effect ties it closely."""
+    settings = settings_of("coulomb_friction", "viscous_friction", "torque_bias")
+    data = fit_data(record_of(LARGE, SMALL), MODEL, settings)
+    search = prepare_search(fit_null(data, MODEL, Tolerance()), settings)
+    return search, explain(search)
+
+
 def test_a_search_goes_on_from_an_explanation_in_the_log_tied_more_loosely() -> None:
-    record, settings = record_of(LARGE, SMALL), settings_of("coulomb_friction", "viscous_friction", "torque_bias")
-    search = prepare_search(fit_null(fit_data(record, MODEL, settings), MODEL, Tolerance()), settings)
-    first = explain(search)
+    search, first = first_search()
     assert search.data.level > search.data.least_level
-    again = looser_search(search, first.chosen, record, Tolerance())
-    assert again is not None
+    again, found = found_looser(search, first, record_of(LARGE, SMALL), Tolerance())
     assert again.data.level == search.data.least_level
     assert again.resumed
-    assert again.base.names == first.chosen.names
     assert again.of_torques == frozenset()
+    assert found.chosen.names > first.chosen.names
+
+
+def test_where_a_looser_tie_shows_what_no_effect_explains_the_explanation_before_stays(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """On a rigid arm what a Stribeck curve of another form left then got a ripple, a drift and Coulomb friction."""
+    search, first = first_search()
+    monkeypatch.setattr("flexros.gap.search.looser.explain", lambda again: replace(first, chosen=again.null.fit))
+    assert found_looser(search, first, record_of(LARGE, SMALL), Tolerance()) == (search, first)
 
 
 def test_a_small_effect_beside_one_that_is_far_off_is_named() -> None:
