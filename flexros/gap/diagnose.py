@@ -193,6 +193,7 @@ class _Task:
         give_memory_back()  # what was needed of a long log beside the part that is used
         data = fit_data(fitted, model, settings)
         measurement = measurement_in(held, model.robot, data.measurement, settings)
+        held_data = fit_data(held, model, settings, measurement, data.level)
         start = torque_start(data, model, tolerated, settings)
         data = with_torques(data, start)
         null, base = _first_fits(data, model, tolerated, start, settings, deadline)
@@ -214,8 +215,9 @@ class _Task:
         if search.null is not null:
             null, prediction = search.null, prediction_of(search.null.fit, search.null.data)
         best = explanations.chosen if search.resumed else null.fit
-        around = (best.predictor, best.theta) if search.resumed else None
-        held_data = fit_data(held, model, settings, measurement, null.data.level, around)
+        if null.data.level < data.level:
+            around = (best.predictor, best.theta) if search.resumed else None
+            held_data = fit_data(held, model, settings, measurement, null.data.level, around)
         held_data = held_data.with_tool_frame_of(best.predictor, best.theta)
         return _Searched(null, held_data, unknown, prediction, excess, search, explanations)
 
