@@ -28,6 +28,7 @@ from flexros.gap.prediction.driven_model import driven_model
 from flexros.gap.progress import Stages
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.search.forward_selection import explain
+from flexros.gap.search.looser import found_looser, looser_null
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.search.servo_start import fit_of_servos
 from flexros.gap.search.torque_start import base_fit, first_values, on_null, torque_start, with_torques
@@ -199,7 +200,9 @@ class _Task:
         shift = shift_of_noted(base or null.fit, null, settings)
         if shift is not None:
             return self.searched(in_time(record, shift), stages)
-        held_data = held_data.with_tool_frame_of(null.fit.predictor, null.fit.theta)
+        if start is None:
+            while (looser := looser_null(null, fitted, tolerated, settings, stop=deadline.of_fit())) is not None:
+                null = looser
         prediction = prediction_of(null.fit, null.data)
 
         stages.begin("where", 0.1)
@@ -208,7 +211,15 @@ class _Task:
 
         stages.begin("causes", 0.85)
         search = prepare_search(null, settings, stages.inner, deadline, base)
-        return _Searched(null, held_data, unknown, prediction, excess, search, explain(search))
+        search, explanations = found_looser(search, explain(search), fitted, tolerated)
+        if search.null is not null:
+            null, prediction = search.null, prediction_of(search.null.fit, search.null.data)
+        best = explanations.chosen if search.resumed else null.fit
+        if null.data.level < data.level:
+            around = (best.predictor, best.theta) if search.resumed else None
+            held_data = fit_data(held, model, settings, measurement, null.data.level, around)
+        held_data = held_data.with_tool_frame_of(best.predictor, best.theta)
+        return _Searched(null, held_data, unknown, prediction, excess, search, explanations)
 
     def answered(self, found: _Searched, stages: Stages) -> DiagnosisResult:
         """Decide what the explanations say, and check them on the held-out log.

@@ -60,11 +60,14 @@ class FitData:
         pose: Arm coordinates at which the gain was computed [rad or m], shape (N,); None for home.
         initial_state_errors: Effect of initial-state errors, which is projected out; None for a log that begins in
             motion, whose first samples are not used.
-        nominal_level: Mean squared weighted prediction error of the motors by the nominal model [1].
+        nominal_level: Mean squared weighted prediction error of the motors by the nominal model, or by the explanation
+            around which the log was weighed [1].
         misfit: Mean squared weighted prediction error that no candidate removes [1]: where a model leaves much more
             than noise, the prior of tolerated parameters weighs as much more.
         line: What acts at one frequency, which is projected out of the errors of the motors; None for nothing.
         torques: Errors of the torques of a measured log, which count as well; None where they tell no more.
+        least_level: Torque noise that the predictor would allow for if the model were not far off [1]; infinite where
+            that does not matter, as in logs of real machines.
     """
 
     record: Record
@@ -84,6 +87,7 @@ class FitData:
     misfit: float = 1.0
     line: Line | None = None
     torques: TorqueErrors | None = None
+    least_level: float = np.inf
 
     @property
     def counted(self) -> BoolArray:
@@ -283,6 +287,7 @@ def fit_data(
     settings: DiagnosisSettings,
     measurement: Measurement | None = None,
     level: float | None = None,
+    around: tuple[Predictor, FloatArray] | None = None,
 ) -> FitData:
     """Prepare a log for a fit: compute observer gain, initial state and weights.
 
@@ -301,45 +306,57 @@ def fit_data(
         settings: Settings of the diagnosis.
         measurement: Noise of the encoders from another log of the same robot; None to measure it in this one.
         level: Torque noise that the predictor allows for, as for another log of the same robot [1]; None to choose it.
+        around: Predictor and parameters of an explanation, around which the log is weighed in place of the nominal
+            model: how far that one is off does not matter then.
 
     Raises:
-        InputError: The prediction of the nominal model diverges.
+        InputError: The prediction diverges.
     """
     measurement = measurement_of(record, model.robot, settings) if measurement is None else measurement
     nominal = ObservedModel.of(record, model, measurement, settings.residuals)
     beginning = nominal.beginning()
+    around = (nominal.predictor, NOTHING[:, 0]) if around is None else around
     if level is None and record.premises.floor_is_noise:
-        data, predicted = _followed(nominal, beginning, settings)
+        data, predicted = _followed(nominal, beginning, settings, around)
     else:  # a measured log is tied as its tolerance says
-        data, predicted = _weighed(nominal, beginning, settings, settings.level if level is None else level)
+        data, predicted = _weighed(nominal, beginning, settings, settings.level if level is None else level, around)
     _check_bounded(predicted, beginning.record)
-    data = _with_tool(data, nominal.predictor, np.zeros(0))
-    data = _with_sensors(data, nominal.predictor, predicted)
-    return _with_initial_state_errors(data, nominal.predictor, np.zeros(0))
+    data = _with_tool(data, *around)
+    if record.sensors:
+        data = _with_sensors(data, nominal.predictor, data.predict(nominal.predictor, NOTHING, record_states=True))
+    return _with_initial_state_errors(data, *around)
 
 
 def _followed(
-    nominal: ObservedModel, beginning: Beginning, settings: DiagnosisSettings
+    nominal: ObservedModel,
+    beginning: Beginning,
+    settings: DiagnosisSettings,
+    around: tuple[Predictor, FloatArray],
 ) -> tuple[FitData, LoopPrediction]:
     """Weigh a log with an observer that settles early and follows it more closely while the model is far off."""
     numbers = settings.residuals
     level = nominal.settled_level(settings.level, beginning.record.n_samples)
-    data, predicted = _weighed(nominal, beginning, settings, level)
+    data, predicted = _weighed(nominal, beginning, settings, level, around)
     while not data.nominal_level <= numbers.far_off and 10 * data.level <= numbers.starting_level:
-        data, predicted = _weighed(nominal, beginning, settings, 10 * data.level)
-    return data, predicted
+        data, predicted = _weighed(nominal, beginning, settings, 10 * data.level, around)
+    return replace(data, least_level=level), predicted
 
 
 def _weighed(
-    nominal: ObservedModel, beginning: Beginning, settings: DiagnosisSettings, level: float
+    nominal: ObservedModel,
+    beginning: Beginning,
+    settings: DiagnosisSettings,
+    level: float,
+    around: tuple[Predictor, FloatArray],
 ) -> tuple[FitData, LoopPrediction]:
-    """Weigh the motors of a log, and predict it with the nominal model.
+    """Weigh the motors of a log, and predict it.
 
     Args:
         nominal: The nominal model.
         beginning: How the log begins.
         settings: Settings of the diagnosis.
         level: Torque noise that the observer allows for, relative [1].
+        around: Predictor and parameters of what predicts the log.
     """
     record, gain, measurement = beginning.record, nominal.gain(level), nominal.measurement
     lost = lost_commands(record, nominal.predictor, gain, beginning.state, nominal.pose, settings.residuals)
@@ -359,7 +376,8 @@ def _weighed(
         lead_in=beginning.lead_in,
         pose=nominal.pose,
     )
-    predicted = data.predict(nominal.predictor, NOTHING, record_states=bool(data.record.sensors))
+    predictor, theta = around
+    predicted = data.predict(predictor, theta[:, None])
     errors = data.weighted(predicted.innovation[:, :, :1])
     return replace(data, nominal_level=float(np.sum(errors**2) / np.isfinite(spread).sum())), predicted
 

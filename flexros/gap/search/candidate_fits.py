@@ -57,11 +57,13 @@ class Search(LogFits):
     """The common ground of all fits of candidates to one log.
 
     Attributes:
-        base: The fit around which candidates are screened: that of the nominal model, or of what the torques show.
+        base: The fit around which candidates are screened: that of the nominal model, of what the torques show, or the
+            explanation of an earlier search.
         base_residual: Its weighted prediction errors, shape (n_values,).
         scales: Largest torques, speeds and deflections of the log.
         distance: Sum of the squares by which the weighted prediction errors of two fits differ.
         competitors: Effects and locations that compete.
+        resumed: Whether the base is the explanation of an earlier search, in the same log tied more closely.
     """
 
     base: CandidateFit
@@ -69,12 +71,18 @@ class Search(LogFits):
     scales: Scales
     distance: Callable[[CandidateFit, CandidateFit], float]
     competitors: Competitors
+    resumed: bool = False
     _linearised: list[_Around] = field(init=False, default_factory=list)
 
     @property
     def from_torques(self) -> bool:
         """Whether the search begins with effects that the torques show, rather than with the nominal model."""
-        return self.base is not self.null.fit
+        return self.base is not self.null.fit and not self.resumed
+
+    @property
+    def of_torques(self) -> frozenset[str]:
+        """Names of these effects, effect@location; none where the search begins with others."""
+        return self.base.names if self.from_torques else frozenset()
 
     @property
     def torques_decide(self) -> bool:
@@ -91,9 +99,9 @@ class Search(LogFits):
         def shown(one: Candidate) -> bool:
             if any(alike(other, one) for other in fit.hypothesis if other is not one):
                 return False
-            return one.name in self.base.names or any(alike(other, one) for other in self.base.hypothesis)
+            return one.name in self.of_torques or any(alike(other, one) for other in self.base.hypothesis)
 
-        return names_of(tuple(filter(shown, fit.hypothesis)))
+        return names_of(tuple(filter(shown, fit.hypothesis))) if self.from_torques else frozenset()
 
     def candidates(self) -> tuple[Candidate, ...]:
         """List the candidates that come from the ranges of effects; those of harmonics follow from a fit.

@@ -128,7 +128,7 @@ def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit
         tried = needless[:1] if alone else needless
         fits.append(search.without(fit, *tried))
         further = set(tried) - search.shown_by_torques(fit)
-        measured = search.base is not search.null.fit
+        measured = search.from_torques
         if further and measured and strains(search, compared(search, [fits[-1]]), fit, fits[-1]):
             # linear theory does not see what numbers of the model take over far from their tolerance, nor without which
             kept |= further if len(further) == 1 else set()

@@ -71,6 +71,7 @@ def explain(search: Search) -> Explanations:
     Every effect alone, then forward selection: several candidates at a time whose gains add up, all fitted again
     together, and those that turn out to remove little left out again. What counts is the removal of an effect at the
     end, with all others in place: at the beginning each of many true effects removes only a small part of the gap.
+    A search that is resumed begins with the explanation that it has, and exchanges what that took in place of others.
 
     Args:
         search: The log, the nominal model fitted to it and the settings.
@@ -81,7 +82,7 @@ def explain(search: Search) -> Explanations:
     settings = search.settings.search
     null = search.null.fit
     directions = search.directions(search.candidates())
-    if search.from_torques:
+    if search.from_torques or search.resumed:
         fits = [search.base]
     else:
         fits = search.singles([*directions, *search.directions(search.harmonics(null))])
@@ -95,7 +96,7 @@ def explain(search: Search) -> Explanations:
     if search.from_torques:
         chosen = reduced(search, chosen, fits, settings.removed_by_step)
         chosen = with_asymmetry(search, chosen, fits)
-        dropped = [one for one in search.candidates() if one.name in search.base.names - chosen.names]
+        dropped = [one for one in search.candidates() if one.name in search.of_torques - chosen.names]
         directions += search.directions(dropped, chosen)  # beside another effect they may be needed
     first = chosen
     chosen = extended(search, chosen, directions, fits)
@@ -104,7 +105,7 @@ def explain(search: Search) -> Explanations:
         return explain(beside)
     if search.from_torques and chosen.names != first.names:
         chosen = with_dropped(search, chosen, fits)
-    if len(chosen.hypothesis) > 1:
+    if len(chosen.hypothesis) > 1 or search.resumed:
         chosen = resumed(search, chosen, tidied(search, chosen, directions, fits), directions, fits)
     elif search.deadline.over:
         chosen = search.completed(chosen)

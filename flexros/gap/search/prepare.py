@@ -33,6 +33,8 @@ def prepare_search(
     progress: Callable[[str, float], None] | None = None,
     deadline: Deadline | None = None,
     base: CandidateFit | None = None,
+    *,
+    resumed: bool = False,
 ) -> Search:
     """Prepare the fits of candidates to one log.
 
@@ -42,6 +44,7 @@ def prepare_search(
         progress: Called with the name of a step and the share of it that is done.
         deadline: When the search ends; default: once it is complete.
         base: The fit around which candidates are screened; default: that of the nominal model.
+        resumed: Whether the base is the explanation of an earlier search, in the same log tied more closely.
 
     Raises:
         InputError: The settings name an effect or a motor that does not exist.
@@ -61,6 +64,7 @@ def prepare_search(
         ),
         distance=_distances(data),
         settings=settings,
+        resumed=resumed,
         competitors=competitors(null.model.robot, settings.search, data.record.prescribed),
         threads=settings.cores,
         progress=progress,

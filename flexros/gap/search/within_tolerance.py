@@ -140,7 +140,7 @@ def without_tolerated(search: Search, chosen: CandidateFit, fits: list[Candidate
         stop = search.deadline.of_fit(finishing=True)
         return fit_candidate(predictor, data, start, most, enough=enough, settings=settings, stop=stop)
 
-    numbers = [one for one in chosen.hypothesis if takeover(one, chosen) and one.name not in search.base.names]
+    numbers = [one for one in chosen.hypothesis if takeover(one, chosen) and one.name not in search.of_torques]
     if not numbers:
         return chosen
     full = fitted(chosen.predictor, chosen.theta)

@@ -68,11 +68,23 @@ def worth(
     relieved = after.prior_penalty < (1 - removed) * before.prior_penalty
     if comparison.beyond_tolerance(before) and relieved and search.premises.floor_is_noise:
         return True
+    if search.premises.floor_is_noise and _down_to_noise(comparison, before, after):
+        return True
     return (
         comparison.removed(before, after) >= removed
         or _at_one_motor(search, comparison, before, after)
         or _constant(search, comparison, before, after)
     )
+
+
+def _down_to_noise(comparison: ModelComparison, before: CandidateFit, after: CandidateFit) -> bool:
+    """Return whether further effects leave no more than noise, and gain more than the form of all effects may miss.
+
+    What remains is known to within chance only, which may be most of it: the share that an effect removes says nothing
+    there. What it gains does, beyond the model-form error of the whole gap.
+    """
+    form = comparison.settings.shaped_form * (comparison.level(comparison.null) - 1.0)
+    return not more_than_chance(comparison, after) and comparison.level(before) - comparison.level(after) > form
 
 
 def _completes(comparison: ModelComparison, before: CandidateFit, after: CandidateFit) -> bool:

@@ -52,12 +52,13 @@ class Search:
         base: Effects that the torques show.
     """
 
-    torques_decide = True
+    torques_decide = from_torques = True
     fall = 0.0
 
     def __init__(self, chi2: dict[frozenset[str], float], estimated: dict[str, float], base: tuple[str, ...]) -> None:
         self.chi2, self.estimated = chi2, estimated
         self.base = Fit(base, 0.0)
+        self.of_torques = self.base.names
         robot = SimpleNamespace(n_coordinates=2, n_motors=2)
         tolerance = Tolerance(("motor_1.inertia",), (0.03,))
         null = SimpleNamespace(predictor=SimpleNamespace(tolerance=tolerance))

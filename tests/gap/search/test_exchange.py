@@ -10,7 +10,7 @@ import pytest
 
 from flexros.effects import effects
 from flexros.gap.candidates.candidate import Candidate
-from flexros.gap.search.exchange import _divisions, _replacements
+from flexros.gap.search.exchange import _divisions, _replacements, _stopped_early
 from flexros.gap.settings import DiagnosisSettings
 from flexros.record.premises import SIMULATED
 from tests.gap.diagnosis_logs import candidates_of
@@ -131,3 +131,25 @@ def test_the_other_harmonics_of_its_order_compete_with_a_harmonic() -> None:
     error = "transmission_error@motor_1"
     assert exchanges("torque_ripple@motor_1", 60.0, 80.0, harmonics=(error,)) == ["torque_bias@motor_1", error]
     assert exchanges("coulomb_friction@motor_1", 60.0) == ["torque_bias@motor_1"]
+
+
+@pytest.mark.parametrize(
+    ("name", "rise", "converged", "early"),
+    [
+        ("actuator_lag@motor_1", 30.0, False, True),
+        ("actuator_lag@motor_1", 30.0, True, False),
+        ("actuator_lag@motor_1", 3000.0, False, False),
+        ("coulomb_friction@motor_1", 30.0, False, False),
+    ],
+)
+def test_a_plain_effect_that_comes_near_another_is_carried_to_its_end(
+    name: str, rise: float, converged: bool, early: bool
+) -> None:
+    """Else a lag that was begun seems to be clearly worse than the delay that was finished."""
+    search: Any = SimpleNamespace(settings=DiagnosisSettings(), data=SimpleNamespace(n_values=10_000))
+    delay, other = (
+        Candidate(effects()[one.partition("@")[0]], one.partition("@")[2], ()) for one in ("delay@motor_1", name)
+    )
+    fit: Any = SimpleNamespace(hypothesis=(delay,), chi2=10_000.0)
+    exchanged: Any = SimpleNamespace(hypothesis=(other,), chi2=10_000.0 + rise, converged=converged)
+    assert _stopped_early(search, fit, exchanged) is early

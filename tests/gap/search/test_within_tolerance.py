@@ -48,7 +48,7 @@ class Search:
         self.after = after
         self.rows = np.zeros(0, dtype=int)
         self.data = SimpleNamespace(misfit=misfit)
-        self.base = SimpleNamespace(names=frozenset())
+        self.of_torques: frozenset[str] = frozenset()
         self.deadline = SimpleNamespace(stops_finishing=lambda: False)
         tolerance = Tolerance((SPRING,), (0.03,))
         robot = SimpleNamespace(parameters={SPRING: 1.0})

@@ -35,6 +35,7 @@ def beside_line(search: Search, chosen: CandidateFit, *others: CandidateFit) -> 
     if (
         not search.premises.library_is_complete
         or search.from_torques
+        or search.resumed
         or data.line is not None
         or search.deadline.stops()
     ):
