@@ -90,18 +90,13 @@ class Search(LogFits):
         return self.from_torques and self.premises.torques_tell
 
     def shown_by_torques(self, fit: CandidateFit) -> frozenset[str]:
-        """Return the names of the effects of a fit that torques show.
+        """Return the names of the effects of a fit that torques show, or that replaced one of them at its motor.
 
-        The regression takes a wrong torque constant for an inertia: exchanged for each other, they are as real. Of both
-        at a motor one may imitate what no effect explains.
+        The regression takes a wrong torque constant for an inertia: exchanged for each other, they are as real.
         """
-
-        def shown(one: Candidate) -> bool:
-            if any(alike(other, one) for other in fit.hypothesis if other is not one):
-                return False
-            return one.name in self.of_torques or any(alike(other, one) for other in self.base.hypothesis)
-
-        return names_of(tuple(filter(shown, fit.hypothesis))) if self.from_torques else frozenset()
+        replaced = [one for one in self.base.hypothesis if one.name in self.of_torques - fit.names]
+        others = (one for one in fit.hypothesis if any(alike(one, other) for other in replaced))
+        return (self.of_torques & fit.names) | names_of(tuple(others))
 
     def candidates(self) -> tuple[Candidate, ...]:
         """List the candidates that come from the ranges of effects; those of harmonics follow from a fit.

@@ -225,9 +225,9 @@ def test_a_raised_gain_of_a_servo_goes_before_the_friction_that_it_took_to_its_l
 @pytest.mark.parametrize(("named", "shown"), [
     (("motor_inertia_error@motor_1", "coulomb_friction@motor_1"), {"motor_inertia_error@motor_1"}),
     (("torque_gain_error@motor_1",), {"torque_gain_error@motor_1"}),
-    (("torque_gain_error@motor_1", "motor_inertia_error@motor_1"), set()),
+    (("torque_gain_error@motor_1", "motor_inertia_error@motor_1"), {"motor_inertia_error@motor_1"}),
 ])  # fmt: skip
-def test_a_relative_error_that_replaces_one_that_torques_show_is_shown_but_not_both(
+def test_a_relative_error_that_replaces_one_that_torques_show_is_shown_as_well(
     named: tuple[str, ...], shown: set[str]
 ) -> None:
     search, every = search_of(), candidates_of()
