@@ -64,7 +64,7 @@ def import_log(
     if not file and (_is_bag(mapping) or _is_table(mapping)):
         _propose(Path(mapping), model, out, proposed, as_json)
         return
-    _refuse_what_bags_need(mapping, file, out, model, proposed)
+    _refuse_what_logs_need(mapping, file, out, model, proposed)
     with progress_bar() as progress:
         task = progress.add_task("reading", total=2)
         log = read_files(load_mapping(mapping), file)
@@ -90,7 +90,7 @@ def _is_table(name: str) -> bool:
     return path.is_file() and path.suffix not in (*_MAPPINGS, ROS_1)
 
 
-def _refuse_what_bags_need(mapping: str, file: list[Path], out: Path, model: str, proposed: Path) -> None:
+def _refuse_what_logs_need(mapping: str, file: list[Path], out: Path, model: str, proposed: Path) -> None:
     """Refuse arguments that do not go with a mapping of the user."""
     if not file:
         if Path(mapping).suffix not in ("", *_MAPPINGS):
@@ -98,8 +98,8 @@ def _refuse_what_bags_need(mapping: str, file: list[Path], out: Path, model: str
         raise InputError(f"{mapping} is given without files; give the files that hold its columns, or a log alone")
     if out is None:
         raise InputError("no folder of the log is given; name a new one", "out")
-    if _is_bag(mapping):
-        raise InputError(f"{mapping} is a bag; give one bag alone, or a mapping and its files")
+    if _is_bag(mapping) or _is_table(mapping):
+        raise InputError(f"{mapping} is a log; give one log alone, or a mapping and its files")
     for value, argument in ((model, "model"), (proposed, "proposed")):
         if value:
             raise InputError(f"{value}: only the mapping of a log is proposed, and {mapping} is a mapping", argument)
@@ -117,7 +117,7 @@ def _propose(bag: Path, model: str, out: Path | None, proposed: Path | None, as_
             raise InputError(f"{each} exists already; give another name or remove it")
     with progress_shown() as show:
         show("robot", 0.0)
-        robot = _robot(model) if model else robot_in_bag(bag) if _is_bag(str(bag)) else None
+        robot = _robot(model) if model else robot_in_bag(bag)
         show("reading", 0.1)
         found = propose_mapping(bag, robot, lambda text: show(text, 0.5))
         if out is not None:

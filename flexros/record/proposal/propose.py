@@ -65,13 +65,13 @@ def robot_in_bag(bag: Path) -> Robot | None:
     """Return the robot of the URDF that a bag holds on a topic robot_description; None where there is none.
 
     Args:
-        bag: The bag.
+        bag: The bag, or a table, which holds none.
 
     Raises:
         InputError: The URDF is not one serial chain.
     """
-    source = f"{bag}, topic {DESCRIPTION}"
-    text = RosBag(bag).text(DESCRIPTION)
+    opened, source = open_source(bag), f"{bag}, topic {DESCRIPTION}"
+    text = opened.text(DESCRIPTION) if isinstance(opened, RosBag) else None
     return robot_from_data(parse_yaml(skeleton_from_text(text, source), source), source) if text else None
 
 
