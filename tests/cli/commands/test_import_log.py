@@ -126,7 +126,7 @@ def test_without_a_folder_the_mapping_alone_is_written(flexros, bag, tmp_path: P
         (["emps"], "emps is given without files"),
         (["log.csv"], "no column whose name says that it is a time"),
         (["other.csv"], "there is no file other.csv"),
-            (["log.csv", "log.csv", "--out", "log"], "log.csv is a log; give one log alone"),
+        (["log.csv", "log.csv", "--out", "log"], "log.csv is a log; give one log alone"),
         (["emps", "log.csv"], "--out: no folder"),
         (["emps", "log.csv", "--out", "log", "--model", "two_mass"], "--model: two_mass"),
     ],
