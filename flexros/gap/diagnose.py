@@ -16,10 +16,10 @@ from flexros.gap.answer.withdrawal import confirmed
 from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.tolerance import scaled_by_gravity, tolerance_of, with_torque_tolerance
 from flexros.gap.deadline import Deadline
-from flexros.gap.fit.noted_timing import shift_of_noted, with_torque_in_time_behind_springs
 from flexros.gap.fit.null_fit import fit_null
-from flexros.gap.fit.rough_gains import likely_gains, with_gains
-from flexros.gap.fit.unknown_numbers import unknown_numbers
+from flexros.gap.fit.torques.noted_timing import shift_of_noted, with_torque_in_time_behind_springs
+from flexros.gap.fit.torques.rough_gains import likely_gains, with_gains
+from flexros.gap.fit.torques.unknown_numbers import unknown_numbers
 from flexros.gap.held_out.closed_loop_gap import closed_loop_gap, why_not_simulated
 from flexros.gap.held_out.predictions import prediction_of, sensor_errors, tool_errors
 from flexros.gap.noise.autoregression import autoregressive_spectrum
@@ -45,9 +45,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from flexros.gap.candidates.tolerance import Tolerance
-    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.fit.null_fit import NullFit
-    from flexros.gap.fit.unknown_numbers import UnknownNumbers
+    from flexros.gap.fit.torques.unknown_numbers import UnknownNumbers
     from flexros.gap.prediction.predicted_log import PredictedLog
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.result import DiagnosisResult

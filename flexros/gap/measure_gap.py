@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 from flexros.blas_threads import one_blas_thread
 from flexros.gap.candidates.tolerance import tolerance_of, with_torque_tolerance
 from flexros.gap.deadline import Deadline
-from flexros.gap.fit.noted_timing import shift_of_noted, with_torque_in_time_behind_springs
 from flexros.gap.fit.null_fit import fit_null
-from flexros.gap.fit.rough_gains import with_likely_gains
-from flexros.gap.fit.unknown_numbers import unknown_numbers
+from flexros.gap.fit.torques.noted_timing import shift_of_noted, with_torque_in_time_behind_springs
+from flexros.gap.fit.torques.rough_gains import with_likely_gains
+from flexros.gap.fit.torques.unknown_numbers import unknown_numbers
 from flexros.gap.held_out.errors_ahead import errors_ahead
 from flexros.gap.held_out.gap_floor import over_expected_floor, tolerance_floor, unknown_rounding
 from flexros.gap.held_out.gap_numbers import gap_numbers, settled
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from flexros.effects import RobotWithEffects
     from flexros.gap.fit.null_fit import NullFit
-    from flexros.gap.fit.unknown_numbers import UnknownNumbers
+    from flexros.gap.fit.torques.unknown_numbers import UnknownNumbers
     from flexros.gap.held_out.errors_ahead import AheadErrors
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.schema import GapNumbers

@@ -36,8 +36,8 @@ def log_record(
     """Read and check a log: the record of identification and, with what `gap.checked_log` adds, of a diagnosis.
 
     When a noted torque acted is found here where rigid links show it clearly. What else a model shows of it
-    (`flexros.gap.fit.noted_timing`) diagnosis and gap alone allow for: a torque may act half a sample from where
-    `flexros identify` takes it.
+    (`flexros.gap.fit.torques.noted_timing`) diagnosis and gap alone allow for: a torque may act half a sample from
+    where `flexros identify` takes it.
 
     Args:
         log: The log.

@@ -19,7 +19,7 @@ from flexros.effects.patching.patched_robot import load_model
 from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
-from flexros.gap.fit.noted_timing import with_torque_in_time_behind_springs
+from flexros.gap.fit.torques.noted_timing import with_torque_in_time_behind_springs
 from flexros.gap.measure_gap import measure_gap
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.search.torque_start import TorqueStart, torque_start

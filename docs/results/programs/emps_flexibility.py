@@ -9,7 +9,8 @@ from scipy.signal import butter, csd, filtfilt
 
 from flexros.effects import RobotWithEffects, parse_effect
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.fit.least_squares import best_of, chi2_of, fit, initial_values
+from flexros.gap.fit.candidate_fit import best_of
+from flexros.gap.fit.least_squares import chi2_of, fit, initial_values
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.search.prepare import prepare_search
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
     from flexros.arrays import FloatArray
     from flexros.gap.candidates.candidate import Candidate
-    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.record.record import Record
 
 FRICTION = (166.7061, 240.4236, 20.144, 20.6277)

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from flexros.effects import PlacedEffect
     from flexros.gap.answer.decision import Findings
     from flexros.gap.deadline import Deadline
-    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.held_out.errors_ahead import AheadErrors
     from flexros.gap.prediction.predicted_log import PredictedLog
     from flexros.gap.progress import Stages

@@ -14,7 +14,7 @@ from flexros.effects.kinds.base import PlacedEffect
 from flexros.gap.answer.given_model import GivenModel
 from flexros.gap.fit.constancy import constancies
 from flexros.gap.fit.estimates import beyond_search, placed_effects
-from flexros.gap.fit.unknown_numbers import UnknownNumbers
+from flexros.gap.fit.torques.unknown_numbers import UnknownNumbers
 from flexros.gap.held_out.gap_floor import unknown_rounding
 from flexros.gap.schema import EffectLocation
 from flexros.gap.search.curves import curves_of
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
 
     from flexros.effects import RobotWithEffects
-    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.schema import ToleranceSensitivity, Verdict
     from flexros.gap.search.forward_selection import Explanations

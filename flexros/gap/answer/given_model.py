@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from flexros.effects import RobotWithEffects
     from flexros.gap.answer.decision import Findings
     from flexros.gap.candidates.candidate import Hypothesis
-    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.held_out.errors_ahead import AheadErrors
     from flexros.gap.prediction.compiled_plant import CompiledPlant
     from flexros.gap.residuals.fit_data import FitData

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
     from flexros.arrays import FloatArray
     from flexros.effects import RobotWithEffects
-    from flexros.gap.fit.least_squares import CandidateFit
-    from flexros.gap.fit.unknown_numbers import UnknownNumbers
+    from flexros.gap.fit.candidate_fit import CandidateFit
+    from flexros.gap.fit.torques.unknown_numbers import UnknownNumbers
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.search.forward_selection import Explanations
     from flexros.gap.settings import SensitivitySettings

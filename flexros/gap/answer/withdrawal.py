@@ -6,7 +6,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from flexros.gap.answer.decision import on_held_out
-from flexros.gap.fit.least_squares import best_of_each
+from flexros.gap.fit.candidate_fit import best_of_each
 from flexros.gap.fit.null_fit import predicting_best
 from flexros.gap.held_out.closed_share import share_between
 from flexros.gap.held_out.errors_ahead import errors_ahead
@@ -14,7 +14,7 @@ from flexros.gap.search.forward_selection import explanations_of
 from flexros.gap.search.worth import compared
 
 if TYPE_CHECKING:
-    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.search.candidate_fits import Search
     from flexros.gap.search.forward_selection import Explanations

@@ -16,7 +16,7 @@ from flexros.gap.fit.once_per_fit import once_per_fit
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray, IntArray
-    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.settings import RankingSettings
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.effects import PlacedEffect
     from flexros.gap.candidates.candidate import Candidate, FreeParameter
-    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.settings import RankingSettings
     from flexros.robot import Robot

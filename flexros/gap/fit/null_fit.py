@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.fit.least_squares import FIT, CandidateFit, fit, linearise
+from flexros.gap.fit.least_squares import FIT, fit, linearise
 from flexros.gap.prediction.compiled_plant import LANES, compiled_plant
 from flexros.gap.prediction.predictor import Predictor
 
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from flexros.effects import RobotWithEffects
     from flexros.gap.candidates.candidate import Candidate, Hypothesis
     from flexros.gap.candidates.tolerance import Tolerance
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.prediction.compiled_plant import CompiledPlant
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.settings import FitSettings

@@ -13,7 +13,7 @@ from flexros.effects.kinds.law import AbstractLaw
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.gap.candidates.candidate import Candidate, Hypothesis
-    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.candidate_fit import CandidateFit
 
 
 def without_least_parameter(fit: CandidateFit) -> tuple[Hypothesis, FloatArray] | None:

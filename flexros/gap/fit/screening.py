@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 
     from flexros.arrays import BoolArray, FloatArray, IntArray
     from flexros.gap.candidates.candidate import Candidate
-    from flexros.gap.fit.least_squares import CandidateFit, Linearised
+    from flexros.gap.fit.candidate_fit import CandidateFit
+    from flexros.gap.fit.least_squares import Linearised
     from flexros.gap.prediction.predictor import Predictor
     from flexros.gap.residuals.fit_data import FitData
 

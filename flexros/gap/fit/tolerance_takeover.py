@@ -12,7 +12,7 @@ from flexros.effects.kinds.model_change import AbstractChangedValues
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
     from flexros.gap.candidates.candidate import Candidate
-    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.candidate_fit import CandidateFit
 
 
 @dataclass(frozen=True, eq=False)

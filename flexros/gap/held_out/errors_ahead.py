@@ -13,7 +13,7 @@ from flexros.gap.settings import PredictionGapSettings
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray, IntArray
-    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.prediction.predictor import Predictor
     from flexros.gap.residuals.fit_data import FitData
     from flexros.record.further_sensors import SensorRecord

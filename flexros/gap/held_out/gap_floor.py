@@ -12,7 +12,7 @@ from flexros.gap.held_out.errors_ahead import RUN_AWAY, AheadErrors, signed_erro
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.effects import RobotWithEffects
-    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.noise.weights import Measurement
     from flexros.gap.residuals.fit_data import FitData
     from flexros.record.quantization import Quantization

@@ -15,7 +15,7 @@ from flexros.record.record import ToolRecord
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.effects import RobotWithEffects
-    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.result import Explanation
 

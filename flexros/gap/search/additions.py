@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from flexros.arrays import BoolArray, FloatArray, IntArray
     from flexros.gap.candidates.candidate import Candidate
-    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.fit.screening import Directions, Surroundings
 
 SMALLEST = 1e-12

@@ -13,10 +13,11 @@ from flexros.effects import effects
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.effects.kinds.tool_error import AbstractToolError
 from flexros.gap.candidates.candidate import alike, list_candidates, names_of
-from flexros.gap.fit.least_squares import CandidateFit, best_of_each, linearise, starts_of
+from flexros.gap.fit.candidate_fit import CandidateFit, best_of_each
+from flexros.gap.fit.least_squares import linearise, starts_of
 from flexros.gap.fit.pruning import without_least_parameter
 from flexros.gap.fit.screening import directions_of, surroundings_of, switched_off
-from flexros.gap.fit.unknown_numbers import UNCERTAIN
+from flexros.gap.fit.torques.unknown_numbers import UNCERTAIN
 from flexros.gap.prediction.compiled_plant import LANES, grouped
 from flexros.gap.search.additions import addition_of, best_starts
 from flexros.gap.search.log_fits import LogFits

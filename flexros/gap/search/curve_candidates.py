@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from flexros.arrays import FloatArray
     from flexros.effects.kinds.curve import Extent
-    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.search.candidate_fits import Search
 
 TRIED = 0.05

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
 
     from flexros.gap.candidates.candidate import Candidate, Hypothesis
-    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.fit.screening import Directions, Surroundings
     from flexros.gap.search.candidate_fits import Search
     from flexros.gap.search.model_probability import ModelComparison

@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING
 
 from flexros.effects.kinds.relative_error import AbstractRelativeError
 from flexros.effects.torque_bias import TorqueBias
+from flexros.gap.fit.candidate_fit import best_of_each
 from flexros.gap.fit.estimates import parameters_of
-from flexros.gap.fit.least_squares import best_of_each
 from flexros.gap.search.worth import compared, strains, worth
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from flexros.gap.candidates.candidate import Candidate
-    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.search.candidate_fits import Search
 
 ASYMMETRY = "asymmetry"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.candidates.candidate import alike, simpler
-from flexros.gap.fit.least_squares import best_of_each
+from flexros.gap.fit.candidate_fit import best_of_each
 from flexros.gap.search.model_probability import contrast_of
 from flexros.gap.search.worth import compared, incomplete, simplest
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from flexros.gap.candidates.candidate import Candidate
-    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.fit.screening import Directions
     from flexros.gap.search.additions import Addition
     from flexros.gap.search.candidate_fits import Search

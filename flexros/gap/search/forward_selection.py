@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.candidates.candidate import names_of
-from flexros.gap.fit.least_squares import best_of_each
+from flexros.gap.fit.candidate_fit import best_of_each
 from flexros.gap.search.candidate_fits import at_limits
 from flexros.gap.search.curve_candidates import within_motion
 from flexros.gap.search.curves import curves_of, in_place_of_laws, with_curves
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from flexros.arrays import FloatArray
-    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.fit.screening import Directions
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.search.candidate_fits import Search

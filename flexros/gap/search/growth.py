@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.fit.least_squares import best_of_each
+from flexros.gap.fit.candidate_fit import best_of_each
 from flexros.gap.search.bristles import with_bristles
 from flexros.gap.search.elimination import reduced
 from flexros.gap.search.exchange import corrected, exchanged
@@ -17,7 +17,7 @@ from flexros.gap.search.worth import compared, incomplete, more_than_chance, sim
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.fit.screening import Directions
     from flexros.gap.search.additions import Addition
     from flexros.gap.search.candidate_fits import Search

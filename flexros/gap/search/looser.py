@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from flexros.gap.candidates.tolerance import Tolerance
-    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.search.candidate_fits import Search
     from flexros.gap.search.forward_selection import Explanations
     from flexros.gap.settings import DiagnosisSettings

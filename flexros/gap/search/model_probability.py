@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from flexros.arrays import FloatArray
     from flexros.gap.candidates.candidate import Hypothesis
-    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.residuals.fit_data import FitData
 
 RANKING = RankingSettings()

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from flexros.arrays import IntArray
-    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.fit.null_fit import NullFit
     from flexros.gap.residuals.fit_data import FitData
 

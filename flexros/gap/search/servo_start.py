@@ -17,7 +17,7 @@ from flexros.effects.torque_gain_error import TorqueGainError
 from flexros.gap.candidates.candidate import Candidate, free_parameter, list_candidates
 from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.scales import scales_of_motors
-from flexros.gap.fit.least_squares import CandidateFit, fit
+from flexros.gap.fit.least_squares import fit
 from flexros.record.missing_samples import bridged_motion
 from flexros.record.servo_torque import servo_torque
 from flexros.robot.parameters import SERVO
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from flexros.arrays import BoolArray
     from flexros.effects import AbstractEffect
     from flexros.gap.candidates.scales import Scales
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.fit.null_fit import NullFit
     from flexros.gap.settings import DiagnosisSettings, ServoStartSettings
     from flexros.record.record import Record

@@ -13,13 +13,14 @@ from flexros.effects.encoders.encoder_offset import EncoderOffset
 from flexros.gap.candidates.candidate import Candidate, free_parameter, list_candidates
 from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.scales import scales_of_motors
-from flexros.gap.fit.arm_torque import arm_torque
-from flexros.gap.fit.balanced_torques import regress_balanced
-from flexros.gap.fit.encoder_zeros import with_zeros
-from flexros.gap.fit.least_squares import CandidateFit, chi2_of, fit
-from flexros.gap.fit.rough_bodies import is_inertial, with_rough_bodies
-from flexros.gap.fit.torque_delay import torque_delay
-from flexros.gap.fit.torque_regression import only_coulomb, regress_torque
+from flexros.gap.fit.candidate_fit import CandidateFit
+from flexros.gap.fit.least_squares import chi2_of, fit
+from flexros.gap.fit.torques.arm_torque import arm_torque
+from flexros.gap.fit.torques.balanced import regress_balanced
+from flexros.gap.fit.torques.delay import torque_delay
+from flexros.gap.fit.torques.encoder_zeros import with_zeros
+from flexros.gap.fit.torques.regression import only_coulomb, regress_torque
+from flexros.gap.fit.torques.rough_bodies import is_inertial, with_rough_bodies
 from flexros.gap.residuals.torque_errors import torque_errors
 from flexros.gap.search.model_probability import compare
 
@@ -31,9 +32,9 @@ if TYPE_CHECKING:
     from flexros.gap.candidates.candidate import Hypothesis
     from flexros.gap.candidates.scales import Scales
     from flexros.gap.candidates.tolerance import Tolerance
-    from flexros.gap.fit.arm_torque import ArmTorque
     from flexros.gap.fit.null_fit import NullFit
-    from flexros.gap.fit.torque_solution import TorqueRegression
+    from flexros.gap.fit.torques.arm_torque import ArmTorque
+    from flexros.gap.fit.torques.solution import TorqueRegression
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.settings import DiagnosisSettings, TorqueStartSettings
     from flexros.record.record import Record

@@ -11,7 +11,7 @@ from flexros.gap.search.worth import compared
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.fit.screening import Directions
     from flexros.gap.search.candidate_fits import Search
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from flexros.arrays import FloatArray
     from flexros.gap.candidates.candidate import Candidate
-    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.prediction.predictor import Predictor
     from flexros.gap.search.candidate_fits import Search
 

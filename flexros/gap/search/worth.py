@@ -14,7 +14,7 @@ from flexros.gap.search.model_probability import ModelComparison, compare
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.search.additions import Addition
     from flexros.gap.search.candidate_fits import Search
 

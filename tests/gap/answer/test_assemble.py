@@ -11,7 +11,7 @@ from flexros.gap.answer import assemble as answer
 from flexros.gap.answer.assemble import result_of
 from flexros.gap.answer.decision import findings_of
 from flexros.gap.deadline import Deadline
-from flexros.gap.fit.least_squares import CandidateFit
+from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.held_out.errors_ahead import errors_ahead
 from flexros.gap.held_out.predictions import prediction_of
 from flexros.gap.progress import Stages

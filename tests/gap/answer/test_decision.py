@@ -22,7 +22,7 @@ from flexros.gap.answer.decision import (
     verdict_of,
 )
 from flexros.gap.answer.warnings import _without_finding
-from flexros.gap.fit.least_squares import CandidateFit
+from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.search.forward_selection import Explanations
 from flexros.gap.search.model_probability import RANKING, compare
 from flexros.record.quantization import Quantization

@@ -13,6 +13,7 @@ from flexros.effects import effects
 from flexros.gap.candidates.candidate import Candidate, free_parameter
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit import estimates
+from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.fit.estimates import (
     _doubt_of_timing,
     covariance_of,
@@ -22,7 +23,7 @@ from flexros.gap.fit.estimates import (
     smoothed,
     unit_of_parameter,
 )
-from flexros.gap.fit.least_squares import CandidateFit, chi2_of, fit, initial_values
+from flexros.gap.fit.least_squares import chi2_of, fit, initial_values
 from flexros.gap.settings import FitSettings, RankingSettings
 from flexros.random_streams import generator
 from flexros.robot import load_robot

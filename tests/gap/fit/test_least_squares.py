@@ -11,16 +11,8 @@ import pytest
 from flexros.arrays import FloatArray
 from flexros.gap.candidates.candidate import FreeParameter
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.fit.least_squares import (
-    FIT,
-    CandidateFit,
-    best_of,
-    best_of_each,
-    chi2_of,
-    fit,
-    initial_values,
-    linearise,
-)
+from flexros.gap.fit.candidate_fit import CandidateFit, best_of, best_of_each
+from flexros.gap.fit.least_squares import FIT, chi2_of, fit, initial_values, linearise
 from flexros.gap.prediction.compiled_plant import LANES
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.residuals.fit_data import FitData

@@ -7,8 +7,8 @@ from functools import cache
 import numpy as np
 import pytest
 
+from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.fit.estimates import parameters_of, placed_effects
-from flexros.gap.fit.least_squares import CandidateFit
 from flexros.gap.fit.pruning import own_information, without_least_parameter
 from flexros.gap.search.candidate_fits import Search
 from flexros.gap.search.forward_selection import explain

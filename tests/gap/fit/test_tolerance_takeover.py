@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.fit.least_squares import CandidateFit
+from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.fit.tolerance_takeover import takeover, with_takeover
 from tests.gap.diagnosis_logs import candidates_of, predictor_of
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexros.gap.fit.least_squares import CandidateFit
+from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.held_out.errors_ahead import AheadErrors, errors_ahead
 from tests.gap.diagnosis_logs import candidates_of, data_of, encoded, predictor_of
 

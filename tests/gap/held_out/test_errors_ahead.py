@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexros.gap.fit.least_squares import CandidateFit
+from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.held_out.errors_ahead import errors_ahead
 from tests.gap.diagnosis_logs import ROBOT, data_of, predictor_of
 from tests.gap.held_out.made_errors import ahead, synthetic

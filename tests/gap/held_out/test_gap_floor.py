@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from flexros.effects import RobotWithEffects, parse_effect, place_effects
-from flexros.gap.fit.least_squares import CandidateFit
+from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.held_out.errors_ahead import AheadErrors, errors_ahead
 from flexros.gap.held_out.gap_floor import over_expected_floor, tolerance_floor, unknown_rounding
 from flexros.gap.residuals.fit_data import FitData, fit_data

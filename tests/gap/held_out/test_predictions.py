@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.fit.estimates import placed_effects
-from flexros.gap.fit.least_squares import CandidateFit
 from flexros.gap.held_out.predictions import prediction_of, signature_evidence, tool_errors
 from flexros.gap.result import Explanation
 from tests.gap.diagnosis_logs import MODEL, ROBOT, candidates_of, data_of, encoded, predictor_of

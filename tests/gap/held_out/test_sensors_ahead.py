@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.gap.fit.least_squares import CandidateFit
+from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.held_out.errors_ahead import AheadErrors, errors_ahead
 from flexros.gap.held_out.gap_floor import over_expected_floor
 from flexros.gap.held_out.gap_numbers import signal_gaps

@@ -12,7 +12,8 @@ from flexros.effects.torque_bias import TorqueBias
 from flexros.gap.candidates.candidate import list_candidates
 from flexros.gap.candidates.scales import scales_of
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.fit.least_squares import best_of, chi2_of, fit, initial_values
+from flexros.gap.fit.candidate_fit import best_of
+from flexros.gap.fit.least_squares import chi2_of, fit, initial_values
 from flexros.gap.next_experiment.separation import ROOM, Explained, Trial, _free, predictor_of, separation, trial
 from flexros.gap.prediction.predictor import Predictor
 from flexros.robot import load_robot

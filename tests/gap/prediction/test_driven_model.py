@@ -15,7 +15,7 @@ from flexros.errors import InputError
 from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.diagnose import diagnose
-from flexros.gap.fit.torque_regression import regress_torque
+from flexros.gap.fit.torques.regression import regress_torque
 from flexros.gap.measure_gap import measure_gap
 from flexros.gap.prediction.driven_model import driven_model
 from flexros.gap.residuals.fit_data import fit_data

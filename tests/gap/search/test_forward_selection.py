@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from flexros.gap.deadline import Deadline
-from flexros.gap.fit.least_squares import CandidateFit
+from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.search import forward_selection
 from flexros.gap.search.candidate_fits import Search
 from flexros.gap.search.elimination import reduced

@@ -10,7 +10,7 @@ import pytest
 from flexros.arrays import FloatArray
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.deadline import Deadline
-from flexros.gap.fit.least_squares import CandidateFit
+from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.search.candidate_fits import Search
 from flexros.gap.search.log_fits import _hopeless

@@ -10,7 +10,7 @@ import pytest
 from flexros.effects import effects
 from flexros.gap.candidates.candidate import Candidate, FreeParameter
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.fit.least_squares import CandidateFit
+from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.search.model_probability import (
     Contrast,
     ModelComparison,

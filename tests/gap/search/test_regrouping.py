@@ -12,7 +12,7 @@ from flexros.gap.search.regrouping import in_proportion, regrouped
 from tests.gap.diagnosis_logs import candidates_of, predictor_of, search_of
 
 if TYPE_CHECKING:
-    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.search.candidate_fits import Search
 
 TRUTH = "payload_error@tool:relative=0.002"

@@ -12,9 +12,9 @@ from flexros.effects import RobotWithEffects, parse_effect, place_effects
 from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
-from flexros.gap.fit.least_squares import CandidateFit
+from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.fit.null_fit import NullFit, fit_null
-from flexros.gap.fit.torque_regression import regress_torque
+from flexros.gap.fit.torques.regression import regress_torque
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.search.servo_start import fit_of_servos, limited_servos
 from flexros.gap.settings import DiagnosisSettings, SearchSettings

@@ -13,9 +13,9 @@ from flexros.effects import PlacedEffect, RobotWithEffects
 from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.gap.candidates.tolerance import Tolerance, tolerance_of
 from flexros.gap.diagnose import diagnose
-from flexros.gap.fit.least_squares import CandidateFit
+from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.fit.null_fit import NullFit, fit_null
-from flexros.gap.fit.unknown_numbers import unknown_numbers
+from flexros.gap.fit.torques.unknown_numbers import unknown_numbers
 from flexros.gap.residuals.fit_data import FitData, fit_data
 from flexros.gap.result import DiagnosisResult
 from flexros.gap.search.torque_start import TorqueStart, base_fit, first_values, torque_start, with_torques

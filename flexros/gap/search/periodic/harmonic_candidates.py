@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from flexros.arrays import FloatArray, IntArray
-    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.search.periodic.harmonics import HarmonicFit
     from flexros.gap.settings import SearchSettings

@@ -11,7 +11,7 @@ from flexros.gap.search.prepare import prepare_search
 from flexros.gap.search.worth import compared
 
 if TYPE_CHECKING:
-    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.residuals.line import Line
     from flexros.gap.search.candidate_fits import Search
 

@@ -12,7 +12,7 @@ from flexros.gap.search.worth import compared, incomplete
 
 if TYPE_CHECKING:
     from flexros.gap.candidates.candidate import Candidate
-    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.search.candidate_fits import Search
 
 

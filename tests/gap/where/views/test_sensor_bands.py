@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.gap.fit.least_squares import CandidateFit
+from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.held_out.predictions import prediction_of, sensor_errors
 from flexros.gap.schema import Excess
 from flexros.gap.where.find import where

@@ -18,7 +18,7 @@ import numpy as np
 from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.effects.left_out.tool_load import ENTRIES, last_moved
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.fit.torque_solution import BALANCE, KINDS, LOAD, ROUNDS, Sought, solve
+from flexros.gap.fit.torques.solution import BALANCE, KINDS, LOAD, ROUNDS, Sought, solve
 from flexros.gap.residuals.torque_rows import acting_torque, torque_rows
 from flexros.gap.settings import TorqueStartSettings
 from flexros.identify.rigid.standard_parameters import standard_parameters
@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 
     from flexros.arrays import FloatArray
     from flexros.effects import RobotWithEffects
-    from flexros.gap.fit.arm_torque import ArmTorque
-    from flexros.gap.fit.torque_solution import Load, TorqueRegression
+    from flexros.gap.fit.torques.arm_torque import ArmTorque
+    from flexros.gap.fit.torques.solution import Load, TorqueRegression
     from flexros.gap.residuals.torque_rows import ActingTorque
     from flexros.identify.rigid.regression_rows import RegressionRows
     from flexros.record.record import Record

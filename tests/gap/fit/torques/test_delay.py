@@ -9,8 +9,8 @@ import pytest
 
 from flexros.effects import RobotWithEffects
 from flexros.gap.candidates.tolerance import tolerance_of
-from flexros.gap.fit.torque_delay import torque_delay
-from flexros.gap.fit.unknown_numbers import unknown_numbers
+from flexros.gap.fit.torques.delay import torque_delay
+from flexros.gap.fit.torques.unknown_numbers import unknown_numbers
 from flexros.gap.settings import TorqueStartSettings
 from flexros.record.record import Record
 from tests.gap.rigid_arm import INERTIA, T, arm, record_of_arm

@@ -15,8 +15,8 @@ import numpy as np
 from flexros.effects import PlacedEffect
 from flexros.effects.servos import ServoDampingError, ServoStiffnessError
 from flexros.errors import InputError
-from flexros.gap.fit.torque_regression import only_coulomb
-from flexros.gap.fit.torque_solution import KINDS
+from flexros.gap.fit.torques.regression import only_coulomb
+from flexros.gap.fit.torques.solution import KINDS
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.residuals.torque_rows import ActingTorque, torque_rows
 from flexros.identify.rigid.record import torque_as_it_acts

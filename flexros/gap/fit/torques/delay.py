@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.fit.torque_regression import regress_torque
+from flexros.gap.fit.torques.regression import regress_torque
 from flexros.gap.settings import TorqueStartSettings
 
 if TYPE_CHECKING:

@@ -9,12 +9,12 @@ import numpy as np
 
 from flexros.effects.left_out.tool_load import ToolLoad, last_moved
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.fit.rough_bodies import with_rough_bodies
+from flexros.gap.fit.torques.rough_bodies import with_rough_bodies
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from flexros.gap.fit.torque_solution import Load, TorqueRegression
+    from flexros.gap.fit.torques.solution import Load, TorqueRegression
     from flexros.gap.settings import TorqueStartSettings
     from flexros.record.record import Record
     from flexros.robot import Robot

@@ -13,12 +13,12 @@ from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.kinds.base import PlacedEffect
 from flexros.gap.candidates.tolerance import Tolerance, tolerance_of
 from flexros.gap.diagnose import diagnose
-from flexros.gap.fit.missing_load import bodies_are_off, load_before_bodies
-from flexros.gap.fit.missing_rotors import STEPS
-from flexros.gap.fit.rough_bodies import fitted_bodies, with_rough_bodies
-from flexros.gap.fit.torque_regression import regress_torque
-from flexros.gap.fit.torque_solution import TorqueRegression
-from flexros.gap.fit.unknown_numbers import UNCERTAIN, UNCERTAIN_LEAST, UnknownNumbers, unknown_numbers
+from flexros.gap.fit.torques.missing_load import bodies_are_off, load_before_bodies
+from flexros.gap.fit.torques.missing_rotors import STEPS
+from flexros.gap.fit.torques.regression import regress_torque
+from flexros.gap.fit.torques.rough_bodies import fitted_bodies, with_rough_bodies
+from flexros.gap.fit.torques.solution import TorqueRegression
+from flexros.gap.fit.torques.unknown_numbers import UNCERTAIN, UNCERTAIN_LEAST, UnknownNumbers, unknown_numbers
 from flexros.gap.measure_gap import measure_gap
 from flexros.gap.settings import DiagnosisSettings, TorqueStartSettings
 from flexros.prediction.integration_step import least_inertia, stops_too_fast, substeps

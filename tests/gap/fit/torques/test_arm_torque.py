@@ -8,8 +8,8 @@ import numpy as np
 
 from flexros.effects import RobotWithEffects
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.fit.arm_torque import arm_torque
-from flexros.gap.fit.torque_regression import regress_torque
+from flexros.gap.fit.torques.arm_torque import arm_torque
+from flexros.gap.fit.torques.regression import regress_torque
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.settings import DiagnosisSettings
 from tests.gap.diagnosis_logs import MODEL, ROBOT, data_of

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects.encoders.encoder_offset import EncoderOffset
-from flexros.gap.fit.missing_load import lowered
+from flexros.gap.fit.torques.missing_load import lowered
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from flexros.gap.fit.torque_solution import TorqueRegression
+    from flexros.gap.fit.torques.solution import TorqueRegression
     from flexros.gap.settings import TorqueStartSettings
     from flexros.record.record import Record
     from flexros.robot import Robot

@@ -13,21 +13,21 @@ from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.left_out.rotor_inertia import RotorInertia
 from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_moved
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.fit.balanced_torques import regress_balanced
-from flexros.gap.fit.encoder_zeros import with_zeros
-from flexros.gap.fit.missing_load import bodies_are_off, clear_load, load_before_bodies, may_carry, rest_of
-from flexros.gap.fit.missing_rotors import inertias_for_friction, inertias_to_step, least_rotors
-from flexros.gap.fit.rough_bodies import CENTER, fitted_bodies, is_inertial, with_rough_bodies
-from flexros.gap.fit.torque_delay import torque_delay
-from flexros.gap.fit.torque_regression import at_zeros, only_coulomb, regress_torque
+from flexros.gap.fit.torques.balanced import regress_balanced
+from flexros.gap.fit.torques.delay import torque_delay
+from flexros.gap.fit.torques.encoder_zeros import with_zeros
+from flexros.gap.fit.torques.missing_load import bodies_are_off, clear_load, load_before_bodies, may_carry, rest_of
+from flexros.gap.fit.torques.missing_rotors import inertias_for_friction, inertias_to_step, least_rotors
+from flexros.gap.fit.torques.regression import at_zeros, only_coulomb, regress_torque
+from flexros.gap.fit.torques.rough_bodies import CENTER, fitted_bodies, is_inertial, with_rough_bodies
 from flexros.gap.settings import TorqueStartSettings
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from flexros.effects import RobotWithEffects
-    from flexros.gap.fit.least_squares import CandidateFit
-    from flexros.gap.fit.torque_solution import TorqueRegression
+    from flexros.gap.fit.candidate_fit import CandidateFit
+    from flexros.gap.fit.torques.solution import TorqueRegression
     from flexros.record.record import Record
     from flexros.robot import Robot
 

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects.counterbalance import Counterbalance
-from flexros.gap.fit.torque_regression import regress_torque
+from flexros.gap.fit.torques.regression import regress_torque
 
 if TYPE_CHECKING:
     from flexros.effects import RobotWithEffects
     from flexros.gap.candidates.tolerance import Tolerance
-    from flexros.gap.fit.arm_torque import ArmTorque
-    from flexros.gap.fit.torque_solution import TorqueRegression
+    from flexros.gap.fit.torques.arm_torque import ArmTorque
+    from flexros.gap.fit.torques.solution import TorqueRegression
     from flexros.gap.settings import TorqueStartSettings
     from flexros.record.record import Record
 

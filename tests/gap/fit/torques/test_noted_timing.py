@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from flexros.effects import RobotWithEffects
-from flexros.gap.fit import noted_timing
-from flexros.gap.fit.noted_timing import shift_of_noted
+from flexros.gap.fit.torques import noted_timing
+from flexros.gap.fit.torques.noted_timing import shift_of_noted
 from flexros.gap.measure_gap import measure_gap
 from flexros.record.record import Record
 from flexros.record.shifted_torque import HELD

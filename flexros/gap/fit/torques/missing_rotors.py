@@ -9,7 +9,7 @@ from flexros.prediction.integration_step import least_inertia, stops_too_fast, s
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flexros.gap.fit.torque_solution import TorqueRegression
+    from flexros.gap.fit.torques.solution import TorqueRegression
     from flexros.gap.settings import TorqueStartSettings
     from flexros.robot import Robot
 

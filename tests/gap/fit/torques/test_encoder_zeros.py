@@ -10,9 +10,9 @@ import pytest
 
 from flexros.effects import RobotWithEffects
 from flexros.gap.candidates.tolerance import tolerance_of
-from flexros.gap.fit.encoder_zeros import with_zeros
-from flexros.gap.fit.torque_regression import regress_torque
-from flexros.gap.fit.torque_solution import TorqueRegression
+from flexros.gap.fit.torques.encoder_zeros import with_zeros
+from flexros.gap.fit.torques.regression import regress_torque
+from flexros.gap.fit.torques.solution import TorqueRegression
 from flexros.gap.settings import TorqueStartSettings
 from tests.gap.rigid_arm import arm, record_of_arm
 

@@ -7,7 +7,7 @@ import pytest
 
 from flexros.effects import RobotWithEffects
 from flexros.gap.candidates.tolerance import tolerance_of
-from flexros.gap.fit.balanced_torques import regress_balanced
+from flexros.gap.fit.torques.balanced import regress_balanced
 from flexros.gap.settings import TorqueStartSettings
 from tests.gap.rigid_arm import COULOMB, VISCOUS, arm, record_of_arm
 

@@ -16,10 +16,10 @@ import numpy as np
 from flexros.effects import RobotWithEffects
 from flexros.errors import InputError
 from flexros.gap.candidates.tolerance import tolerance_of
-from flexros.gap.fit.arm_torque import arm_torque
 from flexros.gap.fit.least_squares import fit
 from flexros.gap.fit.pruning import own_information
-from flexros.gap.fit.torque_regression import regress_torque
+from flexros.gap.fit.torques.arm_torque import arm_torque
+from flexros.gap.fit.torques.regression import regress_torque
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.settings import DiagnosisSettings
 from flexros.identify.rigid.torque_timing import CLEAR, in_time
@@ -28,7 +28,7 @@ from flexros.record.shifted_torque import HELD, shifted, timing_is_open
 if TYPE_CHECKING:
     from collections.abc import Collection
 
-    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.fit.null_fit import NullFit
     from flexros.gap.residuals.fit_data import FitData
     from flexros.record.record import Record

@@ -12,7 +12,7 @@ from flexros.effects.servos import ServoDampingError, ServoStiffnessError
 from flexros.gap.candidates.tolerance import Tolerance, scaled_by_gravity
 from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
-from flexros.gap.fit.rough_gains import carrying_stiffness, likely_gains, rough_gains, with_likely_gains
+from flexros.gap.fit.torques.rough_gains import carrying_stiffness, likely_gains, rough_gains, with_likely_gains
 from flexros.gap.prediction.driven_model import driven_model
 from flexros.gap.settings import DiagnosisSettings, ServoStartSettings
 from flexros.record.record import Record

@@ -11,9 +11,9 @@ import pytest
 
 from flexros.effects import RobotWithEffects
 from flexros.gap.candidates.tolerance import Tolerance, tolerance_of
-from flexros.gap.fit.missing_load import load_beside
-from flexros.gap.fit.torque_regression import regress_torque
-from flexros.gap.fit.unknown_numbers import UNCERTAIN, UNCERTAIN_LOAD, unknown_numbers
+from flexros.gap.fit.torques.missing_load import load_beside
+from flexros.gap.fit.torques.regression import regress_torque
+from flexros.gap.fit.torques.unknown_numbers import UNCERTAIN, UNCERTAIN_LOAD, unknown_numbers
 from flexros.gap.settings import TorqueStartSettings
 from flexros.record.record import Record
 from tests.gap.rigid_arm import COULOMB, INERTIA, VISCOUS, T, arm, motion, record_of_arm
