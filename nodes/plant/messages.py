@@ -93,8 +93,7 @@ class PlantMessages:
             self._sensor_messages = self._sensor_writer.fill(k, stamp, further)
         self._clock_message = None
         if k % self._clock_every == 0:
-            self._clock_message = Clock()
-            self._clock_message.clock.sec, self._clock_message.clock.nanosec = divmod(stamp, NANOSECONDS)
+            self._clock_message = _clock_at(stamp)
         return stamp
 
     def publish(self) -> None:
@@ -105,6 +104,16 @@ class PlantMessages:
         self._poses.publish(self._pose)
         if self._clock_message is not None:
             self._clock.publish(self._clock_message)
+
+    def publish_time(self, stamp: int) -> None:
+        """Publish the simulated time [ns] beside the samples, for whom missed the last ones: only the newest counts."""
+        self._clock.publish(_clock_at(stamp))
+
+
+def _clock_at(stamp: int) -> Clock:
+    message = Clock()
+    message.clock.sec, message.clock.nanosec = divmod(stamp, NANOSECONDS)
+    return message
 
 
 def recorder_window(samples: int, sample_time: float, real_time: bool, own: Sequence[str]) -> RecorderWindow:

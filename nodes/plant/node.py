@@ -205,6 +205,8 @@ class PlantNode(FlexrosNode):
             if not self.value("observers") or window.holds(topics, self.loop.stamp):
                 super().end(shutdown.failure)
                 return
+            if shutdown.failure is None:  # the reference follows the clock, and may have missed the last messages of it
+                self.loop.messages.publish_time(self.loop.stamp)
         if shutdown.timed_out(LOOK_PERIOD):
             super().end(shutdown.failure)
 

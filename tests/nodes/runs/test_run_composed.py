@@ -14,6 +14,7 @@ from mcap_ros2.decoder import DecoderFactory
 from flexros.errors import InputError
 from flexros.logs.messages.diagnostic_array import DiagnosticArrayCodec
 from flexros.logs.reader import read_log
+from flexros.logs.stamps import stamp_ns, stamp_of
 from flexros.logs.time_series import Log
 from flexros.robot import load_robot
 from flexros.scenario.closed_loop import closed_loop
@@ -25,6 +26,7 @@ pytest.importorskip("rclpy", reason="needs ROS 2")
 from flexros_nodes.bringup.run import run_scenario
 from flexros_nodes.plant import node as plant_node
 from flexros_nodes.shell import spinning
+from flexros_nodes.shell.reference_stream import ReferenceStream
 
 pytestmark = pytest.mark.usefixtures("ros_domain")
 
@@ -91,6 +93,25 @@ def test_single_threaded_executor_gives_the_same_samples(
 ) -> None:
     monkeypatch.setattr(spinning, "EventsExecutor", None)
     scenario = load_scenario("circle_dae").with_values({"duration": 0.2})
+    summary = run_scenario(scenario, tmp_path / "log")
+    assert summary.exit_code == 0
+    assert log_differences(closed_loop(Experiment.prepare(scenario)), read_log(tmp_path / "log")) == []
+
+
+def test_tool_reference_is_complete_though_the_last_clock_messages_were_lost(
+    tmp_path: Path, log_differences: Differences, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scenario = load_scenario("circle_dae").with_values({"duration": 0.2})
+    received = ReferenceStream._on_clock
+    seen: set[int] = set()
+
+    def lossy(stream: ReferenceStream, message: bytes) -> None:
+        stamp = stamp_of(message)
+        if stamp in seen or stamp < stamp_ns(200, 5e-4):
+            received(stream, message)
+        seen.add(stamp)
+
+    monkeypatch.setattr(ReferenceStream, "_on_clock", lossy)
     summary = run_scenario(scenario, tmp_path / "log")
     assert summary.exit_code == 0
     assert log_differences(closed_loop(Experiment.prepare(scenario)), read_log(tmp_path / "log")) == []
