@@ -33,9 +33,9 @@ def arm() -> Robot:
     return robot_from_data(yaml.safe_load(ARM), "arm.yaml")
 
 
-def motion() -> FloatArray:
-    """Return positions, speeds and accelerations of 20 s, shape (3, n, 2)."""
-    time = T * np.arange(4000)
+def motion(seconds: float = 20.0) -> FloatArray:
+    """Return positions, speeds and accelerations, shape (3, n, 2)."""
+    time = T * np.arange(round(seconds / T))
     result = np.zeros((3, len(time), 2))
     for motor, lines in enumerate((((0.13, 0.5, 0.0), (0.31, 0.3, 1.0)), ((0.21, 0.6, 2.0), (0.47, 0.2, 0.5)))):
         for frequency, size, phase in lines:
@@ -57,6 +57,7 @@ def record_of_arm(
     share: float = 0.0,
     offset: float = 0.0,
     rotors: tuple[float, float] | None = None,
+    seconds: float = 20.0,
 ) -> Record:
     """Compute the torques of that motion by inverse dynamics, with rotors and friction that the model lacks.
 
@@ -70,8 +71,9 @@ def record_of_arm(
         share: Friction of motor_1 per torque that its gear transmits [1].
         offset: Of the torque of motor_1 [Nm].
         rotors: Inertias of the rotors [kg m2]; None for `INERTIA`.
+        seconds: Length [s].
     """
-    q, v, a = motion()
+    q, v, a = motion(seconds)
     last = [name for name in arm().parameters if name.startswith(("body_2.mass", "body_2.inertia."))]
     model = arm().with_values({name: (1 + load) * arm().parameters[name].value for name in last}).model
     rigid = np.asarray(model.arm_inverse_dynamics(q.T, v.T, a.T, model.parameter_values), dtype=float).T

@@ -26,6 +26,8 @@ SETTINGS = DiagnosisSettings(
     where=None, next_experiment=None, sensitivity=None, search=SearchSettings(effects=(*FRICTION, *OTHERS))
 )
 ELBOW = load_robot("elbow")
+LENGTH = 5.0
+"""Of the logs of the elbow [s]."""
 LEVEL = {"coulomb_friction@motor_1", "coulomb_friction@motor_2", "viscous_friction@motor_1", "viscous_friction@motor_2"}
 
 
@@ -33,7 +35,8 @@ LEVEL = {"coulomb_friction@motor_1", "coulomb_friction@motor_2", "viscous_fricti
 def elbow_log(*effects: str, seed: int) -> Record:
     keys = {"robot": ELBOW.name, "diagnosis.length": 10.0, "seed": seed, "plant.effects": list(effects)}
     scenario = load_scenario("diagnosis").with_values(keys, "test")
-    return replace(read_record(closed_loop(Experiment.prepare(scenario)), ELBOW, name="log"), tool=None)
+    record = read_record(closed_loop(Experiment.prepare(scenario)), ELBOW, name="log")
+    return replace(record, tool=None).part(0, round(LENGTH / record.sample_time))
 
 
 def causes(robot: Robot, log: Record, held: Record) -> dict[str, Cause]:

@@ -67,7 +67,7 @@ def test_the_sentence_names_what_the_model_lacks(result: DiagnosisResult) -> Non
 
 
 def test_a_load_that_the_file_lacks_has_a_row_of_the_budget() -> None:
-    fitted, held = (record_of_arm(imported=True, seed=seed, load=7.0) for seed in (5, 6))
+    fitted, held = (record_of_arm(imported=True, seed=seed, load=7.0, seconds=10.0) for seed in (5, 6))
     found = diagnose(fitted, arm(), holdout=held, settings=SETTINGS).diagnosis
     (row,) = (one for one in found.budget if one.effect == "tool_load")
     assert (row.joint, row.cause_class) == ("tool", "model numbers")

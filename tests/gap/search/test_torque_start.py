@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -33,9 +34,14 @@ RIVALS = (
 FEW = DiagnosisSettings(where=None, next_experiment=None, sensitivity=None, search=SearchSettings(effects=RIVALS))
 
 
+def log_of_arm(**others: Any) -> Record:
+    """Ten seconds of the arm, as of a real machine."""
+    return record_of_arm(imported=True, seconds=10.0, **others)
+
+
 @cache
 def prepared() -> tuple[FitData, RobotWithEffects, Tolerance]:
-    record, model = record_of_arm(imported=True), RobotWithEffects(arm(), ())
+    record, model = log_of_arm(), RobotWithEffects(arm(), ())
     unknown = unknown_numbers(record, model, tolerance_of(model.robot, {}))
     model = unknown.given_to(model)
     tolerance = unknown.tolerated(tolerance_of(model.robot, {}), model.robot)
@@ -62,8 +68,8 @@ def first(**search: tuple[str, ...]) -> CandidateFit | None:
 @cache
 def result() -> DiagnosisResult:
     settings = DiagnosisSettings(where=None, next_experiment=None)
-    held = record_of_arm(imported=True, seed=6)
-    return diagnose(record_of_arm(imported=True), arm(), holdout=held, settings=settings)
+    held = log_of_arm(seed=6)
+    return diagnose(log_of_arm(), arm(), holdout=held, settings=settings)
 
 
 def test_first_values_are_those_of_the_torques() -> None:
@@ -136,7 +142,7 @@ def test_a_base_that_gains_no_more_than_chance_is_none() -> None:
 
 @pytest.mark.slow
 def test_clear_asymmetry_of_friction_is_found() -> None:
-    uneven = [record_of_arm(imported=True, seed=seed, asymmetry=0.4) for seed in (5, 6)]
+    uneven = [log_of_arm(seed=seed, asymmetry=0.4) for seed in (5, 6)]
     found = diagnose(uneven[0], arm(), holdout=uneven[1], settings=FEW).diagnosis
     assert {f"{cause.effect}@{cause.location}" for cause in found.causes} == FRICTION
     parameters = {f"{cause.effect}@{cause.location}": cause.parameters for cause in found.causes}
@@ -155,7 +161,7 @@ def complete_arm() -> Robot:
 @pytest.mark.slow
 def test_friction_whose_mean_is_nominal_returns_for_its_asymmetry() -> None:
     """The torques show no viscous friction beyond the nominal one, so it is left out at first."""
-    uneven = [record_of_arm(imported=True, seed=seed, asymmetry=1.0) for seed in (5, 6)]
+    uneven = [log_of_arm(seed=seed, asymmetry=1.0) for seed in (5, 6)]
     found = diagnose(uneven[0], complete_arm(), holdout=uneven[1], settings=FEW).diagnosis
     parameters = {f"{cause.effect}@{cause.location}": cause.parameters for cause in found.causes}
     assert parameters.keys() == FRICTION - {"viscous_friction@motor_2"}
@@ -165,12 +171,12 @@ def test_friction_whose_mean_is_nominal_returns_for_its_asymmetry() -> None:
 @pytest.mark.slow
 def test_friction_of_the_nominal_model_that_is_too_large_is_reduced() -> None:
     """Rotors are estimated beside it, and what the model has too much of is a negative level."""
-    record = record_of_arm(imported=True)
+    record = log_of_arm()
     level = CoulombFriction(level=1.5 * COULOMB[0])
     model = RobotWithEffects(arm(), ()).with_effects([PlacedEffect(level, "motor_1")])
     unknown = unknown_numbers(record, model, tolerance_of(model.robot, {}))
     assert list(unknown.inertias.values()) == pytest.approx(INERTIA, rel=0.1)
-    found = diagnose(record, model, holdout=record_of_arm(imported=True, seed=6), settings=FEW).diagnosis
+    found = diagnose(record, model, holdout=log_of_arm(seed=6), settings=FEW).diagnosis
     levels = {one.location: one.parameters["level"].value for one in found.causes if one.effect == "coulomb_friction"}
     assert levels["motor_1"] == pytest.approx(-0.5 * COULOMB[0], rel=0.05)
     assert levels["motor_2"] == pytest.approx(COULOMB[1], rel=0.05)
@@ -179,7 +185,7 @@ def test_friction_of_the_nominal_model_that_is_too_large_is_reduced() -> None:
 @pytest.mark.slow
 def test_a_load_of_many_times_the_last_body_is_found() -> None:
     """Its search ends at nine times the mass and is widened."""
-    loaded = [record_of_arm(imported=True, seed=seed, load=11.0) for seed in (5, 6)]
+    loaded = [log_of_arm(seed=seed, load=11.0) for seed in (5, 6)]
     found = diagnose(loaded[0], complete_arm(), holdout=loaded[1], settings=FEW).diagnosis
     causes = {f"{cause.effect}@{cause.location}": cause.parameters for cause in found.causes}
     assert causes["payload_error@tool"]["relative"].value == pytest.approx(11.0, rel=0.15)
@@ -187,7 +193,7 @@ def test_a_load_of_many_times_the_last_body_is_found() -> None:
 
 
 def start_with(balance: tuple[float, float]) -> TorqueStart:
-    record, model = record_of_arm(imported=True, balance=balance), RobotWithEffects(arm(), ())
+    record, model = log_of_arm(balance=balance), RobotWithEffects(arm(), ())
     data = fit_data(record, model, DiagnosisSettings())
     found = torque_start(data, model, Tolerance(), DiagnosisSettings())
     assert found is not None
@@ -207,7 +213,7 @@ def test_small_torque_over_the_position_is_no_counterbalance() -> None:
 
 @pytest.mark.slow
 def test_counterbalance_is_named_with_its_size() -> None:
-    log, held = (record_of_arm(imported=True, seed=seed, balance=(40.0, -15.0)) for seed in (5, 6))
+    log, held = (log_of_arm(seed=seed, balance=(40.0, -15.0)) for seed in (5, 6))
     known = arm().with_values({"motor_1.inertia": INERTIA[0], "motor_2.inertia": INERTIA[1]})
     found = diagnose(log, known, holdout=held, settings=FEW)
     causes = {f"{one.effect}@{one.location}": one for one in found.diagnosis.causes}
@@ -221,14 +227,14 @@ def test_counterbalance_is_named_with_its_size() -> None:
 
 def test_an_offset_of_the_torques_begins_the_search() -> None:
     """Without it, friction and bodies would stand for it."""
-    found = torque_start_of(record_of_arm(imported=True, offset=3.0))
+    found = torque_start_of(log_of_arm(offset=3.0))
     assert found.regression.bias[0] == pytest.approx(-3.0, rel=0.05)
     assert found.regression.bias[1] == 0.0
     assert "torque_bias@motor_1" in {candidate.name for candidate, _ in found.hypothesis()}
 
 
 def test_viscous_friction_that_differs_by_direction_is_no_offset() -> None:
-    found = torque_start_of(record_of_arm(imported=True, asymmetry=0.8))
+    found = torque_start_of(log_of_arm(asymmetry=0.8))
     assert not found.regression.bias.any()
 
 

@@ -140,8 +140,8 @@ def test_a_heavier_last_body_does_not_make_all_bodies_rough() -> None:
 @pytest.mark.slow
 def test_the_patch_states_the_friction_of_the_log_against_that_of_the_file() -> None:
     settings = DiagnosisSettings(where=None, next_experiment=None)
-    held = record_of_arm(imported=True, seed=6)
-    result = diagnose(record_of_arm(imported=True), damped(), holdout=held, settings=settings)
+    log, held = (record_of_arm(imported=True, seed=seed, seconds=10.0) for seed in (5, 6))
+    result = diagnose(log, damped(), holdout=held, settings=settings)
     friction = {one.location: one.effect for one in result.patch if isinstance(one.effect, ViscousFriction)}
     sizes = [getattr(friction[name], "coefficient", np.nan) for name in MOTORS]
     np.testing.assert_allclose(sizes, VISCOUS - FILE, atol=0.3)
