@@ -7,15 +7,37 @@ from pathlib import Path
 
 import pytest
 
-from tests.contracts.conftest import folder_of_reader
+from tests.contracts.conftest import folder_of_reader, marked_blocks
+from tests.contracts.test_guide import DOCS, MARKER
 from tests.program import CHECKOUT, program
 
 hour = program("docs/results/programs/first_hour.py")
 JOURNEYS = hour.journeys()
+ON_THEIR_PAGE = ("A repaired model of a UR5e from a bag",)
+"""Journeys whose commands stand on their page too, which test_guide.py runs: a diagnosis is not run twice."""
+
+
+def commands_of(block: str) -> list[str]:
+    """Give the commands of a block without what is said about them."""
+    lines = (line.partition("  #")[0].rstrip() for line in block.splitlines())
+    return [line for line in lines if line and not line.startswith("#")]
+
+
+@pytest.mark.parametrize("name", ON_THEIR_PAGE)
+def test_commands_of_the_readme_stand_on_the_page_in_the_same_order(name: str) -> None:
+    (journey,) = (one for one in JOURNEYS if one.name == name)
+    blocks = marked_blocks((DOCS / hour.PAGES[name]).read_text(encoding="utf-8"), MARKER)
+    run = [command for block in blocks for command in commands_of(block)]
+    install, *wanted = commands_of(journey.commands)
+    assert install == "pip install --quiet mujoco", "what the extra `test` has installed"
+    assert len(wanted) > 5
+    assert [command for command in run if command in wanted] == wanted
 
 
 @pytest.mark.guide
-@pytest.mark.parametrize("journey", JOURNEYS, ids=lambda journey: journey.name)
+@pytest.mark.parametrize(
+    "journey", [one for one in JOURNEYS if one.name not in ON_THEIR_PAGE], ids=lambda journey: journey.name
+)
 def test_commands_of_the_readme_run(journey: hour.Journey, tmp_path: Path, request: pytest.FixtureRequest) -> None:
     if journey.over_topics:
         request.getfixturevalue("ros_domain")
