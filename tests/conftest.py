@@ -15,6 +15,7 @@ from tests.segments import own_ports
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from pathlib import Path
 
 # Workers and the processes that tests start run side by side: threads of BLAS would wait for each other.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -34,6 +35,8 @@ def pytest_configure(config: pytest.Config) -> None:
 
     It is kept for the next run. An object is named by all that determines it, so no old one can take part.
     """
+    if hasattr(config.option, "loadscopereorder"):
+        config.option.loadscopereorder = False  # files with most tests first: those with few long ones would end alone
     if not hasattr(config, "workerinput"):
         os.environ["FLEXROS_CACHE"] = str(config.rootpath / ".pytest_cache" / "machine_code")
 
@@ -45,6 +48,20 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.ros)
         if "small_study" in getattr(item, "fixturenames", ()):
             item.add_marker(pytest.mark.slow)
+    items[:] = [item for file in in_order_of_work(items) for item in file]
+
+
+def in_order_of_work(items: list[pytest.Item]) -> list[list[pytest.Item]]:
+    """Give the tests of each file: files with long tests first, those that wait for nodes spread between the others."""
+    files: dict[Path, list[pytest.Item]] = {}
+    for item in items:
+        files.setdefault(item.path, []).append(item)
+    waiting, long, short = [], [], []
+    for file in files.values():
+        marks = {mark.name for item in file for mark in item.iter_markers()}
+        (waiting if "ros" in marks else long if "slow" in marks else short).append(file)
+    places = [((k + 0.5) / len(group), file) for group in (waiting, long) for k, file in enumerate(group)]
+    return [*(file for _, file in sorted(places, key=lambda place: place[0])), *short]
 
 
 def pytest_collection_finish() -> None:
