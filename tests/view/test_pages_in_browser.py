@@ -46,7 +46,13 @@ def player(circle: Path, browser: Browser) -> Iterator[LogPlayer]:
         seen(lambda: blue(browser).sum() > 400, "the arm to be drawn")
         yield page
     finally:
-        page.stop()
+        stop(page, browser)
+
+
+def stop(page: LogPlayer | RobotPage, browser: Browser) -> None:
+    """End a page that nobody looks at: one whose server goes away is drawn anew, which costs 4 s of a processor."""
+    browser.open("about:blank")
+    page.stop()
 
 
 def seen(holds: Callable[[], bool], what: str) -> None:
@@ -121,7 +127,7 @@ def test_robot_page_moves_with_its_sliders(browser: Browser) -> None:
         page._motors[1].value = 1.2
         seen(lambda: moved(browser, before), "the robot in another pose")
     finally:
-        page.stop()
+        stop(page, browser)
 
 
 def test_links_of_a_urdf_are_drawn(browser: Browser, tmp_path: Path) -> None:
@@ -133,11 +139,11 @@ def test_links_of_a_urdf_are_drawn(browser: Browser, tmp_path: Path) -> None:
     surfaces = blue_of(page, browser)
     page._motors[1].value = -1.2
     seen(lambda: moved(browser, surfaces), "the links in another pose")
-    page.stop()
+    stop(page, browser)
     file.write_text("".join(line for line in file.read_text().splitlines(True) if not line.startswith("drawing:")))
     page = RobotPage(load_robot(file), port=PORT)
     bars = blue_of(page, browser)
-    page.stop()
+    stop(page, browser)
     assert surfaces.sum() > 1.3 * bars.sum(), "links are thicker than bars"
 
 
@@ -176,8 +182,8 @@ def test_phone_has_the_arm_above_a_panel_of_its_width(circle: Path, browser: Bro
         seen(in_view, "the arm above the panel, wholly in view once the camera has taken its place")
         assert browser.value("document.documentElement.scrollWidth") == 390
     finally:
+        stop(page, browser)
         browser.size(900, 420)
-        page.stop()
 
 
 def blue_above(browser: Browser, top: float) -> np.ndarray:

@@ -132,7 +132,7 @@ def test_page_beside_a_run_shows_its_topics_and_ends_with_it(ros_domain: int) ->
             return probe.connect_ex(("127.0.0.1", port)) != 0
 
     context = Context()
-    with opened_browser() as browser, PageBeside("e12") as page:
+    with PageBeside("e12") as page, opened_browser() as browser:
         assert page.port is not None
         rclpy.init(context=context, args=[])
         node = rclpy.create_node("source", context=context)
