@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
 import pytest
 
+from flexros.cli.commands import demo, demo_measured, demo_repair
 from flexros.cli.commands.demo_measured import OWNER, RECORDED, Budgeted, budgeted, print_budget
+from tests.cli.commands.test_demo_repair import stand_in
 
 MOST = 400_000
 """Size that the recordings may have in the repository [bytes]."""
@@ -67,3 +74,20 @@ def test_figures_are_in_json(measured: Budgeted) -> None:
     assert figures["data"] == OWNER
     assert {"budget", "waterfall", "unexplained"} <= figures.keys()
     assert (measured.folder / "report.html").is_file()
+
+
+@pytest.mark.slow
+def test_the_demonstration_ends_with_repair_and_measured_machine(
+    flexros: Callable[..., Any], measured: Budgeted, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    last = [case for case in demo.cases() if case.label == "circle_dae2"]
+    monkeypatch.setattr(demo, "cases", lambda: tuple(last))
+    monkeypatch.setattr(demo_repair, "_diagnosed", stand_in(150.0))
+    monkeypatch.setattr(demo_measured, "budgeted", lambda folder, progress: measured)
+    ended = flexros("demo", "--transport", "direct", "--json", "--out", str(tmp_path / "out"))
+    assert ended.code == 0, ended.err
+    figures = json.loads(ended.out)
+    assert figures["measured"] == json.loads(json.dumps(measured.as_dict()))
+    assert figures["repair"]["verdict"] == "explained"
+    assert figures["repair"]["path_error_after_m"] < 0.05 * figures["repair"]["path_error_before_m"]
+    assert (tmp_path / "out" / demo_repair.REPORT).stat().st_size > 100_000

@@ -5,11 +5,10 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from flexros.cli.commands import demo, demo_repair
+from flexros.cli.commands import demo_repair
 from flexros.errors import RunError
 from flexros.gap.schema import Cause, Diagnosis, GapNumbers
 from flexros.logs.reader import read_log
@@ -97,17 +96,3 @@ def test_a_run_that_breaks_off_ends_the_repair(tmp_path: Path, monkeypatch: pyte
     monkeypatch.setattr("flexros.scenario.scenario.load_scenario", lambda name: unstable)
     with pytest.raises(RunError, match=r"without_effect: .*not finite"):
         repaired(tmp_path, monkeypatch, 150.0)
-
-
-def test_the_demonstration_ends_with_the_repair(
-    flexros: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    last = [case for case in demo.cases() if case.label == "circle_dae2"]
-    monkeypatch.setattr(demo, "cases", lambda: tuple(last))
-    monkeypatch.setattr(demo_repair, "_diagnosed", stand_in(150.0))
-    ended = flexros("demo", "--transport", "direct", "--json", "--out", str(tmp_path / "out"))
-    assert ended.code == 0, ended.err
-    figures = json.loads(ended.out)["repair"]
-    assert figures["verdict"] == "explained"
-    assert figures["path_error_after_m"] < 0.05 * figures["path_error_before_m"]
-    assert (tmp_path / "out" / demo_repair.REPORT).stat().st_size > 100_000
