@@ -140,8 +140,10 @@ def with_more(
 ) -> CandidateFit | None:
     """Add candidates to a fit: several whose gains add up, or one of the best.
 
-    Several begin with the sizes that they have together by linear theory. Where their fit removes less than it must,
-    that is no sign that nothing is missing: then each of the best ones is tried alone as well.
+    Several begin with the sizes that they have together by linear theory. In a simulated log each further one gains
+    more than its parameters cost: beside one that is missing, imitations of noise made the group not worth it. Where
+    the fit of several removes less than it must, that is no sign that nothing is missing: then each of the best ones is
+    tried alone as well.
 
     Args:
         search: The search.
@@ -165,7 +167,10 @@ def with_more(
         group = [addition for addition in group if addition.gain > settings.hopeful * settings.removed_of_all * rest]
         if not group:
             return None
-    elif len(group) > 1:
+    else:
+        cost = float(np.log(search.data.n_values))  # of a parameter, by the information criterion
+        group = [one for one in group if one is group[0] or one.gain > cost * len(one.candidate.free)]
+    if len(group) > 1 and not search.torques_decide:
         sizes = surroundings.sizes(np.stack([addition.change for addition in group], axis=-1))
         group = [addition.sized(size) for addition, size in zip(group, sizes, strict=True)]
     grown = _fitted(search, fit, [group], fits) if len(group) > 1 else None

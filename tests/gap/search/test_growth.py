@@ -106,15 +106,15 @@ def test_small_changes_are_regrouped_before_single_effects_are_exchanged(
     assert seen == [frozenset({"load"})]
 
 
-def test_two_orders_of_one_effect_are_not_added_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """An explanation holds an effect at a place once; its rival orders would share a name, and be removed as one."""
+def addition(name: str, gain: float, parameters: int = 1) -> Any:
+    candidate = SimpleNamespace(name=name, free=range(parameters))
+    one = SimpleNamespace(candidate=candidate, gain=gain, change=np.ones(3))
+    one.sized = lambda _size: one
+    return one
 
-    def addition(name: str, gain: float) -> Any:
-        one = SimpleNamespace(candidate=SimpleNamespace(name=name), gain=gain, change=np.ones(3))
-        one.sized = lambda _size: one
-        return one
 
-    found = [addition("ripple@motor_1", 9.0), addition("ripple@motor_1", 8.0), addition("drag@motor_1", 1.0)]
+def first_group(monkeypatch: pytest.MonkeyPatch, found: list[Any]) -> list[float]:
+    """Gains of the candidates that are tried together first, of some that are independent of each other."""
     tried: list[Any] = []
     search = search_that_never_ends()
     search.surroundings = lambda _fit: SimpleNamespace(
@@ -125,4 +125,16 @@ def test_two_orders_of_one_effect_are_not_added_at_once(monkeypatch: pytest.Monk
     monkeypatch.setattr(growth, "_removed", lambda *_: 0.1)
     monkeypatch.setattr(growth, "_fitted", lambda _search, _fit, trials, _fits: tried.append(trials[0]) or fit("first"))
     growth.with_more(search, fit(), [], [])
-    assert [one.gain for one in tried[0]] == [9.0, 1.0]
+    return [one.gain for one in tried[0]]
+
+
+def test_two_orders_of_one_effect_are_not_added_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An explanation holds an effect at a place once; its rival orders would share a name, and be removed as one."""
+    found = [addition("ripple@motor_1", 9.0), addition("ripple@motor_1", 8.0), addition("drag@motor_1", 5.0)]
+    assert first_group(monkeypatch, found) == [9.0, 5.0]
+
+
+def test_what_gains_less_than_its_parameters_cost_is_not_added_beside_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Three eccentricities that noise feigned made a group not worth it in which a gain of torques was right."""
+    found = [addition("gain@motor_3", 150.0), addition("drag@motor_1", 5.0), addition("ripple@motor_2", 6.5, 3)]
+    assert first_group(monkeypatch, found) == [150.0, 5.0]  # ln 10 per parameter
