@@ -71,7 +71,8 @@ def explain(search: Search) -> Explanations:
     Every effect alone, then forward selection: several candidates at a time whose gains add up, all fitted again
     together, and those that turn out to remove little left out again. What counts is the removal of an effect at the
     end, with all others in place: at the beginning each of many true effects removes only a small part of the gap.
-    A search that is resumed begins with the explanation that it has, and exchanges what that took in place of others.
+    A search that is resumed begins with the explanation that it has, and exchanges what that took in place of others;
+    it ends early where it will not leave noise, see `_in_vain`.
 
     Args:
         search: The log, the nominal model fitted to it and the settings.
@@ -103,10 +104,14 @@ def explain(search: Search) -> Explanations:
     beside = beside_line(search, chosen)
     if beside is not None:
         return explain(beside)
+    if _in_vain(search, chosen) and chosen.names == first.names:
+        return explanations_of(search, compared(search, best_of_each(fits)), chosen, detected=True)
     if search.from_torques and chosen.names != first.names:
         chosen = with_dropped(search, chosen, fits)
     if len(chosen.hypothesis) > 1 or search.resumed:
         chosen = resumed(search, chosen, tidied(search, chosen, directions, fits), directions, fits)
+        if _in_vain(search, chosen):
+            return explanations_of(search, compared(search, best_of_each(fits)), chosen, detected=True)
     elif search.deadline.over:
         chosen = search.completed(chosen)
         fits.append(chosen)
@@ -121,6 +126,15 @@ def explain(search: Search) -> Explanations:
     comparison = compared(search, best_of_each(fits))
     (chosen,) = (fit for fit in comparison.fits if fit.names == chosen.names)
     return _pruned(search, explanations_of(search, comparison, chosen, detected=True))
+
+
+def _in_vain(search: Search, chosen: CandidateFit) -> bool:
+    """Return whether a search that is resumed in a looser tie leaves more than noise, where it counts for nothing.
+
+    Where no candidate adds to its explanation, none does better in place of one either; and what laws leave after
+    exchanges, curves would take up, which are none. Both take longer than all before.
+    """
+    return search.resumed and compared(search, [chosen]).significant(chosen)
 
 
 def _beside_curves(
