@@ -13,7 +13,7 @@ from flexros.effects import effects
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.effects.kinds.tool_error import AbstractToolError
 from flexros.gap.candidates.candidate import alike, list_candidates, names_of
-from flexros.gap.fit.least_squares import CandidateFit, best_of_each, linearise, starts_of
+from flexros.gap.fit.least_squares import CandidateFit, best_of_each, chi2_of, linearise, starts_of
 from flexros.gap.fit.pruning import without_least_parameter
 from flexros.gap.fit.screening import directions_of, surroundings_of, switched_off
 from flexros.gap.fit.unknown_numbers import UNCERTAIN
@@ -73,6 +73,7 @@ class Search(LogFits):
     competitors: Competitors
     resumed: bool = False
     _linearised: list[_Around] = field(init=False, default_factory=list)
+    _levels: dict[tuple[frozenset[str], bytes], float] = field(init=False, default_factory=dict)
 
     @property
     def from_torques(self) -> bool:
@@ -346,6 +347,19 @@ class Search(LogFits):
         if known is not None:
             known.removals[:] = removals
         return removals
+
+    def level_without(self, fit: CandidateFit, names: Collection[str]) -> float:
+        """Return the mean squared prediction error of a fit with some of its effects switched off [1].
+
+        Args:
+            fit: The fit.
+            names: Names of these effects.
+        """
+        theta = fit.switched_off(names)
+        key = (fit.names, theta.tobytes())
+        if key not in self._levels:
+            self._levels[key] = float(chi2_of(fit.predictor, self.data, theta[:, None])[0]) / self.data.n_values
+        return self._levels[key]
 
     def together(
         self,

@@ -12,7 +12,7 @@ from flexros.gap.search.elimination import reduced
 from flexros.gap.search.exchange import corrected, exchanged
 from flexros.gap.search.periodic.overtones import with_overtones
 from flexros.gap.search.regrouping import regrouped
-from flexros.gap.search.worth import compared, incomplete, more_than_chance, simple_first, worth
+from flexros.gap.search.worth import compared, gap_of_laws, incomplete, more_than_chance, simple_first, worth
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -129,10 +129,12 @@ def _removed(search: Search, fit: CandidateFit, usual: float) -> float:
         fit: The explanation.
         usual: The share where more is left, or noise alone [1].
     """
-    n, null = search.data.n_values, search.null.fit
-    settings, form = search.settings.search, search.settings.ranking.shaped_form * (null.chi2 - n)
-    little = not search.torques_decide and fit.chi2 - n < min(form, settings.little * n)
-    return settings.removed_of_little if little and more_than_chance(compared(search, [fit]), fit) else usual
+    n, settings = search.data.n_values, search.settings.search
+    comparison = compared(search, [fit])
+    if search.torques_decide or not fit.chi2 - n < settings.little * n or not more_than_chance(comparison, fit):
+        return usual
+    form = search.settings.ranking.shaped_form * gap_of_laws(search, comparison, fit)
+    return settings.removed_of_little if fit.chi2 - n < form * n else usual
 
 
 def with_more(
