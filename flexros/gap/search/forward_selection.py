@@ -13,7 +13,7 @@ from flexros.gap.search.candidate_fits import at_limits
 from flexros.gap.search.curve_candidates import within_motion
 from flexros.gap.search.curves import curves_of, in_place_of_laws, with_curves
 from flexros.gap.search.elimination import reduced, with_asymmetry, with_dropped
-from flexros.gap.search.growth import extended, resumed, tidied, with_more
+from flexros.gap.search.growth import extended, in_vain, resumed, tidied, with_more
 from flexros.gap.search.periodic.lines import beside_line
 from flexros.gap.search.within_floor import grown_within_floor
 from flexros.gap.search.within_tolerance import with_far_numbers, without_slight_friction, without_tolerated
@@ -72,7 +72,7 @@ def explain(search: Search) -> Explanations:
     together, and those that turn out to remove little left out again. What counts is the removal of an effect at the
     end, with all others in place: at the beginning each of many true effects removes only a small part of the gap.
     A search that is resumed begins with the explanation that it has, and exchanges what that took in place of others;
-    it ends early where it will not leave noise, see `_in_vain`.
+    it ends early where it will not leave noise, see `in_vain`.
 
     Args:
         search: The log, the nominal model fitted to it and the settings.
@@ -104,13 +104,13 @@ def explain(search: Search) -> Explanations:
     beside = beside_line(search, chosen)
     if beside is not None:
         return explain(beside)
-    if _in_vain(search, chosen) and chosen.names == first.names:
+    if in_vain(search, chosen) and chosen.names == first.names:
         return explanations_of(search, compared(search, best_of_each(fits)), chosen, detected=True)
     if search.from_torques and chosen.names != first.names:
         chosen = with_dropped(search, chosen, fits)
     if len(chosen.hypothesis) > 1 or search.resumed:
         chosen = resumed(search, chosen, tidied(search, chosen, directions, fits), directions, fits)
-        if _in_vain(search, chosen):
+        if in_vain(search, chosen):
             return explanations_of(search, compared(search, best_of_each(fits)), chosen, detected=True)
     elif search.deadline.over:
         chosen = search.completed(chosen)
@@ -126,15 +126,6 @@ def explain(search: Search) -> Explanations:
     comparison = compared(search, best_of_each(fits))
     (chosen,) = (fit for fit in comparison.fits if fit.names == chosen.names)
     return _pruned(search, explanations_of(search, comparison, chosen, detected=True))
-
-
-def _in_vain(search: Search, chosen: CandidateFit) -> bool:
-    """Return whether a search that is resumed in a looser tie leaves more than noise, where it counts for nothing.
-
-    Where no candidate adds to its explanation, none does better in place of one either; and what laws leave after
-    exchanges, curves would take up, which are none. Both take longer than all before.
-    """
-    return search.resumed and compared(search, [chosen]).significant(chosen)
 
 
 def _beside_curves(

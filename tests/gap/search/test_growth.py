@@ -28,6 +28,7 @@ def search_that_never_ends() -> Any:
     return SimpleNamespace(
         settings=DiagnosisSettings(),
         torques_decide=False,
+        resumed=False,
         premises=SIMULATED,
         data=SimpleNamespace(n_values=10),
         deadline=SimpleNamespace(stops=lambda: False),
@@ -104,6 +105,36 @@ def test_small_changes_are_regrouped_before_single_effects_are_exchanged(
     search.completed = lambda one: one
     assert growth.tidied(search, fit("inertia", "spring"), [], []).names == {"load"}
     assert seen == [frozenset({"load"})]
+
+
+@pytest.mark.parametrize(("vain", "share"), [(True, 0.4), (False, 0.1)])
+def test_a_step_of_a_resumed_search_removes_as_much_as_an_effect_must_in_the_end(
+    monkeypatch: pytest.MonkeyPatch, steps: list[str], vain: bool, share: float
+) -> None:
+    """Errors of form were imitated round after round: a search in a looser tie did not end in a quarter of an hour."""
+    shares: list[float] = []
+
+    def worth(*arguments: Any) -> bool:
+        shares.append(arguments[-1])
+        return False
+
+    monkeypatch.setattr(growth, "in_vain", lambda *_: vain)
+    monkeypatch.setattr(growth, "_removed", lambda _search, _fit, usual: usual)
+    monkeypatch.setattr(growth, "worth", worth)
+    growth.extended(search_that_never_ends(), fit("first"), [], [])
+    assert (steps, shares) == (["more"], [share])
+
+
+@pytest.mark.parametrize(
+    ("resumed", "left", "expected"), [(True, True, True), (True, False, False), (False, True, False)]
+)
+def test_only_a_resumed_search_that_leaves_more_than_noise_is_in_vain(
+    monkeypatch: pytest.MonkeyPatch, resumed: bool, left: bool, expected: bool
+) -> None:
+    search = search_that_never_ends()
+    search.resumed = resumed
+    monkeypatch.setattr(growth, "compared", lambda *_: SimpleNamespace(significant=lambda _fit: left))
+    assert growth.in_vain(search, fit("first")) is expected
 
 
 def addition(name: str, gain: float, parameters: int = 1) -> Any:
