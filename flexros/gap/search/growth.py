@@ -49,8 +49,11 @@ def extended(
             fits.append(chosen)
         grown = with_more(search, chosen, directions, fits)
         comparison = compared(search, best_of_each(fits))
-        usual = settings.removed if in_vain(search, chosen) else settings.removed_by_step
-        if grown is None or not worth(search, comparison, chosen, grown, _removed(search, chosen, usual)):
+        if grown is None or not worth(
+            search, comparison, chosen, grown, _removed(search, chosen, settings.removed_by_step)
+        ):
+            break
+        if in_vain(search, chosen) and comparison.removed(chosen, grown) < settings.removed:
             break
         before, chosen = chosen, reduced(search, grown, fits, _removed(search, grown, settings.removed_by_step))
         other = chosen
@@ -69,9 +72,10 @@ def in_vain(search: Search, fit: CandidateFit) -> bool:
     """Return whether an explanation leaves more than noise where a search is resumed in a looser tie.
 
     It counts for nothing there if it ends so. What was within noise before is of few effects, which a step of several
-    finds together: where one removes less than an effect must in the end, the errors of form of those found before are
-    what is left, and candidates imitate them without an end. Where no candidate adds to the explanation, none does
-    better in place of one of its effects; and what laws leave after exchanges, curves would take up, which are none.
+    finds together: where one removes less of the whole than an effect must in the end, the errors of form of those
+    found before are what is left, and candidates imitate them without an end. Where no candidate adds to the
+    explanation, none does better in place of one of its effects; and what laws leave after exchanges, curves would take
+    up, which are none.
     """
     return search.resumed and compared(search, [fit]).significant(fit)
 

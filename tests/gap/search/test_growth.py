@@ -107,22 +107,16 @@ def test_small_changes_are_regrouped_before_single_effects_are_exchanged(
     assert seen == [frozenset({"load"})]
 
 
-@pytest.mark.parametrize(("vain", "share"), [(True, 0.4), (False, 0.1)])
+@pytest.mark.parametrize(("vain", "removed", "kept"), [(True, 0.3, False), (True, 0.5, True), (False, 0.3, True)])
 def test_a_step_of_a_resumed_search_removes_as_much_as_an_effect_must_in_the_end(
-    monkeypatch: pytest.MonkeyPatch, steps: list[str], vain: bool, share: float
+    monkeypatch: pytest.MonkeyPatch, steps: list[str], vain: bool, removed: float, kept: bool
 ) -> None:
     """Errors of form were imitated round after round: a search in a looser tie did not end in a quarter of an hour."""
-    shares: list[float] = []
-
-    def worth(*arguments: Any) -> bool:
-        shares.append(arguments[-1])
-        return False
-
+    found = SimpleNamespace(score=lambda _fit: 0.0, threshold=0.0, removed=lambda *_: removed)
+    monkeypatch.setattr(growth, "compared", lambda *_: found)
     monkeypatch.setattr(growth, "in_vain", lambda *_: vain)
-    monkeypatch.setattr(growth, "_removed", lambda _search, _fit, usual: usual)
-    monkeypatch.setattr(growth, "worth", worth)
-    growth.extended(search_that_never_ends(), fit("first"), [], [])
-    assert (steps, shares) == (["more"], [share])
+    monkeypatch.setattr(growth, "reduced", lambda _search, one, *_: one)
+    assert (growth.extended(search_that_never_ends(), fit("first"), [], []).names > {"first"}) is kept
 
 
 @pytest.mark.parametrize(
