@@ -63,7 +63,8 @@ class Search(LogFits):
         scales: Largest torques, speeds and deflections of the log.
         distance: Sum of the squares by which the weighted prediction errors of two fits differ.
         competitors: Effects and locations that compete.
-        resumed: Whether the base is the explanation of an earlier search, in the same log tied more closely.
+        left_before: Mean squared prediction error of the base in the same log tied more closely, where an earlier
+            search ended with it [1]; None where there was none.
     """
 
     base: CandidateFit
@@ -71,9 +72,14 @@ class Search(LogFits):
     scales: Scales
     distance: Callable[[CandidateFit, CandidateFit], float]
     competitors: Competitors
-    resumed: bool = False
+    left_before: float | None = None
     _linearised: list[_Around] = field(init=False, default_factory=list)
     _levels: dict[tuple[frozenset[str], bytes], float] = field(init=False, default_factory=dict)
+
+    @property
+    def resumed(self) -> bool:
+        """Whether the base is the explanation of an earlier search, in the same log tied more closely."""
+        return self.left_before is not None
 
     @property
     def from_torques(self) -> bool:

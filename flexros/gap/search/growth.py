@@ -12,7 +12,15 @@ from flexros.gap.search.elimination import reduced
 from flexros.gap.search.exchange import corrected, exchanged
 from flexros.gap.search.periodic.overtones import with_overtones
 from flexros.gap.search.regrouping import regrouped
-from flexros.gap.search.worth import compared, gap_of_laws, incomplete, more_than_chance, simple_first, worth
+from flexros.gap.search.worth import (
+    compared,
+    gap_of_laws,
+    incomplete,
+    more_than_before,
+    more_than_chance,
+    simple_first,
+    worth,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -77,7 +85,8 @@ def in_vain(search: Search, fit: CandidateFit) -> bool:
     explanation, none does better in place of one of its effects; and what laws leave after exchanges, curves would take
     up, which are none.
     """
-    return search.resumed and compared(search, [fit]).significant(fit)
+    comparison = compared(search, [fit])
+    return search.resumed and (comparison.significant(fit) or more_than_before(search, comparison, fit))
 
 
 def tidied(

@@ -45,6 +45,18 @@ def more_than_chance(comparison: ModelComparison, fit: CandidateFit) -> bool:
     return comparison.level(fit) - 1.0 > comparison.settings.significant * _chance(comparison)
 
 
+def more_than_before(search: Search, comparison: ModelComparison, fit: CandidateFit) -> bool:
+    """Return whether a fit leaves more than noise left by chance in the same log tied more closely.
+
+    How large coloured or measured noise is, an explanation that left noise has shown: beside a doubt of 12 % errors of
+    form, of a fifth of the noise, were imitated.
+    """
+    if search.left_before is None:
+        return False
+    by_chance = 2**0.5 * _chance(comparison)  # of both levels
+    return comparison.level(fit) - search.left_before > comparison.settings.significant * by_chance
+
+
 def _chance(comparison: ModelComparison) -> float:
     """Return the standard deviation of the level without gap, of noise that is known [1]."""
     return float(np.sqrt(2.0 / comparison.n_values))

@@ -128,6 +128,7 @@ def test_only_a_resumed_search_that_leaves_more_than_noise_is_in_vain(
     search = search_that_never_ends()
     search.resumed = resumed
     monkeypatch.setattr(growth, "compared", lambda *_: SimpleNamespace(significant=lambda _fit: left))
+    monkeypatch.setattr(growth, "more_than_before", lambda *_: False)
     assert growth.in_vain(search, fit("first")) is expected
 
 

@@ -77,7 +77,7 @@ def test_where_no_candidate_adds_in_a_looser_tie_that_shows_more_than_noise_none
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     search, first = first_search()
-    again = replace(search, base=first.chosen, resumed=True)
+    again = replace(search, base=first.chosen, left_before=1.0)
     room = "flexros.gap.search.forward_selection"
     monkeypatch.setattr(f"{room}.extended", lambda _search, chosen, *_: chosen)
     monkeypatch.setattr(f"{room}.in_vain", lambda *_: True)

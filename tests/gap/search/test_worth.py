@@ -11,7 +11,7 @@ import pytest
 
 from flexros.effects import effects
 from flexros.gap.search.model_probability import ModelComparison
-from flexros.gap.search.worth import gap_of_laws, incomplete, simple_first, simplest, worth
+from flexros.gap.search.worth import gap_of_laws, incomplete, more_than_before, simple_first, simplest, worth
 from flexros.gap.settings import DiagnosisSettings
 from flexros.record.premises import MEASURED, SIMULATED
 from tests.gap.diagnosis_logs import candidates_of
@@ -94,6 +94,16 @@ def test_the_gap_of_a_wrong_number_hides_no_effect_in_a_simulated_log(name: str,
     search.level_without = lambda _fit, names: 2e6 if names else 30.0
     assert worth(search, comparison, rest, fit, 0.4) is expected
     assert gap_of_laws(search, comparison, fit) == (29.0 if expected else 2e6 - 1)
+
+
+@pytest.mark.parametrize(("before", "level", "expected"), [
+    (0.89, 1.05, True), (0.89, 0.94, False), (1.05, 1.05, False), (None, 9.0, False),
+])  # fmt: skip
+def test_noise_leaves_as_much_in_a_looser_tie(before: float | None, level: float, expected: bool) -> None:
+    """Beside a doubt of 12 % about the noise, a limit of torques and an encoder's offset imitated errors of form."""
+    comparison, (_, fit) = measured_fits(50.0, level)
+    search: Any = SimpleNamespace(left_before=before)
+    assert more_than_before(search, replace(comparison, floor_error=0.03), fit) is expected
 
 
 def measured_fits(*levels: float) -> tuple[ModelComparison, list[Any]]:
