@@ -48,8 +48,9 @@ class Measurement:
         driving: Standard deviation of that white noise [rad or m], shape (M,).
         jitter: Standard deviation of the sampling instants [s].
         quantizations: Encoders whose quantization matters.
-        rounding: Largest share of quantization in the variance of the noise of an encoder [1].
-        floor_error: Relative standard deviation of the variance of the noise [1]; zero where it is as declared.
+        rounding: Share of quantization in the variance of the noise of each encoder [1], shape (M,).
+        floor_error: Relative standard deviation of the variance of the noise, mean over the encoders [1]; zero where it
+            is as declared.
         doubt: The same for a deviation of this log's noise from the assumed one; a gap of that size is none [1].
         signal_tolerance: Share of the rms of a torque that counts as no gap [1].
         warnings: Warnings, one sentence each.
@@ -60,7 +61,7 @@ class Measurement:
     driving: FloatArray
     jitter: float
     quantizations: tuple[Quantization, ...]
-    rounding: float
+    rounding: FloatArray
     floor_error: float
     doubt: float
     signal_tolerance: float
@@ -112,7 +113,9 @@ def measurement_of(record: Record, robot: Robot, settings: DiagnosisSettings) ->
     for one in quantizations:
         if not measured[one.motor]:  # what was measured contains the rounding
             deviation[one.motor] = np.hypot(declared[one.motor], one.step / np.sqrt(12))
-    rounding = max((one.step**2 / 12 / deviation[one.motor] ** 2 for one in quantizations), default=0.0)
+    rounding = np.zeros(robot.n_motors)
+    for one in quantizations:
+        rounding[one.motor] = one.step**2 / 12 / deviation[one.motor] ** 2
     coloured = bool(np.any(autoregression))
     error = numbers.coloured_error if coloured else 0.0 if bool(np.all(near & stated)) else numbers.measured_error
     whitening = np.hstack([np.ones((robot.n_motors, 1)), -autoregression[:, : None if coloured else 0]])
@@ -122,8 +125,8 @@ def measurement_of(record: Record, robot: Robot, settings: DiagnosisSettings) ->
         driving=deviation / np.array([_amplification(row) for row in whitening]),
         jitter=noise.jitter,
         quantizations=quantizations,
-        rounding=float(rounding),
-        floor_error=float(np.hypot(error, numbers.rounding_error * rounding)),
+        rounding=rounding,
+        floor_error=float(np.hypot(error, numbers.rounding_error * rounding.mean())),
         doubt=0.0 if coloured else numbers.doubt * _difference(noise, deviation),
         signal_tolerance=noise.signal_tolerance,
         warnings=(*noise.warnings, *_undeclared(robot, declared)),

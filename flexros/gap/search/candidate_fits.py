@@ -14,7 +14,7 @@ from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.effects.kinds.tool_error import AbstractToolError
 from flexros.gap.candidates.candidate import alike, list_candidates, names_of
 from flexros.gap.fit.candidate_fit import CandidateFit, best_of_each
-from flexros.gap.fit.least_squares import linearise, starts_of
+from flexros.gap.fit.least_squares import chi2_of, linearise, starts_of
 from flexros.gap.fit.pruning import without_least_parameter
 from flexros.gap.fit.screening import directions_of, surroundings_of, switched_off
 from flexros.gap.fit.torques.unknown_numbers import UNCERTAIN
@@ -64,7 +64,8 @@ class Search(LogFits):
         scales: Largest torques, speeds and deflections of the log.
         distance: Sum of the squares by which the weighted prediction errors of two fits differ.
         competitors: Effects and locations that compete.
-        resumed: Whether the base is the explanation of an earlier search, in the same log tied more closely.
+        left_before: Mean squared prediction error of the base in the same log tied more closely, where an earlier
+            search ended with it [1]; None where there was none.
     """
 
     base: CandidateFit
@@ -72,8 +73,14 @@ class Search(LogFits):
     scales: Scales
     distance: Callable[[CandidateFit, CandidateFit], float]
     competitors: Competitors
-    resumed: bool = False
+    left_before: float | None = None
     _linearised: list[_Around] = field(init=False, default_factory=list)
+    _levels: dict[tuple[frozenset[str], bytes], float] = field(init=False, default_factory=dict)
+
+    @property
+    def resumed(self) -> bool:
+        """Whether the base is the explanation of an earlier search, in the same log tied more closely."""
+        return self.left_before is not None
 
     @property
     def from_torques(self) -> bool:
@@ -347,6 +354,19 @@ class Search(LogFits):
         if known is not None:
             known.removals[:] = removals
         return removals
+
+    def level_without(self, fit: CandidateFit, names: Collection[str]) -> float:
+        """Return the mean squared prediction error of a fit with some of its effects switched off [1].
+
+        Args:
+            fit: The fit.
+            names: Names of these effects.
+        """
+        theta = fit.switched_off(names)
+        key = (fit.names, theta.tobytes())
+        if key not in self._levels:
+            self._levels[key] = float(chi2_of(fit.predictor, self.data, theta[:, None])[0]) / self.data.n_values
+        return self._levels[key]
 
     def together(
         self,

@@ -13,7 +13,7 @@ from flexros.gap.search.candidate_fits import at_limits
 from flexros.gap.search.curve_candidates import within_motion
 from flexros.gap.search.curves import curves_of, in_place_of_laws, with_curves
 from flexros.gap.search.elimination import reduced, with_asymmetry, with_dropped
-from flexros.gap.search.growth import extended, resumed, tidied, with_more
+from flexros.gap.search.growth import extended, in_vain, resumed, tidied, with_more
 from flexros.gap.search.periodic.lines import beside_line
 from flexros.gap.search.within_floor import grown_within_floor
 from flexros.gap.search.within_tolerance import with_far_numbers, without_slight_friction, without_tolerated
@@ -71,7 +71,8 @@ def explain(search: Search) -> Explanations:
     Every effect alone, then forward selection: several candidates at a time whose gains add up, all fitted again
     together, and those that turn out to remove little left out again. What counts is the removal of an effect at the
     end, with all others in place: at the beginning each of many true effects removes only a small part of the gap.
-    A search that is resumed begins with the explanation that it has, and exchanges what that took in place of others.
+    A search that is resumed begins with the explanation that it has, and exchanges what that took in place of others;
+    it ends early where it will not leave noise, see `in_vain`.
 
     Args:
         search: The log, the nominal model fitted to it and the settings.
@@ -103,10 +104,14 @@ def explain(search: Search) -> Explanations:
     beside = beside_line(search, chosen)
     if beside is not None:
         return explain(beside)
+    if in_vain(search, chosen) and chosen.names == first.names:
+        return explanations_of(search, compared(search, best_of_each(fits)), chosen, detected=True)
     if search.from_torques and chosen.names != first.names:
         chosen = with_dropped(search, chosen, fits)
     if len(chosen.hypothesis) > 1 or search.resumed:
         chosen = resumed(search, chosen, tidied(search, chosen, directions, fits), directions, fits)
+        if in_vain(search, chosen):
+            return explanations_of(search, compared(search, best_of_each(fits)), chosen, detected=True)
     elif search.deadline.over:
         chosen = search.completed(chosen)
         fits.append(chosen)

@@ -12,7 +12,15 @@ from flexros.gap.search.elimination import reduced
 from flexros.gap.search.exchange import corrected, exchanged
 from flexros.gap.search.periodic.overtones import with_overtones
 from flexros.gap.search.regrouping import regrouped
-from flexros.gap.search.worth import compared, incomplete, more_than_chance, simple_first, worth
+from flexros.gap.search.worth import (
+    compared,
+    gap_of_laws,
+    incomplete,
+    more_than_before,
+    more_than_chance,
+    simple_first,
+    worth,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -53,6 +61,8 @@ def extended(
             search, comparison, chosen, grown, _removed(search, chosen, settings.removed_by_step)
         ):
             break
+        if in_vain(search, chosen) and comparison.removed(chosen, grown) < settings.removed:
+            break
         before, chosen = chosen, reduced(search, grown, fits, _removed(search, grown, settings.removed_by_step))
         other = chosen
         comparison = compared(search, best_of_each(fits))
@@ -64,6 +74,19 @@ def extended(
             break  # what a step adds, the next ones leave out again: the search would go round in a circle
         seen.add(chosen.names)
     return chosen
+
+
+def in_vain(search: Search, fit: CandidateFit) -> bool:
+    """Return whether an explanation leaves more than noise where a search is resumed in a looser tie.
+
+    It counts for nothing there if it ends so. What was within noise before is of few effects, which a step of several
+    finds together: where one removes less of the whole than an effect must in the end, the errors of form of those
+    found before are what is left, and candidates imitate them without an end. Where no candidate adds to the
+    explanation, none does better in place of one of its effects; and what laws leave after exchanges, curves would take
+    up, which are none.
+    """
+    comparison = compared(search, [fit])
+    return search.resumed and (comparison.significant(fit) or more_than_before(search, comparison, fit))
 
 
 def tidied(
@@ -129,10 +152,12 @@ def _removed(search: Search, fit: CandidateFit, usual: float) -> float:
         fit: The explanation.
         usual: The share where more is left, or noise alone [1].
     """
-    n, null = search.data.n_values, search.null.fit
-    settings, form = search.settings.search, search.settings.ranking.shaped_form * (null.chi2 - n)
-    little = not search.torques_decide and fit.chi2 - n < min(form, settings.little * n)
-    return settings.removed_of_little if little and more_than_chance(compared(search, [fit]), fit) else usual
+    n, settings = search.data.n_values, search.settings.search
+    comparison = compared(search, [fit])
+    if search.torques_decide or not fit.chi2 - n < settings.little * n or not more_than_chance(comparison, fit):
+        return usual
+    form = search.settings.ranking.shaped_form * gap_of_laws(search, comparison, fit)
+    return settings.removed_of_little if fit.chi2 - n < form * n else usual
 
 
 def with_more(
@@ -140,8 +165,10 @@ def with_more(
 ) -> CandidateFit | None:
     """Add candidates to a fit: several whose gains add up, or one of the best.
 
-    Several begin with the sizes that they have together by linear theory. Where their fit removes less than it must,
-    that is no sign that nothing is missing: then each of the best ones is tried alone as well.
+    Several begin with the sizes that they have together by linear theory. In a simulated log each further one gains
+    more than its parameters cost: beside one that is missing, imitations of noise made the group not worth it. Where
+    the fit of several removes less than it must, that is no sign that nothing is missing: then each of the best ones is
+    tried alone as well.
 
     Args:
         search: The search.
@@ -165,7 +192,10 @@ def with_more(
         group = [addition for addition in group if addition.gain > settings.hopeful * settings.removed_of_all * rest]
         if not group:
             return None
-    elif len(group) > 1:
+    else:
+        cost = float(np.log(search.data.n_values))  # of a parameter, by the information criterion
+        group = [one for one in group if one is group[0] or one.gain > cost * len(one.candidate.free)]
+    if len(group) > 1 and not search.torques_decide:
         sizes = surroundings.sizes(np.stack([addition.change for addition in group], axis=-1))
         group = [addition.sized(size) for addition, size in zip(group, sizes, strict=True)]
     grown = _fitted(search, fit, [group], fits) if len(group) > 1 else None

@@ -18,6 +18,7 @@ from flexros.gap.fit.least_squares import chi2_of
 from flexros.gap.fit.null_fit import NullFit, fit_null
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.search.forward_selection import explain
+from flexros.gap.search.growth import in_vain
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.search.torque_start import on_null
 
@@ -79,6 +80,7 @@ def found_looser(
 
     Each step allows for a tenth of the torque noise. Where the search cannot explain all that shows then, the errors of
     form of its effects are part of that, and candidates imitate them: the explanation of the step before is the answer.
+    Noise whose size is not known exactly was what that explanation left: the same noise leaves no more now.
 
     Args:
         search: The search that found it.
@@ -94,7 +96,7 @@ def found_looser(
         if further is None:
             break
         found = explain(further)
-        if search.deadline.over or found.comparison.significant(found.chosen):
+        if search.deadline.over or found.comparison.significant(found.chosen) or in_vain(further, found.chosen):
             break
         search, explanations = further, found
     return search, explanations
@@ -126,5 +128,6 @@ def _looser_search(search: Search, chosen: CandidateFit, record: Record, toleran
             null.model, data, replace(null.fit, chi2=float(chi2_of(null.fit.predictor, data, theta[:, None])[0]))
         )
         first = on_null(null, first)
-    begun = prepare_search(null, settings, search.progress, deadline, first, resumed=True)
-    return prepare_search(null, settings, search.progress, deadline, begun.completed(first), resumed=True)
+    left = chosen.chi2 / search.data.n_values
+    begun = prepare_search(null, settings, search.progress, deadline, first, left_before=left)
+    return prepare_search(null, settings, search.progress, deadline, begun.completed(first), left_before=left)

@@ -38,7 +38,8 @@ class ModelComparison:
         n_values: Number of prediction errors that count.
         floor_error: Relative standard deviation of the noise variance [1].
         noise_level: Mean squared error by noise alone, below 1 where a tolerance of torques adds to it [1].
-        rounding: Share of rounding in the noise variance, which no noise model describes exactly [1].
+        rounding: Share of rounding in the noise variance, which no noise model describes exactly [1]: mean over all
+            values, as what rounding feigns at one encoder is among the values of that one.
         exact: Whether the nominal model is exact but for the effects.
         distance: Sum of the squares by which the weighted prediction errors of two fits differ; None where not known.
         settings: Thresholds and costs.
@@ -290,7 +291,6 @@ def compare(
         distance: Sum of the squares by which the weighted prediction errors of two fits differ; None where not known.
         settings: Thresholds and costs.
     """
-    measurement = data.measurement
     exact = data.record.premises.floor_is_noise and not null.predictor.tolerance.names
     return ModelComparison(
         null=null,
@@ -298,7 +298,7 @@ def compare(
         n_values=data.n_values,
         floor_error=data.floor_error,
         noise_level=data.noise_level,
-        rounding=measurement.rounding,
+        rounding=float(data.measurement.rounding @ data.values_of_motors) / data.n_values,
         exact=exact,
         distance=distance,
         settings=settings,

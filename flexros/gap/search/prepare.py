@@ -34,7 +34,7 @@ def prepare_search(
     deadline: Deadline | None = None,
     base: CandidateFit | None = None,
     *,
-    resumed: bool = False,
+    left_before: float | None = None,
 ) -> Search:
     """Prepare the fits of candidates to one log.
 
@@ -44,7 +44,7 @@ def prepare_search(
         progress: Called with the name of a step and the share of it that is done.
         deadline: When the search ends; default: once it is complete.
         base: The fit around which candidates are screened; default: that of the nominal model.
-        resumed: Whether the base is the explanation of an earlier search, in the same log tied more closely.
+        left_before: What the base left in the same log tied more closely, where an earlier search ended with it [1].
 
     Raises:
         InputError: The settings name an effect or a motor that does not exist.
@@ -64,7 +64,7 @@ def prepare_search(
         ),
         distance=_distances(data),
         settings=settings,
-        resumed=resumed,
+        left_before=left_before,
         competitors=competitors(null.model.robot, settings.search, data.record.prescribed),
         threads=settings.cores,
         progress=progress,

@@ -217,8 +217,8 @@ class SearchSettings(Settings):
     least_of_gap: float = Field(
         default=1e-7,
         ge=0,
-        description="share of the gap of the nominal model that every effect must remove [1]: less is within the "
-        "numerical error of the model, relative in amplitude 3e-4",
+        description="share of the gap that every effect must remove, less what wrong numbers of the model make of it "
+        "in a simulated log [1]: less is within the numerical error of the model, relative in amplitude 3e-4",
     )
     removed_of_all: float = Field(
         default=0.2,

@@ -14,6 +14,7 @@ from flexros.gap.noise.weights import Measurement, measurement_in, measurement_o
 from flexros.gap.settings import DiagnosisSettings
 from flexros.prediction.observer import observer_gain
 from tests.gap.diagnosis_logs import ROBOT, record_of
+from tests.gap.rigid_arm import arm, record_of_arm
 
 pytestmark = pytest.mark.slow
 
@@ -23,7 +24,7 @@ SETTINGS = DiagnosisSettings()
 
 
 def measurement(whitening: np.ndarray, jitter: float = 0.0) -> Measurement:
-    return Measurement(NOISE, whitening, NOISE, jitter, (), 0.0, 0.0, 0.0, 0.0, ())
+    return Measurement(NOISE, whitening, NOISE, jitter, (), np.zeros(1), 0.0, 0.0, 0.0, ())
 
 
 def test_noise_as_declared_is_that_of_the_file_and_exact() -> None:
@@ -69,7 +70,18 @@ def test_noise_that_was_measured_contains_its_rounding_already() -> None:
     found = measurement_of(rounded, ROBOT, SETTINGS)
     assert found.quantizations[0].step == pytest.approx(step, rel=1e-3)
     assert found.deviation[0] == pytest.approx(np.sqrt(1e-8 + 4e-8 + step**2 / 12), rel=0.02)
-    assert found.rounding == pytest.approx(step**2 / 12 / found.deviation[0] ** 2)
+    assert found.rounding[0] == pytest.approx(step**2 / 12 / found.deviation[0] ** 2)
+
+
+def test_rounding_at_one_encoder_is_no_doubt_about_the_others() -> None:
+    """Rounding at one motor of six hid a gain of torques at another one that was worth 150."""
+    robot, record = arm().with_values({"encoder_noise": 1e-6}), record_of_arm(simulated=True)
+    rounded, step = record.position.copy(), 1e-5
+    rounded[:, 1] = step * np.round(rounded[:, 1] / step)
+    found = measurement_of(replace(record, position=rounded), robot, SETTINGS)
+    assert found.rounding[0] == 0.0
+    assert found.rounding[1] > 0.5
+    assert found.floor_error == pytest.approx(SETTINGS.noise.rounding_error * found.rounding[1] / 2)
 
 
 def test_coloured_noise_is_driven_by_less_white_noise() -> None:

@@ -73,6 +73,18 @@ def test_where_a_looser_tie_shows_what_no_effect_explains_the_explanation_before
     assert found_looser(search, first, record_of(LARGE, SMALL), Tolerance()) == (search, first)
 
 
+def test_where_no_candidate_adds_in_a_looser_tie_that_shows_more_than_noise_none_is_exchanged(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    search, first = first_search()
+    again = replace(search, base=first.chosen, left_before=1.0)
+    room = "flexros.gap.search.forward_selection"
+    monkeypatch.setattr(f"{room}.extended", lambda _search, chosen, *_: chosen)
+    monkeypatch.setattr(f"{room}.in_vain", lambda *_: True)
+    monkeypatch.setattr(f"{room}.tidied", lambda *_: pytest.fail("exchanges take longer than all before"))
+    assert explain(again).chosen is first.chosen
+
+
 def test_a_small_effect_beside_one_that_is_far_off_is_named() -> None:
     settings = settings_of("coulomb_friction", "viscous_friction", "torque_bias")
     causes = diagnose(record_of(LARGE, SMALL), ROBOT, settings=settings).diagnosis.causes

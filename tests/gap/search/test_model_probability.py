@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,11 +14,14 @@ from flexros.gap.candidates.candidate import Candidate, FreeParameter
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.search.model_probability import (
+    RANKING,
     Contrast,
     ModelComparison,
+    compare,
     contrast_of,
     form_error,
 )
+from flexros.record.premises import SIMULATED
 from tests.gap.diagnosis_logs import candidates_of, predictor_of
 
 pytestmark = pytest.mark.slow
@@ -202,6 +207,20 @@ def test_nothing_wins_where_nothing_gains_more_than_chance() -> None:
 
 def test_an_effect_that_is_worth_its_parameters_is_detected() -> None:
     assert comparison(1.0, fitted(1.0 - 40.0 / N, COULOMB)).detected
+
+
+def test_rounding_at_one_encoder_feigns_nothing_at_the_others() -> None:
+    """It hid a gain of torques that was worth 150, at another motor of six."""
+    data: Any = SimpleNamespace(
+        record=SimpleNamespace(premises=SIMULATED),
+        measurement=SimpleNamespace(rounding=np.array([0.0, 0.0, 0.9])),
+        values_of_motors=np.full(3, 1000),
+        n_values=N,
+        floor_error=0.0,
+        noise_level=0.0,
+    )
+    found = compare(data, fitted(100.0))
+    assert found.threshold == pytest.approx(RANKING.detected + RANKING.rounded * 0.9 * 1000)
 
 
 def test_gain_is_twice_the_gain_in_likelihood_less_the_information_criterion() -> None:

@@ -11,12 +11,13 @@ import pytest
 
 from flexros.effects import effects
 from flexros.gap.search.model_probability import ModelComparison
-from flexros.gap.search.worth import incomplete, simple_first, simplest, worth
+from flexros.gap.search.worth import gap_of_laws, incomplete, more_than_before, simple_first, simplest, worth
 from flexros.gap.settings import DiagnosisSettings
 from flexros.record.premises import MEASURED, SIMULATED
 from tests.gap.diagnosis_logs import candidates_of
 
 COULOMB, PRESLIDING = "coulomb_friction@motor_1", "presliding_friction@motor_1"
+INERTIA = "motor_inertia_error@motor_1"
 
 
 @pytest.mark.parametrize(("before", "after", "expected"), [(20.0, 19.0, False), (20.0, 15.0, True), (2.5, 2.1, True)])
@@ -59,9 +60,10 @@ def test_what_a_curve_lacks_beside_noise_is_no_effect() -> None:
 
 @pytest.mark.parametrize(("floor_error", "rounding", "level", "expected"), [
     (0.1, 0.9, 0.98, True),
-    (0.1, 0.0, 0.98, False),
+    (0.1, 0.0, 0.98, True),
     (0.1, 0.0, 1.05, True),
-    (0.1, 0.0, 1.0005, False),
+    (0.0, 0.0, 0.98, False),
+    (0.001, 0.0, 1.0005, False),
     (0.001, 0.9, 1.0005, False),
 ])  # fmt: skip
 def test_where_the_floor_is_uncertain_effects_may_be_missing_near_it(
@@ -81,6 +83,27 @@ def test_an_effect_that_brings_numbers_of_the_model_back_into_tolerance_is_worth
         fit.prior_penalty, fit.predictor.tolerance.n_free = penalty, 18
     assert worth(measured_search(), comparison, fits[0], fits[1], 0.4)
     assert not worth(measured_search(), comparison, fits[0], fits[2], 0.4)
+
+
+@pytest.mark.parametrize(("name", "expected"), [(INERTIA, True), (COULOMB, False)])
+def test_the_gap_of_a_wrong_number_hides_no_effect_in_a_simulated_log(name: str, expected: bool) -> None:
+    """A load that was half of the true one made a gap of 2e6, beside which five effects seemed to be errors of form."""
+    comparison, (rest, fit) = measured_fits(2e6, 1.2, 1.1)[0], [measured_fit(level, name) for level in (1.2, 1.1)]
+    search = measured_search()
+    search.premises = SIMULATED
+    search.level_without = lambda _fit, names: 2e6 if names else 30.0
+    assert worth(search, comparison, rest, fit, 0.4) is expected
+    assert gap_of_laws(search, comparison, fit) == (29.0 if expected else 2e6 - 1)
+
+
+@pytest.mark.parametrize(("before", "level", "expected"), [
+    (0.89, 1.05, True), (0.89, 0.94, False), (1.05, 1.05, False), (None, 9.0, False),
+])  # fmt: skip
+def test_noise_leaves_as_much_in_a_looser_tie(before: float | None, level: float, expected: bool) -> None:
+    """Beside a doubt of 12 % about the noise, a limit of torques and an encoder's offset imitated errors of form."""
+    comparison, (_, fit) = measured_fits(50.0, level)
+    search: Any = SimpleNamespace(left_before=before)
+    assert more_than_before(search, replace(comparison, floor_error=0.03), fit) is expected
 
 
 def measured_fits(*levels: float) -> tuple[ModelComparison, list[Any]]:

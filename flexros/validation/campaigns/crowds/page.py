@@ -82,9 +82,11 @@ def _introduction(answers: Sequence[Answer], planned: int, settings: CrowdSettin
         "crowd were independent.",
         "",
         "Every hidden effect is worth at least 50 nats of expected log-likelihood when it is added last: with all "
-        "others present, less what their sizes and the tolerated numbers of the nominal model could take over. A cause "
-        f"counts as named from a probability of {CLAIMED:g}; effect and location must be right. Nested effects, of "
-        "which one contains the other as a special case, are counted separately. More than the floor is left "
+        "others present, less what their sizes and the tolerated numbers of the nominal model could take over. That is "
+        "by one filter of the true robot. A diagnosis follows the encoders more loosely and sees more of it, or more "
+        "closely and sees less, while its model is far off or where its filter would settle too late in the log. A "
+        f"cause counts as named from a probability of {CLAIMED:g}; effect and location must be right. Nested effects, "
+        "of which one contains the other as a special case, are counted separately. More than the floor is left "
         f"where the gap of the third log is above {OVER:g} floors with the patch. The true effects, for the third log "
         "and for the budget, are those of the library with the numbers of the truth on the true robot, without a "
         "refit; where their laws differ in form from those of the simulator, they leave a rest as well.",
