@@ -103,6 +103,17 @@ def test_two_joints_of_a_matrix(mapping_of, tmp_path: Path) -> None:
     np.testing.assert_array_equal(log.joint_states.position, q[:, ::-1])
 
 
+def test_positions_of_an_encoder_that_begins_again_go_on(mapping_of, tmp_path: Path) -> None:
+    """As the -12.5 to 12.5 rad of some drives; a lost sample stays one."""
+    turned = np.linspace(0.0, 40.0, 200)
+    turned[70] = np.nan
+    np.savez(tmp_path / "a.npz", t=np.arange(200) * 1e-2, q=np.mod(turned + 12.5, 25.0) - 12.5)
+    log = import_log(mapping_of({**Q, "period": 25.0}), [tmp_path / "a.npz"])
+    np.testing.assert_allclose(log.joint_states.position[:, 0], turned, atol=1e-9)
+    with pytest.raises(InputError, match="leave out the key 'period'"):
+        mapping_of({"column": "v", "quantity": "velocity", "unit": "rad/s", "period": 25.0})
+
+
 def test_optional_column_may_be_missing(mapping_of, table, write_csv, tmp_path: Path) -> None:
     log = import_log(mapping_of(Q, {**U, "column": "x", "optional": True}), [write_csv(tmp_path / "a.csv", table)])
     assert log.joint_commands is None
