@@ -217,7 +217,8 @@ class CheckedRecord:
             return ()
         if self.assignment is not None and self.assignment.clear and not self.assignment.zeros:
             return ()
-        return postures(Motion(self.record, self.robot, self.position, self.motion, self.moves, SLOW))
+        told = np.std(self.record.torque[self.record.valid], axis=0) > 0  # those prescribed have none
+        return postures(Motion(self.record, self.robot, self.position, self.motion, self.moves & told, SLOW))
 
     @cached_property
     def fits_nominal_rate(self) -> bool:
