@@ -350,6 +350,20 @@ def test_link_that_moves_unlike_its_motor_is_told(mapping_of, table, write_csv, 
     assert all(doubt in text for text in warnings)
 
 
+@pytest.mark.parametrize(
+    ("factor", "doubt"), [(1.0, ""), (0.5, "is 0.5 times the derivative of its position"), (-1.0, "is opposite")]
+)
+def test_velocity_that_is_none_of_the_position_is_told(mapping_of, write_csv, tmp_path, factor, doubt) -> None:
+    """As of a drive that states half of its speed; noise of the encoder does not hide it."""
+    time = np.arange(1000) * 1e-2
+    noise = np.random.default_rng(1).normal(size=(2, 1000))
+    table = {"t": time, "q": np.sin(2 * time) + 0.01 * noise[0], "v": factor * (2 * np.cos(2 * time) + 0.1 * noise[1])}
+    velocity = {"column": "v", "quantity": "velocity", "unit": "rad/s"}
+    warnings = import_log(mapping_of(Q, velocity), [write_csv(tmp_path / "a.csv", table)]).warnings
+    assert len(warnings) == bool(doubt)
+    assert all(doubt in text for text in warnings)
+
+
 def test_acceleration_without_gravity_is_told(mapping_of, table, write_csv, tmp_path: Path) -> None:
     axes = [{"column": "q", "quantity": "tool_acceleration", "axis": a, "unit": "mm/s2"} for a in "xyz"]
     (text,) = import_log(mapping_of(Q, *axes), [write_csv(tmp_path / "a.csv", table)]).warnings
