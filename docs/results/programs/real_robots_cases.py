@@ -75,6 +75,8 @@ _LWR_BY_HAND = (
     (0.0379, 0.0759),
 )
 """Coulomb and viscous friction of the seven joints as in the tutorial of its authors [Nm, Nm s/rad]."""
+_MED7_COULOMB = ((0.171, 0.635), (0.147, 0.172), (0.281, 0.353), (0.127, 0.164), (0.094, 0.126), (0.122, 0.132))
+"""Coulomb friction of joints 2 to 7 by two least squares of the log, which differ in filter and weights [Nm]."""
 _XMATE_COULOMB = (
     (0.872, 1.094),
     (0.248, 1.454),
@@ -181,6 +183,28 @@ CASES = (
         "hand-made patch, which closes more than the published one, 0.313 and 0.12 Nm. The range below holds all three",
         by_hand=("coulomb_friction@motor_1:level=0.313", "coulomb_friction@motor_2:level=0.12"),
         cutoff=10.0,
+    ),
+    Case(
+        name="simple_pendulum",
+        title="Pendulum with a quasi-direct drive",
+        about="DFKI, [github.com/dfki-ric-underactuated-lab/torque_limited_simple_pendulum](https://github.com/"
+        "dfki-ric-underactuated-lab/torque_limited_simple_pendulum), BSD-3-Clause: fetched by `fetch_real_robots.py`. "
+        "Swing-ups of 3.5 to 6 s at 300 to 500 Hz, encoder steps of 3 mrad. Nominal: its URDF, without friction, "
+        "tolerance 3 %. By least squares below 10 Hz inertia and weight are 1.27 and 1.18 times those of the URDF; "
+        "below 20 Hz the inertia is half of that, so the arm bends. Of the torques of the third log a quarter goes "
+        "with nothing that moves.",
+        folder="torque_limited_simple_pendulum",
+        robot="data/urdf/dfki_simple_pendulum.urdf",
+        mapping="pendulum.yaml",
+        fitted=("results/control_method_ddp/data_measured.csv",),
+        further={
+            "direct_collocation": ("results/control_method_direct_collocation/data_measured.csv",),
+            "system_identification": ("results/control_method_pd/system_identification/data_measured.csv",),
+        },
+        known=(_coulomb(1, 0.173, 0.208),),
+        source="least squares of the torque of the fitted log and of the second one below 10 Hz; published 0.184 Nm "
+        "times the arctangent of a hundred times the speed",
+        fetched=True,
     ),
     Case(
         name="quanser_stage_1",
@@ -379,6 +403,27 @@ CASES = (
         known=tuple(_coulomb(joint, low, high) for joint, (low, high) in enumerate(_XMATE_COULOMB, start=1)),
         source="least squares of the torque of each of the three logs, with viscous friction beside it, which is zero "
         "within its deviation at most joints",
+        fetched=True,
+    ),
+    Case(
+        name="med7",
+        title="Seven axes of a KUKA LBR Med7",
+        about="[github.com/lbr-stack/dynamic_parameter_identification](https://github.com/lbr-stack/"
+        "dynamic_parameter_identification), MIT by its package.xml: fetched by `fetch_real_robots.py`. One log of 16 "
+        "s, 100 Hz as in its programs; its positions have no noise, a fifth of them stands still, and its torques, of "
+        "sensors behind the gears, count the other way round at every joint, which the proposed mapping says. Nominal: "
+        "its URDF with the damping of 10 Nm s/rad that it has at every joint, which `flexros diagnose` replaces by "
+        "zero and says so, tolerance 3 %. By least squares the weight at joints 2, 4 and 6 is 1.2, 1.3 and 1.9 times "
+        "that of the URDF. In its first run the program prescribed the motion of joint 7 for that damping, and the "
+        "verdict was `unknown_effect`: that was mended with this robot in view. A single log: its last third is not "
+        "fitted.",
+        folder="dynamic_parameter_identification",
+        robot="urdf/med/med7dock.urdf",
+        mapping="med7.yaml",
+        fitted=("src/test/measurements.csv",),
+        known=tuple(_coulomb(joint, low, high) for joint, (low, high) in enumerate(_MED7_COULOMB, start=2)),
+        source="least squares of the torque of the whole log, by `flexros identify rigid` and by another program; that "
+        "of joint 1 is zero within its deviation",
         fetched=True,
     ),
     Case(

@@ -54,6 +54,7 @@ def import_log(
         "--mapping",
         help="Mapping YAML to write for a LOG; default: OUT, else the name of LOG, with _mapping.yaml.",
     ),
+    rate: float = typer.Option(None, "--rate", help="Rows per second of a LOG that is a table without times [Hz]."),
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
     """Convert a log of another recorder into a rosbag2 log, by a mapping of its columns or one proposed for it."""
@@ -62,9 +63,9 @@ def import_log(
     from flexros.logs.write_log import write_log
 
     if not file and (_is_bag(mapping) or _is_table(mapping)):
-        _propose(Path(mapping), model, out, proposed, as_json)
+        _propose(Path(mapping), model, out, proposed, rate, as_json)
         return
-    _refuse_what_logs_need(mapping, file, out, model, proposed)
+    _refuse_what_logs_need(mapping, file, out, model, proposed, rate)
     with progress_bar() as progress:
         task = progress.add_task("reading", total=2)
         log = read_files(load_mapping(mapping), file)
@@ -90,7 +91,9 @@ def _is_table(name: str) -> bool:
     return path.is_file() and path.suffix not in (*_MAPPINGS, ROS_1)
 
 
-def _refuse_what_logs_need(mapping: str, file: list[Path], out: Path, model: str, proposed: Path) -> None:
+def _refuse_what_logs_need(
+    mapping: str, file: list[Path], out: Path, model: str, proposed: Path, rate: float | None
+) -> None:
     """Refuse arguments that do not go with a mapping of the user."""
     if not file:
         if Path(mapping).suffix not in ("", *_MAPPINGS):
@@ -100,12 +103,12 @@ def _refuse_what_logs_need(mapping: str, file: list[Path], out: Path, model: str
         raise InputError("no folder of the log is given; name a new one", "out")
     if _is_bag(mapping) or _is_table(mapping):
         raise InputError(f"{mapping} is a log; give one log alone, or a mapping and its files")
-    for value, argument in ((model, "model"), (proposed, "proposed")):
+    for value, argument in ((model, "model"), (proposed, "proposed"), (rate, "rate")):
         if value:
             raise InputError(f"{value}: only the mapping of a log is proposed, and {mapping} is a mapping", argument)
 
 
-def _propose(bag: Path, model: str, out: Path | None, proposed: Path | None, as_json: bool) -> None:
+def _propose(bag: Path, model: str, out: Path | None, proposed: Path | None, rate: float | None, as_json: bool) -> None:
     """Propose the mapping of a bag, write it, and the log with a folder for it."""
     from flexros.logs.write_log import write_log
     from flexros.record.proposal.propose import propose_mapping, robot_in_bag
@@ -119,7 +122,7 @@ def _propose(bag: Path, model: str, out: Path | None, proposed: Path | None, as_
         show("robot", 0.0)
         robot = _robot(model) if model else robot_in_bag(bag)
         show("reading", 0.1)
-        found = propose_mapping(bag, robot, lambda text: show(text, 0.5))
+        found = propose_mapping(bag, robot, lambda text: show(text, 0.5), rate=rate)
         if out is not None:
             show("writing", 0.9)
             write_log(found.log, out)

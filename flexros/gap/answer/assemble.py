@@ -100,7 +100,13 @@ def result_of(
     """
     explanations, model = findings.explanations, findings.model
     chosen, rival, errors = explanations.chosen, best_rival(explanations), _held_out_errors(findings)
-    verdict = verdict_of(findings, (errors.after or errors.before).mean, errors.with_tolerance, worse=errors.worse)
+    verdict = verdict_of(
+        findings,
+        (errors.after or errors.before).mean,
+        errors.with_tolerance,
+        worse=errors.worse,
+        closed=_surely_closed(findings, errors),
+    )
     patch = () if errors.worse else repair_of(findings)
     names, covariance = covariance_of(chosen, findings.data, findings.settings)
     tolerated = chosen.predictor.tolerance
@@ -246,6 +252,14 @@ def _causes(findings: Findings, verdict: Verdict, errors: HeldOutErrors, budget:
                     else added_first.get(name),
                 )
     return tuple(causes[name] for name in sorted(causes, key=lambda name: rank_key(name, findings, verdict)))
+
+
+def _surely_closed(findings: Findings, errors: HeldOutErrors) -> float:
+    """Return the lower end of the interval of the share that the explanation closes on held-out data, at least 0."""
+    if errors.after is None:
+        return 0.0
+    share = closed_fraction(errors.before, errors.after, findings.held.record.sample_time)
+    return 0.0 if share is None else max(0.0, share.interval[0])
 
 
 def _closed(after: AheadErrors | None, findings: Findings, errors: HeldOutErrors) -> float | None:

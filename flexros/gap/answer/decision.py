@@ -149,7 +149,12 @@ def held_out_gain(fit: CandidateFit, findings: Findings) -> float:
 
 
 def verdict_of(
-    findings: Findings, left: float = 1.0, with_tolerance: float | None = None, *, worse: bool = False
+    findings: Findings,
+    left: float = 1.0,
+    with_tolerance: float | None = None,
+    *,
+    worse: bool = False,
+    closed: float = 0.0,
 ) -> Verdict:
     """Return the verdict.
 
@@ -163,6 +168,7 @@ def verdict_of(
         with_tolerance: What torques that are off by their tolerance leave there [1]; None where they are exact.
         worse: Whether the chosen explanation predicts that log worse 0.1 s ahead than the nominal model: then it is no
             part of the truth, however certain it is in the fitted log.
+        closed: Lower end of the interval of the share of the gap that the chosen explanation closes there [1].
     """
     explanations, comparison = findings.explanations, findings.explanations.comparison
     if not explanations.detected:
@@ -178,7 +184,7 @@ def verdict_of(
         if rivals_of(explanations, findings.settings, findings.elsewhere):
             return "ambiguous"
         return "explained" if _within_floor(findings, left, with_tolerance) else "partly_explained"
-    return "partly_explained" if _partly(findings) else "unknown_effect"
+    return "partly_explained" if _partly(findings, closed) else "unknown_effect"
 
 
 def _within_floor(findings: Findings, left: float, with_tolerance: float | None) -> bool:
@@ -195,8 +201,11 @@ def _within_floor(findings: Findings, left: float, with_tolerance: float | None)
     return left <= floors * (with_tolerance or 1.0)
 
 
-def _partly(findings: Findings) -> bool:
+def _partly(findings: Findings, closed: float) -> bool:
     """Return whether effects are certain and confirmed on held-out data although they leave more than the floor.
+
+    Of a real machine, either horizon confirms them: one sample ahead, where the torques of a slow recorder say little
+    of what acted between its samples, or 0.1 s ahead, by which the gap is stated.
 
     On an exact model, a single effect that leaves more than its model-form error is the best imitation of an unknown
     one, unless its size is constant over the log. Several effects that are each indispensable with all others in place
@@ -204,9 +213,13 @@ def _partly(findings: Findings) -> bool:
     further ones could not be tried.
     """
     chosen, settings = findings.explanations.chosen, findings.settings
-    if not findings.held_comparison.remainder(findings.held_chosen) < 1 - settings.confirmed_share:
+    measured = not findings.data.record.premises.library_is_complete
+    if not (
+        findings.held_comparison.remainder(findings.held_chosen) < 1 - settings.confirmed_share
+        or (measured and closed > settings.confirmed_share)
+    ):
         return False
-    if len(chosen.hypothesis) > 1 or not (findings.data.record.premises.library_is_complete and findings.complete):
+    if len(chosen.hypothesis) > 1 or measured or not findings.complete:
         return True
     return min(constancies(chosen, findings.data, settings).values()) >= settings.constant
 

@@ -242,7 +242,7 @@ def list_candidates(
 
     Args:
         robot: The nominal robot.
-        scales: Largest torques, speeds and deflections of the log.
+        scales: Largest torques, speeds and deflections of the log, and the frequencies that it shows.
         measured: Whether the log is one of a real machine, whose nominal numbers may also be far too large.
         known: Laws of the nominal model, whose sizes may be too large as well.
     """
@@ -252,7 +252,7 @@ def list_candidates(
             continue
         for location in distinct_locations(effect, robot, measured=measured):
             free = [
-                free_parameter(name, allowed, scales.of(allowed.scale, location))
+                free_parameter(name, scales.shown(allowed), scales.of(allowed.scale, location))
                 for name, allowed in effect().fitted(robot, location).items()
             ]
             there = [law.effect for law in known if law.location == location]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
 
     from flexros.arrays import FloatArray
-    from flexros.effects.kinds.ranges import Scale
+    from flexros.effects.kinds.ranges import Range, Scale
     from flexros.record.record import Record
     from flexros.robot import Robot
 
@@ -33,14 +34,26 @@ class Scales:
 
     Attributes:
         sizes: Largest torque, speed, angle and deflection by name of the motor or spring [SI units].
+        fastest: Highest frequency that the log shows, half of its rate [Hz].
     """
 
     sizes: Mapping[str, Mapping[str, float]]
+    fastest: float = math.inf
 
     def of(self, scale: Scale, location: str) -> float:
         """Return the size of a scale at a location; that of all motors where it is neither motor nor spring."""
         over, _, under = scale.partition("/")
         return self._largest(over, location) / (self._largest(under, location) if under else 1.0)
+
+    def shown(self, allowed: Range) -> Range:
+        """Return a range of frequencies up to the highest one that the log shows, other ranges as they are.
+
+        Samples show a vibration above half of their rate as a slower one, or, as a part of the inertia that does not
+        follow, as another inertia (Shannon 1949).
+        """
+        if allowed.scale != "frequency" or not allowed.low < self.fastest < allowed.high:
+            return allowed
+        return replace(allowed, high=self.fastest)
 
     def _largest(self, name: str, location: str) -> float:
         sizes = self.sizes.get(name)
@@ -49,7 +62,13 @@ class Scales:
         return sizes.get(location, max(sizes.values()))
 
 
-def scales_of(robot: Robot, states: FloatArray, torque: FloatArray, prescribed: Collection[int] = ()) -> Scales:
+def scales_of(
+    robot: Robot,
+    states: FloatArray,
+    torque: FloatArray,
+    prescribed: Collection[int] = (),
+    sample_time: float = 0.0,
+) -> Scales:
     """Compute the scales of a log.
 
     Args:
@@ -57,6 +76,7 @@ def scales_of(robot: Robot, states: FloatArray, torque: FloatArray, prescribed: 
         states: States [q, v] that the nominal model predicts, shape (n, n_states).
         torque: Torques of the motors [Nm or N], shape (n, M).
         prescribed: Motors whose motion is prescribed, so that their torques say nothing.
+        sample_time: Interval of the samples [s]; 0 for no limit of the frequencies that they show.
     """
     n, rows = robot.n_coordinates, list(robot.motor_rows)
     position, speed = states[:, :n], states[:, n : 2 * n]
@@ -68,7 +88,8 @@ def scales_of(robot: Robot, states: FloatArray, torque: FloatArray, prescribed: 
         deflections[joint.name] = _largest(value)
     for motor in robot.motors:
         deflections[motor.name] = deflections[motor.joint.name]
-    return _scales(robot, torque, speed[:, rows], position[:, rows], deflections, prescribed)
+    found = _scales(robot, torque, speed[:, rows], position[:, rows], deflections, prescribed)
+    return replace(found, fastest=0.5 / sample_time) if sample_time > 0 else found
 
 
 def scales_of_motors(robot: Robot, record: Record) -> Scales:
@@ -82,7 +103,8 @@ def scales_of_motors(robot: Robot, record: Record) -> Scales:
     speed = smooth_motion(position, record.sample_time, motion_cutoff(record.sample_time))[1]
     names = robot.joint_names
     torque, rigid = without_prescribed(record).torque, dict.fromkeys(names, SMALLEST)
-    return _scales(robot, torque, speed, position, rigid, record.prescribed)
+    found = _scales(robot, torque, speed, position, rigid, record.prescribed)
+    return replace(found, fastest=0.5 / record.sample_time)
 
 
 def _scales(

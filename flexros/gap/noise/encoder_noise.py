@@ -26,6 +26,8 @@ STILL = 12.0
 """Largest range of the smooth motion over the noise during a standstill; noise may be coloured (chosen)."""
 QUIET = 2.0
 """Variance of a standstill over that of the quieter ones above which the motor still moves (chosen)."""
+STAMP_STEP = 1e-9
+"""Resolution of stamps [s], below which no jitter is told."""
 JITTER_SEEN, JITTER_OF_EACH = 4.0, 2.0
 """Slope of the noise power over the squared speed, in standard deviations, from which it is jitter: of all motors
 together, and of each (chosen)."""
@@ -207,7 +209,7 @@ def _above_band(position: FloatArray, speed: FloatArray, record: Record) -> tupl
         return variance, 0.0
     weight = 1 / np.maximum(np.array(spreads), 1e-300) ** 2
     jitter = float(np.sqrt(max(float(weight @ np.array(slopes) / weight.sum()), 0.0)))
-    return variance, jitter
+    return variance, jitter if jitter >= STAMP_STEP else 0.0  # less is rounding of numbers
 
 
 def _usual_above_band(position: FloatArray) -> float:

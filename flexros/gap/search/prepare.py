@@ -60,7 +60,11 @@ def prepare_search(
         else None,
         rows=_rows(data, settings.search.screened_values),
         scales=scales_of(
-            null.model.robot, fit.states(data), without_prescribed(data.record).torque, data.record.prescribed
+            null.model.robot,
+            fit.states(data),
+            without_prescribed(data.record).torque,
+            data.record.prescribed,
+            data.record.sample_time,
         ),
         distance=_distances(data),
         settings=settings,

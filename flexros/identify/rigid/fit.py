@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,6 +24,10 @@ if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
     from flexros.logs.time_series import Log
     from flexros.robot import Robot
+
+
+LARGEST_ERROR = 20.0
+"""Largest unexplained share of the torque [%] for which a robot file is written (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +64,8 @@ class RigidFit:
         error: Torque error on the log itself.
         error_with_hold: Total error [%] with delay and hold of the command; None where the torque was measured or
             `hold` was set.
+        slower: A lower cut-off [Hz] and the total error [%] with it, where the model leaves too much with the default
+            one and little enough there; None without.
         cutoff: Cut-off of the low-pass for the positions [Hz].
         rate: Rate after decimation [Hz].
         measured_torque: Whether the torque was measured; else it is the command.
@@ -83,6 +89,7 @@ class RigidFit:
     measured_torque: bool
     moving: BoolArray
     warnings: tuple[str, ...]
+    slower: tuple[float, float] | None = None
 
     @property
     def deviation(self) -> FloatArray:
@@ -142,7 +149,29 @@ def fit_rigid(
     check_rows(len(rows.torque), len(base.leading), rows.torque.shape[1])
     held = None if settings.hold else rows.torque_as_it_acts()
     factor = rows.triangular(held, progress)
-    return _fit(rows, factor, robot, settings, base, label)
+    fit = _fit(rows, factor, robot, settings, base, label)
+    if fit.error.total <= LARGEST_ERROR or settings.cutoff is not None:
+        return fit
+    return replace(fit, slower=_slower(rows, fit))
+
+
+def _slower(rows: RegressionRows, fit: RigidFit) -> tuple[float, float] | None:
+    """Halve the cut-off until the rigid model leaves little enough, and return it with the error [%] there.
+
+    Accelerations of fast bands are those of the noise of a coarse encoder, or of the motor side of a part that bends.
+    None where nothing is left before that.
+    """
+    cutoff, torque = rows.cutoff, torque_at_samples(rows.record)
+    while True:
+        cutoff /= 2
+        try:
+            slow = RegressionRows.of_record(rows.record, torque, cutoff, rows.regressor, rows.leading)
+            check_rows(len(slow.torque), len(rows.leading), slow.torque.shape[1])
+        except InputError:  # too little is left of the log
+            return None
+        found = _fit(slow, slow.triangular(), fit.robot, fit.settings, fit.base, fit.error.label)
+        if found.error.total <= LARGEST_ERROR:
+            return cutoff, found.error.total
 
 
 def rows_of_log(

@@ -6,8 +6,8 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from flexros.identify.rigid.excitation import LARGEST_CONDITION
+from flexros.identify.rigid.fit import LARGEST_ERROR
 from flexros.identify.rigid.friction_effects import friction_outside_file
-from flexros.identify.rigid.verdict import LARGEST_ERROR
 from flexros.provenance import versions
 
 if TYPE_CHECKING:

@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from flexros.identify.rigid.fit import LARGEST_ERROR
 from flexros.identify.rigid.identified_robot import IdentifiedRobot, identified_values
 
 if TYPE_CHECKING:
     from flexros.identify.rigid.fit import RigidFit
-
-LARGEST_ERROR = 20.0
-"""Largest unexplained share of the torque [%] for which a robot file is written (chosen)."""
 
 _MOST_MISSED = 0.5
 """Largest share of estimated base parameters that no feasible robot attains for which a file is written (chosen)."""
@@ -72,6 +70,12 @@ def _reason(fit: RigidFit) -> str:
         return (
             f"with delay and hold of the command it would be {fit.error_with_hold:.3g} %; pair positions with the "
             "command as it acts (setting hold)"
+        )
+    if fit.slower is not None:
+        cutoff, error = fit.slower
+        return (
+            f"with a cut-off of {cutoff:.3g} Hz instead of {fit.cutoff:.3g} Hz it would be {error:.3g} %: what is left "
+            "is fast, as the noise of a coarse encoder or a part that bends (setting cutoff)"
         )
     if fit.robot.n_coordinates > fit.robot.n_motors:
         return "the motion excites the flexibilities or shows too little; record slow moves"

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from flexros.arrays import FloatArray, IntArray
+    from flexros.arrays import BoolArray, FloatArray, IntArray
     from flexros.logs.foreign.mapping import Clock, LogMapping, MappedColumn
     from flexros.logs.foreign.signal_source import Signal
 
@@ -153,12 +153,20 @@ def _read(
         used, notes = usable_times(time, clock_name)
         time = time + ((signal.origin - origin) * 1e-9 + entry.time_offset)
         quantity = f"{entry.quantity} of {entry.component}"
-        values = lost.marked(entry.factor * signal.values + entry.offset, used, str(path), entry.label, quantity)
+        numbers = signal.values if entry.period is None else _unwrapped(signal.values, used, entry.period)
+        values = lost.marked(entry.factor * numbers + entry.offset, used, str(path), entry.label, quantity)
         check_size(values, signal.values, column)
         mapped.append(_Mapped(entry, column, time[used], values[used], origin, signal.notes))
         left_out += notes
     left_out += lost.notes
     return mapped
+
+
+def _unwrapped(values: FloatArray, used: BoolArray, period: float) -> FloatArray:
+    """Return positions that go on where their encoder begins again after a period; rows that do not count stay."""
+    whole, rows = values.copy(), used & np.isfinite(values)
+    whole[rows] = np.unwrap(values[rows], period=period)
+    return whole
 
 
 def _added(entry: MappedColumn, signals: dict[str, Signal], path: Path) -> Signal:

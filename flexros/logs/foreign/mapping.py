@@ -83,6 +83,12 @@ class MappedColumn(Settings):
     sign: Literal[1, -1] = Field(1, description="-1 if the file has the opposite sign of the robot file")
     gear_ratio: float = Field(1.0, gt=0, description="motor turns per arm turn, if the column is on the motor side")
     offset: float = Field(0.0, description="added after all factors [SI unit]")
+    period: float | None = Field(
+        None,
+        gt=0,
+        description="range after which an encoder begins again, in the unit of the file, as 360 for deg: steps of more "
+        "than half of it are turns",
+    )
     time_offset: float = Field(0.0, ge=-10, le=10, description="time of the quantity minus time of its row [s]")
     time: Clock | None = Field(None, description="clock of this column alone, if it is not that of its file")
     file: str = Field("", description="name of its file, with wildcards * and ?, if several files have such a column")
@@ -98,6 +104,8 @@ class MappedColumn(Settings):
         column = f"column '{self.label}', quantity {self.quantity}:"
         if of_tool != (self.axis is not None):
             raise ValueError(f"{column} {'add' if of_tool else 'leave out'} the key 'axis' (x, y or z of the tool)")
+        if self.period is not None and kind != "position":
+            raise ValueError(f"{column} leave out the key 'period', which is of positions alone")
         if self.scale is not None and self.scale.origin != self.unit:
             raise ValueError(
                 f"{column} the unit is '{self.unit}', but the scale is per '{self.scale.origin}'; make them the same"

@@ -1,4 +1,4 @@
-"""Sensors behind the springs of an imported log, compared with those of the motors: unit, sign, joint."""
+"""Velocities of an imported log and sensors behind the springs, compared with the positions of the motors."""
 
 from __future__ import annotations
 
@@ -18,6 +18,9 @@ ALIKE = 0.9
 NEAR = 1.5
 """Factor between such motions above which a unit or a gear ratio is wrong (chosen)."""
 
+FEWEST = 50
+"""Fewest samples of a velocity that is compared (chosen)."""
+
 CONTRARY = -0.5
 """Correlation of a joint torque with that of the motor below which its sign is wrong (chosen)."""
 
@@ -26,7 +29,7 @@ GRAVITY = (4.0, 20.0)
 
 
 def doubts(series: Mapping[str, Any]) -> list[str]:
-    """Compare link-side encoders and joint torques with the motors, and an accelerometer with gravity.
+    """Compare velocities, link-side encoders and joint torques with the motors, and an accelerometer with gravity.
 
     Args:
         series: Time series of the topics that were imported, by name.
@@ -34,8 +37,10 @@ def doubts(series: Mapping[str, Any]) -> list[str]:
     Returns:
         One sentence for each quantity whose unit, sign or joint looks wrong.
     """
-    found = []
+    found: list[str] = []
     states, link = series["joint_states"], series.get("link_states")
+    for name in states.names:
+        found += _velocity(name, states)
     if link is not None:
         for name in link.names:
             found += _link_position(name, states, link) + _joint_torque(
@@ -52,6 +57,32 @@ def doubts(series: Mapping[str, Any]) -> list[str]:
                 "check its unit"
             )
     return found
+
+
+def _velocity(name: str, states: JointSeries) -> list[str]:
+    """Compare the way that a velocity adds up to with the position, which noise of either hardly changes."""
+    if states.position is None or states.velocity is None:
+        return []
+    column = states.names.index(name)
+    time = (states.stamp - states.stamp[0]) * 1e-9
+    both = np.column_stack([time, states.position[:, column], states.velocity[:, column]])
+    time, position, velocity = both[np.all(np.isfinite(both), axis=1)].T
+    if len(time) < FEWEST:
+        return []
+    way = np.concatenate([[0.0], np.cumsum(0.5 * (velocity[1:] + velocity[:-1]) * np.diff(time))])
+    line = np.column_stack([np.ones_like(time), time])
+    position, way = (one - line @ np.linalg.lstsq(line, one, rcond=None)[0] for one in (position, way))
+    if not (np.std(position) > 0 and np.std(way) > 0):
+        return []
+    correlation, factor = float(np.corrcoef(position, way)[0, 1]), float(np.std(way) / np.std(position))
+    if correlation < -ALIKE:
+        return [f"the velocity of {name} is opposite to its position; correct the sign (sign: -1) of one of both"]
+    if correlation > ALIKE and not 1 / NEAR < factor < NEAR:
+        return [
+            f"the velocity of {name} is {factor:.3g} times the derivative of its position; check unit, scale and "
+            "gear_ratio of both"
+        ]
+    return []
 
 
 def _link_position(name: str, states: JointSeries, link: JointSeries) -> list[str]:

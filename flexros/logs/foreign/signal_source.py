@@ -129,8 +129,8 @@ def open_source(path: Path) -> AbstractSignalSource:
             source = kind(path)
             if isinstance(source, AbstractColumns) and not source.names:
                 raise InputError(
-                    f"{path} holds no vector or matrix of numbers; cell arrays, objects and texts are not read: save "
-                    "each signal as a plain array"
+                    f"{path} holds no vector or matrix of numbers; objects, tables and texts are not read, nor cells "
+                    "of different lengths: save each signal as a plain array"
                 )
             return source
     if suffix == ROS_1:
@@ -147,7 +147,8 @@ def flatten(arrays: Mapping[str, object]) -> dict[str, FloatArray]:
 
     A vector is one column with its name, a matrix with n samples is the columns name[0], name[1], ...; its samples are
     along its longer side, because a log has more of them than signals. Entries of a structure are named with dots.
-    Scalars, texts and everything else are ignored.
+    Cells or lists of vectors of one length are a matrix with a sample in each. Scalars, texts and everything else are
+    ignored.
 
     Args:
         arrays: Arrays and nested structures by name.
@@ -160,7 +161,7 @@ def flatten(arrays: Mapping[str, object]) -> dict[str, FloatArray]:
     """
     columns: dict[str, FloatArray] = {}
     for name, value in _plain_arrays(arrays, ""):
-        array = np.squeeze(value)
+        array = _samples_of_cells(np.squeeze(value))
         if array.dtype.kind not in "fiub" or array.size < 2 or array.ndim > 2:
             continue
         if array.ndim == 1:
@@ -172,6 +173,18 @@ def flatten(arrays: Mapping[str, object]) -> dict[str, FloatArray]:
             raise InputError(f"it has more than {MOST_SIGNALS} columns; save the signals of the log alone")
         columns.update({title: np.array(column, dtype=np.float64) for title, column in signals.items()})
     return columns
+
+
+def _samples_of_cells(array: NDArray[Any]) -> NDArray[Any]:
+    """Stack cells that hold a vector of numbers each, all of one length, a sample in a row; else the array as it is."""
+    if array.dtype.kind != "O" or array.ndim != 1 or not array.size:
+        return array
+    cells = [np.ravel(cell) if isinstance(cell, (np.ndarray, list, tuple, float, int)) else None for cell in array]
+    first = cells[0]
+    if first is None or not first.size or any(cell is None or cell.size != first.size for cell in cells):
+        return array
+    samples = np.stack([cell for cell in cells if cell is not None])
+    return samples[:, 0] if samples.shape[1] == 1 else samples
 
 
 def _plain_arrays(arrays: Mapping[str, object], prefix: str) -> Iterator[tuple[str, NDArray[Any]]]:

@@ -122,17 +122,31 @@ class CheckedRecord:
         The spectra begin at several periods of a stretch, and every half octave counts alike. In a slow motion the
         weight is below them, and what is left is noise of the torque.
 
+        The size is that over the torque of the bodies alone: viscous friction that a robot file states far too large,
+        as the damping of a URDF that keeps a simulator stable, makes no torque small.
+
         Returns:
-            How both agree without their means, -1 ... 1, and the size of the torque over that of the arm, each of shape
-            (M,).
+            How both agree without their means, -1 ... 1, and the size of the torque over that of the bodies, each of
+            shape (M,).
         """
         record, tiny = self.record, np.finfo(float).tiny
         arm = self.rigid_torque()[record.valid]
         given = record.torque[record.valid]
-        size = np.sqrt(np.mean(given**2, axis=0) / np.maximum(np.mean(arm**2, axis=0), tiny))
+        bodies = self._torque_of_bodies[record.valid]
+        size = np.sqrt(np.mean(given**2, axis=0) / np.maximum(np.mean(bodies**2, axis=0), tiny))
         arm, given = arm - arm.mean(axis=0), given - given.mean(axis=0)
         agreement = 2 * np.sum(arm * given, axis=0) / np.maximum(np.sum(arm**2 + given**2, axis=0), tiny)
         return agreement, size
+
+    @cached_property
+    def _torque_of_bodies(self) -> FloatArray:
+        """Torque that the rigid arm needs without the friction of its motors [Nm or N], shape (n, M)."""
+        names = [f"{name}.viscous_friction" for name in self.robot.joint_names]
+        stated = [name for name in names if name in self.robot.parameters and self.robot.parameters[name].value]
+        if not stated:
+            return self.rigid_torque()
+        bare = self.robot.with_values(dict.fromkeys(stated, 0.0))
+        return rigid_inverse_dynamics(bare, self.position, self.record.sample_time, SLOW)
 
     @cached_property
     def delay(self) -> Delay:
@@ -203,7 +217,8 @@ class CheckedRecord:
             return ()
         if self.assignment is not None and self.assignment.clear and not self.assignment.zeros:
             return ()
-        return postures(Motion(self.record, self.robot, self.position, self.motion, self.moves, SLOW))
+        told = np.std(self.record.torque[self.record.valid], axis=0) > 0  # those prescribed have none
+        return postures(Motion(self.record, self.robot, self.position, self.motion, self.moves & told, SLOW))
 
     @cached_property
     def fits_nominal_rate(self) -> bool:

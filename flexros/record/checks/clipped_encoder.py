@@ -53,7 +53,7 @@ class ClippedEncoder(AbstractCheck):
                 at = float(rows[:-1][near][int(np.argmax(steps))]) * record.sample_time
                 text = (
                     f"the position of {name} jumps by {steps.max():.4g} at {at:.4g} s, as an encoder that wraps around "
-                    "or is reset; unwrap it, or cut the log there"
+                    "or is reset; give its range as 'period' in the mapping, or cut the log there"
                 )
                 problems.append(Finding(text, hopeless=True))
                 continue

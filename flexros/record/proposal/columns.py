@@ -34,22 +34,24 @@ _TIMES = {"t", "time", "timestamp", "timestamps", "stamp", "clock"}
 _SECONDS = {"s": "s", "sec": "s", "secs": "s", "seconds": "s"} | {unit: unit for unit in TIME_UNITS}
 _FILLING = {
     "joint", "joints", "j", "motor", "m", "axis", "actual", "act", "measured", "meas", "state", "states", "raw",
-    "filtered", "present", "rad", "deg", "nm", "in", "of", "the",
+    "filtered", "present", "feedback", "fb", "fbk", "est",
+    "estimated", "measurement", "value", "rad", "deg", "nm", "in", "of", "the",
 }  # fmt: skip
 """Words of a name that say neither quantity nor joint."""
 _FASTEST, _SLOWEST = 50_000.0, 2.0
 """Rates between which a log is expected, by which the unit of its times is told [Hz] (chosen)."""
 
 
-def table_signals(names: Sequence[str], file: str) -> FoundSignals:
+def table_signals(names: Sequence[str], file: str, *, timed: bool = True) -> FoundSignals:
     """Find time, states, commands and references among the columns of a table.
 
     Args:
         names: Names of its columns.
         file: The file, for error messages.
+        timed: Whether a column has the times; else the rate is known.
 
     Raises:
-        InputError: No column is a time, or none a position.
+        InputError: No column is a time though one should be, or none a position.
     """
     signals: dict[str, dict[str, str]] = defaultdict(dict)
     ignored, times = {}, list[str]()
@@ -65,16 +67,19 @@ def table_signals(names: Sequence[str], file: str) -> FoundSignals:
             ignored[name] = f"{signals[quantity][joint]} is taken"
         else:
             signals[quantity][joint] = name
-    if not signals["position"] or not times:
-        lacking, rate = ("position", "") if not signals["position"] else ("time", ", with 'time: {rate: HZ}'")
-        raise InputError(
+    lacking = "position" if not signals["position"] else "time" if timed and not times else ""
+    if lacking:
+        text = (
             f"{file} has no column whose name says that it is a {lacking} (time; q1, position_1, elbow_pos); its "
-            f"columns are {', '.join(names)}: rename them, or write a mapping file{rate} and give it with its files"
+            f"columns are {', '.join(names)}: "
         )
+        if lacking == "time":
+            raise InputError(f"{text}give the rows per second, or rename them", "rate")
+        raise InputError(f"{text}rename them, or write a mapping file and give it with its files")
     if "reference_position" in signals and not {"measured_torque", "torque_command"} & signals.keys():
         signals["position_command"] = signals.pop("reference_position")  # nothing else drives the robot
     ordered = {quantity: dict(sorted(own.items(), key=_place)) for quantity, own in signals.items() if own}
-    return FoundSignals(file, ordered, ignored, times[0])
+    return FoundSignals(file, ordered, ignored, of_table=True, time=times[0] if timed else "")
 
 
 def _meaning(words: Sequence[str]) -> tuple[str | None, str]:

@@ -17,12 +17,15 @@ class FoundSignals:
         states: Topic of the measured states of a bag; the file of a table.
         signals: Name of the signal by quantity and joint of the file.
         ignored: Topics or columns with numbers that were left out, with the reason.
-        time: Column of the times of a table; empty for a bag, whose messages have stamps.
+        of_table: Whether they are columns of a table.
+        time: Column of the times of a table; empty for a bag, whose messages have stamps, and for a table whose rate is
+            known.
     """
 
     states: str
     signals: Mapping[str, Mapping[str, str]]
     ignored: Mapping[str, str] = field(default_factory=dict)
+    of_table: bool = False
     time: str = ""
 
     @property

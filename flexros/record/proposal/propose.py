@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from flexros.config.yaml_file import parse_yaml
 from flexros.errors import InputError
 from flexros.logs.foreign.import_log import import_log
-from flexros.logs.foreign.mapping import LogMapping, MappedColumn, Scale
+from flexros.logs.foreign.mapping import Clock, LogMapping, MappedColumn, Scale
 from flexros.logs.foreign.quantities import TIME_UNITS
 from flexros.logs.foreign.signal_source import Signal, open_source
 from flexros.logs.foreign.sources.ros_bag import RosBag
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from flexros.arrays import FloatArray
-    from flexros.logs.foreign.mapping import Clock
     from flexros.logs.time_series import Log
     from flexros.record.proposal.found_signals import FoundSignals
     from flexros.record.proposal.joints import JointMatch
@@ -75,22 +74,27 @@ def robot_in_bag(bag: Path) -> Robot | None:
     return robot_from_data(parse_yaml(skeleton_from_text(text, source), source), source) if text else None
 
 
-def propose_mapping(bag: Path, robot: Robot | None, progress: Callable[[str], None] | None = None) -> Proposal:
+def propose_mapping(
+    bag: Path, robot: Robot | None, progress: Callable[[str], None] | None = None, *, rate: float | None = None
+) -> Proposal:
     """Propose the mapping of a bag or table of another robot.
 
     Args:
         bag: The bag: folder of rosbag2, .mcap or .db3 file; or a file of columns with names that tell what they are.
         robot: The model, whose joints the motors are; None to take the joints of the bag in their order.
         progress: Called with the name of each step.
+        rate: Rows per second of a table without times [Hz]; None where a column or the messages have them.
 
     Raises:
-        InputError: The bag has no positions of named joints, or these are not those of the model.
+        InputError: The bag has no positions of named joints, or these are not those of the model; or a rate of a bag.
     """
     say = progress or (lambda _: None)
     say("reading")
     source = open_source(bag)
     of_bag = isinstance(source, RosBag)
-    topics = bag_topics(source.names, str(bag)) if of_bag else table_signals(source.names, str(bag))
+    if of_bag and rate is not None:
+        raise InputError(f"{bag} is a bag, whose messages have times: leave the rate out", "rate")
+    topics = bag_topics(source.names, str(bag)) if of_bag else table_signals(source.names, str(bag), timed=rate is None)
     matches = match_joints(robot, topics.joints, str(bag))
     wanted = [topics.signals[quantity][m.joint] for quantity, m in _pairs(topics, matches)]
     signals, clock = source.read(list(dict.fromkeys(wanted))), None
@@ -98,6 +102,9 @@ def propose_mapping(bag: Path, robot: Robot | None, progress: Callable[[str], No
         times = source.read([topics.time])[topics.time].values
         clock = clock_of_column(topics.time, times[np.isfinite(times)])
         signals = _usable_rows(signals, times * TIME_UNITS[clock.unit])
+    elif rate is not None:
+        clock = Clock(rate=rate)
+        signals = _usable_rows(signals, np.arange(len(next(iter(signals.values())).values)) / rate)
     return _Proposer(bag, robot, topics, matches, signals, say, clock).proposal()
 
 
@@ -138,6 +145,8 @@ class _Proposer:
         self.units: dict[str, str] = {}
         self.signs: dict[tuple[str, str], Literal[1, -1]] = {}
         self.scales: dict[str, float] = {}
+        self.endless = ""  # what speaks against degrees
+        self.agrees = False  # whether torques agree with what the model needs of this motion
         self.rotary = [True] * len(matches) if robot is None else [motor.rotary for motor in robot.motors]
         usable = [quantity for quantity in topics.signals if self._is_finite(quantity)]
         self.quantities = usable
@@ -146,12 +155,17 @@ class _Proposer:
         """Return the mapping, with the log that it makes."""
         first = self._values("position", self.matches[0]).time
         assert first is not None
-        self.assumptions += about_topics(self.topics, self.quantities, self.matches[0].joint)
+        self.assumptions += about_topics(self.topics, self.quantities, [match.joint for match in self.matches])
         self.assumptions.append(about_rate(first, self.clock))
         self.assumptions += about_joints(self.robot, self.matches)
         others = [joint for joint in self.topics.joints if joint not in {m.joint for m in self.matches}]
         if others:
             self.left_out[f"joints {', '.join(others)}"] = "not in the model"
+        if self.topics.of_table:
+            for quantity in self.quantities:
+                for joint, column in self.topics.signals[quantity].items():
+                    if joint not in self.topics.joints:
+                        self.left_out[column] = f"no column is the position of {joint or 'the only joint'}"
         self._about_motion()
         mapping = self._mapping()
         self.say("comparing with the model")
@@ -163,7 +177,11 @@ class _Proposer:
                 log = import_log(mapping, [self.bag])
         else:
             text = "no torque: gap and diagnosis need one, or position commands of servos"
-            self.assumptions.append(Assumption("effort", text, "no topic has an effort for every joint", True))
+            ground = f"no {'column' if self.topics.of_table else 'topic'} has an effort for every joint"
+            self.assumptions.append(Assumption("effort", text, ground, True))
+        if self.endless and not self.agrees:
+            of_position = next(each for each in self.assumptions if each.about == "position")
+            self.assumptions[self.assumptions.index(of_position)] = replace(of_position, checked=False)
         if self.left_out:
             text = "left out: " + "; ".join(f"{topic} ({why})" for topic, why in self.left_out.items())
             self.assumptions.append(Assumption("others", text, "map them by hand where they matter", True))
@@ -190,7 +208,9 @@ class _Proposer:
                 "out"
             )
         if lacking:
-            self.left_out[quantity.replace("_", " ")] = f"without usable values at {', '.join(lacking)}"
+            named = ", ".join(joint or "the only joint" for joint in lacking)
+            found = f", but of {', '.join(own)}" if self.topics.of_table and not own.keys() & lacking else ""
+            self.left_out[quantity.replace("_", " ")] = f"without usable values of {named}{found}"
         return not lacking
 
     def _about_motion(self) -> None:
@@ -202,11 +222,12 @@ class _Proposer:
         for quantity in POSITIONS:
             self.units[quantity] = "deg" if degrees else "rad"
         word = "more than" if degrees else "within"
+        self.endless = "; a joint that turns round and round would do so in rad" if degrees else ""
         self.assumptions.append(
             Assumption(
                 "position",
                 f"in {self.units['position']}",
-                f"the largest is {span:.3g}, {word} two turns in rad",
+                f"the largest is {span:.3g}, {word} two turns in rad{self.endless}",
                 degrees or self.robot is not None,
             )
         )
@@ -252,6 +273,7 @@ class _Proposer:
                 self.scales |= {f"{quantity}.{m}": s for m, s in zip(self.robot.joint_names, found.scale, strict=True)}
             self.assumptions.append(about_effort(name, found, self.robot, self._said))
             changed |= found.unit != "Nm" or min(found.signs) < 0
+            self.agrees |= bool(found.compared) and found.unit == "Nm"
         return changed
 
     def _mapping(self) -> LogMapping:

@@ -31,7 +31,9 @@ def mapping_text(mapping: LogMapping, assumptions: Sequence[Assumption]) -> str:
         lines += [f"# {line}" for line in wrap(said, WIDTH, subsequent_indent="  ")]
     lines += [f"name: {json.dumps(mapping.name)}", f"description: {json.dumps(mapping.description)}"]
     if isinstance(mapping.time, Clock):
-        lines.append(f"time: {{column: {json.dumps(mapping.time.column)}, unit: {mapping.time.unit}}}")
+        clock = mapping.time
+        column = f"column: {json.dumps(clock.column)}, unit: {clock.unit}"
+        lines.append(f"time: {{{column if clock.rate is None else f'rate: {clock.rate:g}'}}}")
     lines.append("columns:")
     return "\n".join([*lines, *map(_column, mapping.columns)]) + "\n"
 

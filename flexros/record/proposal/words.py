@@ -22,16 +22,19 @@ STATES = ("position", "velocity", "measured_torque")
 """Quantities of the topic of states."""
 
 
-def about_topics(topics: FoundSignals, quantities: Iterable[str], joint: str) -> list[Assumption]:
+def about_topics(topics: FoundSignals, quantities: Iterable[str], joints: Sequence[str]) -> list[Assumption]:
     """State which topic or which columns hold which quantity.
 
     Args:
         topics: The signals of the bag or table.
         quantities: Quantities that are used.
-        joint: A joint of the bag.
+        joints: Joints of the bag or table that are motors.
     """
-    if topics.time:
-        text = "; ".join(f"{_words(one)}: {', '.join(topics.signals[one].values())}" for one in quantities)
+    joint = joints[0]
+    if topics.of_table:
+        text = "; ".join(
+            f"{_words(one)}: {', '.join(topics.signals[one][name] for name in joints)}" for one in quantities
+        )
         return [Assumption("columns", text, "words in their names", True)]
     states = ", ".join(_words(quantity) for quantity in quantities if quantity in STATES)
     found = [Assumption("topics", f"{topics.states} holds {states}", "names and fields of the topics", True)]
@@ -51,7 +54,9 @@ def about_rate(time: FloatArray, clock: Clock | None = None) -> Assumption:
     """
     duration, longest = float(time[-1] - time[0]), 1e3 * float(np.diff(time).max(initial=0.0))
     text = f"{(len(time) - 1) / duration:.5g} Hz over {duration:.4g} s, longest interval {longest:.3g} ms"
-    ground = "stamps of the messages" if clock is None else f"column {clock.column}, taken in {clock.unit}"
+    ground = "stamps of the messages"
+    if clock is not None:
+        ground = f"column {clock.column}, taken in {clock.unit}" if clock.column else "rate that was given"
     return Assumption("rate", text, ground, True)
 
 
@@ -62,7 +67,7 @@ def about_joints(robot: Robot | None, matches: Sequence[JointMatch]) -> list[Ass
         robot: The model.
         matches: The joints.
     """
-    text = ", ".join(f"{match.motor} = {match.joint}" for match in matches)
+    text = ", ".join(f"{match.motor} = {match.joint or 'the only joint'}" for match in matches)
     if robot is None:
         ground = "no model was given: the joints of the log in their order"
         return [Assumption("joints", text, ground, False)]

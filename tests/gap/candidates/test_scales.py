@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from flexros.gap.candidates.candidate import list_candidates
 from flexros.gap.candidates.scales import Scales, scales_of
 from flexros.robot import load_robot
 
@@ -54,3 +55,16 @@ def test_sizes_are_never_zero() -> None:
     robot = load_robot("elbow")
     sizes = scales_of(robot, np.zeros((100, 2 * robot.n_coordinates)), np.zeros((100, 2)))
     assert sizes.of("torque/speed", "motor_1") > 0
+
+
+def test_no_vibration_is_sought_above_half_the_rate_of_a_log() -> None:
+    """A log of 48 Hz had named a mode of 37 Hz, which took the place of an inertia."""
+    robot = load_robot("elbow")
+    sizes = scales_of(robot, np.zeros((100, 2 * robot.n_coordinates)), np.zeros((100, 2)), sample_time=1 / 48)
+    for scales, highest in ((sizes, 24.0), (SIZES, 120.0)):
+        modes = [one for one in list_candidates(robot, scales) if one.effect.name == "extra_mode"]
+        assert modes
+        for mode in modes:
+            frequency = next(free for free in mode.free if free.name == "frequency")
+            assert frequency.high == pytest.approx(highest)
+            assert max(frequency.starts) < highest

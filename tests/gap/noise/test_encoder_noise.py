@@ -143,6 +143,15 @@ def test_a_small_swing_at_rest_is_no_colour_where_the_band_above_shows_the_state
     assert not noise.autoregression.size
 
 
+def test_rounding_of_numbers_is_no_jitter(robot: Robot) -> None:
+    """Faster and faster at constant speeds: what is left of exact positions grows with them, 1e-16 of their size."""
+    record = record_of(np.zeros(N), still=False, imported=True)
+    faster = np.cumsum(np.repeat(np.linspace(0.2, 8.0, 20), N // 20)) * T
+    noise = measure_noise(replace(record, position=faster[:, None]), robot, SETTINGS)
+    assert noise.jitter == 0.0
+    assert not any("grows with speed" in text for text in noise.warnings)
+
+
 @pytest.mark.parametrize("step", [5e-5, 1e-4, 5e-4, 1e-3, 5e-3])  # up to 50 and 0.5 steps per sample
 def test_rounding_of_a_coarse_encoder_is_no_jitter(robot: Robot, step: float) -> None:
     record = record_of(white(0.1 * SIGMA), still=True)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexros.identify.rigid.fit import fit_rigid
+from flexros.identify.rigid.fit import LARGEST_ERROR, fit_rigid
 from flexros.identify.rigid.settings import RigidSettings
 from flexros.identify.rigid.verdict import judge_fit
 
@@ -71,3 +71,15 @@ def test_values_most_of_which_no_robot_can_have(elbow, fourier_motion, rigid_log
     assert verdict.file_error is not None
     assert verdict.file_error < 20  # the nominal robot, which is the real one here
     assert "with infeasible values (the nearest feasible robot misses 9 of 13 and leaves 0.0" in verdict.sentence
+
+
+def test_a_lower_cutoff_is_advised_where_the_noise_of_a_coarse_encoder_is_fast(emps, fourier_motion, rigid_log) -> None:
+    log = rigid_log(emps, fourier_motion(8000, 1e-3, 1), noise=2e-4)
+    fit = fit_rigid(log, emps)
+    assert fit.error.total > LARGEST_ERROR
+    assert fit.slower is not None
+    cutoff, error = fit.slower
+    assert error < LARGEST_ERROR
+    assert fit_rigid(log, emps, RigidSettings(cutoff=cutoff)).error.total == pytest.approx(error)
+    assert f"with a cut-off of {cutoff:.3g} Hz instead of 100 Hz it would be {error:.3g} %" in judge_fit(fit).sentence
+    assert fit_rigid(log, emps, RigidSettings(cutoff=100.0)).slower is None  # as the user wants it

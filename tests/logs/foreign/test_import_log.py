@@ -103,6 +103,17 @@ def test_two_joints_of_a_matrix(mapping_of, tmp_path: Path) -> None:
     np.testing.assert_array_equal(log.joint_states.position, q[:, ::-1])
 
 
+def test_positions_of_an_encoder_that_begins_again_go_on(mapping_of, tmp_path: Path) -> None:
+    """As the -12.5 to 12.5 rad of some drives; a lost sample stays one."""
+    turned = np.linspace(0.0, 40.0, 200)
+    turned[70] = np.nan
+    np.savez(tmp_path / "a.npz", t=np.arange(200) * 1e-2, q=np.mod(turned + 12.5, 25.0) - 12.5)
+    log = import_log(mapping_of({**Q, "period": 25.0}), [tmp_path / "a.npz"])
+    np.testing.assert_allclose(log.joint_states.position[:, 0], turned, atol=1e-9)
+    with pytest.raises(InputError, match="leave out the key 'period'"):
+        mapping_of({"column": "v", "quantity": "velocity", "unit": "rad/s", "period": 25.0})
+
+
 def test_optional_column_may_be_missing(mapping_of, table, write_csv, tmp_path: Path) -> None:
     log = import_log(mapping_of(Q, {**U, "column": "x", "optional": True}), [write_csv(tmp_path / "a.csv", table)])
     assert log.joint_commands is None
@@ -335,6 +346,20 @@ def test_link_that_moves_unlike_its_motor_is_told(mapping_of, table, write_csv, 
     file = write_csv(tmp_path / "a.csv", {**table, "l": table["q"] + 1e-3})
     entry = {"column": "l", "quantity": "link_position", "unit": "rad", **link}
     warnings = import_log(mapping_of(Q, entry), [file]).warnings
+    assert len(warnings) == bool(doubt)
+    assert all(doubt in text for text in warnings)
+
+
+@pytest.mark.parametrize(
+    ("factor", "doubt"), [(1.0, ""), (0.5, "is 0.5 times the derivative of its position"), (-1.0, "is opposite")]
+)
+def test_velocity_that_is_none_of_the_position_is_told(mapping_of, write_csv, tmp_path, factor, doubt) -> None:
+    """As of a drive that states half of its speed; noise of the encoder does not hide it."""
+    time = np.arange(1000) * 1e-2
+    noise = np.random.default_rng(1).normal(size=(2, 1000))
+    table = {"t": time, "q": np.sin(2 * time) + 0.01 * noise[0], "v": factor * (2 * np.cos(2 * time) + 0.1 * noise[1])}
+    velocity = {"column": "v", "quantity": "velocity", "unit": "rad/s"}
+    warnings = import_log(mapping_of(Q, velocity), [write_csv(tmp_path / "a.csv", table)]).warnings
     assert len(warnings) == bool(doubt)
     assert all(doubt in text for text in warnings)
 

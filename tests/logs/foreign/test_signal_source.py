@@ -45,7 +45,7 @@ def test_file_without_arrays_of_numbers_is_refused(tmp_path: Path) -> None:
     cells[:] = [np.arange(3.0), np.arange(4.0)]
     savemat(tmp_path / "pieces.mat", {"q": cells, "dt": 0.001})
     with pytest.raises(
-        InputError, match="holds no vector or matrix of numbers; cell arrays, objects and texts are not"
+        InputError, match="holds no vector or matrix of numbers; objects, tables and texts are not read, nor cells"
     ):
         open_source(tmp_path / "pieces.mat")
 
@@ -63,3 +63,17 @@ def test_samples_of_a_matrix_are_along_its_longer_side() -> None:
     wide, long = flatten({"q": matrix.T}), flatten({"q": matrix})
     assert list(wide) == ["q[0]", "q[1]"]
     np.testing.assert_array_equal(wide["q[1]"], long["q[1]"])
+
+
+def test_cells_of_equal_vectors_are_samples(tmp_path: Path) -> None:
+    """As of a script that keeps the joints of each sample in a cell."""
+    from scipy.io import savemat
+
+    q = np.arange(6.0).reshape(3, 2)
+    cells, mixed = np.empty((3, 1), dtype=object), np.empty(2, dtype=object)
+    cells[:, 0] = [row[:, None] for row in q]
+    mixed[:] = [np.arange(3.0), "text"]
+    savemat(tmp_path / "log.mat", {"q": cells, "mixed": mixed, "t": np.arange(3.0)})
+    source = open_source(tmp_path / "log.mat")
+    assert sorted(source.names) == ["q[0]", "q[1]", "t"]
+    np.testing.assert_array_equal(source.read(["q[1]"])["q[1]"].values, q[:, 1])

@@ -31,7 +31,7 @@ def test_encoder_that_wraps_around_is_refused(found, healthy) -> None:
     finding = found("elbow", position=position)[0]
     assert finding.hopeless
     assert "the position of motor_1 jumps by" in finding.text
-    assert "unwrap it" in finding.text
+    assert "'period' in the mapping" in finding.text
 
 
 def test_motor_that_moves_on_in_a_hole_of_the_log_does_not_wrap_around(found, healthy) -> None:

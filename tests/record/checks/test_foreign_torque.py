@@ -56,3 +56,13 @@ def test_a_log_keeps_its_torques_where_none_would_be_left() -> None:
     torque[:, 0] = 5.0 * torque[:, 1]
     record = with_torque(torque)
     assert without_foreign_torque(record, arm()) is record
+
+
+def test_damping_of_a_simulator_in_the_robot_file_makes_no_torque_foreign() -> None:
+    """As 10 Nms/rad at each joint of a URDF: of that friction a torque is a small part, not of what the bodies need."""
+    torque = wandering(1.0)
+    own = record_of_arm(imported=True).torque[:, 1]
+    torque[:, 1] = own + np.std(own) / np.std(torque[:, 1]) * torque[:, 1]
+    record = with_torque(torque)
+    assert without_foreign_torque(record, arm()) is record
+    assert without_foreign_torque(record, arm().with_values({"motor_2.viscous_friction": 50.0})) is record

@@ -10,6 +10,7 @@ import pytest
 from flexros.errors import InputError
 from flexros.record.balance.inverse_dynamics import rigid_inverse_dynamics
 from flexros.record.checks.base import Finding
+from flexros.record.checks.checked_record import CheckedRecord
 from flexros.record.checks.run import check_record, findings
 from flexros.record.record import Record
 
@@ -53,3 +54,11 @@ def test_weight_as_stated_is_no_finding(robots) -> None:
     record, _ = _told(robots, (0.0, 0.0, -9.81))
     inverted = findings(replace(record, torque=-record.torque), robots("elbow"))
     assert not any("posture" in finding.text for finding in inverted)
+
+
+def test_a_motor_without_a_torque_says_nothing_of_the_posture(robots) -> None:
+    """As of a joint whose motion is prescribed: its torque is zero, and over that of any size."""
+    record, _ = _told(robots, (9.81, 0.0, 0.0))
+    mute = CheckedRecord(replace(record, torque=record.torque * [1.0, 0.0]), robots("elbow"))
+    with np.errstate(all="raise"):
+        assert mute.postures == ()

@@ -23,6 +23,8 @@ from flexros.record.proposal.columns import clock_of_column, table_signals
      {"position": ["q[0]", "q[1]"], "measured_torque": ["tau[0]", "tau[1]"]}),
     (["t", "goal_position", "present_position"],
      {"position": ["present_position"], "position_command": ["goal_position"]}),
+    (["time", "position", "velocity", "torque_feedback"],
+     {"position": ["position"], "velocity": ["velocity"], "measured_torque": ["torque_feedback"]}),
     (["t", "q1", "q1dot", "effort1"], {"position": ["q1"], "velocity": ["q1dot"], "measured_torque": ["effort1"]}),
 ])  # fmt: skip
 def test_usual_names_tell_their_quantity(names: list[str], expected: dict[str, list[str]]) -> None:
@@ -52,6 +54,11 @@ def test_what_is_left_out_has_a_reason() -> None:
 def test_a_table_whose_names_tell_nothing_is_refused(names: list[str], lacking: str) -> None:
     with pytest.raises(InputError, match=rf"^log.csv has no column whose name says that it is a {lacking}"):
         table_signals(names, "log.csv")
+
+
+def test_a_table_of_known_rate_needs_no_times() -> None:
+    found = table_signals(["q1", "tau1"], "log.csv", timed=False)
+    assert (found.of_table, found.time, found.joints) == (True, "", ("1",))
 
 
 @pytest.mark.parametrize(("name", "step", "unit"), [

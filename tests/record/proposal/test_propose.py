@@ -10,6 +10,7 @@ import pytest
 from flexros.errors import InputError
 from flexros.logs.foreign.mapping import Clock
 from flexros.record.proposal.propose import propose_mapping, robot_in_bag
+from flexros.record.proposal.text import mapping_text
 from flexros.robot import load_robot
 
 pytestmark = pytest.mark.slow
@@ -114,3 +115,45 @@ def test_a_table_is_proposed_by_the_names_of_its_columns(tmp_path: Path) -> None
     assert found.log.joint_states.position is not None
     assert found.log.joint_states.position[0] == pytest.approx([1.0, 0.0])
     assert "names of columns say so" in about(found, "effort")[0].ground
+
+
+def test_a_table_without_times_takes_the_rate_that_is_given(tmp_path: Path) -> None:
+    """Columns of joints without a position, such as estimated external torques, are left out and said to be."""
+    time = np.arange(500) / 100
+    file = tmp_path / "run.csv"
+    rows = np.column_stack([np.sin(time), np.cos(time), 0 * time])
+    np.savetxt(file, rows, delimiter=",", header="q_0,tau_0,tau_ext_0", comments="")
+    with pytest.raises(InputError, match="no column whose name says that it is a time") as told:
+        propose_mapping(file, None)
+    assert told.value.argument == "rate"
+    found = propose_mapping(file, None, rate=100.0)
+    assert found.mapping.time == Clock(rate=100.0)
+    assert "rate: 100" in mapping_text(found.mapping, found.assumptions)
+    assert [one.column for one in found.mapping.columns] == ["q_0", "tau_0"]
+    assert "tau_ext_0" not in about(found, "columns")[0].taken
+    assert "tau_ext_0" in about(found, "others")[0].taken
+    assert "100 Hz" in about(found, "rate")[0].taken
+
+
+def test_a_bag_has_times_of_its_own(written) -> None:
+    with pytest.raises(InputError, match="leave the rate out"):
+        propose_mapping(written(), None, rate=100.0)
+
+
+def test_a_column_of_a_table_that_lacks_a_joint_is_said_with_its_name(tmp_path: Path) -> None:
+    time = np.arange(500) / 100
+    file = tmp_path / "run.csv"
+    np.savetxt(file, np.column_stack([time, time, time]), delimiter=",", header="t,position,torque_left", comments="")
+    found = propose_mapping(file, None)
+    assert "without usable values of the only joint, but of left" in about(found, "others")[0].taken
+    assert "motor_1 = the only joint" in about(found, "joints")[0].taken
+    assert "no column" in about(found, "effort")[0].ground
+
+
+def test_degrees_are_not_checked_where_a_joint_may_turn_round_and_round(tmp_path: Path) -> None:
+    """A drive on a bench: no weight tells degrees from radians."""
+    time = np.arange(2000) / 100
+    file = tmp_path / "bench.csv"
+    np.savetxt(file, np.column_stack([time, 5 * time, 0 * time]), delimiter=",", header="t,q,tau", comments="")
+    (position,) = about(propose_mapping(file, None), "position")
+    assert (position.taken, position.checked) == ("in deg", False)

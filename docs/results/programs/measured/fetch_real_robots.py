@@ -1,6 +1,6 @@
 """Fetch public logs of robots: python docs/results/programs/measured/fetch_real_robots.py FOLDER [--from PATH]...
 
-The logs of fifteen public repositories, most of them without a licence for copies, are brought into FOLDER, at the
+The logs of seventeen public repositories, most of them without a licence for copies, are brought into FOLDER, at the
 commits below and with their checksums; they are not part of this repository. `--from` names a clone, a bare clone or a
 plain folder of one of them that is there already. What cannot be reached is skipped with its reason, and the exit code
 is then 1.
@@ -73,6 +73,10 @@ SO101 = "output/real/so101/custom"
 
 WAM = "pest_2dof_nogravity/wam_data"
 """Folder of the log of the WAM."""
+
+
+PENDULUM_LOG = "results/control_method_{}/data_measured.csv"
+"""Files of the pendulum: swing-ups under several controllers."""
 
 
 @dataclass(frozen=True)
@@ -302,6 +306,30 @@ REPOSITORIES = (
             "Simulation/SO101/so101_new_calib.xml": (
                 "d75253eb568e8a7214db9c631ab7bed4217f608a26f7276ebe9a7636cac82580"
             ),
+        },
+    ),
+    Repository(
+        "dfki-ric-underactuated-lab",
+        "torque_limited_simple_pendulum",
+        "ed17ea2d32a35ad944944ca03ef57693e2986732",
+        {
+            "data/urdf/dfki_simple_pendulum.urdf": ("8f22afa7fe50ddc339a6895f7bc13e0bfe7d8178afce9a1fe5cc8ab2a0fef3a9"),
+            f"{PENDULUM_LOG.format('ddp')}": ("14748fd189abae7b6392a016f2f0494b54bb2a8c014bc435a84b58dbecb2da35"),
+            f"{PENDULUM_LOG.format('direct_collocation')}": (
+                "c3f990980169815b93ab37078780e13803327dcb6fc9e019f2d261b988cdaf8f"
+            ),
+            f"{PENDULUM_LOG.format('pd/system_identification')}": (
+                "3a5728e9c5530dd9066c0d7fda4c6a9bf50d86f94538629ace6d2508a7053469"
+            ),
+        },
+    ),
+    Repository(
+        "lbr-stack",
+        "dynamic_parameter_identification",
+        "58b4d88014db54cdecac66fcc059b2c9fa131e46",
+        {
+            "urdf/med/med7dock.urdf": ("29b19bce6d82a5a991ad3a7d24da87ee19194ad165eaeb63911de824276f43de"),
+            "src/test/measurements.csv": ("a1c7d3fb1c0e0224e938b5d3d0d72042534573072905f661a07f31dfa2addd4d"),
         },
     ),
 )
