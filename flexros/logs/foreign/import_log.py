@@ -61,7 +61,7 @@ def import_log(mapping: LogMapping, files: Sequence[Path]) -> Log:
     The columns may be in several files of the same clock. The first row gets the stamp 1 s; the provenance keeps its
     time in the file. Values that are not finite stay NaN, and of rows with the same time the first is kept; the
     warnings count both. Quantities of one topic that were sampled at different times (other file, other time offset)
-    are interpolated linearly at the times of the topic's first quantity; the warnings report it.
+    are interpolated linearly at the times of the topic's first quantity; the warnings report it where those are others.
 
     Args:
         mapping: Quantity and unit of every column.
@@ -241,11 +241,13 @@ def _common_times(signals: list[_Mapped], warnings: list[str]) -> tuple[FloatArr
     inside = np.ones(len(base.time), bool)
     for signal in moved:
         inside &= (base.time >= signal.time[0]) & (base.time <= signal.time[-1])
-        warnings.append(
-            f"{signal.entry.quantity} of {signal.entry.component} was interpolated linearly at the times of "
-            f"{base.entry.quantity} of {base.entry.component}"
-        )
     time = base.time[inside]
+    warnings += [
+        f"{signal.entry.quantity} of {signal.entry.component} was interpolated linearly at the times of "
+        f"{base.entry.quantity} of {base.entry.component}"
+        for signal in moved
+        if not np.isin(time, signal.time).all()
+    ]
     if len(time) < FEWEST:
         raise InputError(f"{base.column} and {moved[0].column} have no time in common; correct the clocks")
     return time, [

@@ -27,6 +27,10 @@ FEWEST = 2
 """Fewest joints that move enough to show a jump by themselves (chosen): one alone may have hit something."""
 SHOWS = 3.0
 """Jump over its standard deviation by one joint, from which it shows it, and at twice of which it must [1] (chosen)."""
+MOVES = 0.5
+"""Least step before and after one, over that which its neighbours expect of it, with the same sign, where a joint moves
+there [1] (chosen): motion that begins or ends goes on by nothing in a step, as under a clock that stands does.
+"""
 RARE = 0.002
 """Largest share of samples with jumps (chosen): more is the jitter of a clock, which counts as noise."""
 
@@ -77,6 +81,7 @@ def _jumps(record: Record, rows: IntArray) -> tuple[IntArray, FloatArray]:
     kernel = NEIGHBOURS[:, None]
     usual = sum(weight * np.roll(steps, 2 - place, axis=0) for place, weight in enumerate(kernel))
     unusual = steps - usual
+    beside = np.stack([np.roll(steps, 1, axis=0), np.roll(steps, -1, axis=0)]) * np.sign(usual)
     unusual[:2], unusual[-2:] = 0.0, 0.0
     speeds = np.abs(usual)
     resolution = np.array([encoder_step(record, motor) for motor in range(steps.shape[1])])
@@ -84,7 +89,8 @@ def _jumps(record: Record, rows: IntArray) -> tuple[IntArray, FloatArray]:
     for motor, speed in enumerate(speeds.T):
         fast = speed >= np.median(speed)
         spread[motor] = max(1.4826 * np.median(np.abs(unusual[fast, motor])), resolution[motor] / 2, 1e-12)
-    share, weighed = usual / spread, unusual / spread
+    moving = beside.min(axis=0) >= MOVES * speeds
+    share, weighed = np.where(moving, usual, 0.0) / spread, unusual / spread
     information = np.sum(share**2, axis=1)
     size = np.sum(share * weighed, axis=1) / np.maximum(information, 1e-300)
     whole = np.sum(weighed**2, axis=1)

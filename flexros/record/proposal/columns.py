@@ -38,6 +38,8 @@ _FILLING = {
     "estimated", "measurement", "value", "rad", "deg", "nm", "in", "of", "the",
 }  # fmt: skip
 """Words of a name that say neither quantity nor joint."""
+_STATES = {"enable", "enabled", "limit", "limits", "error", "errors", "err", "mode", "status", "flag"}
+"""Words of a name that make its column no signal of the quantity: torque_enable, current_limit, position_error."""
 _FASTEST, _SLOWEST = 50_000.0, 2.0
 """Rates between which a log is expected, by which the unit of its times is told [Hz] (chosen)."""
 
@@ -54,9 +56,9 @@ def table_signals(names: Sequence[str], file: str, *, timed: bool = True) -> Fou
         InputError: No column is a time though one should be, or none a position.
     """
     signals: dict[str, dict[str, str]] = defaultdict(dict)
-    ignored, times = {}, list[str]()
+    ignored, times, group = {}, list[str](), _group(names)
     for name in names:
-        words = [token.lower() for token in _TOKEN.findall(name)]
+        words = _words(name.removeprefix(group))
         if words and words[0] in _TIMES and set(words) <= _TIMES | set(_SECONDS):
             times.append(name)
             continue
@@ -82,11 +84,28 @@ def table_signals(names: Sequence[str], file: str, *, timed: bool = True) -> Fou
     return FoundSignals(file, ordered, ignored, of_table=True, time=times[0] if timed else "")
 
 
+def _words(name: str) -> list[str]:
+    return [token.lower() for token in _TOKEN.findall(name)]
+
+
+def _group(names: Sequence[str]) -> str:
+    """Return what all names begin with and no joint or quantity is: the list or group of a file, as `entries.`."""
+    group = ""
+    while names and all("." in name.removeprefix(group) for name in names):
+        longer = {name[: name.index(".", len(group)) + 1] for name in names}
+        if len(longer) > 1 or (_KIND.keys() | _TIMES) & {*_words(min(longer)[len(group) :])}:
+            break
+        group = min(longer)
+    return group
+
+
 def _meaning(words: Sequence[str]) -> tuple[str | None, str]:
     """Return quantity and joint by the words of a name, or None and why there is none."""
     kinds = [_KIND[word] for word in words if word in _KIND]
     if not kinds:
         return None, "its name says no quantity"
+    if states := [word for word in words if word in _STATES]:
+        return None, f"a state of the drive or a limit by its word {states[0]}"
     kind, wanted = kinds[0], bool(_WANTED & set(words))
     if kind == "position" and "dot" in words:
         kind = "velocity"

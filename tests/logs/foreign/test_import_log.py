@@ -387,3 +387,16 @@ def test_positions_and_speeds_of_servos_are_commands(
     assert log.joint_commands.effort is None
     write_log(log, tmp_path / "bag")
     assert_same_log(log, read_log(tmp_path / "bag"))
+
+
+def test_a_file_with_the_same_times_is_not_said_to_be_interpolated(mapping_of, write_csv, tmp_path: Path) -> None:
+    """As where one file of a run has a row more: values at its own times are those that were measured."""
+    t = np.arange(20) * 0.04
+    effort = {"column": "m", "quantity": "measured_torque", "unit": "Nm", "file": "b.csv"}
+    files = [
+        write_csv(tmp_path / "a.csv", {"t": t, "q": t}),
+        write_csv(tmp_path / "b.csv", {"t": t[:-1], "m": 3 * t[:-1]}),
+    ]
+    log = import_log(mapping_of(Q, {**effort, "time": {"column": "t"}}), files)
+    np.testing.assert_array_equal(log.joint_states.effort[:, 0], 3 * t[:-1])
+    assert log.warnings == ()

@@ -67,6 +67,14 @@ def test_an_encoder_that_errs_alone_and_an_impact_are_no_jumps() -> None:
     assert not found(replace(record, position=hit))
 
 
+def test_a_motion_that_begins_at_rest_is_no_jump() -> None:
+    """A sampling interval of 40 ms: the first steps are small beside those that follow."""
+    time = np.maximum(0.04 * np.arange(600) - 1.2, 0.0)
+    position = np.stack([(1 - np.exp(-3 * time**3)) * np.sin((0.7 + 0.2 * k) * time) for k in range(3)], axis=1)
+    record = Record("log", 0.04, position, np.zeros_like(position), np.ones(600, dtype=bool), imported=True)
+    assert not found(record)
+
+
 def test_logs_of_this_program_are_not_asked_nor_those_of_one_joint() -> None:
     assert not found(recorded(after((1500, 1.0)), imported=False))
     assert not found(recorded(after((1500, 1.0)), motors=1))

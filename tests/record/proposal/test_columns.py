@@ -25,6 +25,10 @@ from flexros.record.proposal.columns import clock_of_column, table_signals
      {"position": ["present_position"], "position_command": ["goal_position"]}),
     (["time", "position", "velocity", "torque_feedback"],
      {"position": ["position"], "velocity": ["velocity"], "measured_torque": ["torque_feedback"]}),
+    (["entries.timestamp", "entries.position", "entries.goal_position", "entries.torque_enable"],
+     {"position": ["entries.position"], "position_command": ["entries.goal_position"]}),
+    (["log.arm.time", "log.arm.q.0", "log.arm.q.1", "log.arm.tau.0", "log.arm.tau.1"],
+     {"position": ["log.arm.q.0", "log.arm.q.1"], "measured_torque": ["log.arm.tau.0", "log.arm.tau.1"]}),
     (["t", "q1", "q1dot", "effort1"], {"position": ["q1"], "velocity": ["q1dot"], "measured_torque": ["effort1"]}),
 ])  # fmt: skip
 def test_usual_names_tell_their_quantity(names: list[str], expected: dict[str, list[str]]) -> None:
@@ -48,6 +52,16 @@ def test_what_is_left_out_has_a_reason() -> None:
     assert {name: reason.split()[0] for name, reason in found.ignored.items()} == {
         "q1_filtered": "q1", "current1": "a", "ddq1": "not", "temperature": "its"
     }  # fmt: skip
+
+
+def test_names_of_one_quantity_under_one_name_keep_it() -> None:
+    assert table_signals(["q.0", "q.1"], "log.npz", timed=False).joints == ("0", "1")
+
+
+def test_states_of_a_drive_are_no_signals() -> None:
+    names = ["t", "q1", "torque1", "torque_enable1", "current_limit1", "position_error1"]
+    found = table_signals(names, "log.csv")
+    assert (found.joints, list(found.ignored)) == (("1",), names[3:])
 
 
 @pytest.mark.parametrize(("names", "lacking"), [(["t", "a", "b"], "position"), (["q1", "tau1"], "time")])
