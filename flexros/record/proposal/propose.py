@@ -177,6 +177,8 @@ class _Proposer:
                 log = import_log(mapping, [self.bag])
         else:
             text = "no torque: gap and diagnosis need one, or position commands of servos"
+            if "position_command" in self.quantities:
+                text = "no torque: the position commands drive the servos of the robot file"
             ground = f"no {'column' if self.topics.of_table else 'topic'} has an effort for every joint"
             self.assumptions.append(Assumption("effort", text, ground, True))
         if self.endless and not self.agrees:

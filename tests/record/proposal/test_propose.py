@@ -157,3 +157,12 @@ def test_degrees_are_not_checked_where_a_joint_may_turn_round_and_round(tmp_path
     np.savetxt(file, np.column_stack([time, 5 * time, 0 * time]), delimiter=",", header="t,q,tau", comments="")
     (position,) = about(propose_mapping(file, None), "position")
     assert (position.taken, position.checked) == ("in deg", False)
+
+
+def test_position_commands_without_a_torque_are_said_to_drive_the_servos(tmp_path: Path) -> None:
+    time = np.arange(500) / 100
+    file = tmp_path / "run.csv"
+    rows = np.column_stack([time, np.sin(time), np.sin(time + 0.1)])
+    np.savetxt(file, rows, delimiter=",", header="t,position,goal_position", comments="")
+    (effort,) = about(propose_mapping(file, None), "effort")
+    assert effort.taken == "no torque: the position commands drive the servos of the robot file"
