@@ -9,6 +9,7 @@ import numpy as np
 from flexros.effects.kinds.command_law import AbstractCommandLaw
 from flexros.effects.torque_drift import TorqueDrift
 from flexros.gap.fit.estimates import placed_effects
+from flexros.gap.fit.torques.regression import ONE_WAY
 
 if TYPE_CHECKING:
     from flexros.gap.answer.decision import Findings
@@ -29,6 +30,12 @@ smaller one is proposed, and the smallest that is [1] (chosen)."""
 STRAINED, SHOWN = 4.0, 3
 """Deviation of a number of the model over its tolerance from which it is stated, and how many at most (chosen): of some
 forty numbers of an arm of six axes one is beyond three now and then."""
+
+CONSTANT_ONE_WAY = ("coulomb_friction", "torque_bias")
+"""Effects that are one constant torque at a motor that moves in one direction only."""
+
+STANDS = 0.02
+"""Step of a position over its median, up to which a motor stands [1] (chosen); there friction balances what acts."""
 
 
 def record_warnings(fitted: Record, held: Record) -> tuple[str, ...]:
@@ -77,6 +84,7 @@ def answer_warnings(findings: Findings, gap: GapNumbers, *, worse: bool) -> list
         *_better_torques(findings),
         *_unit_warnings(findings),
         *_drift_warnings(findings),
+        *_one_way_warnings(findings),
     ]
 
 
@@ -187,3 +195,21 @@ def _drift_warnings(findings: Findings) -> list[str]:
         for one in drifts
         if isinstance(one.effect, TorqueDrift)
     ]
+
+
+def _one_way_warnings(findings: Findings) -> list[str]:
+    """Return one sentence for every constant torque at a motor that moves in one direction and does not stand."""
+    record, texts = findings.data.record, []
+    for one in placed_effects(findings.explanations.chosen):
+        if one.effect.name not in CONSTANT_ONE_WAY:
+            continue
+        motor = findings.model.robot.joint_names.index(one.location)
+        steps = np.diff(record.position[record.valid, motor])
+        stands = np.mean(np.abs(steps) <= STANDS * np.median(np.abs(steps)))
+        if abs(steps.sum()) > ONE_WAY * np.abs(steps).sum() and stands < 1 - ONE_WAY:
+            texts.append(
+                f"{one.location} moves in one direction only, where Coulomb friction and a bias of the torque are one "
+                f"constant torque: {one.effect.name}@{one.location} stands for both; a log with both directions tells "
+                "them apart"
+            )
+    return texts

@@ -74,3 +74,34 @@ def test_numbers_far_out_of_tolerance_are_stated() -> None:
     lacked.clear()
     chosen.deviations = np.array([2.0, 1.0])
     assert not warnings._strained(findings)
+
+
+@pytest.mark.parametrize(
+    ("effect", "there_and_back", "rests", "warned"),
+    [
+        ("coulomb_friction@motor_2:level=1", False, 0, True),
+        ("torque_bias@motor_2:level=1", False, 0, True),
+        ("coulomb_friction@motor_2:level=1", True, 0, False),
+        ("coulomb_friction@motor_2:level=1", False, 200, False),
+        ("viscous_friction@motor_2:coefficient=1", False, 0, False),
+    ],
+)
+def test_a_motor_that_moves_one_way_does_not_tell_friction_from_a_bias(
+    monkeypatch: pytest.MonkeyPatch, effect: str, there_and_back: bool, rests: int, warned: bool
+) -> None:
+    """At rest only friction balances what acts, so that a log with rests tells them apart."""
+    monkeypatch.setattr(warnings, "placed_effects", lambda _: [parse_effect(effect, "test")])
+    time = 0.01 * np.arange(1000)
+    moved = np.sin(time) if there_and_back else 3 * time + 0.5 * np.sin(2 * time)
+    moved = np.concatenate([np.full(rests, moved[0]), moved])
+    record = SimpleNamespace(
+        position=np.column_stack([np.zeros_like(moved), moved]), valid=np.ones(len(moved), dtype=bool)
+    )
+    findings: Any = SimpleNamespace(
+        explanations=SimpleNamespace(chosen=None),
+        data=SimpleNamespace(record=record),
+        model=SimpleNamespace(robot=load_robot("elbow")),
+    )
+    texts = warnings._one_way_warnings(findings)
+    assert bool(texts) is warned
+    assert all(text.startswith("motor_2 moves in one direction only") for text in texts)
