@@ -13,6 +13,7 @@ OWN = Path(__file__).parent / "measured"
 """Mappings and robot files of data sets that have none."""
 KINDS = {
     "Coulomb friction": (("coulomb_friction", "level"), ("presliding_friction", "level")),
+    "load dependent friction": (("load_dependent_friction", "share"),),
     "viscous friction": (("viscous_friction", "coefficient"),),
     "asymmetric viscous friction": (("viscous_friction", "asymmetry"),),
     "inertia": (("rotor_inertia", "inertia"),),

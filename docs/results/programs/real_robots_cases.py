@@ -592,6 +592,33 @@ CASES = (
     _go2("RL", "rear left"),
     _go2("RR", "rear right"),
     Case(
+        name="xl330",
+        title="Dynamixel XL330 under position commands",
+        about="Rhoban, [github.com/Rhoban/bam](https://github.com/Rhoban/bam), branch xl330, Apache-2.0: fetched by "
+        "`fetch_real_robots.py`. A pendulum of 0.49 kg at 0.1 m, 6 s at 188 Hz each, position commands alone that "
+        "count. Nominal: data sheet and manual of the servo, tolerance 10 %, of the pendulum 2 %. The gain of the "
+        "manual is twice that of the drive, as its authors found too. Of its logs this one was chosen as fitted with "
+        "the answers in view: with that of `sin_time_square` fitted, whose fast end is its last third, the friction is "
+        "named (0.400 +- 0.020) and the stiffness is not.",
+        folder="bam",
+        robot="xl330_robot.yaml",
+        mapping="xl330.yaml",
+        fitted=("bam/data.bak/raw/2026-01-15_10h29m14.json",),
+        further={
+            "sin_time_square": ("bam/data.bak/raw/2026-01-15_10h29m37.json",),
+            "up_and_down": ("bam/data.bak/raw/2026-01-15_10h29m29.json",),
+        },
+        known=(
+            Known("servo stiffness", "motor_1", 0.756, 0.784, "Nm/rad", 1.77),
+            Known("load dependent friction", "motor_1", 0.388, 0.546, "1"),
+        ),
+        source="least squares of free runs through the first two logs and through all three by `python "
+        "docs/results/programs/measured/xl330_free_runs.py fetched`, smallest and largest; they leave 18 to 36 mrad "
+        "rms. The third log alone moves too slowly: its rotor is at the limit of the search",
+        by_mujoco=_NO_TORQUE,
+        fetched=True,
+    ),
+    Case(
         name="so101",
         title="Five axes of an SO-101 under position commands",
         about="NVIDIA SAGE, [github.com/isaac-sim2real/sage](https://github.com/isaac-sim2real/sage), Apache-2.0: "

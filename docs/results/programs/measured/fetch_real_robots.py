@@ -1,6 +1,6 @@
 """Fetch public logs of robots: python docs/results/programs/measured/fetch_real_robots.py FOLDER [--from PATH]...
 
-The logs of seventeen public repositories, most of them without a licence for copies, are brought into FOLDER, at the
+The logs of eighteen public repositories, most of them without a licence for copies, are brought into FOLDER, at the
 commits below and with their checksums; they are not part of this repository. `--from` names a clone, a bare clone or a
 plain folder of one of them that is there already. What cannot be reached is skipped with its reason, and the exit code
 is then 1.
@@ -74,6 +74,9 @@ SO101 = "output/real/so101/custom"
 WAM = "pest_2dof_nogravity/wam_data"
 """Folder of the log of the WAM."""
 
+
+XL330_LOG = "bam/data.bak/raw/2026-01-15_10h29m{}.json"
+"""Files of the XL330: its pendulum under several commands."""
 
 PENDULUM_LOG = "results/control_method_{}/data_measured.csv"
 """Files of the pendulum: swing-ups under several controllers."""
@@ -330,6 +333,16 @@ REPOSITORIES = (
         {
             "urdf/med/med7dock.urdf": ("29b19bce6d82a5a991ad3a7d24da87ee19194ad165eaeb63911de824276f43de"),
             "src/test/measurements.csv": ("a1c7d3fb1c0e0224e938b5d3d0d72042534573072905f661a07f31dfa2addd4d"),
+        },
+    ),
+    Repository(
+        "Rhoban",
+        "bam",
+        "af2260462471ff45ac18af159b1327ea51d8db15",  # of its branch xl330; later ones have no logs
+        {
+            f"{XL330_LOG.format(14)}": "016d15d21c464457aa30eaeab3977228b08cd5acf7542f24067440126c0bf480",
+            f"{XL330_LOG.format(37)}": "838d390b7190c4ce1608157cf629989648773b7336728a0931a61c6018c6700b",
+            f"{XL330_LOG.format(29)}": "b9ce9fc0f396e6b03bd514e9254cb83b8a64e1a5df1728b9a10e3b4a5a9513ca",
         },
     ),
 )
