@@ -76,7 +76,7 @@ def main(folder: Path) -> None:
             def errors(free: np.ndarray, chosen: list[str] = chosen) -> np.ndarray:
                 numbers = np.concatenate([free, np.zeros(len(NAMES) - len(free))])
                 parts = [simulated(logs[name], numbers) - logs[name].position for name in chosen]
-                return np.clip(np.nan_to_num(np.concatenate(parts), nan=9), -9, 9)
+                return np.asarray(np.clip(np.nan_to_num(np.concatenate(parts), nan=9), -9, 9))
 
             found = least_squares(
                 errors, FIRST[:n], bounds=(LOWEST[:n], HIGHEST[:n]), x_scale=FIRST[:n], diff_step=1e-3, max_nfev=40
