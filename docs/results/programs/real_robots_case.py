@@ -66,6 +66,7 @@ class Case:
         by_mujoco: Why the toolbox of MuJoCo does not apply; empty where it does.
         fetched: Whether `fetch_real_robots.py` brings the files.
         prescribed: Motors without usable torques, whose measured motion drives the model in all logs.
+        in_hindsight: Whether the fitted log was chosen with the answers in view: the case does not count.
     """
 
     name: str
@@ -84,6 +85,7 @@ class Case:
     by_mujoco: str = ""
     fetched: bool = False
     prescribed: tuple[str, ...] = ()
+    in_hindsight: bool = False
 
     def path(self, name: str, data: Path) -> str:
         """Return the path of a robot or mapping, of ours or in the folder of the data; a built-in name as it is."""

@@ -617,6 +617,7 @@ CASES = (
         "rms. The third log alone moves too slowly: its rotor is at the limit of the search",
         by_mujoco=_NO_TORQUE,
         fetched=True,
+        in_hindsight=True,
     ),
     Case(
         name="so101",
