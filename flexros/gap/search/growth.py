@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from flexros.gap.fit.screening import Directions
     from flexros.gap.search.additions import Addition
     from flexros.gap.search.candidate_fits import Search
+    from flexros.gap.search.model_probability import ModelComparison
 
 
 def extended(
@@ -61,7 +62,7 @@ def extended(
             search, comparison, chosen, grown, _removed(search, chosen, settings.removed_by_step)
         ):
             break
-        if in_vain(search, chosen) and comparison.removed(chosen, grown) < settings.removed:
+        if in_vain(search, chosen) and _still_in_vain(search, comparison, chosen, grown):
             break
         before, chosen = chosen, reduced(search, grown, fits, _removed(search, grown, settings.removed_by_step))
         other = chosen
@@ -79,14 +80,22 @@ def extended(
 def in_vain(search: Search, fit: CandidateFit) -> bool:
     """Return whether an explanation leaves more than noise where a search is resumed in a looser tie.
 
-    It counts for nothing there if it ends so. What was within noise before is of few effects, which a step of several
-    finds together: where one removes less of the whole than an effect must in the end, the errors of form of those
-    found before are what is left, and candidates imitate them without an end. Where no candidate adds to the
-    explanation, none does better in place of one of its effects; and what laws leave after exchanges, curves would take
-    up, which are none.
+    It counts for nothing there if it ends so. Where no candidate adds to the explanation, none does better in place of
+    one of its effects; and what laws leave after exchanges, curves would take up, which are none.
     """
     comparison = compared(search, [fit])
     return search.resumed and (comparison.significant(fit) or more_than_before(search, comparison, fit))
+
+
+def _still_in_vain(search: Search, comparison: ModelComparison, before: CandidateFit, after: CandidateFit) -> bool:
+    """Return whether a step of a resumed search removes less of what it leaves above noise than an effect must.
+
+    What was within noise before is of few effects, which a step of several finds together. Where it removes less, the
+    errors of form of the effects found before are what is left, and candidates imitate them without an end.
+    """
+    noise = 1.0 if search.left_before is None else min(search.left_before, 1.0)
+    left, removed = comparison.level(before) - noise, comparison.level(before) - comparison.level(after)
+    return removed < search.settings.search.removed * left
 
 
 def tidied(

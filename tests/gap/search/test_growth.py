@@ -107,16 +107,20 @@ def test_small_changes_are_regrouped_before_single_effects_are_exchanged(
     assert seen == [frozenset({"load"})]
 
 
-@pytest.mark.parametrize(("vain", "removed", "kept"), [(True, 0.3, False), (True, 0.5, True), (False, 0.3, True)])
+@pytest.mark.parametrize(("vain", "noise", "kept"), [(True, 0.9, False), (True, 1.0, True), (False, 0.9, True)])
 def test_a_step_of_a_resumed_search_removes_as_much_as_an_effect_must_in_the_end(
-    monkeypatch: pytest.MonkeyPatch, steps: list[str], vain: bool, removed: float, kept: bool
+    monkeypatch: pytest.MonkeyPatch, steps: list[str], vain: bool, noise: float, kept: bool
 ) -> None:
     """Errors of form were imitated round after round: a search in a looser tie did not end in a quarter of an hour."""
-    found = SimpleNamespace(score=lambda _fit: 0.0, threshold=0.0, removed=lambda *_: removed)
+    levels = {1: 1.1, 2: 1.05}
+    found = SimpleNamespace(score=lambda _fit: 0.0, threshold=0.0, level=lambda one: levels[len(one.names)])
     monkeypatch.setattr(growth, "compared", lambda *_: found)
     monkeypatch.setattr(growth, "in_vain", lambda *_: vain)
     monkeypatch.setattr(growth, "reduced", lambda _search, one, *_: one)
-    assert (growth.extended(search_that_never_ends(), fit("first"), [], []).names > {"first"}) is kept
+    search = search_that_never_ends()
+    search.left_before = noise
+    assert (growth.extended(search, fit("first"), [], []).names > {"first"}) is kept
+    assert steps
 
 
 @pytest.mark.parametrize(
