@@ -14,6 +14,7 @@ from flexros.gap.search.periodic.overtones import with_overtones
 from flexros.gap.search.regrouping import regrouped
 from flexros.gap.search.worth import (
     compared,
+    floor_is_uncertain,
     gap_of_laws,
     incomplete,
     more_than_before,
@@ -48,9 +49,9 @@ def extended(
     for _ in range(settings.rounds_after_torques if search.torques_decide else settings.rounds):
         chosen = with_bristles(search, with_overtones(search, chosen, fits), fits)
         comparison = compared(search, best_of_each(fits))
-        if len(chosen.hypothesis) >= settings.most_effects or not incomplete(search, comparison, chosen):
+        if not (incomplete(search, comparison, chosen) or floor_is_uncertain(comparison)):
             break
-        if search.deadline.stops():
+        if len(chosen.hypothesis) >= settings.most_effects or search.deadline.stops():
             break
         quick = not chosen.converged or len(chosen.deviations)  # with the tolerance slopes of the nominal model
         if quick and search.premises.library_is_complete:

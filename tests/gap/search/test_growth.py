@@ -47,6 +47,7 @@ def steps(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         "compared": lambda *_: nothing,
         "best_of_each": lambda fits: fits,
         "incomplete": lambda *_: True,
+        "floor_is_uncertain": lambda *_: False,
         "worth": lambda *_: True,
         "_removed": lambda *_: 0.1,
         "corrected": lambda _search, one, *_: one,
