@@ -49,7 +49,7 @@ def extended(
     for _ in range(settings.rounds_after_torques if search.torques_decide else settings.rounds):
         chosen = with_bristles(search, with_overtones(search, chosen, fits), fits)
         comparison = compared(search, best_of_each(fits))
-        if not (incomplete(search, comparison, chosen) or floor_is_uncertain(comparison)):
+        if not (incomplete(search, comparison, chosen) or _may_hide(search, comparison)):
             break
         if len(chosen.hypothesis) >= settings.most_effects or search.deadline.stops():
             break
@@ -76,6 +76,16 @@ def extended(
             break  # what a step adds, the next ones leave out again: the search would go round in a circle
         seen.add(chosen.names)
     return chosen
+
+
+def _may_hide(search: Search, comparison: ModelComparison) -> bool:
+    """Return whether effects may be missing although no more than noise is left, and show best in this log.
+
+    A log that is tied more loosely next shows them better, and tells candidates apart that are the same here: a gain of
+    torques and the weight of another body were added beside a limit of torques.
+    """
+    loosest = search.resumed or not search.data.level > search.data.least_level
+    return loosest and floor_is_uncertain(comparison)
 
 
 def in_vain(search: Search, fit: CandidateFit) -> bool:

@@ -30,7 +30,7 @@ def search_that_never_ends() -> Any:
         torques_decide=False,
         resumed=False,
         premises=SIMULATED,
-        data=SimpleNamespace(n_values=10),
+        data=SimpleNamespace(n_values=10, level=1.0, least_level=1.0),
         deadline=SimpleNamespace(stops=lambda: False),
         within_limits=lambda one: one,
     )
@@ -122,6 +122,20 @@ def test_a_step_of_a_resumed_search_removes_as_much_as_an_effect_must_in_the_end
     search.left_before = noise
     assert (growth.extended(search, fit("first"), [], []).names > {"first"}) is kept
     assert steps
+
+
+@pytest.mark.parametrize(("resumed", "level", "grows"), [(False, 1.0, True), (False, 10.0, False), (True, 10.0, True)])
+def test_near_an_uncertain_floor_effects_are_added_where_they_show_best(
+    monkeypatch: pytest.MonkeyPatch, steps: list[str], resumed: bool, level: float, grows: bool
+) -> None:
+    monkeypatch.setattr(growth, "incomplete", lambda *_: False)
+    monkeypatch.setattr(growth, "floor_is_uncertain", lambda *_: True)
+    monkeypatch.setattr(growth, "in_vain", lambda *_: False)
+    monkeypatch.setattr(growth, "reduced", lambda _search, one, *_: one)
+    search = search_that_never_ends()
+    search.resumed, search.data.level = resumed, level
+    growth.extended(search, fit("first"), [], [])
+    assert bool(steps) is grows
 
 
 @pytest.mark.parametrize(
