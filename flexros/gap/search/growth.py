@@ -14,6 +14,7 @@ from flexros.gap.search.periodic.overtones import with_overtones
 from flexros.gap.search.regrouping import regrouped
 from flexros.gap.search.worth import (
     compared,
+    floor_is_uncertain,
     gap_of_laws,
     incomplete,
     more_than_before,
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from flexros.gap.fit.screening import Directions
     from flexros.gap.search.additions import Addition
     from flexros.gap.search.candidate_fits import Search
+    from flexros.gap.search.model_probability import ModelComparison
 
 
 def extended(
@@ -47,9 +49,9 @@ def extended(
     for _ in range(settings.rounds_after_torques if search.torques_decide else settings.rounds):
         chosen = with_bristles(search, with_overtones(search, chosen, fits), fits)
         comparison = compared(search, best_of_each(fits))
-        if len(chosen.hypothesis) >= settings.most_effects or not incomplete(search, comparison, chosen):
+        if not (incomplete(search, comparison, chosen) or _may_hide(search, comparison)):
             break
-        if search.deadline.stops():
+        if len(chosen.hypothesis) >= settings.most_effects or search.deadline.stops():
             break
         quick = not chosen.converged or len(chosen.deviations)  # with the tolerance slopes of the nominal model
         if quick and search.premises.library_is_complete:
@@ -61,7 +63,7 @@ def extended(
             search, comparison, chosen, grown, _removed(search, chosen, settings.removed_by_step)
         ):
             break
-        if in_vain(search, chosen) and comparison.removed(chosen, grown) < settings.removed:
+        if in_vain(search, chosen) and _still_in_vain(search, comparison, chosen, grown):
             break
         before, chosen = chosen, reduced(search, grown, fits, _removed(search, grown, settings.removed_by_step))
         other = chosen
@@ -76,17 +78,35 @@ def extended(
     return chosen
 
 
+def _may_hide(search: Search, comparison: ModelComparison) -> bool:
+    """Return whether effects may be missing although no more than noise is left, and show best in this log.
+
+    A log that is tied more loosely next shows them better, and tells candidates apart that are the same here: a gain of
+    torques and the weight of another body were added beside a limit of torques.
+    """
+    loosest = search.resumed or not search.data.level > search.data.least_level
+    return loosest and floor_is_uncertain(comparison)
+
+
 def in_vain(search: Search, fit: CandidateFit) -> bool:
     """Return whether an explanation leaves more than noise where a search is resumed in a looser tie.
 
-    It counts for nothing there if it ends so. What was within noise before is of few effects, which a step of several
-    finds together: where one removes less of the whole than an effect must in the end, the errors of form of those
-    found before are what is left, and candidates imitate them without an end. Where no candidate adds to the
-    explanation, none does better in place of one of its effects; and what laws leave after exchanges, curves would take
-    up, which are none.
+    It counts for nothing there if it ends so. Where no candidate adds to the explanation, none does better in place of
+    one of its effects; and what laws leave after exchanges, curves would take up, which are none.
     """
     comparison = compared(search, [fit])
     return search.resumed and (comparison.significant(fit) or more_than_before(search, comparison, fit))
+
+
+def _still_in_vain(search: Search, comparison: ModelComparison, before: CandidateFit, after: CandidateFit) -> bool:
+    """Return whether a step of a resumed search removes less of what it leaves above noise than an effect must.
+
+    What was within noise before is of few effects, which a step of several finds together. Where it removes less, the
+    errors of form of the effects found before are what is left, and candidates imitate them without an end.
+    """
+    noise = 1.0 if search.left_before is None else min(search.left_before, 1.0)
+    left, removed = comparison.level(before) - noise, comparison.level(before) - comparison.level(after)
+    return removed < search.settings.search.removed * left
 
 
 def tidied(

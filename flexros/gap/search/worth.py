@@ -31,13 +31,22 @@ def incomplete(search: Search, comparison: ModelComparison, chosen: CandidateFit
     """Return whether an explanation leaves more than noise or moves parameters beyond tolerance.
 
     The floor of a real machine is a tolerance: above it something is left, and below it there may be what is worth it.
-    So it is where the level without gap is known worse than by chance, as of noise that is coloured, measured or made
-    by coarse rounding: no level near one tells noise from an effect there, but what an effect gains does. The colour of
-    an encoder left a doubt of 3 %, in which friction of 3000 nats was not looked for.
+    So it is where positions are rounded so coarsely that the level without gap is known worse than by chance: what
+    effects must gain there, `threshold`, allows for the rounding.
     """
-    if comparison.floor_error > _chance(comparison) or not search.premises.floor_is_noise:
+    if (comparison.rounding > 0 and floor_is_uncertain(comparison)) or not search.premises.floor_is_noise:
         return True
     return more_than_chance(comparison, chosen) or comparison.beyond_tolerance(chosen)
+
+
+def floor_is_uncertain(comparison: ModelComparison) -> bool:
+    """Return whether the level without gap is known worse than by chance.
+
+    So it is of noise that is coloured, measured or made by coarse rounding. No level near it tells noise from an effect
+    there, but what an effect gains does: the colour of an encoder left a doubt of 3 %, in which friction of 3000 nats
+    was not looked for.
+    """
+    return comparison.floor_error > _chance(comparison)
 
 
 def more_than_chance(comparison: ModelComparison, fit: CandidateFit) -> bool:

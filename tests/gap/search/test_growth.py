@@ -30,7 +30,7 @@ def search_that_never_ends() -> Any:
         torques_decide=False,
         resumed=False,
         premises=SIMULATED,
-        data=SimpleNamespace(n_values=10),
+        data=SimpleNamespace(n_values=10, level=1.0, least_level=1.0),
         deadline=SimpleNamespace(stops=lambda: False),
         within_limits=lambda one: one,
     )
@@ -47,6 +47,7 @@ def steps(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         "compared": lambda *_: nothing,
         "best_of_each": lambda fits: fits,
         "incomplete": lambda *_: True,
+        "floor_is_uncertain": lambda *_: False,
         "worth": lambda *_: True,
         "_removed": lambda *_: 0.1,
         "corrected": lambda _search, one, *_: one,
@@ -107,16 +108,34 @@ def test_small_changes_are_regrouped_before_single_effects_are_exchanged(
     assert seen == [frozenset({"load"})]
 
 
-@pytest.mark.parametrize(("vain", "removed", "kept"), [(True, 0.3, False), (True, 0.5, True), (False, 0.3, True)])
+@pytest.mark.parametrize(("vain", "noise", "kept"), [(True, 0.9, False), (True, 1.0, True), (False, 0.9, True)])
 def test_a_step_of_a_resumed_search_removes_as_much_as_an_effect_must_in_the_end(
-    monkeypatch: pytest.MonkeyPatch, steps: list[str], vain: bool, removed: float, kept: bool
+    monkeypatch: pytest.MonkeyPatch, steps: list[str], vain: bool, noise: float, kept: bool
 ) -> None:
     """Errors of form were imitated round after round: a search in a looser tie did not end in a quarter of an hour."""
-    found = SimpleNamespace(score=lambda _fit: 0.0, threshold=0.0, removed=lambda *_: removed)
+    levels = {1: 1.1, 2: 1.05}
+    found = SimpleNamespace(score=lambda _fit: 0.0, threshold=0.0, level=lambda one: levels[len(one.names)])
     monkeypatch.setattr(growth, "compared", lambda *_: found)
     monkeypatch.setattr(growth, "in_vain", lambda *_: vain)
     monkeypatch.setattr(growth, "reduced", lambda _search, one, *_: one)
-    assert (growth.extended(search_that_never_ends(), fit("first"), [], []).names > {"first"}) is kept
+    search = search_that_never_ends()
+    search.left_before = noise
+    assert (growth.extended(search, fit("first"), [], []).names > {"first"}) is kept
+    assert steps
+
+
+@pytest.mark.parametrize(("resumed", "level", "grows"), [(False, 1.0, True), (False, 10.0, False), (True, 10.0, True)])
+def test_near_an_uncertain_floor_effects_are_added_where_they_show_best(
+    monkeypatch: pytest.MonkeyPatch, steps: list[str], resumed: bool, level: float, grows: bool
+) -> None:
+    monkeypatch.setattr(growth, "incomplete", lambda *_: False)
+    monkeypatch.setattr(growth, "floor_is_uncertain", lambda *_: True)
+    monkeypatch.setattr(growth, "in_vain", lambda *_: False)
+    monkeypatch.setattr(growth, "reduced", lambda _search, one, *_: one)
+    search = search_that_never_ends()
+    search.resumed, search.data.level = resumed, level
+    growth.extended(search, fit("first"), [], [])
+    assert bool(steps) is grows
 
 
 @pytest.mark.parametrize(

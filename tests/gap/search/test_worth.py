@@ -11,7 +11,15 @@ import pytest
 
 from flexros.effects import effects
 from flexros.gap.search.model_probability import ModelComparison
-from flexros.gap.search.worth import gap_of_laws, incomplete, more_than_before, simple_first, simplest, worth
+from flexros.gap.search.worth import (
+    floor_is_uncertain,
+    gap_of_laws,
+    incomplete,
+    more_than_before,
+    simple_first,
+    simplest,
+    worth,
+)
 from flexros.gap.settings import DiagnosisSettings
 from flexros.record.premises import MEASURED, SIMULATED
 from tests.gap.diagnosis_logs import candidates_of
@@ -60,10 +68,9 @@ def test_what_a_curve_lacks_beside_noise_is_no_effect() -> None:
 
 @pytest.mark.parametrize(("floor_error", "rounding", "level", "expected"), [
     (0.1, 0.9, 0.98, True),
-    (0.1, 0.0, 0.98, True),
+    (0.1, 0.0, 0.98, False),
     (0.1, 0.0, 1.05, True),
-    (0.0, 0.0, 0.98, False),
-    (0.001, 0.0, 1.0005, False),
+    (0.1, 0.0, 1.0005, False),
     (0.001, 0.9, 1.0005, False),
 ])  # fmt: skip
 def test_where_the_floor_is_uncertain_effects_may_be_missing_near_it(
@@ -74,6 +81,13 @@ def test_where_the_floor_is_uncertain_effects_may_be_missing_near_it(
     comparison = replace(comparison, floor_error=floor_error, rounding=rounding)
     search: Any = SimpleNamespace(premises=SIMULATED)
     assert incomplete(search, comparison, fit) is expected
+
+
+@pytest.mark.parametrize(("floor_error", "expected"), [(0.03, True), (0.005, False), (0.0, False)])
+def test_a_floor_is_uncertain_that_is_known_worse_than_by_chance(floor_error: float, expected: bool) -> None:
+    """Coloured noise left a doubt of 3 %, in which friction of 3000 nats was not looked for."""
+    comparison = replace(measured_fits(50.0, 0.98)[0], floor_error=floor_error)  # by chance 0.01
+    assert floor_is_uncertain(comparison) is expected
 
 
 def test_an_effect_that_brings_numbers_of_the_model_back_into_tolerance_is_worth_it() -> None:
