@@ -88,11 +88,14 @@ class ExtraMode(AbstractArmLaw):
         return tool if rigid else (*tool, "base")
 
     def fitted(self, robot: Robot, location: str) -> Mapping[str, Range]:
-        """Return the ranges; only a tool with a mass also has a rotating inertia, and a base is not very light."""
+        """Return the ranges; only a tool with a mass also has a rotating inertia, and a base is not very light.
+
+        The ground of an arm moves the less the heavier it is, a part that swings at the tool the lighter.
+        """
         both = location == "tool" and _load_mass(robot) > 0 and _turning(robot) is not None
         ranges = {name: allowed for name, allowed in self.ranges.items() if both or name != "inertia_ratio"}
         if location == "base":
-            ranges["ratio"] = replace(ranges["ratio"], low=1e-3)
+            ranges["ratio"] = replace(ranges["ratio"], low=1e-3, vanishes="high")
         return ranges
 
     def force(self, arm: ArmState, values: Mapping[str, Value]) -> ca.SX:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -45,6 +45,8 @@ class FreeParameter:
         starts: Initial values of the fit [its unit].
         negative: Largest size of negative values, not above `high` [its unit]; None: `high`.
         fine: Step of the differences that make the derivatives, over the usual one [1].
+        vanishes: Bound near which the effect of the parameter vanishes, see `Range`; None: as the effect has it
+            anywhere.
     """
 
     name: str
@@ -54,6 +56,7 @@ class FreeParameter:
     starts: tuple[float, ...]
     negative: float | None = None
     fine: float = 1.0
+    vanishes: Literal["low", "high", "never"] | None = None
 
     def encode(self, value: float) -> float:
         """Convert a value [its unit] to the unit of the fit [1]."""
@@ -116,9 +119,10 @@ class Candidate:
         """
         allowed, low_and_high = self.effect.ranges[free.name], free.bounds
         shapes = self.effect.model_fields[free.name].default != 0.0 or allowed.scale == "phase"
-        if shapes or allowed.vanishes == "never":
+        vanishes = free.vanishes or allowed.vanishes
+        if shapes or vanishes == "never":
             return None
-        return 0.0 if free.signed else low_and_high[allowed.vanishes == "high"]
+        return 0.0 if free.signed else low_and_high[vanishes == "high"]
 
     def at_limit(self, values: Mapping[str, float]) -> frozenset[str]:
         """Return the names of the parameters whose values are at a limit of the search, neutral ones excepted.
@@ -218,7 +222,7 @@ def free_parameter(name: str, allowed: Range, scale: float) -> FreeParameter:
         # the middle of equal parts of the logarithmic range
         parts = (np.arange(allowed.starts) + 0.5) / allowed.starts
         starts = tuple(float(x) for x in low * (high / low) ** parts)
-    return FreeParameter(name, low, high, allowed.signed, starts, negative)
+    return FreeParameter(name, low, high, allowed.signed, starts, negative, vanishes=allowed.vanishes)
 
 
 def below_nominal(free: FreeParameter, most: float) -> FreeParameter:

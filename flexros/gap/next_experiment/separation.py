@@ -190,4 +190,4 @@ def _free(name: str, value: float, allowed: Range) -> FreeParameter:
     if allowed.scale in WITHOUT_LOG:
         low, high = max(low, min(allowed.low, size)), min(high, max(allowed.high, size))
         negative = None if allowed.negative is None else min(high, max(allowed.negative, -value))
-    return FreeParameter(name, low, high, allowed.signed, (value,), negative)
+    return FreeParameter(name, low, high, allowed.signed, (value,), negative, vanishes=allowed.vanishes)

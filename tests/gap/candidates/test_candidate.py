@@ -151,6 +151,17 @@ def test_a_saturation_vanishes_at_its_highest_limit() -> None:
     assert saturation.neutral(limit) == limit.bounds[1]
 
 
+def test_a_mode_vanishes_with_a_light_part_at_the_tool_and_with_a_heavy_ground() -> None:
+    """A light ground on the same frequency is soft: the whole arm would swing on it."""
+    modes = {one.location: one for one in list_candidates(load_robot("e12"), Scales({})) if one.name[:5] == "extra"}
+    limits = {
+        place: next((free.bounds, mode.neutral(free)) for free in mode.free if free.name == "ratio")
+        for place, mode in modes.items()
+    }
+    assert limits["base"][1] == limits["base"][0][1]
+    assert limits["tool"][1] == limits["tool"][0][0]
+
+
 def test_nominal_friction_may_be_far_too_large_in_logs_of_real_machines() -> None:
     robot = load_robot("elbow")
     nominal = robot.parameters["motor_1.viscous_friction"].value

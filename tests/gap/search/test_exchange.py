@@ -10,7 +10,8 @@ import pytest
 
 from flexros.effects import effects
 from flexros.gap.candidates.candidate import Candidate
-from flexros.gap.search.exchange import _divisions, _replacements, _stopped_early
+from flexros.gap.search import exchange
+from flexros.gap.search.exchange import _divisions, _replacements, _stopped_early, exchanged
 from flexros.gap.settings import DiagnosisSettings
 from flexros.record.premises import SIMULATED
 from tests.gap.diagnosis_logs import candidates_of
@@ -131,6 +132,30 @@ def test_the_other_harmonics_of_its_order_compete_with_a_harmonic() -> None:
     error = "transmission_error@motor_1"
     assert exchanges("torque_ripple@motor_1", 60.0, 80.0, harmonics=(error,)) == ["torque_bias@motor_1", error]
     assert exchanges("coulomb_friction@motor_1", 60.0) == ["torque_bias@motor_1"]
+
+
+@pytest.mark.parametrize(("score", "taken"), [(120.0, True), (99.0, False)])
+def test_an_effect_with_fewer_parameters_that_does_as_much_takes_the_place_of_another(
+    score: float, taken: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An extra mode leaves a little less than the error of a spring that it imitates, with two parameters more."""
+    mode: Any = SimpleNamespace(names=frozenset({"mode", "lag"}), hypothesis=(1, 2), chi2=100.0, converged=True)
+    spring: Any = SimpleNamespace(names=frozenset({"spring", "lag"}), hypothesis=(1, 3), chi2=101.0, converged=True)
+    comparison = SimpleNamespace(
+        ranked=lambda fits: sorted(fits, key=lambda fit: fit is mode),
+        score=lambda fit: score if fit is spring else 100.0,
+    )
+    monkeypatch.setattr(exchange, "_replacements", lambda *_: [])
+    monkeypatch.setattr(exchange, "_compared", lambda *_: (comparison, [mode, spring]))
+    monkeypatch.setattr(exchange, "simplest", lambda search, comparison, fit, fits: fit)
+    monkeypatch.setattr(exchange, "_stopped_early", lambda *_: False)
+    search: Any = SimpleNamespace(
+        settings=DiagnosisSettings(),
+        deadline=SimpleNamespace(stops=lambda: False),
+        resumed=False,
+        completed=lambda fit: fit,
+    )
+    assert exchanged(search, mode, [], []) is (spring if taken else mode)
 
 
 @pytest.mark.parametrize(
