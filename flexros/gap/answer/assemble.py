@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from flexros.gap.answer.decision import Findings
     from flexros.gap.deadline import Deadline
     from flexros.gap.fit.candidate_fit import CandidateFit
+    from flexros.gap.held_out.closed_share import ClosedShare
     from flexros.gap.held_out.errors_ahead import AheadErrors
     from flexros.gap.prediction.predicted_log import PredictedLog
     from flexros.gap.progress import Stages
@@ -256,16 +257,18 @@ def _causes(findings: Findings, verdict: Verdict, errors: HeldOutErrors, budget:
 
 def _surely_closed(findings: Findings, errors: HeldOutErrors) -> float:
     """Return the lower end of the interval of the share that the explanation closes on held-out data, at least 0."""
-    if errors.after is None:
-        return 0.0
-    share = closed_fraction(errors.before, errors.after, findings.held.record.sample_time)
+    share = _closed_share(errors.after, findings, errors)
     return 0.0 if share is None else max(0.0, share.interval[0])
 
 
 def _closed(after: AheadErrors | None, findings: Findings, errors: HeldOutErrors) -> float | None:
     """Return the share of the gap that a model closes on held-out data; None where the gap does not show there."""
-    share = None if after is None else closed_fraction(errors.before, after, findings.held.record.sample_time)
+    share = _closed_share(after, findings, errors)
     return None if share is None else share.value
+
+
+def _closed_share(after: AheadErrors | None, findings: Findings, errors: HeldOutErrors) -> ClosedShare | None:
+    return None if after is None else closed_fraction(errors.before, after, findings.held.record.sample_time)
 
 
 def _rounding(name: str, findings: Findings, errors: HeldOutErrors) -> Cause:

@@ -45,8 +45,7 @@ class FreeParameter:
         starts: Initial values of the fit [its unit].
         negative: Largest size of negative values, not above `high` [its unit]; None: `high`.
         fine: Step of the differences that make the derivatives, over the usual one [1].
-        vanishes: Bound near which the effect of the parameter vanishes, see `Range`; None: as the effect has it
-            anywhere.
+        vanishes: Bound near which the effect of the parameter vanishes, see `Range`.
     """
 
     name: str
@@ -56,7 +55,7 @@ class FreeParameter:
     starts: tuple[float, ...]
     negative: float | None = None
     fine: float = 1.0
-    vanishes: Literal["low", "high", "never"] | None = None
+    vanishes: Literal["low", "high", "never"] = "low"
 
     def encode(self, value: float) -> float:
         """Convert a value [its unit] to the unit of the fit [1]."""
@@ -119,10 +118,9 @@ class Candidate:
         """
         allowed, low_and_high = self.effect.ranges[free.name], free.bounds
         shapes = self.effect.model_fields[free.name].default != 0.0 or allowed.scale == "phase"
-        vanishes = free.vanishes or allowed.vanishes
-        if shapes or vanishes == "never":
+        if shapes or free.vanishes == "never":
             return None
-        return 0.0 if free.signed else low_and_high[vanishes == "high"]
+        return 0.0 if free.signed else low_and_high[free.vanishes == "high"]
 
     def at_limit(self, values: Mapping[str, float]) -> frozenset[str]:
         """Return the names of the parameters whose values are at a limit of the search, neutral ones excepted.

@@ -97,7 +97,7 @@ def _held(search: Search, candidate: Candidate, level: float) -> Candidate:
     soft, stiff, usual = (level / (share * _noise(search, candidate)) for share in (SEEN, own.smallest, own.initial))
     low, high = (bound * ratio for bound, ratio in zip((soft, stiff), own.relaxations, strict=True))
     bristles = (
-        FreeParameter("stiffness", soft, stiff, signed=False, starts=(usual,)),
+        FreeParameter("stiffness", soft, stiff, signed=False, starts=(usual,), vanishes="never"),
         FreeParameter("damping", low, high, signed=False, starts=(own.relaxation * usual,)),
     )
     return replace(candidate, free=(*candidate.free, *bristles))

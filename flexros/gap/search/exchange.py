@@ -53,9 +53,8 @@ def exchanged(
             comparison = compared(search, best_of_each(fits))
             level = [one for one in comparison.fits if len(one.hypothesis) == len(fit.hypothesis)]
         best = simplest(search, comparison, comparison.ranked(level)[0], level)
-        better = best.chi2 <= fit.chi2 or comparison.score(best) > comparison.score(
-            fit
-        )  # as good with fewer parameters
+        # of a higher score, too: nearly as good with fewer parameters
+        better = best.chi2 <= fit.chi2 or comparison.score(best) > comparison.score(fit)
         if best.names == fit.names or not better:
             break
         fit = search.completed(best)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from flexros.config.settings import validate
 from flexros.config.yaml_file import parse_yaml
 from flexros.errors import InputError
 from flexros.logs.foreign.import_log import import_log
@@ -94,16 +95,16 @@ def propose_mapping(
     of_bag = isinstance(source, RosBag)
     if of_bag and rate is not None:
         raise InputError(f"{bag} is a bag, whose messages have times: leave the rate out", "rate")
+    clock = None if rate is None else validate(Clock, {"rate": rate}, str(bag))
     topics = bag_topics(source.names, str(bag)) if of_bag else table_signals(source.names, str(bag), timed=rate is None)
     matches = match_joints(robot, topics.joints, str(bag))
     wanted = [topics.signals[quantity][m.joint] for quantity, m in _pairs(topics, matches)]
-    signals, clock = source.read(list(dict.fromkeys(wanted))), None
+    signals = source.read(list(dict.fromkeys(wanted)))
     if topics.time:
         times = source.read([topics.time])[topics.time].values
         clock = clock_of_column(topics.time, times[np.isfinite(times)])
         signals = _usable_rows(signals, times * TIME_UNITS[clock.unit])
     elif rate is not None:
-        clock = Clock(rate=rate)
         signals = _usable_rows(signals, np.arange(len(next(iter(signals.values())).values)) / rate)
     return _Proposer(bag, robot, topics, matches, signals, say, clock).proposal()
 

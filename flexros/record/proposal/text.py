@@ -33,7 +33,7 @@ def mapping_text(mapping: LogMapping, assumptions: Sequence[Assumption]) -> str:
     if isinstance(mapping.time, Clock):
         clock = mapping.time
         column = f"column: {json.dumps(clock.column)}, unit: {clock.unit}"
-        lines.append(f"time: {{{column if clock.rate is None else f'rate: {clock.rate:g}'}}}")
+        lines.append(f"time: {{{column if clock.rate is None else f'rate: {clock.rate}'}}}")
     lines.append("columns:")
     return "\n".join([*lines, *map(_column, mapping.columns)]) + "\n"
 

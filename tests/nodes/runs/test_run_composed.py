@@ -83,7 +83,7 @@ def test_lost_reference_chunks_are_sent_again_before_they_are_needed_in_real_tim
     }
     scenario = load_scenario("circle_dae").with_values({"duration": 1.0})
     waits = []
-    for attempt in range(3):  # a busy machine may stop the nodes for longer than the lead, a fifth is never enough
+    for attempt in range(3):  # once a busy machine may stop the nodes for longer than the lead; not sent again, always
         summary = run_scenario(scenario, tmp_path / f"log_{attempt}", real_time=True, parameters=parameters)
         assert summary.exit_code == 0, summary.message
         assert summary.reports["feedforward"].figures["chunks_resent"] > 0

@@ -135,6 +135,22 @@ def test_a_table_without_times_takes_the_rate_that_is_given(tmp_path: Path) -> N
     assert "100 Hz" in about(found, "rate")[0].taken
 
 
+@pytest.mark.parametrize("rate", [-5.0, 0.0, float("nan"), 1e9])
+def test_a_rate_that_is_none_is_refused(rate: float, tmp_path: Path) -> None:
+    file = tmp_path / "run.csv"
+    np.savetxt(file, np.ones((500, 2)), delimiter=",", header="q_0,tau_0", comments="")
+    with pytest.raises(InputError, match="rate"):
+        propose_mapping(file, None, rate=rate)
+
+
+def test_the_mapping_has_the_rate_of_the_log(tmp_path: Path) -> None:
+    file = tmp_path / "run.csv"
+    q = np.sin(np.arange(500) / 100)
+    np.savetxt(file, np.column_stack([q, -q]), delimiter=",", header="q_0,tau_0", comments="")
+    found = propose_mapping(file, None, rate=187.469921)
+    assert "rate: 187.469921" in mapping_text(found.mapping, found.assumptions)
+
+
 def test_a_bag_has_times_of_its_own(written) -> None:
     with pytest.raises(InputError, match="leave the rate out"):
         propose_mapping(written(), None, rate=100.0)
