@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from flexros.effects.kinds.gear_law import GearState, GearTorques
     from flexros.robot.symbolic.kinematics import Value
 
-CORNER = (-8.0, -4.0, -2.0, -1.0, -0.5, -0.25, 0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
+CORNER = (-1.0, -0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0)
 """Knots of the polygon that approximates a rounded corner in a robot file, in widths from the knee [1] (chosen)."""
 
 
@@ -38,10 +38,11 @@ class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
         k d                                     for |d| <= c,
         sign(d) (k c + (1 + r) k (|d| - c))     beyond: odd, continuous, with a corner at the knee.
 
-    Real springs bend gradually: with a rounding s the corner becomes a hyperbola of width s c, r k (g(|d|) - g(0)) with
-    g(x) = (x - c + sqrt((x - c)^2 + (s c)^2)) / 2. A spring that is already piecewise linear has its stiffness scaled
-    by 1 + r beyond the knee, with g applied to its torque. The knee is given as a deflection or as its torque k c. The
-    effect acts between motor and arm for a gear, on the arm coordinate for the other springs. The damper is unchanged.
+    Real springs bend gradually: with a rounding s the stiffness changes linearly with the deflection from (1 - s) c to
+    (1 + s) c, and is nominal before: r k (g(|d|) - g(0)) is added, with g(x) = (x - c + s c)^2 / (4 s c) between these
+    two, 0 before and x - c beyond. A spring that is already piecewise linear has its stiffness scaled by 1 + r beyond
+    the knee, with g applied to its torque. The knee is given as a deflection or as its torque k c. The effect acts
+    between motor and arm for a gear, on the arm coordinate for the other springs. The damper is unchanged.
 
     A simulated robot has the changed spring in its specification, so that its rest, energy and linearisation include it
     (a rounded corner as a polygon). With free parameters, as in a diagnosis, the same torques are a law parallel to the
@@ -167,7 +168,8 @@ class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
         knots = np.array(sorted({*law.knots, *bends}))
         torques = np.array([_torque(law, knot) for knot in (0.0, *knots)])
         width = self.rounding * at_knee
-        bent = torques + self.relative * (_ramp(torques - at_knee, width) - _ramp(-at_knee, width))
+        more = [float(_ramp(torque - at_knee, width) - _ramp(-at_knee, width)) for torque in torques]
+        bent = torques + self.relative * np.array(more)
         slopes = [*np.diff(bent) / np.diff([0.0, *knots]), law.slopes[-1] * (1 + self.relative)]
         return {
             "knots": tuple(knots.tolist()),
@@ -178,8 +180,11 @@ class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
 
 
 def _ramp(beyond: Any, width: Any) -> Any:
-    """Return max(x, 0) with a corner rounded to a hyperbola of some width."""
-    return (beyond + (beyond**2 + width**2) ** 0.5) / 2
+    """Return max(x, 0) with a slope that rises linearly from 0 to 1 within a width of the corner."""
+    if isinstance(width, float) and width == 0:
+        return ca.fmax(beyond, 0)
+    within = ca.fmin(ca.fmax(beyond, -width), width)
+    return (within + width) ** 2 / (4 * width) + ca.fmax(beyond - width, 0)
 
 
 def _torque(law: PiecewiseLinear, deflection: float) -> float:

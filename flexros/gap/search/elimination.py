@@ -10,14 +10,15 @@ from typing import TYPE_CHECKING
 from flexros.effects.kinds.relative_error import AbstractRelativeError
 from flexros.effects.torque_bias import TorqueBias
 from flexros.gap.fit.candidate_fit import best_of_each
-from flexros.gap.fit.estimates import parameters_of
-from flexros.gap.search.worth import compared, strains, worth
+from flexros.gap.fit.estimates import parameters_of, sizes_of
+from flexros.gap.search.worth import compared, more_than_chance, strains, worth
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
+    from flexros.gap.schema import CauseParameter
     from flexros.gap.search.candidate_fits import Search
 
 ASYMMETRY = "asymmetry"
@@ -287,6 +288,41 @@ def with_dropped(search: Search, fit: CandidateFit, fits: list[CandidateFit]) ->
     additions = search.additions(directions, fit, search.surroundings(fit))
     fits.append(search.together(fit, additions))
     return reduced(search, with_asymmetry(search, fits[-1], fits), fits, search.settings.search.removed_by_step)
+
+
+def without_unclear(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
+    """Leave out effects of a simulated log whose size is not clear, where noise alone is left without them.
+
+    Of some hundred candidates, a few gain more than their parameters cost by chance, or from a millionth of the gap
+    that the form of large effects leaves: beside a gap of 1e7 nats a spring that bends by 2e-5 of its stiffness gained
+    25. What its deviation says, with errors of form, is that it may be zero.
+
+    Args:
+        search: The search.
+        fit: The explanation, at its end.
+        fits: All fits so far; new ones are appended.
+    """
+    comparison, needed = compared(search, [fit]), set[str]()
+    if not search.premises.library_is_complete or more_than_chance(comparison, fit):
+        return fit
+    while len(fit.hypothesis) > 1 and not search.deadline.stops_finishing():
+        found = zip(fit.hypothesis, parameters_of(fit, search.data, search.settings.ranking), strict=True)
+        clearness = {one.name: _clearness(one, sizes) for one, sizes in found if one.name not in needed}
+        least = min(clearness, key=clearness.__getitem__, default="")
+        if not least or clearness[least] >= search.settings.search.clear:
+            break
+        fits.append(search.completed(search.without(fit, least)))
+        if more_than_chance(comparison, fits[-1]):
+            needed.add(least)
+        else:
+            fit = fits[-1]
+    return fit
+
+
+def _clearness(candidate: Candidate, parameters: Mapping[str, CauseParameter]) -> float:
+    """Return the largest size of an effect over its standard deviation [1]."""
+    sizes = [parameters[free.name] for free in sizes_of(candidate)]
+    return max(abs(size.value) / max(size.std, 1e-300) for size in sizes)
 
 
 def _uneven(candidate: Candidate) -> bool:

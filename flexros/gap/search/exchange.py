@@ -155,8 +155,10 @@ def _replacements(
             competing = [one for one in directions if alike(one.candidate, candidate)]
         if competing:
             numbers, additions = search.settings.search, search.additions(competing, fit, rest)
-            least = max(numbers.regained * (rest.least - fit.chi2), rest.least - numbers.within_reach * fit.chi2)
-            additions = [addition for addition in additions if addition.gain > least]
+            regaining = [one for one in additions if one.gain > numbers.regained * (rest.least - fit.chi2)]
+            additions = [one for one in regaining if one.gain > rest.least - numbers.within_reach * fit.chi2]
+            if not additions and len(candidate.free) >= RICH:  # a large change of few parameters is far from linear
+                additions = [one for one in regaining[:1] if len(one.candidate.free) < len(candidate.free)]
             other = [addition for addition in additions if candidate.name not in simpler(addition.candidate)]
             nothing_left = len(other) < len(additions) and not incomplete(search, compared(search, [fit]), fit)
             yield candidate, other if nothing_left else additions

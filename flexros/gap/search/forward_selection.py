@@ -12,7 +12,7 @@ from flexros.gap.fit.candidate_fit import best_of_each
 from flexros.gap.search.candidate_fits import at_limits
 from flexros.gap.search.curve_candidates import within_motion
 from flexros.gap.search.curves import curves_of, in_place_of_laws, with_curves
-from flexros.gap.search.elimination import reduced, with_asymmetry, with_dropped
+from flexros.gap.search.elimination import reduced, with_asymmetry, with_dropped, without_unclear
 from flexros.gap.search.growth import extended, in_vain, resumed, tidied, with_more
 from flexros.gap.search.periodic.lines import beside_line
 from flexros.gap.search.within_floor import grown_within_floor
@@ -121,7 +121,7 @@ def explain(search: Search) -> Explanations:
     else:  # what no law explains would be imitated there
         grown = grown_within_floor(search, chosen, directions, fits)
         chosen = chosen if grown is chosen else tidied(search, grown, directions, fits)
-    for step in (without_tolerated, with_far_numbers, without_slight_friction):
+    for step in (without_tolerated, with_far_numbers, without_slight_friction, without_unclear):
         chosen = step(search, chosen, fits)
     comparison = compared(search, best_of_each(fits))
     (chosen,) = (fit for fit in comparison.fits if fit.names == chosen.names)

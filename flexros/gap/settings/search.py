@@ -129,6 +129,12 @@ class SearchSettings(Settings):
         ge=0,
         description="size of an effect that torques show, over its standard deviation, from which it stays [1]",
     )
+    clear: float = Field(
+        default=3.0,
+        ge=0,
+        description="size of an effect, over its standard deviation with errors of form, from which it stays in a "
+        "simulated log although noise alone is left without it [1] (chosen: one of 400 is beyond by chance)",
+    )
     clear_asymmetry: float = Field(
         default=5.0,
         ge=0,

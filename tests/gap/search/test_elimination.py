@@ -275,3 +275,29 @@ def test_a_quick_fit_decides_where_one_to_the_end_cannot_decide_otherwise(
 def over() -> Deadline:
     """Return a deadline that is over."""
     return Deadline(interrupted=lambda: True)
+
+
+@pytest.mark.parametrize(
+    ("std", "without", "premises", "kept"),
+    [
+        (0.5, N, SIMULATED, False),
+        (0.3, N, SIMULATED, True),
+        (0.5, 2 * N, SIMULATED, True),
+        (0.5, N, MEASURED, True),
+    ],
+    ids=["a size that may be zero", "a clear size", "more than noise left without it", "a measured log"],
+)
+def test_at_the_noise_an_effect_of_a_simulated_log_stays_where_its_size_is_clear(
+    monkeypatch: pytest.MonkeyPatch, std: float, without: float, premises: Premises, kept: bool
+) -> None:
+    search: Any = Search({frozenset({COULOMB}): without}, {}, ())
+    search.premises = premises
+    search.completed = lambda fit: fit
+    deviations = {COULOMB: 0.01, STIFFNESS: std}
+    monkeypatch.setattr(
+        elimination, "parameters_of", lambda fit, *_: [{"size": size_of(1.0, deviations[one])} for one in fit.kept]
+    )
+    monkeypatch.setattr(elimination, "sizes_of", lambda one: one.free)
+    monkeypatch.setattr(elimination, "more_than_chance", lambda _, fit: fit.chi2 > 1.2 * N)
+    found = elimination.without_unclear(search, Fit((COULOMB, STIFFNESS), float(N)), [])  # type: ignore[arg-type]
+    assert (STIFFNESS in found.names) is kept

@@ -105,6 +105,21 @@ def exchanges(
     return [one.candidate.name for one in additions]
 
 
+@pytest.mark.parametrize(
+    ("name", "gain", "expected"),
+    [
+        ("hysteresis@motor_1", 500.0, ["torque_bias@motor_1"]),
+        ("hysteresis@motor_1", 400.0, []),
+        ("motor_inertia_error@motor_1", 500.0, []),
+    ],
+    ids=["most is regained", "little is regained", "no rich law"],
+)
+def test_the_best_simple_candidate_is_fitted_in_place_of_a_rich_law_though_linear_theory_sees_it_far_away(
+    name: str, gain: float, expected: list[str]
+) -> None:
+    assert exchanges(name, gain, 0.95 * gain, lost=900.0) == expected
+
+
 @pytest.mark.parametrize("left", [False, True])
 def test_a_law_that_contains_an_effect_is_fitted_in_its_place_where_something_is_left(
     left: bool, monkeypatch: pytest.MonkeyPatch

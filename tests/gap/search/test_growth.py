@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
 
@@ -49,6 +50,7 @@ def steps(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         "incomplete": lambda *_: True,
         "floor_is_uncertain": lambda *_: False,
         "worth": lambda *_: True,
+        "_from_nominal_numbers": lambda *_: None,
         "_removed": lambda *_: 0.1,
         "corrected": lambda _search, one, *_: one,
     }
@@ -183,3 +185,49 @@ def test_what_gains_less_than_its_parameters_cost_is_not_added_beside_others(mon
     """Three eccentricities that noise feigned made a group not worth it in which a gain of torques was right."""
     found = [addition("gain@motor_3", 150.0), addition("drag@motor_1", 5.0), addition("ripple@motor_2", 6.5, 3)]
     assert first_group(monkeypatch, found) == [150.0, 5.0]  # ln 10 per parameter
+
+
+@dataclass(frozen=True, eq=False)
+class Strained:
+    """A fit of one effect whose three tolerated numbers are out of tolerance."""
+
+    predictor: Any
+    theta: Any
+    chi2: float
+
+
+class Screened:
+    """A search that notes around which parameters it screens candidates, and from which it fits."""
+
+    def __init__(self) -> None:
+        self.settings, self.premises = DiagnosisSettings(), SIMULATED
+        self.data, self.deadline = None, SimpleNamespace(stops=lambda: False)
+        self.around: list[list[float]] = []
+
+    def candidates(self) -> list[str]:
+        return ["gain"]
+
+    def directions(self, candidates: Any, fit: Strained) -> Any:
+        self.around.append(fit.theta.tolist())
+        return candidates
+
+    def surroundings(self, fit: Strained) -> None:
+        self.around.append(fit.theta.tolist())
+
+    def additions(self, directions: Any, *_: Any) -> Any:
+        return directions
+
+
+@pytest.mark.parametrize("strained", [True, False])
+def test_beside_numbers_out_of_tolerance_candidates_are_tried_from_the_nominal_numbers(
+    strained: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun: list[Any] = []
+    monkeypatch.setattr(growth, "compared", lambda *_: SimpleNamespace(beyond_tolerance=lambda _: strained))
+    monkeypatch.setattr(growth, "chi2_of", lambda *_: np.array([900.0]))
+    monkeypatch.setattr(growth, "_fitted", lambda _search, one, trials, _fits: begun.append((one, trials)))
+    search: Any = Screened()
+    fit: Any = Strained(SimpleNamespace(n_effect=1), np.array([0.3, 4.0, -5.0, 2.0]), 100.0)
+    growth._from_nominal_numbers(search, fit, [])
+    assert search.around == ([[0.3, 0.0, 0.0, 0.0]] * 2 if strained else [])
+    assert [(one.chi2, trials) for one, trials in begun] == ([(900.0, [["gain"]])] if strained else [])
