@@ -196,7 +196,7 @@ class _Task:
         held_data = fit_data(held, model, settings, measurement, data.level)
         start = torque_start(data, model, tolerated, settings)
         data = with_torques(data, start)
-        null, base = _first_fits(data, model, tolerated, start, settings, deadline)
+        null, base = _first_fits(data, model, tolerated, start, settings, deadline, stages)
         shift = shift_of_noted(base or null.fit, null, settings)
         if shift is not None:
             return self.searched(in_time(record, shift), stages)
@@ -257,6 +257,7 @@ def _first_fits(
     start: TorqueStart | None,
     settings: DiagnosisSettings,
     deadline: Deadline,
+    stages: Stages,
 ) -> tuple[NullFit, CandidateFit | None]:
     """Fit the nominal model, and the effects that torques show.
 
@@ -265,7 +266,7 @@ def _first_fits(
     few = settings.fit.model_copy(update={"null_iterations": 1})  # what the torques show is fitted from the torques
     null = fit_null(data, model, tolerance, settings.fit if start is None else few)
     first = None if start is None else first_values(start, null, settings)
-    of_servos = fit_of_servos(null, first, settings, deadline.of_fit())
+    of_servos = fit_of_servos(null, first, settings, deadline.of_fit(), stages.inner)
     if of_servos is not None and (first is None or of_servos.chi2 < first.chi2):
         first = of_servos
     base = None if first is None else base_fit(null, first, settings, deadline.of_fit())
