@@ -40,6 +40,7 @@ from flexros.record.most_informative import most_informative
 from flexros.record.prescribed_motion import with_prescribed_motion
 from flexros.record.resampled import may_be_resampled, resampled
 from flexros.record.shifted_torque import shifted
+from flexros.record.split import split
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -297,17 +298,6 @@ def _where(null: NullFit, prediction: PredictedLog, settings: DiagnosisSettings)
         sensors=sensor_errors(null.fit, data),
         spectrum=autoregressive_spectrum(-whitening[:, 1:].T) if whitening.shape[1] > 1 else None,
     )
-
-
-def split(record: Record, share: float) -> tuple[Record, Record]:
-    """Set the last part of a log aside.
-
-    Args:
-        record: The log.
-        share: Share of it that is fitted to [1].
-    """
-    border = int(share * record.n_samples)
-    return record.part(0, border), record.part(border, record.n_samples)
 
 
 def _prescribed_alike(fitted: Record, held: Record, robot: Robot) -> tuple[Record, Record]:
