@@ -7,6 +7,7 @@ solution of a convex problem: the logarithm of the determinant is a barrier (S. 
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -92,15 +93,19 @@ class _Search:
         """Return the parameters with the least misfit and barriers, shape (k,), from feasible ones."""
         for _ in range(STEPS):
             gradient, curvature = self._derivatives(x, weight)
-            step = -np.linalg.lstsq(curvature, gradient, rcond=None)[0]
+            step = np.asarray(-np.linalg.lstsq(curvature, gradient, rcond=None)[0], dtype=float)
             slope = float(gradient @ step)
             if -slope < ENOUGH * weight:
                 break
-            share = _share(lambda s, at=x, by=step: self._value(at + s * by, weight), self._value(x, weight), slope)
+            share = _share(partial(self._along, x, step, weight), self._value(x, weight), slope)
             if share == 0.0:
                 break
             x = x + share * step
         return x
+
+    def _along(self, x: FloatArray, step: FloatArray, weight: float, share: float) -> float:
+        """Return misfit and barriers after a share of a step."""
+        return self._value(x + share * step, weight)
 
     def _value(self, x: FloatArray, weight: float) -> float:
         """Return misfit and barriers; infinite where the parameters are not feasible."""
@@ -146,7 +151,7 @@ def _pseudo(body: FloatArray) -> FloatArray:
 
 def _cholesky(matrix: FloatArray) -> FloatArray | None:
     try:
-        return np.linalg.cholesky(matrix)
+        return np.asarray(np.linalg.cholesky(matrix), dtype=float)
     except np.linalg.LinAlgError:
         return None
 
