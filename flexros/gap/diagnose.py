@@ -22,6 +22,7 @@ from flexros.gap.fit.torques.rough_gains import likely_gains, with_gains
 from flexros.gap.fit.torques.unknown_numbers import unknown_numbers
 from flexros.gap.held_out.closed_loop_gap import closed_loop_gap, why_not_simulated
 from flexros.gap.held_out.predictions import prediction_of, sensor_errors, tool_errors
+from flexros.gap.held_out.split import split
 from flexros.gap.noise.autoregression import autoregressive_spectrum
 from flexros.gap.noise.weights import measurement_in
 from flexros.gap.prediction.driven_model import driven_model
@@ -40,7 +41,6 @@ from flexros.record.most_informative import most_informative
 from flexros.record.prescribed_motion import with_prescribed_motion
 from flexros.record.resampled import may_be_resampled, resampled
 from flexros.record.shifted_torque import shifted
-from flexros.record.split import split
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

@@ -12,11 +12,11 @@ from scipy.signal import lfilter
 from flexros.effects import place_effects
 from flexros.errors import InputError
 from flexros.gap.diagnose import diagnose
+from flexros.gap.held_out.split import split
 from flexros.gap.result import DiagnosisResult
 from flexros.gap.settings import DiagnosisSettings, SearchSettings, WhereSettings
 from flexros.record.read import read_record
 from flexros.record.record import Record
-from flexros.record.split import split
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import load_scenario

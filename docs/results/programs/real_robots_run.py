@@ -20,13 +20,13 @@ from flexros.effects import parse_effect, place_effects
 from flexros.effects.patching.patched_robot import load_model, load_patched
 from flexros.errors import InputError
 from flexros.gap.checked_log import checked_log
+from flexros.gap.held_out.split import split
 from flexros.gap.measure_gap import measure_gap
 from flexros.gap.settings import DiagnosisSettings
 from flexros.json_text import json_text
 from flexros.logs.reader import read_log
 from flexros.logs.write_log import write_log
 from flexros.provenance import code_version, versions
-from flexros.record.split import split
 from flexros.robot import load_robot
 
 if TYPE_CHECKING:

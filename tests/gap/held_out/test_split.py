@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flexros.gap.held_out.split import split
 from flexros.record.record import Record
-from flexros.record.split import split
 from tests.gap.rigid_arm import record_of_arm
 
 
