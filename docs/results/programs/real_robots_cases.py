@@ -481,9 +481,10 @@ CASES = (
         about="JiyGuo, [github.com/JiyGuo/dynamical_identification](https://github.com/JiyGuo/"
         "dynamical_identification), no licence stated: fetched by `fetch_real_robots.py`. 1 kHz, four logs of 49 to "
         "69 s with a motion of 20 s each; before and after it the drives are off, all torques are zero and brakes hold "
-        "the arm, which does not count: that check was written with this robot in view. In its first run, without it, "
-        "the same twelve frictions were named with the right size, in 546 s. Nominal: the published lengths with "
-        "masses, inertias and rotors by least squares of a fifth log of this robot, 20210329_5, feasible and without "
+        "the arm, which does not count, and the last third of the motion is held out, not of the log: both were "
+        "written with this robot in view. In its first run, without them, the same twelve frictions were named with "
+        "the right size, in 546 s, and a rest was held out. Nominal: the published lengths with masses, inertias and "
+        "rotors by least squares of a fifth log of this robot, 20210329_5, feasible and without "
         "the friction found beside them, tolerance 3 %.",
         folder="dynamical_identification",
         robot="six_axis_arm_robot.yaml",
