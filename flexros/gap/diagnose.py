@@ -22,6 +22,7 @@ from flexros.gap.fit.torques.rough_gains import likely_gains, with_gains
 from flexros.gap.fit.torques.unknown_numbers import unknown_numbers
 from flexros.gap.held_out.closed_loop_gap import closed_loop_gap, why_not_simulated
 from flexros.gap.held_out.predictions import prediction_of, sensor_errors, tool_errors
+from flexros.gap.held_out.split import split
 from flexros.gap.noise.autoregression import autoregressive_spectrum
 from flexros.gap.noise.weights import measurement_in
 from flexros.gap.prediction.driven_model import driven_model
@@ -196,7 +197,7 @@ class _Task:
         held_data = fit_data(held, model, settings, measurement, data.level)
         start = torque_start(data, model, tolerated, settings)
         data = with_torques(data, start)
-        null, base = _first_fits(data, model, tolerated, start, settings, deadline)
+        null, base = _first_fits(data, model, tolerated, start, settings, deadline, stages)
         shift = shift_of_noted(base or null.fit, null, settings)
         if shift is not None:
             return self.searched(in_time(record, shift), stages)
@@ -257,6 +258,7 @@ def _first_fits(
     start: TorqueStart | None,
     settings: DiagnosisSettings,
     deadline: Deadline,
+    stages: Stages,
 ) -> tuple[NullFit, CandidateFit | None]:
     """Fit the nominal model, and the effects that torques show.
 
@@ -265,7 +267,7 @@ def _first_fits(
     few = settings.fit.model_copy(update={"null_iterations": 1})  # what the torques show is fitted from the torques
     null = fit_null(data, model, tolerance, settings.fit if start is None else few)
     first = None if start is None else first_values(start, null, settings)
-    of_servos = fit_of_servos(null, first, settings, deadline.of_fit())
+    of_servos = fit_of_servos(null, first, settings, deadline.of_fit(), stages.inner)
     if of_servos is not None and (first is None or of_servos.chi2 < first.chi2):
         first = of_servos
     base = None if first is None else base_fit(null, first, settings, deadline.of_fit())
@@ -296,17 +298,6 @@ def _where(null: NullFit, prediction: PredictedLog, settings: DiagnosisSettings)
         sensors=sensor_errors(null.fit, data),
         spectrum=autoregressive_spectrum(-whitening[:, 1:].T) if whitening.shape[1] > 1 else None,
     )
-
-
-def split(record: Record, share: float) -> tuple[Record, Record]:
-    """Set the last part of a log aside.
-
-    Args:
-        record: The log.
-        share: Share of it that is fitted to [1].
-    """
-    border = int(share * record.n_samples)
-    return record.part(0, border), record.part(border, record.n_samples)
 
 
 def _prescribed_alike(fitted: Record, held: Record, robot: Robot) -> tuple[Record, Record]:

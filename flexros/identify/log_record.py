@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from flexros.identify.rigid.torque_timing import with_torque_in_time
 from flexros.logs.reader import give_memory_back
+from flexros.record.checks.braked import without_braked_rests
 from flexros.record.checks.foreign_torque import without_foreign_torque
 from flexros.record.checks.run import check_record
 from flexros.record.checks.standing_joint import without_standing_joints
@@ -61,6 +62,7 @@ def log_record(
     """
     record = read_record(log, robot, name=name, torque=torque, positions=positions, prescribed=prescribed)
     give_memory_back()
+    record = without_braked_rests(record, robot)
     if prescribed is not None and not standing_counts:
         record = without_standing_joints(record, robot)
     if prescribed is not None and not foreign_counts:

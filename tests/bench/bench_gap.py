@@ -28,7 +28,8 @@ from flexros.effects.kinds.law import AbstractLaw
 from flexros.gap.candidates.candidate import Candidate, FreeParameter
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.checked_log import checked_log
-from flexros.gap.diagnose import diagnose, split
+from flexros.gap.diagnose import diagnose
+from flexros.gap.held_out.split import split
 from flexros.gap.prediction.compiled_plant import LANES
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.report.files import write_diagnosis

@@ -11,7 +11,8 @@ from scipy.signal import lfilter
 
 from flexros.effects import place_effects
 from flexros.errors import InputError
-from flexros.gap.diagnose import diagnose, split
+from flexros.gap.diagnose import diagnose
+from flexros.gap.held_out.split import split
 from flexros.gap.result import DiagnosisResult
 from flexros.gap.settings import DiagnosisSettings, SearchSettings, WhereSettings
 from flexros.record.read import read_record

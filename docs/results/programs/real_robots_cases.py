@@ -90,6 +90,9 @@ _XMATE_COULOMB = (
 _KR300_COULOMB = ((333, 355), (242, 472), (294, 406), (50, 111), (47, 134), (76, 91))
 _KR300_VISCOUS = ((1978, 2088), (1992, 2307), (1584, 2024), (238, 454), (534, 1000), (391, 459))
 """Friction of the six joints, smallest and largest of four numbers: published, and by least squares of each log."""
+_SIX_AXIS_COULOMB = ((10.8, 12.1), (18.3, 20.1), (6.63, 7.02), (3.54, 4.00), (2.28, 2.43), (2.85, 2.98))
+_SIX_AXIS_VISCOUS = ((6.65, 7.39), (10.7, 13.5), (3.99, 4.36), (2.72, 3.24), (2.02, 2.38), (0.82, 1.04))
+"""Friction of six joints by least squares of each of five logs and of all, smallest and largest [Nm, Nm s/rad]."""
 _GEN3 = "pyDynaMapp/data/kinova"
 _KR300_LOG = "data/recorded_trajectories/2020-10-21 10s FF {} 08ms/data.mat"
 _UR_LOGS = "dataset_ur10e/identification_data"
@@ -131,6 +134,11 @@ _SO101_FREE_RUNS = {
 def _so101(motion: str) -> tuple[str, ...]:
     """Return the files of a motion of the SO-101."""
     return tuple(f"output/real/so101/custom/{motion}/{name}.csv" for name in ("state_motor", "control"))
+
+
+def _six_axis(log: str) -> tuple[str, ...]:
+    """Return the files of a log of the six-axis arm of unnamed make."""
+    return tuple(f"data/{log}/{name}.mat" for name in ("joint", "torque"))
 
 
 def _go2(leg: str, place: str) -> Case:
@@ -465,6 +473,27 @@ CASES = (
         source="published with the data (Coulomb friction by the sum of its two steps), and least squares of the "
         "torque of each of the three logs above 1 deg/s, with a load of 180 kg, rotors, and a torque over sine and "
         "cosine of the position of each joint",
+        fetched=True,
+    ),
+    Case(
+        name="six_axis_arm",
+        title="Six axes of an arm of unnamed make",
+        about="JiyGuo, [github.com/JiyGuo/dynamical_identification](https://github.com/JiyGuo/"
+        "dynamical_identification), no licence stated: fetched by `fetch_real_robots.py`. 1 kHz, four logs of 49 to "
+        "69 s with a motion of 20 s each; before and after it the drives are off, all torques are zero and brakes hold "
+        "the arm, which does not count, and the last third of the motion is held out, not of the log: both were "
+        "written with this robot in view. In its first run, without them, the same twelve frictions were named with "
+        "the right size, in 546 s, and a rest was held out. Nominal: the published lengths with masses, inertias and "
+        "rotors by least squares of a fifth log of this robot, 20210329_5, feasible and without "
+        "the friction found beside them, tolerance 3 %.",
+        folder="dynamical_identification",
+        robot="six_axis_arm_robot.yaml",
+        mapping="six_axis_arm.yaml",
+        fitted=_six_axis("20210325_1"),
+        further={name: _six_axis(name) for name in ("20210329_2", "20210329_3", "20210329_4")},
+        known=_frictions(_SIX_AXIS_COULOMB, _SIX_AXIS_VISCOUS),
+        source="least squares of the torque of each of five logs with all 36 base parameters and rotors, low-passed at "
+        "8 Hz; it leaves 7 to 15 % of the torque of another log",
         fetched=True,
     ),
     Case(

@@ -20,7 +20,7 @@ from flexros.effects import parse_effect, place_effects
 from flexros.effects.patching.patched_robot import load_model, load_patched
 from flexros.errors import InputError
 from flexros.gap.checked_log import checked_log
-from flexros.gap.diagnose import split
+from flexros.gap.held_out.split import split
 from flexros.gap.measure_gap import measure_gap
 from flexros.gap.settings import DiagnosisSettings
 from flexros.json_text import json_text

@@ -58,6 +58,7 @@ def fit_of_servos(
     regressed: CandidateFit | None,
     settings: DiagnosisSettings,
     stop: Callable[[], bool] | None = None,
+    progress: Callable[[str, float], None] | None = None,
 ) -> CandidateFit | None:
     """Fit all numbers of servos from several starts.
 
@@ -74,6 +75,7 @@ def fit_of_servos(
         regressed: The nominal model with what a regression of the torques shows; None without one.
         settings: Settings of the diagnosis.
         stop: Asked after each iteration; True ends the fits where they are.
+        progress: Called with "servos" and the share of the starts that are done.
 
     Returns:
         The best one of the fits that begin with the nominal gains and with those of the regression, and with several
@@ -96,13 +98,18 @@ def fit_of_servos(
     undamped = [{f"{ServoDampingError.name}@{name}": error for name in robot.joint_names} for error in errors]
     delays = [{f"{Delay.name}@all": delay * record.sample_time} for delay in begin.delays]
     starts = [{**first, **late} for first, late in product(undamped, delays)]
-    tried = [_screened(null, begun, own, settings, stop) for own in starts]
+    plan = [(begun, own) for own in starts]
     if regressed is not None:
-        tried.append(_screened(null, begun, _first_values(regressed), settings, stop))
+        plan.append((begun, _first_values(regressed)))
     if lags:
         punctual = [pair for pair in begun if pair[0].effect is not Delay]
         late = [[*rest, *lags] for rest in (punctual, begun)]
-        tried += [_screened(null, effects, own, settings, stop) for effects, own in product(late, undamped)]
+        plan += list(product(late, undamped))
+    tried = []
+    for done, (effects, own) in enumerate(plan):
+        if progress is not None:
+            progress("servos", done / len(plan))
+        tried.append(_screened(null, effects, own, settings, stop))
     best = _likeliest(tried, null.data.n_values)
     if best is None:
         return None

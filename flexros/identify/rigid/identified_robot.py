@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import InputError
+from flexros.identify.rigid.feasible_bodies import feasible_parameters
 from flexros.identify.rigid.prior import prior_factor
 from flexros.identify.rigid.standard_parameters import inertia_at_joint
 from flexros.identify.robot_file import IdentifiedValue, identified_file
@@ -24,6 +25,10 @@ _LEAST_EFFECT = 1e-9
 
 _MISSED = 1e-3
 """Relative difference above which a base parameter is not met, where its deviation is smaller (chosen)."""
+
+_LIKELY = 0.1
+"""Weight of likely values against the torque in the search for a feasible robot (chosen): what the torque tells counts
+a hundred times as much."""
 
 _INERTIAL = ("inertia_at_joint", "first_moment", "mass")
 """Kinds of inertial parameters, which a body has only together."""
@@ -54,16 +59,71 @@ def identified_values(fit: RigidFit) -> IdentifiedRobot:
     Base parameters are combinations, so many files give the identified torques; the most likely one according to the
     tolerances of the nominal values (`prior_factor`) is chosen. Its single parameters therefore depend on the nominal
     ones. Their deviations are those of the regression and, in the directions that it does not determine, of the nominal
-    values. Infeasible values, such as a negative inertia, stay nominal, and the others are changed instead.
+    values. Infeasible values, such as a negative inertia, stay nominal, and the others are changed instead; or all are
+    the feasible ones that explain the torque best, where these explain more.
     """
     left_out: dict[str, str] = {}
     while True:
         share = _most_likely_change(fit, left_out)
-        values, refused = _values(fit, share, left_out)
+        values, refused = _values(fit, _change(fit, share), share, left_out)
         if not refused:
-            got = _base_values(fit, share)
-            return IdentifiedRobot(values, left_out, _not_met(fit, got), got)
+            got = _base_values(fit, _change(fit, share))
+            nearest = IdentifiedRobot(values, left_out, _not_met(fit, got), got)
+            return _better(fit, nearest) if left_out else nearest
         left_out.update(refused)
+
+
+def _better(fit: RigidFit, nearest: IdentifiedRobot) -> IdentifiedRobot:
+    """Return the feasible robot that explains the torque best, if it explains more of it than the one given."""
+    share = _most_likely_change(fit, ())
+    change = _feasible_change(fit, _change(fit, share))
+    if change is None:
+        return nearest
+    values, refused = _values(fit, change, share, ())
+    got = _base_values(fit, change)
+    if refused or fit.force_error(got) >= fit.force_error(nearest.base_values):
+        return nearest
+    return IdentifiedRobot(values, {}, _not_met(fit, got), got)
+
+
+def _feasible_change(fit: RigidFit, likely: FloatArray) -> FloatArray | None:
+    """Changes of the parameters, shape (P,), with which a feasible robot explains the torque best; None without one.
+
+    Where the torque tells nothing, values near the nominal ones in the sense of `prior_factor` are likely.
+
+    Args:
+        fit: The fit.
+        likely: Most likely changes without regard to what is feasible, shape (P,).
+    """
+    names = [parameter.name for parameter in fit.base.standard]
+    nominal = np.array([parameter.nominal for parameter in fit.base.standard])
+    start = nominal.copy()
+    bodies: dict[str, list[int]] = {}
+    positive = []
+    for index, name in enumerate(names):
+        if "." not in _group(name):
+            bodies.setdefault(_group(name), []).append(index)
+        elif name in fit.robot.parameters:
+            positive.append(index)
+        elif index in fit.base.leading:
+            start[index] = fit.values[fit.base.leading.index(index)]
+    factor = prior_factor(fit.robot, fit.base)
+    in_file = [*positive, *(index for rows in bodies.values() for index in rows)]
+    inverse = np.linalg.pinv(factor[np.ix_(in_file, in_file)])
+    size = np.sqrt(np.mean((inverse @ likely[in_file]) ** 2) * len(in_file)) or 1.0
+    prior = np.zeros((len(in_file), len(names)))
+    prior[:, in_file] = _LIKELY * inverse / size
+    left = np.linalg.norm(fit.factor[:, :, -1] - fit.factor[:, :, :-1] @ fit.values, axis=0)
+    rows = fit.factor / np.where(left > 0, left, 1.0)[:, None]
+    rows = rows.reshape(-1, rows.shape[2])
+    found = feasible_parameters(
+        start,
+        bodies,
+        positive,
+        np.concatenate([rows[:, -1], prior @ nominal]),
+        np.concatenate([rows[:, :-1] @ fit.base.combination, prior]),
+    )
+    return None if found is None else found - nominal
 
 
 def identified_yaml(fit: RigidFit, identified: IdentifiedRobot) -> str:
@@ -109,10 +169,10 @@ def _covariance(fit: RigidFit, share: FloatArray) -> FloatArray:
 
 
 def _values(
-    fit: RigidFit, share: FloatArray, left_out: Collection[str]
+    fit: RigidFit, change: FloatArray, share: FloatArray, left_out: Collection[str]
 ) -> tuple[dict[str, IdentifiedValue], dict[str, str]]:
     """Parameters of the robot file that depend on estimates, and the reasons why others are infeasible."""
-    change, covariance = _change(fit, share), _covariance(fit, share)
+    covariance = _covariance(fit, share)
     values: dict[str, IdentifiedValue] = {}
     refused: dict[str, str] = {}
     groups: dict[str, list[int]] = {}
@@ -160,10 +220,10 @@ def _of_group(
     }
 
 
-def _base_values(fit: RigidFit, share: FloatArray) -> FloatArray:
+def _base_values(fit: RigidFit, change: FloatArray) -> FloatArray:
     """Values of the base parameters in the file, shape (r,); as identified where a file cannot hold them."""
     got = fit.base.nominal.copy()
-    got[list(fit.excitation.shown)] += _seen(fit) @ _change(fit, share)
+    got[list(fit.excitation.shown)] += _seen(fit) @ change
     groups = [_group(name) for name in fit.base.names]
     outside = ["." in group and group not in fit.robot.parameters for group in groups]
     return np.where(outside, fit.values, got)

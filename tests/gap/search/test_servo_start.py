@@ -76,7 +76,13 @@ def test_steps_reach_the_limit_and_slow_motion_does_not() -> None:
 
 
 def test_all_numbers_of_a_hobby_servo_are_found() -> None:
-    found = fit_of_servos(null(), None, DiagnosisSettings())
+    told: list[tuple[str, float]] = []
+    found = fit_of_servos(null(), None, DiagnosisSettings(), progress=lambda step, share: told.append((step, share)))
+    assert {step for step, _ in told} == {"servos"}
+    shares = [share for _, share in told]
+    assert shares[0] == 0.0
+    assert shares == sorted(shares)
+    assert 0.5 < shares[-1] < 1.0
     assert found is not None
     assert found.chi2 < 2 * null().data.n_values
     sizes = sizes_of(found)

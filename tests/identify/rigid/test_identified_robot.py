@@ -7,17 +7,49 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 from flexros.feedforward.rigid_arm import RigidArm
 from flexros.identify.rigid.fit import fit_rigid
 from flexros.identify.rigid.identified_robot import _base_values, _not_met, identified_values, identified_yaml
 from flexros.identify.rigid.settings import RigidSettings
-from flexros.robot import load_robot
+from flexros.robot import Robot, load_robot
 from flexros.robot.robot import robot_from_data
 
 pytestmark = pytest.mark.slow
 
 SLOW = RigidSettings(cutoff=25.0)
+BODY = {
+    1: {"mass": 5.0, "center_of_mass.z": 0.02, "inertia.zz": 0.03},
+    2: {
+        "mass": 2.0,
+        "center_of_mass.z": 0.22,
+        "center_of_mass.y": 0.03,
+        "inertia.xx": 0.02,
+        "inertia.yy": 0.02,
+        "inertia.zz": 0.002,
+    },
+    3: {"mass": 0.5, "center_of_mass.z": 0.02, "inertia.xx": 0.0004, "inertia.yy": 0.0005, "inertia.zz": 0.0003},
+}
+THREE_AXES = """
+name: three_axes
+defaults: {source: a guess, tolerance: 0.03}
+gravity: [0, 0, -9.81]
+bodies:
+  - {mass: 3, center_of_mass: [0, 0, 0.1], inertia: {xx: 0.02, yy: 0.02, zz: 0.02}, length: [0, 0, 0.2],
+     directions: {rz: {spring: rigid, damper: 0, motor: {inertia: 0}}}}
+  - {mass: 5, center_of_mass: [0, 0, 0.1], inertia: {xx: 0.05, yy: 0.05, zz: 0.02}, length: [0, 0, 0.4],
+     directions: {ry: {spring: rigid, damper: 0, motor: {inertia: 0}}}}
+  - {mass: 2, center_of_mass: [0, 0, 0.1], inertia: {xx: 0.02, yy: 0.02, zz: 0.005}, length: [0, 0, 0.3],
+     directions: {rx: {spring: rigid, damper: 0, motor: {inertia: 0}}}}
+outputs: {tool: {pose: [x, z]}, joints: {coordinates: [body_1.rz, body_2.ry, body_3.rx]}}
+controlled: joints
+"""
+
+
+def _three_axes() -> Robot:
+    """Return a robot with guessed masses."""
+    return robot_from_data(yaml.safe_load(THREE_AXES), "three_axes.yaml")
 
 
 def test_drive_gets_mass_and_viscous_friction(emps, fourier_motion, rigid_log) -> None:
@@ -72,8 +104,7 @@ def test_friction_that_a_file_cannot_hold_is_never_missed(elbow, fourier_motion,
     real = elbow.with_values({"motor_2.inertia": 28.0})
     log = rigid_log(real, fourier_motion(8000, 1e-3, 2), noise=1e-6, friction=lambda v: 20 * np.sign(v))
     fit = fit_rigid(log, elbow, SLOW)
-    nothing_changed = np.zeros((len(fit.base.standard), len(fit.excitation.shown)))
-    values = _base_values(fit, nothing_changed)
+    values = _base_values(fit, np.zeros(len(fit.base.standard)))
     missed = _not_met(fit, values)
     assert "motor_2.inertia" in missed
     assert not any(name.endswith(("coulomb_friction", "torque_offset")) for name in missed)
@@ -92,6 +123,18 @@ def test_others_take_over_what_a_body_cannot_have(elbow, fourier_motion, rigid_l
     motion = fourier_motion(500, 1e-2, 2, seed=5)
     wanted, got = (RigidArm(robot).inverse_dynamics(motion).torque for robot in (real, load_robot(file)))
     assert np.linalg.norm(got - wanted) < 2e-3 * np.linalg.norm(wanted)
+
+
+def test_rough_masses_lead_to_the_feasible_robot_that_explains_the_torque(fourier_motion, rigid_log) -> None:
+    """Noise makes the most likely values infeasible at every body; their nominal ones leave half of the torque."""
+    numbers = {f"body_{k}.{name}": value for k in (1, 2, 3) for name, value in BODY[k].items()}
+    real = _three_axes().with_values(numbers)
+    log = rigid_log(real, fourier_motion(12_000, 1e-3, 3), noise=2e-4)
+    fit = fit_rigid(log, _three_axes(), RigidSettings(cutoff=10.0))
+    identified = identified_values(fit)
+    assert identified.left_out == {}
+    assert fit.force_error(identified.base_values) < 1.2 * fit.error.total + 0.2
+    _three_axes().with_values({name: entry.value for name, entry in identified.values.items()})
 
 
 def test_first_moment_of_a_body_without_mass_is_undefined(fourier_motion, rigid_log) -> None:

@@ -1,6 +1,6 @@
 """Fetch public logs of robots: python docs/results/programs/measured/fetch_real_robots.py FOLDER [--from PATH]...
 
-The logs of eighteen public repositories, most of them without a licence for copies, are brought into FOLDER, at the
+The logs of nineteen public repositories, most of them without a licence for copies, are brought into FOLDER, at the
 commits below and with their checksums; they are not part of this repository. `--from` names a clone, a bare clone or a
 plain folder of one of them that is there already. What cannot be reached is skipped with its reason, and the exit code
 is then 1.
@@ -343,6 +343,21 @@ REPOSITORIES = (
             f"{XL330_LOG.format(14)}": "016d15d21c464457aa30eaeab3977228b08cd5acf7542f24067440126c0bf480",
             f"{XL330_LOG.format(37)}": "838d390b7190c4ce1608157cf629989648773b7336728a0931a61c6018c6700b",
             f"{XL330_LOG.format(29)}": "b9ce9fc0f396e6b03bd514e9254cb83b8a64e1a5df1728b9a10e3b4a5a9513ca",
+        },
+    ),
+    Repository(
+        "JiyGuo",
+        "dynamical_identification",
+        "951c48c29fed833875207f05b5c6ccd782737a6f",
+        {
+            "data/20210325_1/joint.mat": ("67cdc0d6e2b2bafa4c0929febae9a4bbdd19cd43bf4948a1f40700ef47998226"),
+            "data/20210325_1/torque.mat": ("b2b050e393f43dcde4c23504db1c18c20844f6d272a225a38770b4d67d422404"),
+            "data/20210329_2/joint.mat": ("775f10e208bd83a606fddbcc5cec8238234d27ac59bfff0baac86e395ebf9201"),
+            "data/20210329_2/torque.mat": ("c393b6e6a34d21946ad07cae5606077e77389bc3fd814aad02febf875a92114b"),
+            "data/20210329_3/joint.mat": ("c2a8031f74a212144f570c091548b62b79e804fce31e30ec9719d09ee36222cf"),
+            "data/20210329_3/torque.mat": ("5418045564a965034644f2555b3af14937ab240d68b7074bcc8a918c0bdb9c8d"),
+            "data/20210329_4/joint.mat": ("13fe5d901f62a1dfa250d1455ff33a14b1903142933082d4a17815ba9e0130c6"),
+            "data/20210329_4/torque.mat": ("923f0ab638229f69f6be9dcf717ed9ddf96fe4821e4ed048852b1e25979c34f6"),
         },
     ),
 )
