@@ -177,7 +177,7 @@ def _beyond_tolerance_of_a_motor(
     if comparison.level(before) <= 1.0 or comparison.removed(before, after) < search.settings.search.removed_of_all:
         return False
     motors = search.data.record.position.shape[1]
-    return motors * (comparison.level(before) - comparison.level(after)) > 1.0
+    return bool(motors * (comparison.level(before) - comparison.level(after)) > 1.0)
 
 
 def _within_floor(search: Search, comparison: ModelComparison, before: CandidateFit, after: CandidateFit) -> bool:
