@@ -255,10 +255,10 @@ def strains(search: Search, comparison: ModelComparison, fit: CandidateFit, rest
     freed = rest.prior_penalty - fit.prior_penalty
     if freed > search.settings.search.freed * rest.prior_penalty and comparison.beyond_tolerance(rest):
         return True
-    if comparison.level(rest) > search.settings.ranking.floors or not freed > FAR**2 / 2:
+    if not freed > FAR**2 / 2 or comparison.level(rest) > search.settings.ranking.floors:
         return False
-    further = [one for one in fit.hypothesis if one.name in fit.names - rest.names]
-    return any(_takes_over_a_far_number(one, rest) for one in further)
+    kept = {one.name for one in rest.hypothesis}
+    return any(_takes_over_a_far_number(one, rest) for one in fit.hypothesis if one.name not in kept)
 
 
 def _takes_over_a_far_number(candidate: Candidate, rest: CandidateFit) -> bool:
