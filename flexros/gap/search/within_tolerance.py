@@ -14,7 +14,7 @@ from flexros.gap.fit.least_squares import fit as fit_candidate
 from flexros.gap.fit.tolerance_takeover import takeover
 from flexros.gap.search.additions import Addition
 from flexros.gap.search.model_probability import compare
-from flexros.gap.search.worth import compared, worth
+from flexros.gap.search.worth import FAR, compared, worth
 from flexros.record.smoothing import motion_cutoff, smooth_motion
 
 if TYPE_CHECKING:
@@ -25,10 +25,6 @@ if TYPE_CHECKING:
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.prediction.predictor import Predictor
     from flexros.gap.search.candidate_fits import Search
-
-FAR = 4.0
-"""Deviation of a number of the model over its tolerance from which its error is named [1] (chosen): of some forty
-numbers of an arm one is beyond three now and then."""
 
 
 def with_far_numbers(search: Search, chosen: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:

@@ -9,8 +9,10 @@ import numpy as np
 from flexros.effects.kinds.curve import AbstractCurve
 from flexros.effects.kinds.law import AbstractLaw
 from flexros.effects.kinds.model_change import AbstractChangedValues
+from flexros.effects.kinds.relative_error import AbstractRelativeError
 from flexros.gap.candidates.candidate import simpler
 from flexros.gap.fit.constancy import constancies
+from flexros.gap.fit.tolerance_takeover import takeover
 from flexros.gap.search.model_probability import ModelComparison, compare
 
 if TYPE_CHECKING:
@@ -20,6 +22,10 @@ if TYPE_CHECKING:
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.search.additions import Addition
     from flexros.gap.search.candidate_fits import Search
+
+FAR = 4.0
+"""Deviation of a number of the model over its tolerance from which its error is named [1] (chosen): of some forty
+numbers of an arm one is beyond three now and then."""
 
 
 def compared(search: Search, fits: Sequence[CandidateFit]) -> ModelComparison:
@@ -84,7 +90,7 @@ def worth(
             return True
         removed = search.settings.search.removed_of_all
         if comparison.level(before) <= search.settings.ranking.floors:
-            if _completes(comparison, before, after):
+            if _completes(comparison, before, after) or _beyond_tolerance_of_a_motor(search, comparison, before, after):
                 return True
             return _within_floor(search, comparison, before, after)
     relieved = after.prior_penalty < (1 - removed) * before.prior_penalty
@@ -158,6 +164,22 @@ def _completes(comparison: ModelComparison, before: CandidateFit, after: Candida
     return beyond and not comparison.adequate(before) and comparison.level(after) <= 1.0
 
 
+def _beyond_tolerance_of_a_motor(
+    search: Search, comparison: ModelComparison, before: CandidateFit, after: CandidateFit
+) -> bool:
+    """Return whether further effects remove a good part of what is above the floor, and more than a motor's tolerance.
+
+    What an explanation may leave is two floors of all motors together. An effect at one of them may be larger than the
+    tolerance of its torque, which then does not excuse it: a ripple of a sixth of the rms torque of one of six motors
+    was a third of what was left above the floor. So many floors of single motors are removed as the mean over all of
+    them falls, times their number.
+    """
+    if comparison.level(before) <= 1.0 or comparison.removed(before, after) < search.settings.search.removed_of_all:
+        return False
+    motors = search.data.record.position.shape[1]
+    return bool(motors * (comparison.level(before) - comparison.level(after)) > 1.0)
+
+
 def _within_floor(search: Search, comparison: ModelComparison, before: CandidateFit, after: CandidateFit) -> bool:
     """Return whether further effects take most of what there is beyond noise, as they do where torques are known well.
 
@@ -221,6 +243,9 @@ def _gained(search: Search, comparison: ModelComparison, before: CandidateFit, a
 def strains(search: Search, comparison: ModelComparison, fit: CandidateFit, rest: CandidateFit) -> bool:
     """Return whether an explanation without some effects pulls numbers of the model far out of tolerance for them.
 
+    Either all numbers together, or, in a good explanation, the one that an effect is the error of: beside many numbers
+    within tolerance, one that is five tolerances off is hardly a strain of all.
+
     Args:
         search: The search.
         comparison: A comparison of fits of the log.
@@ -228,7 +253,20 @@ def strains(search: Search, comparison: ModelComparison, fit: CandidateFit, rest
         rest: The explanation without them, fitted.
     """
     freed = rest.prior_penalty - fit.prior_penalty
-    return freed > search.settings.search.freed * rest.prior_penalty and comparison.beyond_tolerance(rest)
+    if freed > search.settings.search.freed * rest.prior_penalty and comparison.beyond_tolerance(rest):
+        return True
+    if not freed > FAR**2 / 2 or comparison.level(rest) > search.settings.ranking.floors:
+        return False
+    kept = {one.name for one in rest.hypothesis}
+    return any(_takes_over_a_far_number(one, rest) for one in fit.hypothesis if one.name not in kept)
+
+
+def _takes_over_a_far_number(candidate: Candidate, rest: CandidateFit) -> bool:
+    """Return whether an effect is the error of a number that a fit without it moves far out of its tolerance."""
+    if not issubclass(candidate.effect, AbstractRelativeError):
+        return False
+    found = takeover(candidate, rest)
+    return found is not None and found.gain > FAR**2
 
 
 def simple_first(search: Search, fit: CandidateFit, additions: Sequence[Addition]) -> list[Addition]:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.signal import butter, firwin, sosfiltfilt, upfirdn
+from scipy.signal import butter, firwin, sosfiltfilt
+from scipy.sparse import csr_array
 
 from flexros.errors import InputError
 from flexros.record.even_grid import HIGHEST_RATE
@@ -118,9 +120,18 @@ def decimate(values: FloatArray, factor: int) -> FloatArray:
     """
     if factor == 1:
         return values
-    rows = (len(values) - _LENGTH * factor - 1) // factor + 1
-    kept: FloatArray = upfirdn(_low_pass(factor), values, down=factor, axis=0)[_LENGTH : _LENGTH + rows]
-    return kept
+    columns = values.reshape(len(values), math.prod(values.shape[1:]))
+    kept: FloatArray = _rows_of(len(values), factor) @ columns
+    return kept.reshape(len(kept), *values.shape[1:])
+
+
+@lru_cache(maxsize=16)
+def _rows_of(samples: int, factor: int) -> csr_array:
+    """Return the matrix from samples to the rows of a decimation; its product passes all columns at once."""
+    taps = _low_pass(factor)[::-1]
+    rows = max(0, (samples - len(taps)) // factor + 1)
+    columns = factor * np.arange(rows)[:, None] + np.arange(len(taps))
+    return csr_array((np.tile(taps, rows), columns.ravel(), len(taps) * np.arange(rows + 1)), shape=(rows, samples))
 
 
 @cache

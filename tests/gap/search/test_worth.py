@@ -58,6 +58,20 @@ def test_within_the_floor_noise_of_encoders_counts_for_nothing(before: float, af
     assert worth(measured_search(), replace(comparison, noise_level=0.8), rest, fit, 0.4) is expected
 
 
+@pytest.mark.parametrize(("motors", "before", "after", "expected"), [
+    (6, 1.9, 1.6, True), (6, 1.9, 1.75, False), (1, 1.9, 1.6, False), (2, 1.9, 1.3, True), (6, 1.95, 1.78, False),
+    (6, 0.9, 0.6, False),
+])  # fmt: skip
+def test_an_effect_beyond_the_tolerance_of_one_of_many_motors_is_found_within_two_floors_of_all(
+    motors: int, before: float, after: float, expected: bool
+) -> None:
+    """A ripple of a sixth of the rms torque of one of six motors left two floors of all six without it."""
+    comparison, (rest, fit) = measured_fits(before, after)
+    search = measured_search()
+    search.data.record.position = np.zeros((10, motors))
+    assert worth(search, comparison, rest, fit, 0.4) is expected
+
+
 def test_what_a_curve_lacks_beside_noise_is_no_effect() -> None:
     comparison, (rest, fit) = measured_fits(0.95, 0.82)
     comparison = replace(comparison, noise_level=0.8)
@@ -97,6 +111,20 @@ def test_an_effect_that_brings_numbers_of_the_model_back_into_tolerance_is_worth
         fit.prior_penalty, fit.predictor.tolerance.n_free = penalty, 18
     assert worth(measured_search(), comparison, fits[0], fits[1], 0.4)
     assert not worth(measured_search(), comparison, fits[0], fits[2], 0.4)
+
+
+@pytest.mark.parametrize(("far", "level", "expected"), [(5.2, 0.84, True), (3.0, 0.84, False), (5.2, 3.0, False)])
+def test_the_error_of_one_number_far_out_of_tolerance_is_worth_it_beside_many_within(
+    far: float, level: float, expected: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A spring that was a third too soft was named, and left out again as all numbers together were within."""
+    monkeypatch.setattr("flexros.gap.search.worth.takeover", lambda _one, _rest: SimpleNamespace(gain=far**2))
+    comparison, (rest, fit) = measured_fits(level, 0.99 * level)
+    fit = measured_fit(0.99 * level, INERTIA)
+    for one, penalty in ((rest, 51.0), (fit, 51.0 - far**2)):
+        one.prior_penalty, one.names = penalty, {candidate.name for candidate in one.hypothesis}
+        one.predictor = SimpleNamespace(n_effect=1, tolerance=SimpleNamespace(n_free=40))
+    assert worth(measured_search(), comparison, rest, fit, 0.4) is expected
 
 
 @pytest.mark.parametrize(("name", "expected"), [(INERTIA, True), (COULOMB, False)])
