@@ -13,6 +13,7 @@ from flexros.gap.search.candidate_fits import at_limits
 from flexros.gap.search.curve_candidates import within_motion
 from flexros.gap.search.curves import curves_of, in_place_of_laws, with_curves
 from flexros.gap.search.elimination import reduced, with_asymmetry, with_dropped, without_unclear
+from flexros.gap.search.exchange import one_delay
 from flexros.gap.search.growth import extended, in_vain, resumed, tidied, with_more
 from flexros.gap.search.periodic.lines import beside_line
 from flexros.gap.search.within_floor import grown_within_floor
@@ -115,6 +116,7 @@ def explain(search: Search) -> Explanations:
     elif search.deadline.over:
         chosen = search.completed(chosen)
         fits.append(chosen)
+    chosen = one_delay(search, chosen, fits)
     curved = with_curves(search, chosen, directions, fits)
     if curved is not chosen:
         chosen = _beside_curves(search, first, curved, directions, fits)

@@ -11,7 +11,7 @@ import pytest
 from flexros.effects import effects
 from flexros.gap.candidates.candidate import Candidate
 from flexros.gap.search import exchange
-from flexros.gap.search.exchange import _divisions, _replacements, _stopped_early, exchanged
+from flexros.gap.search.exchange import _divisions, _replacements, _stopped_early, exchanged, one_delay
 from flexros.gap.settings import DiagnosisSettings
 from flexros.record.premises import SIMULATED
 from tests.gap.diagnosis_logs import candidates_of
@@ -193,3 +193,51 @@ def test_a_plain_effect_that_comes_near_another_is_carried_to_its_end(
     fit: Any = SimpleNamespace(hypothesis=(delay,), chi2=10_000.0)
     exchanged: Any = SimpleNamespace(hypothesis=(other,), chi2=10_000.0 + rise, converged=converged)
     assert _stopped_early(search, fit, exchanged) is early
+
+
+LAGS = ("servo_command_lag@motor_1", "servo_command_lag@motor_2")
+
+
+@pytest.mark.parametrize(
+    ("names", "worth", "expected"),
+    [
+        (LAGS, False, {"delay@all", "coulomb_friction@motor_1"}),
+        (LAGS, True, {*LAGS, "coulomb_friction@motor_1"}),
+        (LAGS[:1], False, {LAGS[0], "coulomb_friction@motor_1"}),
+    ],
+    ids=["filters do as much", "filters do more", "one filter"],
+)
+def test_filters_of_several_servos_become_one_delay_that_does_as_much(
+    names: tuple[str, ...], worth: bool, expected: set[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fit_of(names: tuple[str, ...], begin: float = 0.0) -> Any:
+        every = [SimpleNamespace(name=one, effect=effects()[one.partition("@")[0]]) for one in names]
+        tolerance = SimpleNamespace(names=("motor_1.inertia",))
+        predictor = SimpleNamespace(
+            tolerance=tolerance, values=lambda _: [{"time_constant": 0.01 + 0.002 * k} for k in range(len(names))]
+        )
+        return SimpleNamespace(
+            names=frozenset(names), hypothesis=every, theta=None, predictor=predictor, chi2=1.0, begin=begin
+        )
+
+    def together(fit: Any, additions: Any, without: Any) -> Any:
+        (one,) = additions
+        rest = tuple(name for name in fit.names if name not in without)
+        return fit_of((one.candidate.name, *rest), float(one.start[0]))
+
+    free = SimpleNamespace(encode=lambda value: value)
+    search: Any = SimpleNamespace(
+        settings=DiagnosisSettings(),
+        candidates=lambda: [SimpleNamespace(name="delay@all", free=(free,))],
+        deadline=SimpleNamespace(stops=lambda: False),
+        rows=np.arange(4),
+        together=together,
+        completed=lambda one: one,
+    )
+    monkeypatch.setattr(exchange, "compared", lambda *_: None)
+    monkeypatch.setattr(exchange, "worth", lambda *_: worth)
+    monkeypatch.setattr(exchange, "reduced", lambda _search, one, _fits, _removed: one)
+    fits: list[Any] = []
+    found = one_delay(search, fit_of((*names, "coulomb_friction@motor_1")), fits)
+    assert found.names == expected
+    assert [one.begin for one in fits] == pytest.approx([0.011] * (len(names) > 1))
