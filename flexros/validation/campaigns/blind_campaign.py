@@ -150,7 +150,7 @@ def case_parts(
 
 
 def answers_of(parts: Mapping[str, Mapping[str, Any]]) -> list[Answer]:
-    """Open the truths of parts and check their seals."""
+    """Open the truths of parts and check their seals; a case that cannot be drawn has none."""
     from flexros.validation.campaigns.blind.case_part import answer_of
 
-    return [answer_of(name, part) for name, part in parts.items()]
+    return [answer_of(name, part) for name, part in parts.items() if part["truth"] is not None]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from flexros.errors import InputError
 from flexros.gap.schema import Diagnosis
 from flexros.validation.blind.diagnose_case import FAILURE_FILE, TIME_FILE, diagnose_case
-from flexros.validation.blind.make_case import MakeSettings, make_case
+from flexros.validation.blind.make_case import MakeSettings, UndrawnCaseError, make_case
 from flexros.validation.blind.score.answer import Answer
 from flexros.validation.blind.score.crowd_truth import CrowdTruth, crowd_truth
 from flexros.validation.blind.score.oracle import oracle_fraction
@@ -33,9 +33,13 @@ def case_part(settings: MakeSettings, case: Case) -> dict[str, Any]:
         For JSON: `seal`, `truth` (text), `diagnosis` (text or None), `failure` (text or None), `seconds`, and `oracle`:
         the closed fraction of the true effect where it is a single one well above the noise; `third`: the gap of the
         third log with the patch of the diagnosis, or None; `crowd`: figures of the true effects of a crowd, or None.
+        Of a case that cannot be drawn: `failure`, and None as its truth.
     """
     with TemporaryDirectory(prefix="flexros_logs_") as logs, TemporaryDirectory(prefix="flexros_truth_") as truths:
-        make_case(case, settings, Path(logs), Path(truths))
+        try:
+            make_case(case, settings, Path(logs), Path(truths))
+        except UndrawnCaseError as error:
+            return {"truth": None, "failure": str(error)}
         folder = Path(logs) / case.name
         diagnose_case(folder)
         truth = Truth.model_validate_json((Path(truths) / f"{case.name}.json").read_bytes())

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from flexros.scheduler import connected
-from flexros.validation.blind.make_case import MakeSettings
+from flexros.validation.blind.make_case import MakeSettings, UndrawnCaseError
 from flexros.validation.blind.plan import Case, PlanSettings
 from flexros.validation.blind.score.answer import Answer
 from flexros.validation.blind.seal import sha256
@@ -43,6 +43,20 @@ def sealed_crowd(settings: MakeSettings, case: Case) -> dict[str, Any]:
     text = truth("crowd", *(f"{e}@{at}" for e, at in zip(case.effects, case.places)), name=case.name).model_dump_json()
     rest = dict.fromkeys(("diagnosis", "failure", "seconds", "oracle", "third", "crowd"))
     return {"seal": sha256(text), "truth": text, **rest}
+
+
+def test_a_case_that_cannot_be_drawn_is_told_and_ends_no_campaign(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def unstable(case: Case, *_: object) -> None:
+        raise UndrawnCaseError(f"{case.name} was drawn 20 times and its loop was never stable")
+
+    monkeypatch.setattr("flexros.validation.campaigns.blind.case_part.make_case", unstable)
+    plan = PlanSettings(per_size=0, nulls=0, unknowns=0, pairs=0, crowds=2, crowd_robots={"elbow": 1.0})
+    with connected(threads=1) as client:
+        result = BlindCrowds(CrowdSettings(plan=plan)).run(CampaignRequest(tmp_path, client, 2))
+    assert result.record["cases"] == []
+    assert "- case_0001: case_0001 was drawn 20 times and its loop was never stable" in result.files["crowds.md"]
 
 
 @pytest.mark.slow
