@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 
 from flexros.errors import InputError
-from flexros.identify.rigid.motion_estimate import check_rows, decimate, decimation, edge, estimate_motion
+from flexros.identify.rigid.motion_estimate import (
+    _low_pass,
+    check_rows,
+    decimate,
+    decimation,
+    edge,
+    estimate_motion,
+)
 
 T = 1e-3
 
@@ -45,6 +52,21 @@ def test_decimation_leaves_slow_signals_and_their_phase_alone() -> None:
 def test_decimation_takes_fast_signals_away() -> None:
     time = np.arange(4000) * T
     assert np.abs(decimate(np.sin(2 * np.pi * 45 * time), 20)).max() < 5e-3
+
+
+@pytest.mark.parametrize("shape", [(), (3,), (2, 3)])
+@pytest.mark.parametrize("samples", [40, 1003])
+def test_rows_of_a_decimation_are_those_of_the_whole_convolution(samples: int, shape: tuple[int, ...]) -> None:
+    factor = 7
+    values = np.random.default_rng(2).normal(size=(samples, *shape))
+    kept = decimate(values, factor)
+    taps = _low_pass(factor)
+    if samples < len(taps):
+        assert kept.shape == (0, *shape)
+        return
+    columns = values.reshape(samples, -1).T
+    expected = np.stack([np.convolve(column, taps, mode="valid")[::factor] for column in columns], axis=-1)
+    np.testing.assert_allclose(kept, expected.reshape(-1, *shape), atol=1e-13)
 
 
 def test_no_decimation_where_the_cutoff_is_near_the_rate() -> None:
