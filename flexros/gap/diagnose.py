@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     from flexros.gap.prediction.predicted_log import PredictedLog
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.result import DiagnosisResult
-    from flexros.gap.search.candidate_fits import Search
+    from flexros.gap.search.fits.candidate_fits import Search
     from flexros.gap.search.forward_selection import Explanations
     from flexros.gap.search.torque_start import TorqueStart
     from flexros.gap.where.find import Where

@@ -11,7 +11,7 @@ from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.residuals.fit_data import FitData, fit_data
-from flexros.gap.search.candidate_fits import Search
+from flexros.gap.search.fits.candidate_fits import Search
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.settings import DiagnosisSettings, SearchSettings, WhereSettings
 from flexros.record.read import read_record

@@ -146,10 +146,7 @@ class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
         """Return the torque in addition to that of the spring without knee."""
         at_knee = ca.SX(values["knee_torque"]) if self.knee_torque else gear.spring(ca.SX(values["knee"]))
         torque = gear.spring(deflection)
-        if not isinstance(values["rounding"], ca.SX) and values["rounding"] == 0:
-            return values["relative"] * (ca.fmax(torque - at_knee, 0) + ca.fmin(torque + at_knee, 0))
-        width = values["rounding"] * at_knee
-        more: ca.SX = _ramp(ca.fabs(torque) - at_knee, width) - _ramp(-at_knee, width)
+        more: ca.SX = _beyond(ca.fabs(torque), at_knee, values["rounding"])
         return values["relative"] * ca.sign(torque) * more
 
     def _law(self, spring: Spring, location: str) -> dict[str, Any]:
@@ -167,8 +164,7 @@ class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
             bends |= {_deflection(law, torque, self.name) for torque in corner if 0 < torque < most}
         knots = np.array(sorted({*law.knots, *bends}))
         torques = np.array([_torque(law, knot) for knot in (0.0, *knots)])
-        width = self.rounding * at_knee
-        more = [float(_ramp(torque - at_knee, width) - _ramp(-at_knee, width)) for torque in torques]
+        more = [float(_beyond(torque, at_knee, self.rounding)) for torque in torques]
         bent = torques + self.relative * np.array(more)
         slopes = [*np.diff(bent) / np.diff([0.0, *knots]), law.slopes[-1] * (1 + self.relative)]
         return {
@@ -179,12 +175,17 @@ class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
         }
 
 
-def _ramp(beyond: Any, width: Any) -> Any:
-    """Return max(x, 0) with a slope that rises linearly from 0 to 1 within a width of the corner."""
-    if isinstance(width, float) and width == 0:
-        return ca.fmax(beyond, 0)
-    within = ca.fmin(ca.fmax(beyond, -width), width)
-    return (within + width) ** 2 / (4 * width) + ca.fmax(beyond - width, 0)
+def _beyond(torque: Any, knee: Any, rounding: Any) -> Any:
+    """Return by how much a torque is beyond that of a knee, g(torque) - g(0) of a rounded one; a torque >= 0."""
+    if not isinstance(rounding, ca.SX) and rounding == 0:
+        return ca.fmax(torque - knee, 0)
+    width = rounding * knee
+
+    def ramp(beyond: Any) -> Any:
+        within = ca.fmin(ca.fmax(beyond, -width), width)
+        return (within + width) ** 2 / (4 * width) + ca.fmax(beyond - width, 0)
+
+    return ramp(torque - knee) - ramp(-knee)
 
 
 def _torque(law: PiecewiseLinear, deflection: float) -> float:

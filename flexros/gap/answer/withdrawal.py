@@ -16,7 +16,7 @@ from flexros.gap.search.worth import compared
 if TYPE_CHECKING:
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.residuals.fit_data import FitData
-    from flexros.gap.search.candidate_fits import Search
+    from flexros.gap.search.fits.candidate_fits import Search
     from flexros.gap.search.forward_selection import Explanations
 
 WITHIN = 1.0

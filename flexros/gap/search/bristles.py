@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.effects.friction.presliding_friction import SEEN
 from flexros.gap.candidates.candidate import FreeParameter
-from flexros.gap.search.candidate_fits import at_limits
+from flexros.gap.search.fits.refits import at_limits
 from flexros.gap.search.worth import compared
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
-    from flexros.gap.search.candidate_fits import Search
+    from flexros.gap.search.fits.candidate_fits import Search
 
 BRISTLES = ("stiffness", "damping")
 """Parameters of bristles."""

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.effects.kinds.curve import Extent
     from flexros.gap.fit.candidate_fit import CandidateFit
-    from flexros.gap.search.candidate_fits import Search
+    from flexros.gap.search.fits.candidate_fits import Search
 
 TRIED = 0.05
 """Size of a curve by which a log is predicted, over the largest torque of its motor or spring [1] (chosen)."""

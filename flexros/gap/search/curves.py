@@ -9,8 +9,8 @@ import numpy as np
 
 from flexros.effects.kinds.curve import AbstractCurve
 from flexros.gap.candidates.candidate import simpler
-from flexros.gap.search.additions import Addition
 from flexros.gap.search.curve_candidates import list_curves, within_motion, without_shared
+from flexros.gap.search.fits.additions import Addition
 from flexros.gap.search.worth import compared, worth
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from flexros.gap.candidates.candidate import Candidate, Hypothesis
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.fit.screening import Directions, Surroundings
-    from flexros.gap.search.candidate_fits import Search
+    from flexros.gap.search.fits.candidate_fits import Search
     from flexros.gap.search.model_probability import ModelComparison
 
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.schema import CauseParameter
-    from flexros.gap.search.candidate_fits import Search
+    from flexros.gap.search.fits.candidate_fits import Search
 
 ASYMMETRY = "asymmetry"
 """Parameter by which friction differs between the directions."""

@@ -10,8 +10,8 @@ from flexros.effects.delay import Delay
 from flexros.effects.servos import ServoCommandLag
 from flexros.gap.candidates.candidate import alike, simpler
 from flexros.gap.fit.candidate_fit import best_of_each
-from flexros.gap.search.additions import Addition
 from flexros.gap.search.elimination import reduced
+from flexros.gap.search.fits.additions import Addition
 from flexros.gap.search.model_probability import contrast_of
 from flexros.gap.search.worth import compared, incomplete, simplest, worth
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.fit.screening import Directions
-    from flexros.gap.search.candidate_fits import Search
+    from flexros.gap.search.fits.candidate_fits import Search
     from flexros.gap.search.model_probability import ModelComparison
 
 

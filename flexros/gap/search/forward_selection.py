@@ -9,11 +9,11 @@ import numpy as np
 
 from flexros.gap.candidates.candidate import names_of
 from flexros.gap.fit.candidate_fit import best_of_each
-from flexros.gap.search.candidate_fits import at_limits
 from flexros.gap.search.curve_candidates import within_motion
 from flexros.gap.search.curves import curves_of, in_place_of_laws, with_curves
 from flexros.gap.search.elimination import reduced, with_asymmetry, with_dropped, without_unclear
 from flexros.gap.search.exchange import one_delay
+from flexros.gap.search.fits.refits import at_limits
 from flexros.gap.search.growth import extended, in_vain, resumed, tidied, with_more
 from flexros.gap.search.periodic.lines import beside_line
 from flexros.gap.search.within_floor import grown_within_floor
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.fit.screening import Directions
     from flexros.gap.residuals.fit_data import FitData
-    from flexros.gap.search.candidate_fits import Search
+    from flexros.gap.search.fits.candidate_fits import Search
     from flexros.gap.search.model_probability import ModelComparison
 
 

@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.fit.screening import Directions
-    from flexros.gap.search.additions import Addition
-    from flexros.gap.search.candidate_fits import Search
+    from flexros.gap.search.fits.additions import Addition
+    from flexros.gap.search.fits.candidate_fits import Search
     from flexros.gap.search.model_probability import ModelComparison
 
 

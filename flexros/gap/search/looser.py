@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from flexros.gap.candidates.tolerance import Tolerance
     from flexros.gap.fit.candidate_fit import CandidateFit
-    from flexros.gap.search.candidate_fits import Search
+    from flexros.gap.search.fits.candidate_fits import Search
     from flexros.gap.search.forward_selection import Explanations
     from flexros.gap.settings import DiagnosisSettings
     from flexros.record.record import Record

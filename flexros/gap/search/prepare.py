@@ -10,7 +10,7 @@ from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.scales import scales_of
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.least_squares import linearise
-from flexros.gap.search.candidate_fits import Search
+from flexros.gap.search.fits.candidate_fits import Search
 from flexros.gap.settings import DiagnosisSettings
 from flexros.random_streams import generator
 from flexros.record.prescribed_motion import without_prescribed

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.fit.screening import changes_of
-from flexros.gap.search.additions import Addition
+from flexros.gap.search.fits.additions import Addition
 from flexros.gap.search.worth import compared
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.fit.screening import Directions
-    from flexros.gap.search.candidate_fits import Search
+    from flexros.gap.search.fits.candidate_fits import Search
 
 FEWEST = 2
 """Changes of an explanation from which others may stand for all of them [1]."""

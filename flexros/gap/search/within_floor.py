@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.fit.screening import Directions
-    from flexros.gap.search.candidate_fits import Search
+    from flexros.gap.search.fits.candidate_fits import Search
 
 
 def grown_within_floor(

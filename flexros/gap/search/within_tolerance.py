@@ -12,7 +12,7 @@ from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.kinds.relative_error import AbstractRelativeError
 from flexros.gap.fit.least_squares import fit as fit_candidate
 from flexros.gap.fit.tolerance_takeover import takeover
-from flexros.gap.search.additions import Addition
+from flexros.gap.search.fits.additions import Addition
 from flexros.gap.search.model_probability import compare
 from flexros.gap.search.worth import FAR, compared, worth
 from flexros.record.smoothing import motion_cutoff, smooth_motion
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.prediction.predictor import Predictor
-    from flexros.gap.search.candidate_fits import Search
+    from flexros.gap.search.fits.candidate_fits import Search
 
 
 def with_far_numbers(search: Search, chosen: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:

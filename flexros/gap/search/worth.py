@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
-    from flexros.gap.search.additions import Addition
-    from flexros.gap.search.candidate_fits import Search
+    from flexros.gap.search.fits.additions import Addition
+    from flexros.gap.search.fits.candidate_fits import Search
 
 FAR = 4.0
 """Deviation of a number of the model over its tolerance from which its error is named [1] (chosen): of some forty

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 LONG = 100_000
 """Positions of a log from which the memory of temporary arrays is given back after each check (chosen)."""
 
+MOST = 3
+"""Most reasons, and most warnings of the reader, that a refusal names (chosen)."""
+
 
 def findings(record: Record, robot: Robot) -> tuple[Finding, ...]:
     """Collect the findings of all checks, up to the first stage with a hopeless one.
@@ -61,14 +64,15 @@ def check_record(record: Record, robot: Robot, *, parameters_known: bool = True)
         those before which the clock jumps are marked.
 
     Raises:
-        InputError: The log is hopeless; the message names the log, the problem and what to do.
+        InputError: The log is hopeless; the message names the log, the problem, what to do and what its reading found.
     """
     problems = findings(record, robot)
     hopeless = [
         finding.text for finding in problems if finding.hopeless and (parameters_known or not finding.like_parameters)
     ]
     if hopeless:
-        raise InputError(f"{record.name}: {'; moreover '.join(hopeless[:3])}")
+        reading = f" (in reading it: {'; '.join(record.warnings[:MOST])})" if record.warnings else ""
+        raise InputError(f"{record.name}: {'; moreover '.join(hopeless[:MOST])}{reading}")
     valid = record.valid.copy()
     for finding in problems:
         if finding.spoilt is not None:

@@ -15,8 +15,8 @@ from flexros.gap import diagnose as diagnosis_module
 from flexros.gap.prediction.predicted_log import PredictedLog
 from flexros.gap.result import DiagnosisResult, Explanation
 from flexros.gap.schema import Diagnosis
-from flexros.gap.search import candidate_fits as search
-from flexros.gap.search.candidate_fits import Search
+from flexros.gap.search.fits import candidate_fits as search
+from flexros.gap.search.fits.candidate_fits import Search
 from flexros.logs.write_log import write_log
 from flexros.record.record import Record
 from flexros.robot import load_robot

@@ -11,7 +11,7 @@ from flexros.gap.answer.withdrawal import confirmed
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.residuals.fit_data import FitData, fit_data
-from flexros.gap.search.candidate_fits import Search
+from flexros.gap.search.fits.candidate_fits import Search
 from flexros.gap.search.forward_selection import Explanations, explanations_of
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.search.worth import compared

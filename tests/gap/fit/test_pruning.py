@@ -10,7 +10,7 @@ import pytest
 from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.fit.estimates import parameters_of, placed_effects
 from flexros.gap.fit.pruning import own_information, without_least_parameter
-from flexros.gap.search.candidate_fits import Search
+from flexros.gap.search.fits.candidate_fits import Search
 from flexros.gap.search.forward_selection import explain
 from tests.gap.diagnosis_logs import FEW_EFFECTS, candidates_of, search_of
 

@@ -6,7 +6,7 @@ import pytest
 
 from flexros.gap.fit.estimates import parameters_of
 from flexros.gap.search.bristles import with_bristles
-from flexros.gap.search.candidate_fits import Search
+from flexros.gap.search.fits.candidate_fits import Search
 from tests.gap.diagnosis_logs import ROBOT, candidates_of, search_of
 
 pytestmark = pytest.mark.slow

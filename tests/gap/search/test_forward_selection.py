@@ -12,9 +12,9 @@ import pytest
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.search import forward_selection
-from flexros.gap.search.candidate_fits import Search
 from flexros.gap.search.elimination import reduced
 from flexros.gap.search.exchange import corrected, exchanged
+from flexros.gap.search.fits.candidate_fits import Search
 from flexros.gap.search.forward_selection import Explanations, explain
 from flexros.gap.search.growth import with_more
 from flexros.gap.search.model_probability import RANKING
@@ -24,7 +24,7 @@ from tests.gap.diagnosis_logs import search_of
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from flexros.gap.search.additions import Addition
+    from flexros.gap.search.fits.additions import Addition
 
 pytestmark = pytest.mark.slow
 

@@ -13,7 +13,7 @@ from tests.gap.diagnosis_logs import candidates_of, predictor_of, search_of
 
 if TYPE_CHECKING:
     from flexros.gap.fit.candidate_fit import CandidateFit
-    from flexros.gap.search.candidate_fits import Search
+    from flexros.gap.search.fits.candidate_fits import Search
 
 TRUTH = "payload_error@tool:relative=0.002"
 AMONG = ("payload_error", "stiffness_error", "motor_inertia_error", "torque_gain_error", "coulomb_friction")

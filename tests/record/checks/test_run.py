@@ -17,6 +17,13 @@ def test_hopeless_record_is_refused_by_name(healthy, robots) -> None:
         check_record(record, robots("emps"))
 
 
+def test_refusal_says_what_reading_found(healthy, robots) -> None:
+    """A log may be too short because its end is lost."""
+    cut = replace(healthy("emps").part(0, 800), name="cut", warnings=("it is truncated at byte 700",))
+    with pytest.raises(InputError, match=r"too short.*\(in reading it: it is truncated at byte 700\)$"):
+        check_record(cut, robots("emps"))
+
+
 def test_record_that_overlaps_its_commands_for_some_samples_only_is_too_short(healthy, robots) -> None:
     with pytest.raises(InputError, match="too short: it has 0.01 s with 10 measured samples"):
         check_record(healthy("emps").part(0, 10), robots("emps"))

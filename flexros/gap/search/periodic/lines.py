@@ -13,7 +13,7 @@ from flexros.gap.search.worth import compared
 if TYPE_CHECKING:
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.residuals.line import Line
-    from flexros.gap.search.candidate_fits import Search
+    from flexros.gap.search.fits.candidate_fits import Search
 
 
 def beside_line(search: Search, chosen: CandidateFit, *others: CandidateFit) -> Search | None:

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 from flexros.effects.torque_ripple import OVERTONE, TorqueRipple
 from flexros.gap.candidates.candidate import free_parameter
-from flexros.gap.search.candidate_fits import at_limits
+from flexros.gap.search.fits.refits import at_limits
 from flexros.gap.search.worth import compared, incomplete
 
 if TYPE_CHECKING:
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
-    from flexros.gap.search.candidate_fits import Search
+    from flexros.gap.search.fits.candidate_fits import Search
 
 
 def with_overtones(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:

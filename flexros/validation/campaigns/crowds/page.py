@@ -44,7 +44,11 @@ def crowds_page(
     Returns:
         Markdown.
     """
-    lines = ["# Blind crowds", "", *_introduction(answers, planned, settings), ""]
+    undrawn = sorted(failures.keys() - {one.truth.name for one in answers})
+    cases = f"the first {len(answers) + len(undrawn)} of {planned} planned cases"
+    if undrawn:
+        cases += f" ({', '.join(undrawn)} could not be drawn)"
+    lines = ["# Blind crowds", "", *_introduction(answers, cases, settings), ""]
     lines += _scores(crowd_groups(answers))
     lines += ["", "## By robot", "", *_scores(_by_robot(answers), goals=False)]
     lines += ["", "## Case by case", "", "Behind each hidden effect is its gain when it is added last [nats].", ""]
@@ -70,11 +74,11 @@ def crowds_summary(answers: Sequence[Answer], planned: int) -> tuple[str, ...]:
     return tuple(sentences)
 
 
-def _introduction(answers: Sequence[Answer], planned: int, settings: CrowdSettings) -> list[str]:
+def _introduction(answers: Sequence[Answer], cases: str, settings: CrowdSettings) -> list[str]:
     few = " These are few cases: read the intervals, not the shares." if len(answers) < 40 else ""
     return [
-        f"Written by `flexros campaign crowds`: the first {len(answers)} of {planned} planned cases, seed "
-        f"{settings.seed} of the evaluation stream, which was not used in development.{few} Every case is a robot with "
+        f"Written by `flexros campaign crowds`: {cases}, seed {settings.seed} of the evaluation stream, which was not "
+        f"used in development.{few} Every case is a robot with "
         "3 to 12 hidden effects at 1 to 6 motors, other joints clean, half of them plain friction, simulated with "
         "other equations, laws and time steps than those of the diagnosis. The diagnosis gets a log of "
         f"{settings.durations[0]:g} s, a second one of {settings.durations[1]:g} s and the nominal model; a third one "

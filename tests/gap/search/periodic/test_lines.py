@@ -9,7 +9,7 @@ import pytest
 
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.null_fit import fit_null
-from flexros.gap.search.candidate_fits import Search
+from flexros.gap.search.fits.candidate_fits import Search
 from flexros.gap.search.forward_selection import explain
 from flexros.gap.search.periodic.lines import beside_line
 from flexros.gap.search.prepare import prepare_search

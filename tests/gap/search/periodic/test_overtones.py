@@ -6,7 +6,7 @@ import pytest
 
 from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.fit.estimates import parameters_of
-from flexros.gap.search.candidate_fits import Search
+from flexros.gap.search.fits.candidate_fits import Search
 from flexros.gap.search.periodic.overtones import with_overtones
 from tests.gap.diagnosis_logs import search_of
 

@@ -24,13 +24,13 @@ FRICTION, BIAS, DELAY = "coulomb_friction@motor_1", "torque_bias@motor_1", "dela
 def test_page_and_figures_hold_shares_goals_and_every_case() -> None:
     crowd = truth("crowd", FRICTION, BIAS, DELAY, name="case_0007")
     answers = [Answer(crowd, diagnosis("explained", FRICTION, "torque_ripple@motor_1", probability=0.5), 12.0)]
-    failures = {"case_0009": "Traceback\nValueError: no"}
+    failures = {"case_0009": "Traceback\nUndrawnCaseError: no"}
     result = BlindCrowds().result(ScoredCases(answers, failures, 60, {"commit": "abc"}))
     page = result.files["crowds.md"]
-    assert "the first 1 of 60 planned cases" in page
+    assert "the first 2 of 60 planned cases (case_0009 could not be drawn)" in page
     assert "33.3 % (6.1 to 79.2), 1 of 3 (goal 95 %)" in page
     assert "| case_0007 | e12 | exact | explained | coulomb_friction@motor_1 1e+03 |" in page
-    assert "- case_0009: ValueError: no" in page
+    assert "- case_0009: UndrawnCaseError: no" in page
     assert result.record["scores"]["nominal exact"]["recall"]["hits"] == 1
     assert result.record["cases"][0]["causes"][0]["effect"] == "coulomb_friction"
     assert "salt" not in result.record["cases"][0]

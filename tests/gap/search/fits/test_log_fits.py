@@ -12,8 +12,8 @@ from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.prediction.predictor import Predictor
-from flexros.gap.search.candidate_fits import Search
-from flexros.gap.search.log_fits import _hopeless
+from flexros.gap.search.fits.candidate_fits import Search
+from flexros.gap.search.fits.log_fits import _hopeless
 from tests.gap.diagnosis_logs import candidates_of, predictor_of, search_of
 
 pytestmark = pytest.mark.slow
