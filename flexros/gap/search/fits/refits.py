@@ -1,0 +1,151 @@
+"""Refits of an explanation: with further effects, without some of them, with other parameters free."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.gap.fit.pruning import without_least_parameter
+from flexros.gap.search.fits.log_fits import LogFits
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Sequence
+
+    from flexros.gap.candidates.candidate import Candidate, Hypothesis
+    from flexros.gap.fit.candidate_fit import CandidateFit
+    from flexros.gap.prediction.compiled_plant import CompiledPlant
+    from flexros.gap.search.fits.additions import Addition
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Refits(LogFits):
+    """Fits of explanations that were fitted with other effects or parameters; see `LogFits`."""
+
+    def together(
+        self,
+        fit: CandidateFit,
+        additions: Sequence[Addition],
+        without: Collection[str] = (),
+        plant: CompiledPlant | None = None,
+        rival: float = np.inf,
+    ) -> CandidateFit:
+        """Fit an explanation together with further candidates.
+
+        Args:
+            fit: The explanation.
+            additions: The candidates.
+            without: Names of those of its own candidates that they replace, effect@location.
+            plant: A plant that may hold all of them already.
+            rival: Sum of squares of a better fit: this one ends where it has no hope to come near it.
+        """
+        rest = tuple(candidate for candidate in fit.hypothesis if candidate.name not in without)
+        own = fit.theta[: fit.predictor.n_effect][~fit.columns(without)[: fit.predictor.n_effect]]
+        replaced = np.any([addition.replaced for addition in additions], axis=0)
+        deviations = fit.predictor.tolerance.without(fit.deviations, replaced)
+        theta = np.concatenate([own, *(addition.start for addition in additions), deviations])
+        predictor = self.null.predictor((*rest, *(addition.candidate for addition in additions)), plant)
+        fit = self._joint(predictor, theta, rival=rival)
+        harmonic = any(addition.candidate.effect.harmonics for addition in additions)
+        return self._near_best_order(fit) if harmonic else fit
+
+    def without(self, fit: CandidateFit, *names: str) -> CandidateFit:
+        """Fit an explanation without some of its candidates.
+
+        Args:
+            fit: The explanation.
+            names: Names of the candidates, effect@location.
+        """
+        rest = tuple(candidate for candidate in fit.hypothesis if candidate.name not in names)
+        predictor = self.null.predictor(rest, fit.predictor.plant)
+        return self._joint(predictor, fit.theta[~fit.columns(names)], finishing=True)
+
+    def reshaped(self, fit: CandidateFit, hypothesis: Hypothesis) -> CandidateFit:
+        """Fit the effects of an explanation with other parameters free, from its values.
+
+        New ones begin at zero where they may be negative, else at their first initial value.
+
+        Args:
+            fit: The explanation.
+            hypothesis: The same effects, in the same order, each with as many free parameters or other ones.
+        """
+        sizes = [
+            free.encode(values.get(free.name, 0.0 if free.signed else free.starts[0]))
+            for candidate, values in zip(hypothesis, fit.predictor.values(fit.theta), strict=True)
+            for free in candidate.free
+        ]
+        predictor = self.null.predictor(hypothesis, fit.predictor.plant)
+        return self._joint(predictor, np.concatenate([sizes, fit.deviations]))
+
+    def pruned(self, fit: CandidateFit) -> CandidateFit:
+        """Leave out the parameters of a fit that the information criterion rejects (Schwarz 1978).
+
+        Args:
+            fit: The fit.
+
+        Returns:
+            A fit of the same effects with fewer parameters, or the same fit.
+        """
+        n = self.data.n_values
+        while (fewer := without_least_parameter(fit)) is not None and not self.deadline.stops_finishing():
+            hypothesis, theta = fewer
+            pruned = self._final(self.null.predictor(hypothesis, fit.predictor.plant), theta)
+            if not n * np.log(pruned.chi2 / fit.chi2) < np.log(n):
+                break
+            fit = pruned
+        return fit
+
+    def within_limits(self, fit: CandidateFit) -> CandidateFit:
+        """Fit again without parameters that ended at a limit of their search, which are no findings.
+
+        The search is widened where its range goes on. A parameter that shapes an effect is set to its usual value. An
+        effect whose size is at a limit nevertheless is left out.
+
+        Args:
+            fit: The fit.
+
+        Returns:
+            A fit without such parameters, or the same fit.
+        """
+        for _ in range(2 * fit.predictor.n_effect):
+            limited = at_limits(fit)
+            if not limited:
+                break
+            candidate, name = limited[0]
+            factor = _common_factor(fit, [one.location for one, _ in limited])
+            if factor:
+                fit = self.without(fit, factor)
+                continue
+            wide, shaped = candidate.widened(name), candidate.with_usual(name)
+            if wide is not None:
+                fit = self.reshaped(fit, tuple(wide if one is candidate else one for one in fit.hypothesis))
+            elif shaped is None:
+                fit = self.without(fit, candidate.name)
+            else:
+                changed = tuple(shaped if one is candidate else one for one in fit.hypothesis)
+                kept = [one is not candidate or free.name != name for one in fit.hypothesis for free in one.free]
+                theta = fit.theta[np.array([*kept, *([True] * len(fit.deviations))], dtype=bool)]
+                fit = self._final(self.null.predictor(changed, fit.predictor.plant), theta)
+        return fit
+
+
+def at_limits(fit: CandidateFit) -> list[tuple[Candidate, str]]:
+    """List the parameters of a fit that ended at a limit of their search, with their effects."""
+    return [
+        (candidate, name)
+        for candidate, values in zip(fit.hypothesis, fit.predictor.values(fit.theta))
+        for name in sorted(candidate.at_limit(values))
+    ]
+
+
+def _common_factor(fit: CandidateFit, locations: Collection[str]) -> str:
+    """Return the name of an effect that may have taken others at its motor to a limit with it; empty for none.
+
+    Args:
+        fit: The fit.
+        locations: Where sizes ended at a limit.
+    """
+    values = zip(fit.hypothesis, fit.predictor.values(fit.theta), strict=True)
+    factors = {one.location: one.name for one, v in values if v.get(one.effect.common_factor, 0.0) > 0}
+    return next((factors[location] for location in locations if location in factors), "")
