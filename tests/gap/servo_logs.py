@@ -40,6 +40,33 @@ def servo_robot(feedforward: float = 0.0, *, servo: bool = True, limit: float = 
     return robot_from_data(data, "servo_joint.yaml")
 
 
+def servo_arm() -> Robot:
+    """Two links under gravity, the second one a wrist; stiffness 60 and 20 Nm/rad, damping 2 and 0.5 Nm s/rad."""
+    links = []
+    for mass, inertia, stiffness, damping in ((1.5, 0.05, 60.0, 2.0), (0.3, 0.02, 20.0, 0.5)):
+        servo = {"stiffness": stiffness, "damping": damping}
+        motor = {"inertia": inertia, "viscous_friction": 0.1, "torque_limit": 30.0, "servo": servo}
+        links.append(
+            {
+                "mass": mass,
+                "center_of_mass": [0, 0, 0.5 * mass / 1.5],
+                "inertia": {"yy": 0.02 * mass},
+                "length": [0, 0, 0.3],
+                "directions": {"ry": {"spring": "rigid", "motor": motor}},
+            }
+        )
+    data = {
+        "name": "servo_arm",
+        "gravity": [0, 0, -9.81],
+        "sample_time": T,
+        "sensors": {"encoder_noise": NOISE},
+        "bodies": links,
+        "outputs": {"joints": {"coordinates": ["body_1.ry", "body_2.ry"]}},
+        "controlled": "joints",
+    }
+    return robot_from_data(data, "servo_arm.yaml")
+
+
 def command(duration: float, seed: int = 0) -> np.ndarray:
     """Commanded positions that begin at rest, shape (n, 1)."""
     time = np.arange(round(duration / T)) * T
@@ -53,14 +80,20 @@ def command(duration: float, seed: int = 0) -> np.ndarray:
 
 @cache
 def servo_log(
-    *effects: str, feedforward: float = 0.0, duration: float = 12.0, seed: int = 0, noise: float = NOISE
+    *effects: str,
+    feedforward: float = 0.0,
+    duration: float = 12.0,
+    seed: int = 0,
+    noise: float = NOISE,
+    arm: bool = False,
 ) -> Log:
-    """A log of commanded and measured positions of a joint with effects."""
-    robot = servo_robot(feedforward).commanded_by("position")
+    """A log of commanded and measured positions of a joint with effects, or of the arm."""
+    robot = (servo_arm() if arm else servo_robot(feedforward)).commanded_by("position")
     placed = place_effects(robot, [parse_effect(text, "test") for text in effects])
-    wanted = command(duration, seed)
+    names = robot.joint_names
+    wanted = np.hstack([command(duration, seed + 7 * k) for k in range(len(names))])
     rate = np.gradient(wanted, T, axis=0)
-    stiffness = placed.robot.parameters["motor_1.servo_stiffness"].value
+    stiffness = np.array([placed.robot.parameters[f"{name}.servo_stiffness"].value for name in names])
     start = placed.robot.equilibrium(motor_position=wanted[0])
     carried = placed.robot.parameters["motor_1.servo_integral"].value > 0
     for _ in range(0 if carried else 3):  # the servo gives way to gravity
@@ -73,4 +106,4 @@ def servo_log(
         plant.advance(row, rate[k])
     positions += noise * np.random.default_rng([seed, 1]).normal(size=positions.shape)
     stamp = stamps_ns(len(wanted), T)
-    return Log(JointSeries(stamp, ONE, position=positions), JointSeries(stamp, ONE, position=wanted))
+    return Log(JointSeries(stamp, names, position=positions), JointSeries(stamp, names, position=wanted))

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from pydantic import Field
 
 from flexros.effects.kinds.model_change import AbstractChangedValues
+from flexros.effects.kinds.ranges import Range
 from flexros.robot.parameters import INERTIA_COMPONENTS
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from flexros.arrays import FloatArray
     from flexros.effects.kinds.base import Stage
     from flexros.robot import Robot
@@ -24,8 +28,8 @@ class ToolLoad(AbstractChangedValues):
 
     With mass m_0, centre of mass c_0 and inertia I_0 of the body and mass m at c, the body has the mass m_0 + m, the
     centre of mass (m_0 c_0 + m c) / (m_0 + m) and the inertia of both about it. A model made from a URDF is that of the
-    bare arm: a diagnosis estimates the load there, as a number that is unknown. Where the load is known but wrong, that
-    is a payload error.
+    bare arm: a diagnosis estimates the load there from the torques, as a number that is unknown. Logs of servos have no
+    torques: there the load is a candidate like others. Where the load is known but wrong, that is a payload error.
     """
 
     name: ClassVar[str] = "tool_load"
@@ -36,6 +40,16 @@ class ToolLoad(AbstractChangedValues):
         "acceleration"
     )
 
+    ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
+        {
+            "mass": Range("relative", 1e-3, 30.0, 3, source="chosen [kg]: from a pen to the load of a large arm"),
+            **{
+                axis: Range("relative", 1e-3, 1.0, (0.0,), signed=True, source="chosen [m]", vanishes="never")
+                for axis in "xyz"
+            },
+        }
+    )
+
     mass: float = Field(0.0, ge=0.0, description="mass [kg]")
     x: float = Field(0.0, description="its place from the last joint, along x of the base at zero pose [m]")
     y: float = Field(0.0, description="the same along y [m]")
@@ -44,6 +58,14 @@ class ToolLoad(AbstractChangedValues):
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """Return the tool, the only location of a load, on robots whose last body turns or slides."""
         return ("tool",) if last_moved(robot) else ()
+
+    def sought(self, robot: Robot, location: str) -> bool:
+        """Return whether several servos move the robot under gravity.
+
+        Other logs have torques, which show the load. What a load does to a single servo, other gains do as well.
+        """
+        del location
+        return robot.commands == "position" and robot.n_motors > 1 and any(robot.spec.gravity.value)
 
     def values(self, robot: Robot, location: str) -> dict[str, float]:
         """Return mass, centre of mass and inertia of the last body that moves, with the load."""

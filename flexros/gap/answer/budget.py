@@ -161,6 +161,12 @@ def _model_numbers(findings: Findings) -> tuple[ModelNumber, ...]:
         if class_of(candidate.effect) != MODEL_NUMBERS or candidate.name in findings.beyond_search:
             continue
         placed = candidate.placed({name: parameter.value for name, parameter in parameters.items()})
+        if isinstance(placed.effect, ToolLoad):
+            numbers += [
+                _load_number(name, one.value, one.std, one.unit, determined=one.determined)
+                for name, one in parameters.items()
+            ]
+            continue
         assert isinstance(placed.effect, AbstractChangedValues)
         (parameter,) = parameters.values()  # the values are linear in it
         for name, value in placed.effect.values(robot, candidate.location).items():
@@ -261,15 +267,12 @@ def _of_load(load: ToolLoad, robot: Robot, relative: Mapping[str, float], bare: 
     deviation = float(np.hypot(relative.get(f"{body}.mass", 0.0) * mass, of_bare))
     farther = float(np.hypot(np.max(np.abs(center) * of_center) * mass, of_bare * apart)) / max(load.mass, 1e-300)
     values = ("mass", load.mass, deviation, "kg"), *((axis, getattr(load, axis), farther, "m") for axis in "xyz")
-    return [
-        ModelNumber(
-            location="tool",
-            name=f"tool_load.{name}",
-            nominal=0.0,
-            value=value,
-            std=std,
-            unit=unit,
-            determined=deviation <= load.mass,  # a place is known as well at zero, where there is a load
-        )
-        for name, value, std, unit in values
-    ]
+    determined = deviation <= load.mass  # a place is known as well at zero, where there is a load
+    return [_load_number(*one, determined=determined) for one in values]
+
+
+def _load_number(name: str, value: float, std: float, unit: str, *, determined: bool) -> ModelNumber:
+    """Return mass or place of a load that the robot file leaves out."""
+    return ModelNumber(
+        location="tool", name=f"tool_load.{name}", nominal=0.0, value=value, std=std, unit=unit, determined=determined
+    )

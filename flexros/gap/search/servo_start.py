@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from flexros.effects.delay import Delay
 from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.effects.friction.viscous_friction import ViscousFriction
+from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_moved
 from flexros.effects.motor_inertia_error import MotorInertiaError
 from flexros.effects.servos import ServoCommandLag, ServoDampingError, ServoStiffnessError
 from flexros.effects.torque_gain_error import TorqueGainError
@@ -36,6 +38,8 @@ if TYPE_CHECKING:
 
 OF_SERVO = (CoulombFriction, ViscousFriction, ServoStiffnessError, MotorInertiaError)
 """Effects of a servo that stays within its limit. Its damping acts on its speed as viscous friction does."""
+
+_Start: TypeAlias = "tuple[Sequence[tuple[Candidate, float]], Mapping[str, float]]"
 
 
 def limited_servos(robot: Robot, record: Record, often: float) -> BoolArray:
@@ -70,6 +74,9 @@ def fit_of_servos(
     damping. A filter of the commands makes a motor late as a delay does; each is tried in place of the other, and both
     together: the search adds one effect at a time, and would not come from a delay to filters at all motors.
 
+    What a load does that the robot file leaves out, wrong rotors and filters may do nearly as well: where it removes a
+    good part of what the best fit leaves, all begin again with it.
+
     Args:
         null: The nominal model, fitted.
         regressed: The nominal model with what a regression of the torques shows; None without one.
@@ -89,31 +96,67 @@ def fit_of_servos(
     begin = settings.servo_start
     limited = limited_servos(robot, record, begin.often_limited)
     competing = competitors(robot, settings.search, null.data.record.prescribed)
-    listed = [pair for pair in _begun(null, limited, begin) if competing.contain(pair[0])]
-    lags = [pair for pair in listed if pair[0].effect is ServoCommandLag]
-    begun = [pair for pair in listed if pair[0].effect is not ServoCommandLag]
-    if not begun:
+    begun = [pair for pair in _begun(null, limited, begin) if competing.contain(pair[0])]
+    load = [pair for pair in begun if pair[0].effect is ToolLoad]
+    bare = [pair for pair in begun if pair[0].effect is not ToolLoad]
+    first = {} if regressed is None else _first_values(regressed)
+    screen = partial(_screened, null, settings=settings, stop=stop)
+
+    def screened(plan: Sequence[_Start], begins: float, ends: float) -> list[CandidateFit]:
+        tried = []
+        for done, one in enumerate(plan):
+            if progress is not None:
+                progress("servos", begins + (ends - begins) * done / len(plan))
+            tried.append(screen(*one))
+        return tried
+
+    delays = [delay * record.sample_time for delay in begin.delays]
+    undamped = begin.undamped if limited.any() else None
+    plan = partial(_plan, delays=delays, first=first, robot=robot, undamped=undamped)
+    if not any(pair[0].effect is not ServoCommandLag for pair in bare):
         return None
-    errors = (0.0, begin.undamped) if limited.any() else (0.0,)
-    undamped = [{f"{ServoDampingError.name}@{name}": error for name in robot.joint_names} for error in errors]
-    delays = [{f"{Delay.name}@all": delay * record.sample_time} for delay in begin.delays]
-    starts = [{**first, **late} for first, late in product(undamped, delays)]
-    plan = [(begun, own) for own in starts]
-    if regressed is not None:
-        plan.append((begun, _first_values(regressed)))
-    if lags:
-        punctual = [pair for pair in begun if pair[0].effect is not Delay]
-        late = [[*rest, *lags] for rest in (punctual, begun)]
-        plan += list(product(late, undamped))
-    tried = []
-    for done, (effects, own) in enumerate(plan):
-        if progress is not None:
-            progress("servos", done / len(plan))
-        tried.append(_screened(null, effects, own, settings, stop))
-    best = _likeliest(tried, null.data.n_values)
+    best = _likeliest(screened(plan(bare), 0.0, 0.5 if load else 1.0), null.data.n_values)
     if best is None:
         return None
+    if load:
+        own = [pair for pair in bare if pair[0].name in best.names]
+        loaded = screen([*own, *load], _first_values(best))
+        left, n = best.chi2 - null.data.n_values, null.data.n_values
+        if left > 0 and best.chi2 - loaded.chi2 > settings.search.removed_of_all * left:
+            best = _likeliest([loaded, *screened(plan([*bare, *load]), 0.5, 1.0)], n) or best
     return fit(best.predictor, null.data, best.theta, settings.fit.final_iterations, settings=settings.fit, stop=stop)
+
+
+def _plan(
+    begun: Sequence[tuple[Candidate, float]],
+    *,
+    delays: Sequence[float],
+    first: Mapping[str, float],
+    robot: Robot,
+    undamped: float | None,
+) -> list[_Start]:
+    """List the starts: each with its effects, and with initial values other than theirs, by name.
+
+    Args:
+        begun: The effects with their initial values, filters of the commands among them.
+        delays: Initial delays [s].
+        first: Values of a regression; empty without one.
+        robot: The robot.
+        undamped: Relative error of the damping of a loop that hardly brakes, a further value where servos are at their
+            limits [1]; None where none is.
+    """
+    errors = (0.0,) if undamped is None else (0.0, undamped)
+    damping = [{f"{ServoDampingError.name}@{name}": error for name in robot.joint_names} for error in errors]
+    lags = [pair for pair in begun if pair[0].effect is ServoCommandLag]
+    delayed = [pair for pair in begun if pair[0].effect is not ServoCommandLag]
+    late = [{f"{Delay.name}@all": delay} for delay in delays]
+    plan: list[_Start] = [(delayed, {**one, **other}) for one, other in product(damping, late)]
+    if first:
+        plan.append((delayed, first))
+    if lags:
+        punctual = [pair for pair in delayed if pair[0].effect is not Delay]
+        plan += product([[*rest, *lags] for rest in (punctual, delayed)], damping)
+    return plan
 
 
 def _screened(
@@ -125,7 +168,11 @@ def _screened(
 ) -> CandidateFit:
     """Fit effects a little, from values by their names where these are given."""
     predictor = null.predictor(tuple(one for one, _ in begun))
-    sizes = [one.free[0].encode(own.get(one.name, value)) for one, value in begun]
+    sizes = [
+        free.encode(own.get(one.name, value) if free is one.free[0] else free.starts[0])
+        for one, value in begun
+        for free in one.free
+    ]
     theta = np.clip(np.concatenate([sizes, np.zeros(predictor.tolerance.n_free)]), *predictor.bounds)
     return fit(predictor, null.data, theta, settings.servo_start.iterations, settings=settings.fit, stop=stop)
 
@@ -158,7 +205,9 @@ def _begun(null: NullFit, limited: BoolArray, settings: ServoStartSettings) -> l
     others = [name for name, one in zip(robot.joint_names, limited, strict=True) if not one]
     for candidate in list_candidates(robot, scales, measured=True, known=null.model.laws):
         first = replace(candidate, free=candidate.free[:1])
-        if candidate.effect is ServoCommandLag:
+        if candidate.effect is ToolLoad:
+            begun.append((candidate, settings.little_load * body_numbers(robot, last_moved(robot))[0]))
+        elif candidate.effect is ServoCommandLag:
             begun.append((first, settings.lag * record.sample_time))
         elif (candidate.effect in OF_SERVO and candidate.location in others) or candidate.name == f"{Delay.name}@all":
             little = settings.little_friction * first.free[0].high

@@ -162,6 +162,11 @@ class ServoStartSettings(Settings):
         gt=0,
         description="initial Coulomb friction of other servos, over the largest one of its range [1] (chosen)",
     )
+    little_load: float = Field(
+        default=0.5,
+        gt=0,
+        description="initial mass of a load that the robot file leaves out, over that of the last body [1] (chosen)",
+    )
     undamped: float = Field(
         default=-0.85,
         gt=-1,

@@ -7,6 +7,7 @@ import pytest
 
 from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_moved
 from flexros.robot import load_robot
+from tests.gap.servo_logs import servo_arm, servo_robot
 
 
 def test_body_with_a_load_is_both_together() -> None:
@@ -26,3 +27,11 @@ def test_body_with_a_load_is_both_together() -> None:
 def test_no_mass_changes_nothing() -> None:
     robot = load_robot("elbow")
     assert ToolLoad().changed(robot, "tool") is robot
+
+
+def test_a_diagnosis_seeks_it_where_several_servos_carry_it() -> None:
+    """Other logs have torques, which show it; what it does to a single servo, other gains do as well."""
+    arm, joint = servo_arm(), servo_robot()
+    assert ToolLoad().sought(arm.commanded_by("position"), "tool")
+    assert not ToolLoad().sought(arm, "tool")
+    assert not ToolLoad().sought(joint.commanded_by("position"), "tool")

@@ -118,6 +118,20 @@ def test_of_two_effects_that_do_much_the_same_the_better_one_stays() -> None:
     assert len(fits) == 1
 
 
+def test_of_unclear_effects_at_a_motor_the_least_clear_one_goes_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Inertia and viscous friction have a common factor: without the one that is nearly zero, the other is clear."""
+
+    def sizes(fit: Fit, _: Any) -> list[dict[str, Any]]:
+        both = {INERTIA, VISCOUS} <= fit.names
+        unclear = {INERTIA: size_of(-0.39, 0.49), VISCOUS: size_of(-0.03, 4.3)}
+        return [{"size": unclear[one] if both and one in unclear else size_of(1.0, 0.1)} for one in fit.kept]
+
+    monkeypatch.setattr(elimination, "parameters_of", sizes)
+    base, rest = (INERTIA, VISCOUS, "coulomb_friction@motor_2"), frozenset({INERTIA, "coulomb_friction@motor_2"})
+    search: Any = Search({rest: 2001.0}, {INERTIA: 1.0, VISCOUS: 2.0, "coulomb_friction@motor_2": 500.0}, base)
+    assert elimination.reduced(search, Fit(base, 2000.0), [], 0.2).names == rest  # type: ignore[arg-type]
+
+
 def test_a_further_effect_that_removes_little_is_left_out() -> None:
     every = Fit((COULOMB, BIAS), 2000.0)
     search: Any = Search({frozenset({COULOMB}): 2050.0}, {COULOMB: 900.0, BIAS: 50.0}, (COULOMB,))

@@ -23,7 +23,7 @@ from flexros.logs.time_series import JointSeries, Log
 from flexros.record.record import Record
 from flexros.simulate.plant import Plant
 from tests.gap.diagnosis_logs import settings_of
-from tests.gap.servo_logs import NOISE, ONE, T, servo_log, servo_robot
+from tests.gap.servo_logs import NOISE, ONE, T, servo_arm, servo_log, servo_robot
 
 pytestmark = pytest.mark.slow
 
@@ -147,3 +147,20 @@ def test_a_servo_begins_with_the_filter_or_the_delay_of_its_commands_that_the_lo
     assert other not in sizes
     assert sizes[late.partition("@")[0]] == pytest.approx(float(late.partition("=")[2]), rel=0.02)
     assert sizes["coulomb_friction"] == pytest.approx(0.3, rel=0.1)
+
+
+def test_a_load_that_the_file_leaves_out_is_found_beside_late_commands() -> None:
+    """Without the load, wrong rotors and filters of the commands took up what it does."""
+    hidden = ("tool_load@tool:mass=0.4,z=0.25", "delay@all:time=0.01", "motor_inertia_error@motor_2:relative=0.4")
+    robot = servo_arm()
+    record = replace(checked_log(servo_log(*hidden, arm=True), robot, name="log"), imported=True)
+    model = RobotWithEffects(robot.commanded_by("position"), ())
+    nominal = fit_null(fit_data(record, model, DiagnosisSettings()), model, tolerance_of(model.robot, {}))
+    found = fit_of_servos(nominal, None, DiagnosisSettings())
+    assert found is not None
+    values = {one.name: own for one, own in zip(found.hypothesis, found.predictor.values(found.theta), strict=True)}
+    assert values["tool_load@tool"]["mass"] == pytest.approx(0.4, rel=0.1)
+    assert values["tool_load@tool"]["z"] == pytest.approx(0.25, rel=0.1)
+    assert values["delay@all"]["time"] == pytest.approx(0.01, rel=0.05)
+    assert not any(name.startswith("servo_command_lag") for name in values)
+    assert values["motor_inertia_error@motor_2"]["relative"] == pytest.approx(0.4, abs=0.1)
