@@ -99,3 +99,13 @@ def best_of_each(fits: Sequence[CandidateFit]) -> list[CandidateFit]:
         if fit.names not in best or fit.chi2 < best[fit.names].chi2:
             best[fit.names] = fit
     return sorted(best.values(), key=lambda fit: fit.chi2)
+
+
+def first_parameters(fit: CandidateFit) -> dict[str, float]:
+    """Return the first parameter of every effect of a fit, mostly its size, by effect@location [its unit].
+
+    Args:
+        fit: The fit.
+    """
+    values = fit.predictor.values(fit.theta)
+    return {one.name: next(iter(found.values())) for one, found in zip(fit.hypothesis, values, strict=True)}

@@ -19,6 +19,7 @@ from flexros.effects.torque_gain_error import TorqueGainError
 from flexros.gap.candidates.candidate import Candidate, free_parameter, list_candidates
 from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.scales import scales_of_motors
+from flexros.gap.fit.candidate_fit import first_parameters
 from flexros.gap.fit.least_squares import fit
 from flexros.record.missing_samples import bridged_motion
 from flexros.record.servo_torque import servo_torque
@@ -99,7 +100,7 @@ def fit_of_servos(
     begun = [pair for pair in _begun(null, limited, begin) if competing.contain(pair[0])]
     load = [pair for pair in begun if pair[0].effect is ToolLoad]
     bare = [pair for pair in begun if pair[0].effect is not ToolLoad]
-    first = {} if regressed is None else _first_values(regressed)
+    first = {} if regressed is None else first_parameters(regressed)
     screen = partial(_screened, null, settings=settings, stop=stop)
 
     def screened(plan: Sequence[_Start], begins: float, ends: float) -> list[CandidateFit]:
@@ -120,7 +121,7 @@ def fit_of_servos(
         return None
     if load:
         own = [pair for pair in bare if pair[0].name in best.names]
-        loaded = screen([*own, *load], _first_values(best))
+        loaded = screen([*own, *load], first_parameters(best))
         left, n = best.chi2 - null.data.n_values, null.data.n_values
         if left > 0 and best.chi2 - loaded.chi2 > settings.search.removed_of_all * left:
             best = _likeliest([loaded, *screened(plan([*bare, *load]), 0.5, 1.0)], n) or best
@@ -185,12 +186,6 @@ def _likeliest(fits: Sequence[CandidateFit], n_values: int) -> CandidateFit | No
     finite = [one for one in fits if np.isfinite(one.chi2)]
     left = max(min((one.chi2 for one in finite), default=0.0) / n_values, 1.0)
     return min(finite, key=lambda one: one.chi2 / left + len(one.theta) * np.log(n_values), default=None)
-
-
-def _first_values(fit: CandidateFit) -> dict[str, float]:
-    """Return the first parameter of every effect of a fit, by effect and location."""
-    values = fit.predictor.values(fit.theta)
-    return {one.name: next(iter(found.values())) for one, found in zip(fit.hypothesis, values, strict=True)}
 
 
 def _begun(null: NullFit, limited: BoolArray, settings: ServoStartSettings) -> list[tuple[Candidate, float]]:

@@ -44,7 +44,20 @@ def levels(monkeypatch: pytest.MonkeyPatch) -> dict[str, float]:
 
     monkeypatch.setattr(within_floor, "with_more", with_more)
     monkeypatch.setattr(within_floor, "one_by_one", lambda _search, one, _fits: one)
+    monkeypatch.setattr(within_floor, "first_parameters", lambda one: dict.fromkeys(one.names, 1.0))
     return known
+
+
+@pytest.mark.parametrize(("size", "found"), [(0.55, {"base", "one", "two"}), (0.45, {"base"}), (-0.9, {"base"})])
+def test_effects_beside_which_others_would_have_quite_another_size_are_none(
+    levels: dict[str, float], size: float, found: set[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def sizes(one: Any) -> dict[str, float]:
+        return {name: size if name == "base" and len(one.names) > 1 else 1.0 for name in one.names}
+
+    monkeypatch.setattr(within_floor, "first_parameters", sizes)
+    begin = fit("base", level=levels["base"])
+    assert within_floor.grown_within_floor(search(), begin, [], []).names == found
 
 
 def test_effects_that_leave_little_together_are_kept(levels: dict[str, float]) -> None:
