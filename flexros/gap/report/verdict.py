@@ -131,8 +131,9 @@ def _partly(diagnosis: Diagnosis) -> str:
 
 
 def _lacking(diagnosis: Diagnosis) -> str:
-    """Say which numbers the model lacks that the repair has; empty where it has no share of the gap for that."""
-    rows = [one for one in diagnosis.budget if one.effect in _LACKED]
+    """Say which numbers the model lacks that the repair has and no cause is; empty where they have no share."""
+    named = {one.effect for one in diagnosis.causes}  # a load of servos is a cause, and named as one
+    rows = [one for one in diagnosis.budget if one.effect in _LACKED and one.effect not in named]
     found = {one.name: one for one in diagnosis.model_numbers}
     texts = []
     for row in rows:

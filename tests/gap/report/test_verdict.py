@@ -40,6 +40,17 @@ def test_sizes_of_what_the_model_lacks_are_stated(diagnosed: Diagnosed) -> None:
     ) in text
 
 
+def test_a_load_that_is_named_as_a_cause_is_not_told_twice(diagnosed: Diagnosed) -> None:
+    diagnosis = diagnosed("explained").diagnosis
+    cause = diagnosis.causes[0]
+    load = cause.model_copy(update={"effect": "tool_load", "location": "tool"})
+    row = {"class": "model numbers", "share_first": None, "share_last": 0.1, "interval": None, "joint": "tool"}
+    share = BudgetShare.model_validate({**row, "location": "tool", "effect": "tool_load"})
+    text = verdict_sentence(diagnosis.model_copy(update={"causes": (load,), "budget": (share,)}))
+    assert "The gap comes from tool load at the tool" in text
+    assert "The model lacked" not in text
+
+
 def test_no_gap_names_the_floor(diagnosed: Diagnosed) -> None:
     text = verdict_sentence(diagnosed("no_gap").diagnosis)
     assert text.startswith("No gap: model and log agree")
