@@ -183,10 +183,10 @@ def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
     little they remove a small part of the gap of all joints, and are as real as at the others. A size that changes
     nothing, such as a small delay of commands whose servo is at its limit, has no deviation and is not clear.
     Where a further effect at the same motor is not worth it either, that one goes first: beside friction by the load,
-    which removes little, Coulomb friction is not clear, and left out first it could not come back. Of those that
-    torques show, the least clear one at a motor goes first: at a wrist without weight, inertia, stiffness and viscous
-    friction of a servo may have any common factor, and without an inertia that was 39 % too large the two others were
-    clear, each off by 60 %.
+    which removes little, Coulomb friction is not clear, and left out first it could not come back. Of the
+    effects of a servo the least clear one goes first: at a wrist without weight its inertia, stiffness and viscous
+    friction may have any common factor, and without an inertia that was 39 % too large the two others were clear, each
+    off by 60 %.
 
     Args:
         search: The search.
@@ -206,7 +206,8 @@ def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
             clear, tolerated = search.settings.search.clear_in_torques, _tolerated(search, candidate)
             most = {one.name: one.high for one in candidate.free}
             nothing = _tolerated_torque(search, candidate)
-            clearness[candidate.name] = _clearness(parameters.values())
+            if search.data.record.command is not None:
+                clearness[candidate.name] = _clearness(parameters.values())
             worth_it = any(
                 abs(size.value) > max(clear * hypot(size.std, tolerated), nothing, NOTHING * most[name])
                 for name, size in parameters.items()

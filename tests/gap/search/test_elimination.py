@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from flexros.effects import effects
@@ -64,7 +65,7 @@ class Search:
         null = SimpleNamespace(predictor=SimpleNamespace(tolerance=tolerance))
         self.null = SimpleNamespace(fit=null, model=SimpleNamespace(robot=robot))
         self.premises = MEASURED
-        self.data = SimpleNamespace(n_values=N, negligible=0.0)
+        self.data = SimpleNamespace(n_values=N, negligible=0.0, record=SimpleNamespace(command=None))
         self.settings = DiagnosisSettings()
         self.deadline = Deadline()
 
@@ -118,7 +119,7 @@ def test_of_two_effects_that_do_much_the_same_the_better_one_stays() -> None:
     assert len(fits) == 1
 
 
-def test_of_unclear_effects_at_a_motor_the_least_clear_one_goes_first(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_of_unclear_effects_of_a_servo_the_least_clear_one_goes_first(monkeypatch: pytest.MonkeyPatch) -> None:
     """Inertia and viscous friction have a common factor: without the one that is nearly zero, the other is clear."""
 
     def sizes(fit: Fit, _: Any) -> list[dict[str, Any]]:
@@ -129,6 +130,7 @@ def test_of_unclear_effects_at_a_motor_the_least_clear_one_goes_first(monkeypatc
     monkeypatch.setattr(elimination, "parameters_of", sizes)
     base, rest = (INERTIA, VISCOUS, "coulomb_friction@motor_2"), frozenset({INERTIA, "coulomb_friction@motor_2"})
     search: Any = Search({rest: 2001.0}, {INERTIA: 1.0, VISCOUS: 2.0, "coulomb_friction@motor_2": 500.0}, base)
+    search.data.record.command = np.zeros((N, 2))
     assert elimination.reduced(search, Fit(base, 2000.0), [], 0.2).names == rest  # type: ignore[arg-type]
 
 
