@@ -185,8 +185,7 @@ def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
     Where a further effect at the same motor is not worth it either, that one goes first: beside friction by the load,
     which removes little, Coulomb friction is not clear, and left out first it could not come back. Of the
     effects of a servo the least clear one goes first: at a wrist without weight its inertia, stiffness and viscous
-    friction may have any common factor, and without an inertia that was 39 % too large the two others were clear, each
-    off by 60 %.
+    friction may have any common factor, and without the one that is wrong the others would be clear instead.
 
     Args:
         search: The search.
