@@ -100,32 +100,41 @@ def fit_of_servos(
     begun = [pair for pair in _begun(null, limited, begin) if competing.contain(pair[0])]
     load = [pair for pair in begun if pair[0].effect is ToolLoad]
     bare = [pair for pair in begun if pair[0].effect is not ToolLoad]
-    first = {} if regressed is None else first_parameters(regressed)
-    screen = partial(_screened, null, settings=settings, stop=stop)
-
-    def screened(plan: Sequence[_Start], begins: float, ends: float) -> list[CandidateFit]:
-        tried = []
-        for done, one in enumerate(plan):
-            if progress is not None:
-                progress("servos", begins + (ends - begins) * done / len(plan))
-            tried.append(screen(*one))
-        return tried
-
-    delays = [delay * record.sample_time for delay in begin.delays]
-    undamped = begin.undamped if limited.any() else None
-    plan = partial(_plan, delays=delays, first=first, robot=robot, undamped=undamped)
     if not any(pair[0].effect is not ServoCommandLag for pair in bare):
         return None
-    best = _likeliest(screened(plan(bare), 0.0, 0.5 if load else 1.0), null.data.n_values)
+    plan = partial(
+        _plan,
+        delays=[delay * record.sample_time for delay in begin.delays],
+        first={} if regressed is None else first_parameters(regressed),
+        robot=robot,
+        undamped=begin.undamped if limited.any() else None,
+    )
+    screen, n = partial(_screened, null, settings=settings, stop=stop), null.data.n_values
+    best = _likeliest(_all_screened(plan(bare), screen, progress, (0.0, 0.5 if load else 1.0)), n)
     if best is None:
         return None
     if load:
         own = [pair for pair in bare if pair[0].name in best.names]
-        loaded = screen([*own, *load], first_parameters(best))
-        left, n = best.chi2 - null.data.n_values, null.data.n_values
+        loaded, left = screen([*own, *load], first_parameters(best)), best.chi2 - n
         if left > 0 and best.chi2 - loaded.chi2 > settings.search.removed_of_all * left:
-            best = _likeliest([loaded, *screened(plan([*bare, *load]), 0.5, 1.0)], n) or best
+            best = _likeliest([loaded, *_all_screened(plan([*bare, *load]), screen, progress, (0.5, 1.0))], n) or best
     return fit(best.predictor, null.data, best.theta, settings.fit.final_iterations, settings=settings.fit, stop=stop)
+
+
+def _all_screened(
+    plan: Sequence[_Start],
+    screen: Callable[..., CandidateFit],
+    progress: Callable[[str, float], None] | None,
+    shares: tuple[float, float],
+) -> list[CandidateFit]:
+    """Fit all starts of a plan a little, and tell the share of all work before each, between two shares."""
+    begins, ends = shares
+    fits = []
+    for done, start in enumerate(plan):
+        if progress is not None:
+            progress("servos", begins + (ends - begins) * done / len(plan))
+        fits.append(screen(*start))
+    return fits
 
 
 def _plan(
