@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
+import dataclasses
+
 import pytest
 
 from flexros.benchmark.controllers import controller_names, load_controller, read_made_by, read_parameters
 from flexros.benchmark.evaluate import FeedbackBenchmark
-from flexros.control.context import LoopContext
-from flexros.control.design.margins import frequency_grid, loop_response
 from flexros.control.design.methods.base import DesignProblem, design_methods
-from flexros.control.linear_controller import linear_controller
 from flexros.robot import load_robot
 
 pytestmark = pytest.mark.slow
@@ -24,7 +22,7 @@ BY_HAND = {"pid_check", "pid_regulator"}
         ("pid_optimised", 142.6, 144.6),
         ("lqg", 125.0, 128.0),
         ("pid_section_1", 128.0, 131.0),
-        ("mu_synthesis", 138.0, 142.0),
+        ("mu_synthesis", 142.0, 145.0),
         ("acceleration_3", 99.0, 105.0),
     ],
 )
@@ -41,18 +39,12 @@ def test_every_tuned_design_names_its_command(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["mu_synthesis", "mixed_sensitivity"])
-def test_command_of_a_direct_design_makes_the_file_again(name: str) -> None:
+def test_command_of_a_direct_design_makes_it_again(name: str) -> None:
     pytest.importorskip("slycot")
-    robot = load_robot("four_mass")
-    problem = DesignProblem.of(robot)
-    context = LoopContext(robot, robot.sample_time)
-    frequency = frequency_grid(robot.sample_time)[::20]
-    # badly conditioned: for a plant that is 1e-15 off the controller is another one, the loop the same within 0.3 %
-    again, kept = (
-        1 / (1 + loop_response(problem.sampled, linear_controller(law, context), frequency).loop)
-        for law in (
-            design_methods()[name](**read_parameters(name).get("nominal", {})).design(problem).law(),
-            load_controller(name).nominal,
-        )
-    )
-    assert np.abs(again - kept).max() < 0.01 * np.abs(kept).max()
+    problem, method, kept = DesignProblem.of(load_robot("four_mass")), design_methods()[name], load_controller(name)
+    numbers = read_parameters(name) or {"nominal": {}}
+    laws = {part: method(**values).design(problem).law() for part, values in numbers.items()}
+    again = dataclasses.replace(kept, **{"perturbed": laws["nominal"], **laws})
+    benchmark = FeedbackBenchmark(kept.sensors)
+    # D-K iteration: rounding errors move the controller by some percent, its cost by less than 0.5 %
+    assert benchmark.evaluate(again).cost == pytest.approx(benchmark.evaluate(kept).cost, rel=0.01)

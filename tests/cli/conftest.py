@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import json
 import os
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -27,6 +28,11 @@ class Ended:
     code: int
     out: str
     err: str
+
+    @property
+    def told(self) -> list[str]:
+        """Lines on standard error but for those of progress, which come on a slow machine."""
+        return [line for line in self.err.splitlines() if not re.match(r"flexros: \d+ s: ", line)]
 
 
 def check_output(arguments: tuple[str, ...], text: str) -> Any:

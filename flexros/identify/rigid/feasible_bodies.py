@@ -7,6 +7,7 @@ torque best is the solution of a semidefinite program.
 
 from __future__ import annotations
 
+import warnings
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,12 +19,10 @@ if TYPE_CHECKING:
 
     from flexros.arrays import FloatArray
 
-INSIDE = 1e-4
-"""Share of the way back from the solution to the nominal robot [1] (chosen): the solution may be on the border of what
-is feasible, where a body is flat."""
-
-LEAST = 0.01
-"""Least value to begin with of parameters that are not negative, over the largest nominal one [1] (chosen)."""
+FULLNESS = 1e-3
+"""Weight of log det of the pseudo-inertias against the sum of squares [1] (chosen): on the border of what is feasible a
+body is flat, and a simulated joint that carries almost no inertia diverges. Of parameters that solve the equations
+almost equally well, it takes those of fuller bodies."""
 
 
 def feasible_parameters(
@@ -44,9 +43,7 @@ def feasible_parameters(
     """
     import cvxpy as cp  # here, because it loads slowly
 
-    inside = nominal.copy()
-    inside[positive] = np.maximum(nominal[positive], LEAST * (np.abs(nominal[positive]).max(initial=0.0) or 1.0))
-    if any(np.linalg.eigvalsh(_pseudo_inertia(inside[rows])).min() <= 0 for rows in bodies.values()):
+    if any(np.linalg.eigvalsh(_pseudo_inertia(nominal[rows])).min() <= 0 for rows in bodies.values()):
         return None
     free = [*(index for rows in bodies.values() for index in rows), *positive]
     size = np.linalg.norm(weights[:, free], axis=0)
@@ -54,21 +51,26 @@ def feasible_parameters(
     factor, turned = np.linalg.qr(weights[:, free] / size), wanted - weights @ _without(nominal, free)
     x = cp.Variable(len(free))
     constraints = [x[10 * len(bodies) :] >= 0] if positive else []
+    fullness = []
     for number in range(len(bodies)):
         rows = slice(10 * number, 10 * number + 10)
-        span = _pseudo_inertia(inside[free[rows]])
+        span = _pseudo_inertia(nominal[free[rows]])
         half = np.diag(1 / np.sqrt(np.diag(span)))  # so that its entries are about 1
         terms = [x[rows.start + k] / size[rows.start + k] * (half @ _DIRECTIONS[k] @ half) for k in range(10)]
-        constraints.append(cp.sum(terms) >> 0)
-    problem = cp.Problem(cp.Minimize(cp.sum_squares(factor.R @ x - factor.Q.T @ turned)), constraints)
+        fullness.append(cp.log_det(cp.sum(terms)))
+    misfit = cp.sum_squares(factor.R @ x - factor.Q.T @ turned)
+    problem = cp.Problem(cp.Minimize(misfit - FULLNESS * cp.sum(fullness)), constraints)
     try:
-        problem.solve(solver=cp.CLARABEL)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # an inaccurate solution is one to compare with others too
+            problem.solve(solver=cp.CLARABEL)
     except cp.SolverError:
         return None
     if x.value is None:
         return None
     found = nominal.copy()
-    found[free] = (1 - INSIDE) * np.asarray(x.value) / size + INSIDE * inside[free]
+    found[free] = np.asarray(x.value) / size
+    found[positive] = np.maximum(found[positive], 0.0)
     return found
 
 

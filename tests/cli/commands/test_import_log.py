@@ -62,7 +62,7 @@ def test_bad_input_is_one_sentence_and_code_2(flexros, files, tmp_path: Path, ch
     ended = flexros("import", *arguments, "--out", str(tmp_path / "bag"))
     assert ended.code == 2
     assert message in ended.err
-    assert ended.err.count("\n") == 1
+    assert len(ended.told) == 1
     assert not (tmp_path / "bag").exists()
 
 

@@ -88,7 +88,7 @@ def test_bad_input_is_one_sentence_and_code_2(flexros: Flexros, arguments: list[
     ended = flexros(*arguments)
     assert ended.code == 2
     assert message in ended.err
-    assert ended.err.count("\n") == 1
+    assert len(ended.told) == 1
     assert ended.out == ""
 
 

@@ -19,8 +19,8 @@ _FREQUENCIES = 150
 """Frequencies at which mu is computed [1] (chosen)."""
 _REST = 1e-3
 """Pole of the integral weight and noise at rest, over the integral frequency and the noise [1] (chosen)."""
-_PARAMETERS, _WIDEST = 3, 12.0
-"""Numbers of a first-order scaling, and their largest logarithm in the fit [1]."""
+_APART = np.array([0.02, 0.5, -0.5])
+"""Distances of zero and pole at which fits of a scaling start, over half the logarithm of the range [1] (chosen)."""
 
 
 class MuSynthesis(AbstractDesignMethod):
@@ -131,16 +131,21 @@ def mu_bounds(response: ComplexArray) -> tuple[FloatArray, FloatArray]:
 
 
 def fitted_scaling(scales: FloatArray, frequency: FloatArray) -> ContinuousSystem:
-    """Return gain (s + a) / (s + b), stable with stable inverse, whose magnitude fits scales best in logarithms."""
+    """Return gain (s + a) / (s + b), stable with stable inverse, whose magnitude fits scales best in logarithms.
+
+    a and b lie within the frequencies: further away they are not told, and a plant with faster states is badly
+    conditioned.
+    """
     w = 2 * np.pi * frequency
 
     def difference(logs: FloatArray) -> FloatArray:
         gain, a, b = np.exp(logs)
         return np.asarray(np.log(gain * np.hypot(w, a) / np.hypot(w, b)) - np.log(scales))
 
-    middle = float(np.mean(np.log(w)))
-    starts = [[float(np.mean(np.log(scales))), middle + apart, middle - apart] for apart in (0.1, 2.0, -2.0)]
-    limits = ([-40.0] + [-_WIDEST] * (_PARAMETERS - 1), [40.0] + [_WIDEST] * (_PARAMETERS - 1))
+    slowest, fastest = np.log([w.min(), w.max()])
+    middle, half = 0.5 * (slowest + fastest), 0.5 * (fastest - slowest)
+    starts = [[float(np.mean(np.log(scales))), middle + apart, middle - apart] for apart in half * _APART]
+    limits = ([-40.0, slowest, slowest], [40.0, fastest, fastest])
     found = min((least_squares(difference, start, bounds=limits) for start in starts), key=lambda fit: float(fit.cost))
     gain, a, b = np.exp(found.x)
     return ContinuousSystem.of_polynomials([float(gain), float(gain * a)], [1.0, float(b)])
