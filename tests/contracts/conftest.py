@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 CHECKOUT = Path(__file__).parents[2]
-TIMEOUT = 300.0
+TIMEOUT = 1500.0
 PROGRAM = "import sys; from flexros.cli import main; sys.exit(main())"
 
 

@@ -34,7 +34,7 @@ def test_no_outputs_are_kept(path: Path) -> None:
 def test_notebook_runs_and_shows_tables_and_pictures(path: Path, tmp_path: Path) -> None:
     notebook = nbformat.read(path, 4)
     folder = {"metadata": {"path": str(tmp_path)}}
-    NotebookClient(notebook, timeout=120, resources=folder).execute()
+    NotebookClient(notebook, timeout=600, resources=folder).execute()
     outputs = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
     kinds = {kind for output in outputs for kind in output.get("data", {})}
     assert {"text/html", "application/vnd.plotly.v1+json"} <= kinds
