@@ -27,7 +27,7 @@ from flexros.gap.noise.autoregression import autoregressive_spectrum
 from flexros.gap.noise.weights import measurement_in
 from flexros.gap.prediction.driven_model import driven_model
 from flexros.gap.progress import Stages
-from flexros.gap.residuals.fit_data import fit_data
+from flexros.gap.residuals.prepare_fit_data import fit_data, with_tool_frame_of
 from flexros.gap.search.forward_selection import explain
 from flexros.gap.search.looser import found_looser, looser_null
 from flexros.gap.search.prepare import prepare_search
@@ -219,7 +219,7 @@ class _Task:
         if null.data.level < data.level:
             around = (best.predictor, best.theta) if search.resumed else None
             held_data = fit_data(held, model, settings, measurement, null.data.level, around)
-        held_data = held_data.with_tool_frame_of(best.predictor, best.theta)
+        held_data = with_tool_frame_of(held_data, best.predictor, best.theta)
         return _Searched(null, held_data, unknown, prediction, excess, search, explanations)
 
     def answered(self, found: _Searched, stages: Stages) -> DiagnosisResult:

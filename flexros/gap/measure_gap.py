@@ -17,7 +17,7 @@ from flexros.gap.held_out.gap_floor import over_expected_floor, tolerance_floor,
 from flexros.gap.held_out.gap_numbers import gap_numbers, settled
 from flexros.gap.prediction.driven_model import driven_model
 from flexros.gap.progress import Stages
-from flexros.gap.residuals.fit_data import fit_data
+from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.search.model_probability import allowing_for_doubt, compare
 from flexros.gap.settings import DiagnosisSettings
 from flexros.identify.rigid.torque_timing import in_time

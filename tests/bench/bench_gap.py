@@ -33,7 +33,7 @@ from flexros.gap.held_out.split import split
 from flexros.gap.prediction.compiled_plant import LANES
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.report.files import write_diagnosis
-from flexros.gap.residuals.fit_data import fit_data
+from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.settings import DiagnosisSettings
 from flexros.robot import load_robot
 from flexros.scenario.closed_loop import closed_loop

@@ -10,7 +10,8 @@ import numpy as np
 from flexros.effects import RobotWithEffects, parse_effect, place_effects
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.prediction.predictor import Predictor
-from flexros.gap.residuals.fit_data import FitData, fit_data
+from flexros.gap.residuals.fit_data import FitData
+from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.settings import DiagnosisSettings
 from flexros.prediction.observer import observer_gain
 from flexros.record.further_sensors import SENSOR_QUANTITIES, SensorRecord

@@ -21,7 +21,7 @@ from flexros.gap.fit.candidate_fit import CandidateFit, best_of
 from flexros.gap.fit.least_squares import chi2_of, fit, initial_values
 from flexros.gap.fit.null_fit import NullFit, fit_null
 from flexros.gap.noise.encoder_noise import measure_noise
-from flexros.gap.residuals.fit_data import fit_data
+from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.settings import DiagnosisSettings, SearchSettings
 from flexros.logs.foreign.import_log import import_log

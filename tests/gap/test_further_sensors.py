@@ -15,7 +15,8 @@ from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
 from flexros.gap.fit.least_squares import chi2_of, fit, initial_values
 from flexros.gap.measure_gap import measure_gap
-from flexros.gap.residuals.fit_data import FitData, fit_data
+from flexros.gap.residuals.fit_data import FitData
+from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.settings import DiagnosisSettings
 from flexros.logs.foreign.import_log import import_log
 from flexros.logs.foreign.mapping import load_mapping

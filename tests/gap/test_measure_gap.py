@@ -10,7 +10,7 @@ from flexros.effects import RobotWithEffects, parse_effect, place_effects
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.measure_gap import measure_gap
-from flexros.gap.residuals.fit_data import fit_data
+from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.search.model_probability import compare
 from flexros.gap.settings import DiagnosisSettings
 from flexros.robot.robot import Robot

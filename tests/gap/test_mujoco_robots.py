@@ -21,7 +21,7 @@ from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
 from flexros.gap.fit.torques.noted_timing import with_torque_in_time_behind_springs
 from flexros.gap.measure_gap import measure_gap
-from flexros.gap.residuals.fit_data import fit_data
+from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.search.torque_start import TorqueStart, torque_start
 from flexros.gap.settings import DiagnosisSettings, SearchSettings
 from flexros.logs.foreign.import_log import import_log

@@ -12,7 +12,7 @@ from flexros.gap.diagnose import diagnose
 from flexros.gap.fit.least_squares import linearise
 from flexros.gap.measure_gap import measure_gap
 from flexros.gap.prediction.predictor import Predictor
-from flexros.gap.residuals.fit_data import fit_data
+from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.settings import DiagnosisSettings
 from flexros.record.record import Record
 from flexros.robot import load_robot

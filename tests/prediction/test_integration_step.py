@@ -12,7 +12,7 @@ from flexros.effects import RobotWithEffects
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.prediction import compiled_plant
 from flexros.gap.prediction.predictor import Predictor
-from flexros.gap.residuals.fit_data import fit_data
+from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.settings import DiagnosisSettings
 from flexros.prediction.integration_step import substeps
 from flexros.record.read import read_record

@@ -12,7 +12,7 @@ import pytest
 
 from flexros.effects import RobotWithEffects
 from flexros.gap.noise.encoder_noise import measure_noise
-from flexros.gap.residuals.fit_data import fit_data
+from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.settings import DiagnosisSettings
 from flexros.logs.foreign.import_log import import_log
 from flexros.logs.foreign.mapping import load_mapping

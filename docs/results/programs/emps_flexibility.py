@@ -12,7 +12,7 @@ from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.candidate_fit import best_of
 from flexros.gap.fit.least_squares import chi2_of, fit, initial_values
 from flexros.gap.fit.null_fit import fit_null
-from flexros.gap.residuals.fit_data import fit_data
+from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.settings import DiagnosisSettings
 from flexros.robot import load_robot

@@ -10,6 +10,7 @@ import numpy as np
 from flexros.gap.fit.least_squares import FIT, fit, linearise
 from flexros.gap.prediction.compiled_plant import LANES, compiled_plant
 from flexros.gap.prediction.predictor import Predictor
+from flexros.gap.residuals.prepare_fit_data import with_tool_frame_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -98,7 +99,7 @@ def fit_null(
         predictor, first = _predictor(data, model, (), tolerance), tolerance.along(first)
     null = fit(predictor, data, first, most, enough=enough, share=share, settings=settings, stop=stop)
     if data.tool is not None and predictor.n_fitted:
-        data = data.with_tool_frame_of(predictor, null.theta)
+        data = with_tool_frame_of(data, predictor, null.theta)
         null = fit(predictor, data, null.theta, most, enough=enough, share=share, settings=settings, stop=stop)
     return NullFit(model, data, null)
 

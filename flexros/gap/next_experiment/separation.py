@@ -11,7 +11,7 @@ from flexros.gap.candidates.candidate import Candidate, FreeParameter
 from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.fit.least_squares import chi2_of, fit
 from flexros.gap.prediction.predictor import Predictor
-from flexros.gap.residuals.fit_data import fit_data
+from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.search.model_probability import contrast_of, form_error
 from flexros.gap.settings import DiagnosisSettings
 from flexros.identify.design.default_controller import default_controller

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from flexros.gap.fit.least_squares import chi2_of
 from flexros.gap.fit.null_fit import NullFit, fit_null
-from flexros.gap.residuals.fit_data import fit_data
+from flexros.gap.residuals.prepare_fit_data import fit_data, with_tool_frame_of
 from flexros.gap.search.forward_selection import explain
 from flexros.gap.search.growth import in_vain
 from flexros.gap.search.prepare import prepare_search
@@ -122,7 +122,7 @@ def _looser_search(search: Search, chosen: CandidateFit, record: Record, toleran
         return prepare_search(null, settings, search.progress, deadline)
     first = on_null(null, chosen)
     if null.data.tool is not None:  # the frame of the tracker by what predicts the log best
-        data = null.data.with_tool_frame_of(first.predictor, first.theta)
+        data = with_tool_frame_of(null.data, first.predictor, first.theta)
         theta = null.fit.theta
         null = NullFit(
             null.model, data, replace(null.fit, chi2=float(chi2_of(null.fit.predictor, data, theta[:, None])[0]))

@@ -10,7 +10,8 @@ import pytest
 from flexros.gap.answer.withdrawal import confirmed
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.null_fit import fit_null
-from flexros.gap.residuals.fit_data import FitData, fit_data
+from flexros.gap.residuals.fit_data import FitData
+from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.search.fits.candidate_fits import Search
 from flexros.gap.search.forward_selection import Explanations, explanations_of
 from flexros.gap.search.prepare import prepare_search

@@ -11,7 +11,8 @@ from flexros.effects import RobotWithEffects, parse_effect, place_effects
 from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.held_out.errors_ahead import AheadErrors, errors_ahead
 from flexros.gap.held_out.gap_floor import over_expected_floor, tolerance_floor, unknown_rounding
-from flexros.gap.residuals.fit_data import FitData, fit_data
+from flexros.gap.residuals.fit_data import FitData
+from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.record.quantization import Quantization
 from tests.gap.diagnosis_logs import MODEL, ROBOT, data_of, predictor_of, record_of
 

@@ -18,7 +18,7 @@ from flexros.gap.diagnose import diagnose
 from flexros.gap.fit.torques.regression import regress_torque
 from flexros.gap.measure_gap import measure_gap
 from flexros.gap.prediction.driven_model import driven_model
-from flexros.gap.residuals.fit_data import fit_data
+from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.settings import DiagnosisSettings, SearchSettings
 from flexros.record.prescribed_motion import INERTIA as ENDLESS
 from flexros.record.prescribed_motion import with_prescribed_motion

@@ -9,7 +9,8 @@ import pytest
 
 from flexros.arrays import BoolArray
 from flexros.errors import InputError
-from flexros.gap.residuals.fit_data import FitData, fit_data
+from flexros.gap.residuals.fit_data import FitData
+from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.settings import DiagnosisSettings
 from flexros.record.record import Record
 from tests.gap.diagnosis_logs import MODEL, data_of, predictor_of, record_of

@@ -9,7 +9,8 @@ import pytest
 
 from flexros.effects import RobotWithEffects
 from flexros.gap.checked_log import checked_log
-from flexros.gap.residuals.fit_data import FitData, fit_data
+from flexros.gap.residuals.fit_data import FitData
+from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.residuals.sensor_channel import SensorChannel
 from flexros.gap.settings import DiagnosisSettings
 from flexros.logs.time_series import JointSeries

@@ -22,7 +22,8 @@ from flexros.gap.candidates.tolerance import Tolerance, tolerance_of
 from flexros.gap.fit.estimates import covariance_of
 from flexros.gap.fit.least_squares import fit
 from flexros.gap.prediction.predictor import Predictor
-from flexros.gap.residuals.fit_data import FitData, fit_data
+from flexros.gap.residuals.fit_data import FitData
+from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.residuals.torque_errors import TorqueErrors, torque_errors
 from flexros.gap.settings import DiagnosisSettings
 from flexros.identify.rigid.motion_estimate import decimate

@@ -21,7 +21,7 @@ from flexros.gap.diagnose import diagnose
 from flexros.gap.fit.least_squares import starts_of
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.fit.screening import Directions
-from flexros.gap.residuals.fit_data import fit_data
+from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.result import DiagnosisResult
 from flexros.gap.search.curve_candidates import list_curves, without_shared
 from flexros.gap.search.prepare import prepare_search

@@ -10,7 +10,7 @@ from flexros.effects import RobotWithEffects
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.diagnose import diagnose
 from flexros.gap.fit.null_fit import NullFit, fit_null
-from flexros.gap.residuals.fit_data import fit_data
+from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.search.fits.candidate_fits import Search
 from flexros.gap.search.forward_selection import Explanations, explain
 from flexros.gap.search.looser import found_looser, looser_null

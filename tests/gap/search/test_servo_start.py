@@ -15,7 +15,7 @@ from flexros.gap.diagnose import diagnose
 from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.fit.null_fit import NullFit, fit_null
 from flexros.gap.fit.torques.regression import regress_torque
-from flexros.gap.residuals.fit_data import fit_data
+from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.search.servo_start import fit_of_servos, limited_servos
 from flexros.gap.settings import DiagnosisSettings, SearchSettings
 from flexros.logs.stamps import stamps_ns

@@ -17,7 +17,8 @@ from flexros.gap.diagnose import diagnose
 from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.fit.null_fit import NullFit, fit_null
 from flexros.gap.fit.torques.unknown_numbers import unknown_numbers
-from flexros.gap.residuals.fit_data import FitData, fit_data
+from flexros.gap.residuals.fit_data import FitData
+from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.result import DiagnosisResult
 from flexros.gap.search.torque_start import TorqueStart, base_fit, first_values, torque_start, with_torques
 from flexros.gap.settings import DiagnosisSettings, SearchSettings

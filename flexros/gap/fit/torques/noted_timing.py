@@ -20,7 +20,7 @@ from flexros.gap.fit.least_squares import fit
 from flexros.gap.fit.pruning import own_information
 from flexros.gap.fit.torques.arm_torque import arm_torque
 from flexros.gap.fit.torques.regression import regress_torque
-from flexros.gap.residuals.fit_data import fit_data
+from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.settings import DiagnosisSettings
 from flexros.identify.rigid.torque_timing import CLEAR, in_time
 from flexros.record.shifted_torque import HELD, shifted, timing_is_open

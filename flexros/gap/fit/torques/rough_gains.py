@@ -17,7 +17,7 @@ from flexros.effects.servos import ServoDampingError, ServoStiffnessError
 from flexros.errors import InputError
 from flexros.gap.fit.torques.regression import only_coulomb
 from flexros.gap.fit.torques.solution import KINDS
-from flexros.gap.residuals.fit_data import fit_data
+from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.residuals.torque_rows import ActingTorque, torque_rows
 from flexros.identify.rigid.record import torque_as_it_acts
 from flexros.record.missing_samples import bridged_motion

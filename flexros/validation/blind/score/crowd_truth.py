@@ -78,7 +78,7 @@ def _third(record: Record, robot: Robot, truth: Truth) -> ThirdLog:
 def _budget(record: Record, robot: Robot, truth: Truth) -> tuple[TrueShare, ...]:
     """Add every effect first and remove it last; numbers of the nominal model are fitted within their tolerance."""
     from flexros.gap.held_out.closed_share import closed_fraction
-    from flexros.gap.residuals.fit_data import fit_data
+    from flexros.gap.residuals.prepare_fit_data import fit_data
 
     nominal = RobotWithEffects(robot, ())
     data = fit_data(record, nominal, case_settings())

@@ -35,7 +35,7 @@ def oracle_fraction(folder: Path, case: OpenCase, truth: Truth) -> float | None:
     from flexros.gap.held_out.errors_ahead import errors_ahead
     from flexros.gap.held_out.gap_floor import over_expected_floor
     from flexros.gap.noise.weights import measurement_in
-    from flexros.gap.residuals.fit_data import fit_data
+    from flexros.gap.residuals.prepare_fit_data import fit_data, with_tool_frame_of
     from flexros.gap.search.prepare import prepare_search
 
     if truth.kind != "single" or truth.gain < VISIBLE:
@@ -47,7 +47,7 @@ def oracle_fraction(folder: Path, case: OpenCase, truth: Truth) -> float | None:
     measurement = measurement_in(holdout, robot, data.measurement, settings)
     held = fit_data(holdout, model, settings, measurement, data.level)
     null = fit_null(data, model, tolerance_of(robot, {}), settings.fit)
-    held = held.with_tool_frame_of(null.fit.predictor, null.fit.theta)
+    held = with_tool_frame_of(held, null.fit.predictor, null.fit.theta)
     search = prepare_search(null, settings)
     true = _true((*search.candidates(), *search.harmonics(null.fit)), robot.name, truth)
     if not true:

@@ -10,7 +10,7 @@ from flexros.effects import RobotWithEffects
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.torques.arm_torque import arm_torque
 from flexros.gap.fit.torques.regression import regress_torque
-from flexros.gap.residuals.fit_data import fit_data
+from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.settings import DiagnosisSettings
 from tests.gap.diagnosis_logs import MODEL, ROBOT, data_of
 from tests.gap.rigid_arm import arm, record_of_arm

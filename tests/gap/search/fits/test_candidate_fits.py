@@ -17,7 +17,8 @@ from flexros.gap.deadline import Deadline
 from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.fit.least_squares import chi2_of
 from flexros.gap.fit.null_fit import fit_null
-from flexros.gap.residuals.fit_data import FitData, fit_data
+from flexros.gap.residuals.fit_data import FitData
+from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.search.fits.additions import Addition
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.settings import DiagnosisSettings, SearchSettings
