@@ -18,7 +18,10 @@ WHOLE_COMMAND = re.compile(r"flexros [a-z-]+ [^;]*--[a-z]|^--[a-z-]+$")
 
 def _texts(file: Path) -> Iterator[tuple[int, str]]:
     """Yield the strings of a module with their lines, its docstrings left out."""
-    tree = ast.parse(file.read_text(encoding="utf-8"))
+    text = file.read_text(encoding="utf-8")
+    if not OPTION.search(text):
+        return  # most modules: not parsed
+    tree = ast.parse(text)
     documented = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
     for node in ast.walk(tree):
         if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in documented:
