@@ -49,3 +49,25 @@ def test_drawn_arms_differ_in_what_is_listed(script: ModuleType) -> None:
     numbers = {(name, joint) for name in arm.numbers for joint in range(3)}
     changed = [(name, joint) for name, joint in numbers if arm.numbers[name][joint] != script.NOMINAL[name][joint]]
     assert len(changed) == len(causes) == 5
+
+
+@pytest.fixture(scope="module")
+def six_axes() -> ModuleType:
+    return program("docs/results/programs/mujoco_six_axis_servos.py")
+
+
+def test_six_imported_servos_predict_the_log_of_their_mjcf(
+    six_axes: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(six_axes, "DURATION", 6.0)
+    known, signs = six_axes.nominal_model(tmp_path)
+    log = six_axes.log_of(six_axes.arm(six_axes.NOMINAL), 0, 1, signs)
+    assert not measure_gap(checked_log(log, known.robot, name="log"), known).significant
+
+
+def test_drawn_six_axes_differ_in_what_is_listed(six_axes: ModuleType) -> None:
+    numbers, load, delay, truth = six_axes.drawn(2)
+    changed = sum(a != b for name in numbers for a, b in zip(numbers[name], six_axes.NOMINAL[name], strict=True))
+    assert (changed, len(truth)) == (9, 9 + (load > 0) + (delay > 0))
+    assert truth["delay", "all"] == pytest.approx(delay / six_axes.RATE)
+    assert six_axes.arm(numbers, load).body("load").mass == pytest.approx(truth["tool_load", "tool"])
