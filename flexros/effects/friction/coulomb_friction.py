@@ -9,6 +9,7 @@ import casadi as ca
 from pydantic import Field, model_validator
 
 from flexros.effects.friction.presliding_friction import PreslidingFriction
+from flexros.effects.kinds.bristle_friction import BRISTLES
 from flexros.effects.kinds.dry_friction import AbstractDryFriction, FrictionLevels
 from flexros.effects.kinds.ranges import Range
 
@@ -39,7 +40,7 @@ class CoulombFriction(AbstractDryFriction):
     stage: ClassVar[Stage] = "motor friction"
     size: ClassVar[str] = "level"
     one_level: ClassVar[bool] = True
-    unsaid: ClassVar[tuple[str, ...]] = ("stiffness", "damping")
+    unsaid: ClassVar[tuple[str, ...]] = BRISTLES
     reduces: ClassVar[bool] = True
     signatures: ClassVar[tuple[str, ...]] = ("torque_over_speed", "torque_after_reversal")
     fingerprint: ClassVar[str] = (

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, ClassVar
 import casadi as ca
 from pydantic import Field, model_validator
 
-from flexros.effects.friction.stribeck_friction import GAUSSIAN, SLOWEST, hump
 from flexros.effects.kinds.bristle_friction import AbstractBristleFriction, Bristle
+from flexros.effects.kinds.hump import GAUSSIAN, SLOWEST, hump
 from flexros.effects.kinds.ranges import Range
 
 if TYPE_CHECKING:

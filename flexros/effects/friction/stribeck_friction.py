@@ -5,32 +5,22 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
-import casadi as ca
 from pydantic import Field
 
+from flexros.effects.friction.presliding_friction import PreslidingFriction
+from flexros.effects.kinds.bristle_friction import BRISTLES
 from flexros.effects.kinds.dry_friction import AbstractDryFriction, FrictionLevels
+from flexros.effects.kinds.hump import GAUSSIAN, hump
 from flexros.effects.kinds.ranges import Range
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flexros.effects.kinds.base import Stage
+    from flexros.effects.kinds.law import AbstractLaw
     from flexros.effects.kinds.motor_law import MotorState
+    from flexros.robot import Robot
     from flexros.robot.symbolic.kinematics import Value
-
-SLOWEST = 1e-12
-"""Smallest Stribeck velocity that is distinguished from zero [rad/s or m/s]."""
-GAUSSIAN = 2.0
-"""Exponent of a hump of Gaussian shape, that of the thesis [1]."""
-
-
-def hump(speed: ca.SX, extra: Value, velocity: Value, exponent: Value) -> ca.SX:
-    """Evaluate the extra friction at low speed, extra exp(-|v / velocity|^exponent) (Moberg 2007, eq. 3.15)."""
-    relative = speed / ca.fmax(velocity, SLOWEST)
-    if not isinstance(exponent, ca.SX) and exponent == GAUSSIAN:
-        return extra * ca.exp(-(relative**2))
-    power = ca.exp(exponent * ca.log(ca.fabs(relative)))  # several times as fast as the power, and zero at standstill
-    return extra * ca.exp(-power)
 
 
 class StribeckFriction(AbstractDryFriction):
@@ -40,11 +30,15 @@ class StribeckFriction(AbstractDryFriction):
     the motion; at standstill it balances all other torques up to F. The thesis has d = 2; measured humps have 0.5 to 2
     and more (Armstrong-Helouvry 1991, Control of Machines with Friction). Coulomb friction is a separate effect; the
     levels add.
+
+    With a `stiffness` the hump holds by bristles of its own, as `coulomb_friction` does: where it is most of the
+    friction at standstill, those of the Coulomb level alone yield by little.
     """
 
     name: ClassVar[str] = "stribeck_friction"
     stage: ClassVar[Stage] = "motor friction"
     size: ClassVar[str] = "extra"
+    unsaid: ClassVar[tuple[str, ...]] = BRISTLES
     signatures: ClassVar[tuple[str, ...]] = ("torque_over_speed",)
     fingerprint: ClassVar[str] = (
         "friction torque against the motion at low speed only, largest at standstill: stick-slip in slow motion"
@@ -54,6 +48,8 @@ class StribeckFriction(AbstractDryFriction):
             "extra": Range("torque", 1e-6, 1.0, starts=5),
             "velocity": Range("speed", 1e-4, 0.3, starts=5, vanishes="never"),
             "exponent": Range("relative", 0.5, 4.0, starts=1, source="0.5 to 2 and more (Armstrong-Helouvry 1991)"),
+            "stiffness": Range("torque/angle", 1e-3, 1e9, starts=1, vanishes="never"),
+            "damping": Range("torque/speed", 1e-6, 1e6, starts=1),
         }
     )
 
@@ -61,6 +57,20 @@ class StribeckFriction(AbstractDryFriction):
     velocity: float = Field(0.0, ge=0.0, description="Stribeck velocity of the motor [rad/s or m/s]")
 
     exponent: float = Field(GAUSSIAN, gt=0.0, le=8.0, description="shape of the hump [1]; 2 is Gaussian")
+    stiffness: float = Field(0.0, ge=0.0, description="bristle stiffness [Nm/rad or N/m]; 0 for rigid contacts")
+    damping: float = Field(0.0, ge=0.0, description="damping of these bristles [Nm s/rad or N s/m]")
+
+    @property
+    def acting(self) -> AbstractLaw:
+        """Bristles where they have a stiffness."""
+        if self.stiffness == 0:
+            return self
+        return PreslidingFriction(**self.model_dump())
+
+    def fitted(self, robot: Robot, location: str) -> Mapping[str, Range]:
+        """Return the ranges of the hump; bristles are fitted once the effect is found."""
+        del robot, location
+        return {name: allowed for name, allowed in self.ranges.items() if name not in BRISTLES}
 
     def levels(self, motor: MotorState, values: Mapping[str, Value]) -> FrictionLevels:
         """Evaluate the hump at the speed."""

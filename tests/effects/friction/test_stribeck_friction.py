@@ -63,3 +63,13 @@ def test_the_exponent_shapes_the_hump() -> None:
     for speed in (0.0, 0.02, -0.3):
         level = effect.levels(MotorState(ca.SX(0), ca.SX(0), ca.SX(speed), ca.SX(0)), effect.parameter_values).forward
         assert float(ca.DM(level)) == pytest.approx(40.0 * np.exp(-(abs(speed / 0.1) ** 0.8)))
+
+
+def test_a_hump_with_a_stiffness_holds_by_bristles() -> None:
+    numbers = "extra=40,velocity=0.1,stiffness=1e7,damping=2e3"
+    path, bristles, rigid = (
+        states(plant(effect, start=(0.0, 0.3)), 600)
+        for effect in (f"stribeck_friction@motor_1:{numbers}", f"presliding_friction@motor_1:{numbers}", HUMP)
+    )
+    assert np.array_equal(path[:, :2], bristles[:, :2])
+    assert 0 < np.max(np.abs(path[:, 1] - rigid[:, 1])) < 1e-3 * np.max(rigid[:, 1])
