@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flexros.prediction.integration_step import least_inertia, stops_too_fast, substeps
+from flexros.robot.parameters import SERVO
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -42,18 +43,19 @@ def least_rotors(
 def inertias_to_step(
     robot: Robot, sample_time: float, of_bodies: Mapping[str, float], shows: float
 ) -> dict[str, float]:
-    """Return the least inertias of motors without rotor with which their friction can be stepped.
+    """Return the least inertias of motors without rotor with which their friction, or servos, can be stepped.
 
     Args:
-        robot: The robot.
+        robot: The robot, driven as in the log.
         sample_time: Time between two samples [s].
         of_bodies: Inertia of the bodies that each of these motors moves, by name [kg m2 or kg].
         shows: Inertia over that of the bodies from which it is given [1].
     """
     if not stops_too_fast(robot, sample_time, STEPS):
         return {}
-    friction = {name: robot.parameters[f"{name}.viscous_friction"].value for name in of_bodies}
-    least = {name: least_inertia(value, sample_time, STEPS) for name, value in friction.items()}
+    kinds = ("viscous_friction", f"{SERVO}damping") if robot.commands == "position" else ("viscous_friction",)
+    braking = {name: sum(robot.parameters[f"{name}.{kind}"].value for kind in kinds) for name in of_bodies}
+    least = {name: least_inertia(value, sample_time, STEPS) for name, value in braking.items()}
     return {name: value for name, value in least.items() if value > shows * of_bodies[name]}
 
 

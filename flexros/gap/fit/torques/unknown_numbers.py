@@ -171,6 +171,9 @@ def unknown_numbers(
 ) -> UnknownNumbers:
     """Estimate the rotor inertias that a model lacks and a load, from a log that this program has not simulated.
 
+    In a log of position commands, whose torques are not known, only rotors without which the damping of servos would
+    stop light joints at once are given, with the least inertia that can be stepped; the fit says more.
+
     Args:
         record: The log.
         model: The nominal model.
@@ -182,12 +185,14 @@ def unknown_numbers(
     settings = settings or TorqueStartSettings()
     robot = model.robot
     lacking = [name for name in robot.joint_names if robot.parameters[f"{name}.inertia"].value == 0]
-    if record.simulated or record.command is not None or not only_coulomb(model) or not (lacking or may_carry(robot)):
+    if record.simulated or not only_coulomb(model) or not (lacking or may_carry(robot)):
         return UnknownNumbers()
     of_bodies = _inertias_of_bodies(record, robot)
     needed = inertias_to_step(
         robot, record.sample_time, {name: of_bodies[name] for name in lacking}, settings.least_stepped_rotor
     )
+    if record.command is not None:  # servos: their torques are not known, and a load is a candidate
+        return UnknownNumbers(needed, least=frozenset(needed))
     delay = torque_delay(record, model, tolerance, settings)
     regression = regress_balanced(record, model, tolerance, delay=delay, settings=settings)
     if regression is None:

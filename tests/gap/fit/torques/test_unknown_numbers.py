@@ -7,6 +7,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+import yaml
 
 from flexros.effects import RobotWithEffects
 from flexros.effects.friction.viscous_friction import ViscousFriction
@@ -23,8 +24,8 @@ from flexros.gap.measure_gap import measure_gap
 from flexros.gap.settings import DiagnosisSettings, TorqueStartSettings
 from flexros.prediction.integration_step import least_inertia, stops_too_fast, substeps
 from flexros.record.record import Record
-from flexros.robot import Robot, load_robot
-from tests.gap.rigid_arm import COULOMB, INERTIA, VISCOUS, T, arm, motion, record_of_arm
+from flexros.robot import Robot, load_robot, robot_from_data
+from tests.gap.rigid_arm import ARM, COULOMB, INERTIA, VISCOUS, T, arm, motion, record_of_arm
 
 FILE = 500.0
 """Viscous friction of the robot file; that of the log is `VISCOUS`."""
@@ -59,6 +60,21 @@ def test_a_light_wrist_gets_the_inertia_with_which_the_friction_of_its_torques_c
     damped_wrist = found.given_to(model).robot.with_values({"motor_2.viscous_friction": FILE})
     assert found.least == {"motor_2"}
     assert not stops_too_fast(damped_wrist, T, steps)
+
+
+@pytest.mark.parametrize(("damping", "light"), [(1000.0, {"motor_2"}), (10.0, set())])
+def test_a_servo_without_rotor_gets_the_inertia_with_which_its_damping_can_be_stepped(
+    damping: float, light: set[str]
+) -> None:
+    """A file from a URDF has no rotors: with stiff servos of a simulator a prediction took 64 steps a sample."""
+    servo = f"{{inertia: 0, servo: {{stiffness: {20 * damping}, damping: {damping}}}}}"
+    stiff = robot_from_data(yaml.safe_load(ARM.replace("{inertia: 0}", servo)), "stiff.yaml").commanded_by("position")
+    record = replace(record_of_arm(imported=True), command=motion()[0])
+    found = unknown_numbers(record, RobotWithEffects(stiff, ()), Tolerance())
+    assert found.inertias.keys() == found.least == light
+    assert found.load is None
+    steps = substeps(found.given_to(RobotWithEffects(stiff, ())).robot, T)
+    assert steps <= 2 * STEPS < substeps(stiff, T) if light else steps == substeps(stiff, T)
 
 
 def test_the_least_inertia_for_steps_may_be_any_larger_one() -> None:
