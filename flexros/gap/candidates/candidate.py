@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from flexros.effects import PlacedEffect, effects
+from flexros.effects.encoders.encoder_offset import EncoderOffset
 from flexros.effects.kinds.command_law import AbstractCommandLaw
 from flexros.effects.kinds.curve import AbstractCurve
+from flexros.effects.torque_bias import TorqueBias
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -184,9 +186,15 @@ def simpler(candidate: Candidate) -> frozenset[str]:
 
 
 def alike(one: Candidate, other: Candidate) -> bool:
-    """Return whether two candidates are relative errors of plain numbers at the same place."""
-    plain = one.effect.plain and other.effect.plain and one.location == other.location
-    return plain and "relative" in one.effect.ranges and "relative" in other.effect.ranges
+    """Return whether two candidates at the same place look alike in a regression of torques.
+
+    So do relative errors of plain numbers, and a constant torque beside a weight that a wrong zero turns.
+    """
+    if one.location != other.location:
+        return False
+    if {one.effect.name, other.effect.name} == {TorqueBias.name, EncoderOffset.name}:
+        return True
+    return all(each.effect.plain and "relative" in each.effect.ranges for each in (one, other))
 
 
 def names_of(hypothesis: Hypothesis) -> frozenset[str]:

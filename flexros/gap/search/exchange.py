@@ -173,8 +173,9 @@ def _replacements(
 ) -> Iterator[tuple[Candidate, list[Addition]]]:
     """Yield effects with the candidates that may regain most of what is lost without them.
 
-    Of those that torques show, only relative errors compete, with others at their motor: the regression takes a wrong
-    torque constant for an inertia. In place of a harmonic of a simulated log the others of its order compete too.
+    Of those that torques show, relative errors compete with others at their motor, as the regression takes a wrong
+    torque constant for an inertia, and a constant torque with a weight that is turned. In place of a harmonic of a
+    simulated log the others of its order compete too.
     Where nothing is left, a law that contains the effect only adds parameters, and its fit takes the longest of all.
     """
     surroundings, shown = search.surroundings(fit), search.shown_by_torques(fit)

@@ -53,14 +53,15 @@ def test_a_rich_law_is_divided_into_two_effects(name: str, expected: list[str]) 
 
 @pytest.mark.parametrize(("name", "expected"), [
     ("motor_inertia_error@motor_1", {"motor_inertia_error@motor_1": ["torque_gain_error@motor_1"]}),
+    ("torque_bias@motor_1", {"torque_bias@motor_1": ["encoder_offset@motor_1"]}),
     ("coulomb_friction@motor_1", {}),
 ])  # fmt: skip
-def test_relative_errors_that_torques_show_compete_with_others_at_their_motor(
+def test_effects_that_torques_show_compete_with_what_looks_alike_in_the_torques(
     name: str, expected: dict[str, list[str]]
 ) -> None:
-    """A torque constant that is too large looks like an inertia that is too small."""
-    every = candidates_of()
-    names = ("torque_gain_error@motor_1", "torque_bias@motor_1", "stiffness_error@body_1.rz")
+    """A torque constant that is too large looks like an inertia that is too small, a turned weight like a constant."""
+    every = {**candidates_of(), "encoder_offset@motor_1": Candidate(effects()["encoder_offset"], "motor_1", ())}
+    names = ("torque_gain_error@motor_1", "torque_bias@motor_1", "encoder_offset@motor_1", "stiffness_error@body_1.rz")
     directions: Any = [SimpleNamespace(candidate=every[one]) for one in names]
     search: Any = SimpleNamespace(
         settings=DiagnosisSettings(),

@@ -99,7 +99,8 @@ class Search(Refits):
     def shown_by_torques(self, fit: CandidateFit) -> frozenset[str]:
         """Return the names of the effects of a fit that torques show, or that replaced one of them at its motor.
 
-        The regression takes a wrong torque constant for an inertia: exchanged for each other, they are as real.
+        The regression takes a wrong torque constant for an inertia, and a turned weight for a constant torque:
+        exchanged for each other, they are as real.
         """
         replaced = [one for one in self.base.hypothesis if one.name in self.of_torques - fit.names]
         others = (one for one in fit.hypothesis if any(alike(one, other) for other in replaced))
