@@ -12,6 +12,7 @@ from flexros.gap.fit.least_squares import chi2_of
 from flexros.gap.search.bristles import with_bristles
 from flexros.gap.search.elimination import reduced
 from flexros.gap.search.exchange import corrected, exchanged
+from flexros.gap.search.fits.refits import at_limits
 from flexros.gap.search.periodic.overtones import with_overtones
 from flexros.gap.search.regrouping import regrouped
 from flexros.gap.search.worth import (
@@ -48,7 +49,10 @@ def extended(
     """
     settings = search.settings.search
     seen = {chosen.names}
-    for _ in range(settings.rounds_after_torques if search.torques_decide else settings.rounds):
+    for number in range(settings.rounds_after_torques if search.torques_decide else settings.rounds):
+        further = settings.removed_by_further if search.torques_decide and number else 0.0
+        if further and at_limits(chosen):
+            break  # a search that is widened removes what others would imitate
         chosen = with_bristles(search, with_overtones(search, chosen, fits), fits)
         comparison = compared(search, best_of_each(fits))
         if not (incomplete(search, comparison, chosen) or _may_hide(search, comparison)):
@@ -59,7 +63,9 @@ def extended(
         if quick and search.premises.library_is_complete:
             chosen = search.completed(chosen)  # what a fit in a long valley leaves is no effect that is missing
             fits.append(chosen)
-        grown = with_more(search, chosen, directions, fits)
+        grown = with_more(search, chosen, directions, fits, further)
+        if further and not (grown and _lowered(search, chosen, grown) > further):
+            break
         least = _removed(search, chosen, settings.removed_by_step)
         if grown is None or not worth(search, compared(search, best_of_each(fits)), chosen, grown, least):
             grown = _from_nominal_numbers(search, chosen, fits)
@@ -79,6 +85,12 @@ def extended(
             break  # what a step adds, the next ones leave out again: the search would go round in a circle
         seen.add(chosen.names)
     return chosen
+
+
+def _lowered(search: Search, before: CandidateFit, after: CandidateFit) -> float:
+    """Return the share of what a fit leaves above the floor that another one removes [1]."""
+    left = before.chi2 - search.data.n_values
+    return (before.chi2 - after.chi2) / left if left > 0 else 0.0
 
 
 def _may_hide(search: Search, comparison: ModelComparison) -> bool:
@@ -184,7 +196,11 @@ def _removed(search: Search, fit: CandidateFit, usual: float) -> float:
 
 
 def with_more(
-    search: Search, fit: CandidateFit, directions: Sequence[Directions], fits: list[CandidateFit]
+    search: Search,
+    fit: CandidateFit,
+    directions: Sequence[Directions],
+    fits: list[CandidateFit],
+    further: float = 0.0,
 ) -> CandidateFit | None:
     """Add candidates to a fit: several whose gains add up, or one of the best.
 
@@ -198,6 +214,7 @@ def with_more(
         fit: The fit.
         directions: All candidates but those of harmonics, which follow from the fit.
         fits: All fits so far; new ones are appended.
+        further: Share of what is left that the candidates must remove together after those that torques show [1].
 
     Returns:
         The best of the new fits; None where no candidate is left.
@@ -213,7 +230,7 @@ def with_more(
     if search.torques_decide:
         rest = fit.chi2 - search.data.n_values
         group = [addition for addition in group if addition.gain > settings.hopeful * settings.removed_of_all * rest]
-        if not group:
+        if not group or sum(addition.gain for addition in group) < settings.hopeful * further * rest:
             return None
     else:
         cost = float(np.log(search.data.n_values))  # of a parameter, by the information criterion

@@ -112,10 +112,17 @@ class SearchSettings(Settings):
     most_effects: int = Field(default=30, ge=1, description="most effects in one explanation")
     rounds: int = Field(default=12, ge=1, description="most rounds of forward selection, and of exchanges")
     rounds_after_torques: int = Field(
-        default=1,
+        default=3,
         ge=0,
         description="most rounds of forward selection after friction and inertia by the torques of a real machine: "
-        "further ones take long and find imitations of what no effect describes",
+        "further ones take long",
+    )
+    removed_by_further: float = Field(
+        default=0.5,
+        gt=0,
+        lt=1,
+        description="share of the remaining gap that each of these rounds must remove but the first one [1] (chosen): "
+        "imitations of what no effect describes removed up to 0.3",
     )
     simple: float = Field(
         default=0.7,

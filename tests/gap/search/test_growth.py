@@ -74,6 +74,40 @@ def test_a_search_that_comes_back_to_a_set_of_effects_ends(steps: list[str], mon
     assert len(steps) == 2
 
 
+@pytest.mark.parametrize(("left", "limited", "expected"), [
+    ((60.0, 20.0, 11.0), False, ["first", "1", "2", "3"]),  # of 90 above the floor, then 50, 10
+    ((60.0, 20.0, 11.0), True, ["first", "1"]),  # its search is widened instead
+    ((60.0, 40.0, 11.0), False, ["first", "1"]),  # 20 of 50: imitations do that
+    ((99.0, 20.0, 19.0), False, ["first", "1", "2"]),  # the first step may be small
+])  # fmt: skip
+def test_on_a_real_machine_the_search_goes_on_while_steps_remove_most_of_what_is_left(
+    left: tuple[float, ...], limited: bool, expected: list[str], steps: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An oscillator at the end of the arm showed behind friction only, which the first step completed."""
+
+    def with_more(_search: Any, one: Any, *_: Any) -> Any:
+        steps.append("more")
+        grown = fit(*one.hypothesis, str(len(steps)))
+        grown.chi2 = left[len(steps) - 1]
+        return grown
+
+    monkeypatch.setattr(growth, "with_more", with_more)
+    monkeypatch.setattr(growth, "reduced", lambda _search, one, *_: one)
+    monkeypatch.setattr(growth, "at_limits", lambda _: limited)
+    search = search_that_never_ends()
+    search.torques_decide = True
+    assert list(growth.extended(search, fit("first"), [], []).hypothesis) == expected
+
+
+def test_a_group_that_promises_less_than_a_further_step_must_remove_is_not_fitted(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    found = [addition("mode@tool", 20.0), addition("drag@motor_1", 15.0)]
+    assert first_group(monkeypatch, found, further=0.5, torques_decide=True) == [20.0, 15.0]
+    with pytest.raises(IndexError):  # nothing was tried: 9 of 89 above the floor
+        first_group(monkeypatch, [addition("drag@motor_1", 9.0)], further=0.5, torques_decide=True)
+
+
 @pytest.mark.parametrize(("left", "expected"), [(True, 1), (False, 0)])
 def test_effects_are_corrected_only_while_something_is_left(
     left: bool, expected: int, steps: list[str], monkeypatch: pytest.MonkeyPatch
@@ -160,7 +194,9 @@ def addition(name: str, gain: float, parameters: int = 1) -> Any:
     return one
 
 
-def first_group(monkeypatch: pytest.MonkeyPatch, found: list[Any]) -> list[float]:
+def first_group(
+    monkeypatch: pytest.MonkeyPatch, found: list[Any], *, further: float = 0.0, torques_decide: bool = False
+) -> list[float]:
     """Gains of the candidates that are tried together first, of some that are independent of each other."""
     tried: list[Any] = []
     search = search_that_never_ends()
@@ -171,7 +207,8 @@ def first_group(monkeypatch: pytest.MonkeyPatch, found: list[Any]) -> list[float
     monkeypatch.setattr(growth, "simple_first", lambda _search, _fit, additions: additions)
     monkeypatch.setattr(growth, "_removed", lambda *_: 0.1)
     monkeypatch.setattr(growth, "_fitted", lambda _search, _fit, trials, _fits: tried.append(trials[0]) or fit("first"))
-    growth.with_more(search, fit(), [], [])
+    search.torques_decide = torques_decide
+    growth.with_more(search, fit(), [], [], further)
     return [one.gain for one in tried[0]]
 
 
