@@ -82,7 +82,7 @@ def fit_of_servos(
         null: The nominal model, fitted.
         regressed: The nominal model with what a regression of the torques shows; None without one.
         settings: Settings of the diagnosis.
-        stop: Asked after each iteration; True ends the fits where they are.
+        stop: Asked after each iteration; True ends the fits where they are, and no further start is fitted.
         progress: Called with "servos" and the share of the starts that are done.
 
     Returns:
@@ -109,28 +109,36 @@ def fit_of_servos(
         robot=robot,
         undamped=begin.undamped if limited.any() else None,
     )
+    over = stop or (lambda: False)
     screen, n = partial(_screened, null, settings=settings, stop=stop), null.data.n_values
-    best = _likeliest(_all_screened(plan(bare), screen, progress, (0.0, 0.5 if load else 1.0)), n)
-    if best is None:
-        return None
+    best = _likeliest(_all_screened(plan(bare), screen, over, progress, (0.0, 0.5 if load else 1.0)), n)
+    if best is None or over():
+        return best
     if load:
         own = [pair for pair in bare if pair[0].name in best.names]
         loaded, left = screen([*own, *load], first_parameters(best)), best.chi2 - n
         if left > 0 and best.chi2 - loaded.chi2 > settings.search.removed_of_all * left:
-            best = _likeliest([loaded, *_all_screened(plan([*bare, *load]), screen, progress, (0.5, 1.0))], n) or best
+            every = _all_screened(plan([*bare, *load]), screen, over, progress, (0.5, 1.0))
+            best = _likeliest([loaded, *every], n) or best
     return fit(best.predictor, null.data, best.theta, settings.fit.final_iterations, settings=settings.fit, stop=stop)
 
 
 def _all_screened(
     plan: Sequence[_Start],
     screen: Callable[..., CandidateFit],
+    over: Callable[[], bool],
     progress: Callable[[str, float], None] | None,
     shares: tuple[float, float],
 ) -> list[CandidateFit]:
-    """Fit all starts of a plan a little, and tell the share of all work before each, between two shares."""
+    """Fit the starts of a plan a little, and tell the share of all work before each, between two shares.
+
+    With many servos a single iteration takes long, so that once the time is over, no start is begun but the first one.
+    """
     begins, ends = shares
-    fits = []
+    fits: list[CandidateFit] = []
     for done, start in enumerate(plan):
+        if fits and over():
+            break
         if progress is not None:
             progress("servos", begins + (ends - begins) * done / len(plan))
         fits.append(screen(*start))

@@ -93,6 +93,14 @@ def test_all_numbers_of_a_hobby_servo_are_found() -> None:
     assert sizes["coulomb_friction"] == pytest.approx(0.25, rel=0.3)
 
 
+def test_once_the_time_is_over_no_further_start_is_fitted() -> None:
+    told = []
+    found = fit_of_servos(null(), None, DiagnosisSettings(), lambda: True, lambda *step: told.append(step))
+    assert told == [("servos", 0.0)]
+    assert found is not None
+    assert found.iterations == 1
+
+
 def test_effects_that_do_not_compete_are_left_out() -> None:
     one = DiagnosisSettings(search=SearchSettings(effects=("coulomb_friction",)))
     found = fit_of_servos(null(), None, one)
