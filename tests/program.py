@@ -15,7 +15,7 @@ def program(path: str) -> ModuleType:
     """Load a program, which is no part of a package.
 
     Args:
-        path: Its path in the repository, e.g. "docs/results/programs/mujoco_servos.py".
+        path: Its path in the repository, e.g. "docs/results/programs/simulated/mujoco_servos.py".
     """
     file = CHECKOUT / path
     specification = importlib.util.spec_from_file_location(file.stem, file)

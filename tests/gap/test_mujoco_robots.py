@@ -30,7 +30,7 @@ from flexros.record.record import Record
 
 pytest.importorskip("mujoco", reason="MuJoCo is not installed")
 
-PROGRAMS = Path(__file__).parents[2] / "docs" / "results" / "programs"
+PROGRAMS = Path(__file__).parents[2] / "docs" / "results" / "programs" / "simulated"
 DURATION = 8.0
 
 

@@ -23,7 +23,7 @@ pytestmark = pytest.mark.skipif(
 
 @pytest.fixture(scope="module")
 def script() -> ModuleType:
-    return program("docs/results/programs/mujoco_round_trip.py")
+    return program("docs/results/programs/simulated/mujoco_round_trip.py")
 
 
 @pytest.mark.parametrize("log", ["C_143339", "C_143524", "C_143906"])

@@ -19,7 +19,7 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def script() -> ModuleType:
-    return program("docs/results/programs/mujoco_servos.py")
+    return program("docs/results/programs/simulated/mujoco_servos.py")
 
 
 def gap(script: ModuleType, folder: Path, **changed: tuple[float, ...]) -> MeasuredGap:
@@ -53,7 +53,7 @@ def test_drawn_arms_differ_in_what_is_listed(script: ModuleType) -> None:
 
 @pytest.fixture(scope="module")
 def six_axes() -> ModuleType:
-    return program("docs/results/programs/mujoco_six_axis_servos.py")
+    return program("docs/results/programs/simulated/mujoco_six_axis_servos.py")
 
 
 def test_six_imported_servos_predict_the_log_of_their_mjcf(

@@ -1,4 +1,6 @@
-"""Write mujoco_robots.md: python docs/results/programs/mujoco_robots.py [--cases MODE:SEED[:URDF] ...] [--work FOLDER].
+"""Write mujoco_robots.md: python docs/results/programs/simulated/mujoco_robots.py.
+
+Options: [--cases MODE:SEED[:URDF] ...] [--work FOLDER].
 
 Each case leaves its row in mujoco_robots.json as soon as it is done; the page is written from that file. Cases that are
 there are not computed again (`--again` does). The evaluation cases of the page are EVALUATION; development seeds are
@@ -39,7 +41,7 @@ if TYPE_CHECKING:
     from flexros.gap.schema import Diagnosis
     from flexros.record.record import Record
 
-UR5E = Path(__file__).parents[2] / "examples" / "ur5e.urdf"
+UR5E = Path(__file__).parents[3] / "examples" / "ur5e.urdf"
 EVALUATION = (
     *(f"torque:{seed}" for seed in range(7301, 7308)),
     *(f"delay:{seed}" for seed in range(7311, 7316)),
@@ -180,7 +182,7 @@ def main() -> None:
     parser.add_argument("--cases", nargs="*", default=list(EVALUATION), help="MODE:SEED or MODE:SEED:URDF")
     parser.add_argument("--work", type=Path, help="folder for models, logs and reports, which are kept there")
     parser.add_argument("--again", action="store_true", help="forget what is known of these cases")
-    parser.add_argument("--results", type=Path, default=Path(__file__).parents[1], help="folder of the page")
+    parser.add_argument("--results", type=Path, default=Path(__file__).parents[2], help="folder of the page")
     given = parser.parse_args()
     file = given.results / "data" / "mujoco_robots.json"
     file.parent.mkdir(parents=True, exist_ok=True)

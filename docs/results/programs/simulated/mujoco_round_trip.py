@@ -1,4 +1,6 @@
-"""Write mujoco_round_trip.md: FLEXROS_REALDATA=... python docs/results/programs/mujoco_round_trip.py [FOLDER].
+"""Write mujoco_round_trip.md: python docs/results/programs/simulated/mujoco_round_trip.py [FOLDER].
+
+FLEXROS_REALDATA names the folder of the measured data.
 
 The log DIAGNOSED is diagnosed twice, with different held-out data, which takes some minutes.
 """
@@ -37,8 +39,8 @@ WINDOWS = (0.1, 0.5)
 
 HEAD = """# Round trip: measured log, patch, MuJoCo
 
-Written by `FLEXROS_REALDATA=<folder with dfki_double_pendulum/> python docs/results/programs/mujoco_round_trip.py`.
-The data
+Written by `python docs/results/programs/simulated/mujoco_round_trip.py`, where FLEXROS_REALDATA names a folder with
+dfki_double_pendulum. The data
 (DFKI double pendulum, design C.1, 500 Hz, 10 s each; BSD-3-Clause) are not part of this repository.
 
 The nominal robot file, rigid and without friction, is exported by `flexros export ROBOT --to mjcf`. Patches are then
@@ -201,7 +203,7 @@ def _effects(patch: Path) -> str:
 
 
 if __name__ == "__main__":
-    target = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[1]
+    target = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[2]
     written = page(Path(os.environ["FLEXROS_REALDATA"]) / DATA)
     target.mkdir(parents=True, exist_ok=True)
     (target / "mujoco_round_trip.md").write_text(written, encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Write mujoco_servos.md: python docs/results/programs/mujoco_servos.py [FOLDER [SEED ...]].
+"""Write mujoco_servos.md: python docs/results/programs/simulated/mujoco_servos.py [FOLDER [SEED ...]].
 
 A diagnosis takes some minutes; the seeds of the page are SEEDS.
 """
@@ -32,7 +32,7 @@ DURATION = 12.0
 """Duration of each log [s]."""
 HEAD = """# Position actuators of MuJoCo
 
-Written by `python docs/results/programs/mujoco_servos.py`.
+Written by `python docs/results/programs/simulated/mujoco_servos.py`.
 An arm of three joints with `<position>` actuators is simulated by
 MuJoCo; five of its numbers (gain `kp`, `armature`, `damping`, `frictionloss`, at joints drawn with the seed) differ
 from the nominal MJCF. The logs hold commanded and measured positions at {rate} Hz, {duration:g} s, with noise of
@@ -248,7 +248,7 @@ def row(seed: int, diagnosis: Diagnosis, differences: FloatArray) -> str:
 
 
 if __name__ == "__main__":
-    target = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[1]
+    target = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[2]
     target.mkdir(parents=True, exist_ok=True)
     written = HEAD.format(rate=RATE, duration=DURATION, noise=NOISE)
     for drawn_seed in map(int, sys.argv[2:] or SEEDS):

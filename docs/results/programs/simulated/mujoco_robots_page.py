@@ -17,7 +17,7 @@ FLOORS = RankingSettings().floors
 """Floors with tolerance up to which a log is explained [1]."""
 HEAD = """# Arms of MuJoCo
 
-Written by `python docs/results/programs/mujoco_robots.py`.
+Written by `python docs/results/programs/simulated/mujoco_robots.py`.
 Arms of two to four joints, drawn with a seed, one in three without
 gravity, and a UR5e from its URDF with six joints are simulated by MuJoCo and hide several effects each. The nominal
 model is imported from MJCF or URDF; the logs, {duration:g} s at 250 Hz, are CSV files with a mapping. A first log is

@@ -1,4 +1,6 @@
-"""Write mujoco_six_axis_servos.md: python docs/results/programs/mujoco_six_axis_servos.py [FOLDER [SEED ...]].
+"""Write mujoco_six_axis_servos.md.
+
+python docs/results/programs/simulated/mujoco_six_axis_servos.py [FOLDER [SEED ...]]
 
 A diagnosis takes some minutes; the seeds of the page are SEEDS.
 """
@@ -36,7 +38,7 @@ AMPLITUDE = 0.12
 """Amplitude of the slowest sine of the commands [rad]."""
 POSE = (0.0, -1.2, 1.4, -0.8, 0.5, 0.2)
 """Commanded positions at the beginning [rad]."""
-ARM = Path(__file__).parents[2] / "examples" / "ur5e.urdf"
+ARM = Path(__file__).parents[3] / "examples" / "ur5e.urdf"
 NOMINAL: dict[str, tuple[float, ...]] = {
     "kp": (900.0, 1200.0, 700.0, 150.0, 120.0, 80.0),
     "kv": (60.0, 80.0, 45.0, 9.0, 7.0, 5.0),
@@ -47,7 +49,7 @@ NOMINAL: dict[str, tuple[float, ...]] = {
 """Gains [Nm/rad, Nm s/rad], rotors [kg m2], viscous [Nm s/rad] and dry friction [Nm] of the six joints."""
 HEAD = """# Six position servos of MuJoCo
 
-Written by `python docs/results/programs/mujoco_six_axis_servos.py`.
+Written by `python docs/results/programs/simulated/mujoco_six_axis_servos.py`.
 A UR5e with `<position>` actuators is simulated by MuJoCo. Two gains, two rotors, two viscous and three dry frictions,
 at joints drawn with the seed, differ from the nominal MJCF; most arms carry a load that it lacks, and most servos get
 their commands some samples late. The logs hold commanded and measured positions at {rate} Hz, {duration:g} s, with
@@ -221,7 +223,7 @@ def row(seed: int, diagnosis: Diagnosis) -> str:
 
 
 if __name__ == "__main__":
-    target = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[1]
+    target = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[2]
     target.mkdir(parents=True, exist_ok=True)
     written = HEAD.format(rate=RATE, duration=DURATION, noise=NOISE)
     for drawn_seed in map(int, sys.argv[2:] or SEEDS):
