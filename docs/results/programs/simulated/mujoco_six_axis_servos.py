@@ -20,6 +20,7 @@ from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
 from flexros.logs.stamps import START_NS
 from flexros.logs.time_series import JointSeries, Log
+from flexros.provenance import code_version
 from flexros.robot.exchange.mjcf.robot_import import robot_from_mjcf
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ RATE, DURATION = 125, 20.0
 NOISE = 1e-4
 """Noise of the encoders, rms [rad]."""
 AMPLITUDE = 0.12
-"""Amplitude of the slowest sine of the commands [rad]."""
+"""Unit of the amplitudes of the sines of the commands: the slowest one has three [rad]."""
 POSE = (0.0, -1.2, 1.4, -0.8, 0.5, 0.2)
 """Commanded positions at the beginning [rad]."""
 ARM = Path(__file__).parents[3] / "examples" / "ur5e.urdf"
@@ -53,8 +54,9 @@ Written by `python docs/results/programs/simulated/mujoco_six_axis_servos.py`.
 A UR5e with `<position>` actuators is simulated by MuJoCo. Two gains, two rotors, two viscous and three dry frictions,
 at joints drawn with the seed, differ from the nominal MJCF; most arms carry a load that it lacks, and most servos get
 their commands some samples late. The logs hold commanded and measured positions at {rate} Hz, {duration:g} s, with
-noise of {noise:g} rad, and **no torques**. The first log is fitted, the second is held out. Seeds 1 to 3 were used in
-development, those of this page were not. *Ambiguous* is what was missed, but told to be as likely as what was named;
+noise of {noise:g} rad, and **no torques**. The first log is fitted, the second is held out. Seed 1 and arms
+of the same kind were used in development, the seeds of this page were not. Written by code {code}.
+*Ambiguous* is what was missed, but told to be as likely as what was named;
 *sizes* are those of right names within their 95 % intervals.
 
 | seed | found | missed | false | ambiguous | verdict | gap before | after | closed, held out | sizes |
@@ -225,7 +227,7 @@ def row(seed: int, diagnosis: Diagnosis) -> str:
 if __name__ == "__main__":
     target = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[2]
     target.mkdir(parents=True, exist_ok=True)
-    written = HEAD.format(rate=RATE, duration=DURATION, noise=NOISE)
+    written = HEAD.format(rate=RATE, duration=DURATION, noise=NOISE, code=code_version())
     for drawn_seed in map(int, sys.argv[2:] or SEEDS):
         with tempfile.TemporaryDirectory() as made:
             written += row(drawn_seed, diagnosed(drawn_seed, Path(made)))
