@@ -43,6 +43,7 @@ class EncoderOffset(AbstractSensor):
     size: ClassVar[str] = "offset"
     rank: ClassVar[int] = 0
     plain: ClassVar[bool] = True
+    taken_for: ClassVar[tuple[str, ...]] = ("torque_bias",)
     signatures: ClassVar[tuple[str, ...]] = ("torque_over_position",)
     fingerprint: ClassVar[str] = (
         "disturbance torques in several joints as if the weight of the arm beyond one joint were turned by a constant "

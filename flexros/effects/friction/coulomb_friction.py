@@ -9,9 +9,14 @@ import casadi as ca
 from pydantic import Field, model_validator
 
 from flexros.effects.friction.presliding_friction import PreslidingFriction
-from flexros.effects.kinds.bristle_friction import BRISTLES
-from flexros.effects.kinds.dry_friction import AbstractDryFriction, FrictionLevels
+from flexros.effects.kinds.dry_friction import FrictionLevels
 from flexros.effects.kinds.ranges import Range
+from flexros.effects.kinds.yielding_friction import (
+    BRISTLES,
+    AbstractYieldingFriction,
+    bristle_damping,
+    bristle_stiffness,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -23,7 +28,7 @@ if TYPE_CHECKING:
     from flexros.robot.symbolic.kinematics import Value
 
 
-class CoulombFriction(AbstractDryFriction):
+class CoulombFriction(AbstractYieldingFriction):
     """Coulomb friction at a motor, with true sticking.
 
     With level F and asymmetry a the torque on a moving motor is -F (1 + a/2) forward and +F (1 - a/2) backward. At
@@ -40,7 +45,6 @@ class CoulombFriction(AbstractDryFriction):
     stage: ClassVar[Stage] = "motor friction"
     size: ClassVar[str] = "level"
     one_level: ClassVar[bool] = True
-    unsaid: ClassVar[tuple[str, ...]] = BRISTLES
     reduces: ClassVar[bool] = True
     signatures: ClassVar[tuple[str, ...]] = ("torque_over_speed", "torque_after_reversal")
     fingerprint: ClassVar[str] = (
@@ -48,19 +52,15 @@ class CoulombFriction(AbstractDryFriction):
         "sticking of the motor at standstill"
     )
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
-        {
-            "level": Range("torque", 1e-6, 1.0, starts=8),
-            "stiffness": Range("torque/angle", 1e-3, 1e9, starts=1, vanishes="never"),
-            "damping": Range("torque/speed", 1e-6, 1e6, starts=1),
-        }
+        {"level": Range("torque", 1e-6, 1.0, starts=8), **BRISTLES}
     )
 
     level: float = Field(
         0.0, description="mean of both directions; below zero where that of another one there is too large [Nm or N]"
     )
     asymmetry: float = Field(0.0, ge=-2.0, le=2.0, description="(forward - backward) / mean [1]")
-    stiffness: float = Field(0.0, ge=0.0, description="bristle stiffness [Nm/rad or N/m]; 0 for rigid contacts")
-    damping: float = Field(0.0, ge=0.0, description="damping of these bristles [Nm s/rad or N s/m]")
+    stiffness: float = bristle_stiffness()
+    damping: float = bristle_damping()
 
     @model_validator(mode="after")
     def _even(self) -> CoulombFriction:
@@ -82,11 +82,6 @@ class CoulombFriction(AbstractDryFriction):
         if self.stiffness == 0:
             return self
         return PreslidingFriction(level=self.level, stiffness=self.stiffness, damping=self.damping)
-
-    def fitted(self, robot: Robot, location: str) -> Mapping[str, Range]:
-        """Return the range of the level; bristles are fitted once the effect is found."""
-        del robot, location
-        return {"level": self.ranges["level"]}
 
     def reductions(self, robot: Robot, location: str, known: Sequence[AbstractEffect] = ()) -> Mapping[str, float]:
         """Return the Coulomb friction that the nominal model has, which is all that can be missing."""

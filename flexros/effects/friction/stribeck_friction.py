@@ -8,10 +8,15 @@ from typing import TYPE_CHECKING, ClassVar
 from pydantic import Field
 
 from flexros.effects.friction.presliding_friction import PreslidingFriction
-from flexros.effects.kinds.bristle_friction import BRISTLES
-from flexros.effects.kinds.dry_friction import AbstractDryFriction, FrictionLevels
+from flexros.effects.kinds.dry_friction import FrictionLevels
 from flexros.effects.kinds.hump import GAUSSIAN, hump
 from flexros.effects.kinds.ranges import Range
+from flexros.effects.kinds.yielding_friction import (
+    BRISTLES,
+    AbstractYieldingFriction,
+    bristle_damping,
+    bristle_stiffness,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -19,11 +24,10 @@ if TYPE_CHECKING:
     from flexros.effects.kinds.base import Stage
     from flexros.effects.kinds.law import AbstractLaw
     from flexros.effects.kinds.motor_law import MotorState
-    from flexros.robot import Robot
     from flexros.robot.symbolic.kinematics import Value
 
 
-class StribeckFriction(AbstractDryFriction):
+class StribeckFriction(AbstractYieldingFriction):
     """Stribeck friction at a motor beyond that of high speed, with true sticking (Moberg 2007, eq. 3.15, static part).
 
     With extra level F, Stribeck velocity w and exponent d the torque on a motor of speed v is F exp(-|v/w|^d) against
@@ -38,7 +42,6 @@ class StribeckFriction(AbstractDryFriction):
     name: ClassVar[str] = "stribeck_friction"
     stage: ClassVar[Stage] = "motor friction"
     size: ClassVar[str] = "extra"
-    unsaid: ClassVar[tuple[str, ...]] = BRISTLES
     signatures: ClassVar[tuple[str, ...]] = ("torque_over_speed",)
     fingerprint: ClassVar[str] = (
         "friction torque against the motion at low speed only, largest at standstill: stick-slip in slow motion"
@@ -48,29 +51,20 @@ class StribeckFriction(AbstractDryFriction):
             "extra": Range("torque", 1e-6, 1.0, starts=5),
             "velocity": Range("speed", 1e-4, 0.3, starts=5, vanishes="never"),
             "exponent": Range("relative", 0.5, 4.0, starts=1, source="0.5 to 2 and more (Armstrong-Helouvry 1991)"),
-            "stiffness": Range("torque/angle", 1e-3, 1e9, starts=1, vanishes="never"),
-            "damping": Range("torque/speed", 1e-6, 1e6, starts=1),
+            **BRISTLES,
         }
     )
 
     extra: float = Field(0.0, ge=0.0, description="level at standstill beyond that of high speed [Nm or N]")
     velocity: float = Field(0.0, ge=0.0, description="Stribeck velocity of the motor [rad/s or m/s]")
-
     exponent: float = Field(GAUSSIAN, gt=0.0, le=8.0, description="shape of the hump [1]; 2 is Gaussian")
-    stiffness: float = Field(0.0, ge=0.0, description="bristle stiffness [Nm/rad or N/m]; 0 for rigid contacts")
-    damping: float = Field(0.0, ge=0.0, description="damping of these bristles [Nm s/rad or N s/m]")
+    stiffness: float = bristle_stiffness()
+    damping: float = bristle_damping()
 
     @property
     def acting(self) -> AbstractLaw:
         """Bristles where they have a stiffness."""
-        if self.stiffness == 0:
-            return self
-        return PreslidingFriction(**self.model_dump())
-
-    def fitted(self, robot: Robot, location: str) -> Mapping[str, Range]:
-        """Return the ranges of the hump; bristles are fitted once the effect is found."""
-        del robot, location
-        return {name: allowed for name, allowed in self.ranges.items() if name not in BRISTLES}
+        return PreslidingFriction(**self.model_dump()) if self.stiffness > 0 else self
 
     def levels(self, motor: MotorState, values: Mapping[str, Value]) -> FrictionLevels:
         """Evaluate the hump at the speed."""

@@ -42,7 +42,8 @@ class AbstractEffect(Settings, ABC):
        `harmonics` and `delays_commands`.
     5. The methods of its kind: `AbstractModelChange` returns a changed robot, `AbstractChangedValues` changed parameter
        values, `AbstractCommandLaw` the torque between command and motor, `AbstractMotorTorque` a smooth torque at a
-       motor, `AbstractDryFriction` friction with sticking, `AbstractBristleFriction` friction with presliding,
+       motor, `AbstractDryFriction` friction with sticking, `AbstractYieldingFriction` the same with contacts that may
+       yield, `AbstractBristleFriction` friction with presliding,
        `AbstractGearLaw` torques of a spring, `AbstractCurve` torques at a motor or spring without a law,
        `AbstractArmLaw` forces on the arm, `AbstractSensor` a changed measurement, `AbstractToolError` a changed tool
        geometry.
@@ -66,6 +67,8 @@ class AbstractEffect(Settings, ABC):
     plain: ClassVar[bool] = False
     """Whether it is one parameter of the model or of a signal, without a shape of its own. A diagnosis allows such an
     effect less model-form error than a law of friction, backlash or ripple."""
+    taken_for: ClassVar[tuple[str, ...]] = ()
+    """Effects at the same place, by name, that a regression of torques may show in place of this one."""
     shape_doubt: ClassVar[Mapping[str, float]] = MappingProxyType({})
     """Standard deviation of parameters that shape the law, by how other laws of the same thing look like another shape:
     on a log whose law may be any of them, sizes are known no better than this leaves them."""

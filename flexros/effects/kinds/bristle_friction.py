@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
     from flexros.robot.symbolic.kinematics import Value
 
-BRISTLES = ("stiffness", "damping")
-"""Parameters of bristles in laws of dry friction that hold by them once they have a stiffness."""
 STIFF = 12.0
 """K = s0 h^2 / J at which the method is midway between trapezoidal rule and implicit Euler [1] (chosen)."""
 PASSES = 4

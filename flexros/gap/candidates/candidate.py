@@ -9,10 +9,8 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from flexros.effects import PlacedEffect, effects
-from flexros.effects.encoders.encoder_offset import EncoderOffset
 from flexros.effects.kinds.command_law import AbstractCommandLaw
 from flexros.effects.kinds.curve import AbstractCurve
-from flexros.effects.torque_bias import TorqueBias
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -188,11 +186,12 @@ def simpler(candidate: Candidate) -> frozenset[str]:
 def alike(one: Candidate, other: Candidate) -> bool:
     """Return whether two candidates at the same place look alike in a regression of torques.
 
-    So do relative errors of plain numbers, and a constant torque beside a weight that a wrong zero turns.
+    So do relative errors of plain numbers, and what an effect is `taken_for`, as a weight that a wrong zero turns for
+    a constant torque.
     """
     if one.location != other.location:
         return False
-    if {one.effect.name, other.effect.name} == {TorqueBias.name, EncoderOffset.name}:
+    if one.effect.name in other.effect.taken_for or other.effect.name in one.effect.taken_for:
         return True
     return all(each.effect.plain and "relative" in each.effect.ranges for each in (one, other))
 

@@ -5,10 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.effects.friction.presliding_friction import SEEN
-from flexros.effects.friction.stribeck_friction import StribeckFriction
-from flexros.effects.kinds.bristle_friction import BRISTLES
+from flexros.effects.kinds.yielding_friction import BRISTLES, AbstractYieldingFriction
 from flexros.gap.candidates.candidate import FreeParameter
 from flexros.gap.search.fits.refits import at_limits
 from flexros.gap.search.worth import compared
@@ -19,9 +17,6 @@ if TYPE_CHECKING:
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.search.fits.candidate_fits import Search
-
-YIELDING = (CoulombFriction, StribeckFriction)
-"""Laws of dry friction that may hold by bristles."""
 
 
 def with_bristles(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
@@ -48,13 +43,13 @@ def with_bristles(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -
         return firm
     if not search.premises.library_is_complete:
         return fit
-    left = set(YIELDING)
+    left = {one.effect for one in _rigid(search, fit)}
     while left and not search.deadline.stops():
         rigid = _rigid(search, fit)
         found = {}
-        for law in YIELDING:
+        for law in sorted(left, key=lambda law: law.name):
             levels = {one.name: size for one, size in rigid.items() if one.effect is law}
-            held = _held_by(search, fit, levels) if levels and law in left else None
+            held = _held_by(search, fit, levels) if levels else None
             if held is not None:
                 found[law] = held
         if not found:
@@ -71,8 +66,8 @@ def _rigid(search: Search, fit: CandidateFit) -> dict[Candidate, float]:
     return {
         one: values[one.effect.size]
         for one, values in zip(fit.hypothesis, fit.predictor.values(fit.theta), strict=True)
-        if issubclass(one.effect, YIELDING)
-        and not {free.name for free in one.free} & set(BRISTLES)
+        if issubclass(one.effect, AbstractYieldingFriction)
+        and not {free.name for free in one.free} & BRISTLES.keys()
         and not any(free.signed for free in one.free)  # one that takes friction away has no bristles
         and _noise(search, one) > 0
     }
@@ -103,7 +98,7 @@ def _without_bristles(search: Search, fit: CandidateFit) -> CandidateFit:
     """Hold the friction of an explanation rigidly where its bristles are not worth their parameters."""
     rigid = tuple(
         replace(one, free=tuple(free for free in one.free if free.name not in BRISTLES))
-        if issubclass(one.effect, YIELDING)
+        if issubclass(one.effect, AbstractYieldingFriction)
         else one
         for one in fit.hypothesis
     )
