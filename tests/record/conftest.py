@@ -26,7 +26,7 @@ def measured() -> tuple[FloatArray, FloatArray]:
 
 @pytest.fixture(scope="session")
 def ur5e_record() -> Record:
-    return example.ur5e_record()
+    return example.ur5e_record().part(0, 3000)
 
 
 @pytest.fixture
