@@ -78,46 +78,73 @@ def test_lists_and_places_of_effects() -> None:
     assert completion.placed_effects("backlash@mo") == []
 
 
+IN_ZSH = {
+    "flexros robot six": "six_axis",
+    "flexros run circle_d": "circle_dae",
+    "flexros gap log --model four_mass_l": "four_mass_linear",
+    "flexros run circle_pd --effect coul": "coulomb_friction@",
+}
+EACH = """
+import os, sys
+from flexros.cli import main
+asked, sys.argv = sys.argv[1:], ["flexros"]
+for os.environ["_TYPER_COMPLETE_ARGS"] in asked:
+    try:
+        main()
+    except SystemExit:
+        print("END", flush=True)
+"""
+
+
+@pytest.fixture(scope="module")
+def told_to_zsh() -> dict[str, str]:
+    """Complete one after the other in one process."""
+    variables = {**os.environ, "_FLEXROS_COMPLETE": "complete_zsh"}
+    command = [sys.executable, "-c", EACH, *IN_ZSH]
+    done = subprocess.run(command, env=variables, capture_output=True, text=True, check=False)
+    *told, _ = done.stdout.split("END\n")
+    assert len(told) == len(IN_ZSH), done.stderr
+    return dict(zip(IN_ZSH, told, strict=True))
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("words", "found"),
-    [
-        ("flexros robot six", "six_axis"),
-        ("flexros run circle_d", "circle_dae"),
-        ("flexros gap log --model four_mass_l", "four_mass_linear"),
-        ("flexros run circle_pd --effect coul", "coulomb_friction@"),
-    ],
-)
-def test_shell_gets_them(words: str, found: str) -> None:
-    variables = {"_FLEXROS_COMPLETE": "complete_zsh", "_TYPER_COMPLETE_ARGS": words}
-    done = subprocess.run(
-        [sys.executable, "-c", PROGRAM], env={**os.environ, **variables}, capture_output=True, text=True, check=False
+@pytest.mark.parametrize("words", IN_ZSH)
+def test_shell_gets_them(told_to_zsh: dict[str, str], words: str) -> None:
+    assert IN_ZSH[words] in told_to_zsh[words]
+
+
+IN_BASH = {
+    "flexros diag": ["diagnose"],
+    "flexros run circle_dae --transp": ["--transport"],
+    "flexros run circle_dae --transport di": ["direct"],
+    "flexros campaign cov": ["coverage"],
+    "flexros design margins --controller circle_dae": ["circle_dae", "circle_dae2"],
+    "flexros analyze no_such_log": [],  # files are left to the shell
+}
+
+
+@pytest.fixture(scope="module")
+def completed(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[str]]:
+    """Install the completion for bash, and complete in one shell."""
+    folder = tmp_path_factory.mktemp("home")
+    program = folder / "flexros"
+    program.write_text(f'#!/bin/sh\nexec {sys.executable} -c {shlex.quote(PROGRAM)} "$@"\n')
+    program.chmod(0o755)
+    variables = {**os.environ, "HOME": str(folder), "PATH": f"{folder}:{os.environ['PATH']}"}
+    variables["_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION"] = "1"
+    script = f"{program} --install-completion bash >/dev/null && . ~/.bashrc\n" + "".join(
+        f"COMP_WORDS=({words}); COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1)); COMPREPLY=()\n"
+        "_flexros_completion flexros; echo ${COMPREPLY[@]}\n"
+        for words in IN_BASH
     )
-    assert found in done.stdout, done.stderr
+    done = subprocess.run(["bash", "-c", script], env=variables, capture_output=True, text=True, check=False)
+    lines = done.stdout.splitlines()
+    assert len(lines) == len(IN_BASH), done.stderr
+    return {words: line.split() for words, line in zip(IN_BASH, lines, strict=True)}
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(shutil.which("bash") is None, reason="bash is needed")
-@pytest.mark.parametrize(
-    ("words", "found"),
-    [
-        ("flexros diag", ["diagnose"]),
-        ("flexros run circle_dae --transp", ["--transport"]),
-        ("flexros run circle_dae --transport di", ["direct"]),
-        ("flexros campaign cov", ["coverage"]),
-        ("flexros design margins --controller circle_dae", ["circle_dae", "circle_dae2"]),
-        ("flexros analyze no_such_log", []),  # files are left to the shell
-    ],
-)
-def test_bash_completes(words: str, found: list[str], tmp_path: Path) -> None:
-    program = tmp_path / "flexros"
-    program.write_text(f'#!/bin/sh\nexec {sys.executable} -c {shlex.quote(PROGRAM)} "$@"\n')
-    program.chmod(0o755)
-    variables = {**os.environ, "HOME": str(tmp_path), "PATH": f"{tmp_path}:{os.environ['PATH']}"}
-    variables["_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION"] = "1"
-    script = (
-        f"{program} --install-completion bash >/dev/null && . ~/.bashrc && COMP_WORDS=({words}) && "
-        "COMP_CWORD=$((${#COMP_WORDS[@]} - 1)) && _flexros_completion flexros && printf '%s\\n' \"${COMPREPLY[@]}\""
-    )
-    done = subprocess.run(["bash", "-c", script], env=variables, capture_output=True, text=True, check=False)
-    assert done.stdout.split() == found, done.stderr
+@pytest.mark.parametrize("words", IN_BASH)
+def test_bash_completes(completed: dict[str, list[str]], words: str) -> None:
+    assert completed[words] == IN_BASH[words]

@@ -26,6 +26,7 @@ from flexros.scenario.scenario import load_scenario
 
 pytestmark = pytest.mark.slow
 
+PARTS = ["creep", "multisine", "moves"]
 HIDDEN = "coulomb_friction@motor_1:level=0.05"
 GAP = {"metric": "E", "unit": "1", "before": 1.02, "noise_floor": 1.0}
 
@@ -33,7 +34,7 @@ GAP = {"metric": "E", "unit": "1", "before": 1.02, "noise_floor": 1.0}
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory: pytest.TempPathFactory) -> str:
     """Ten seconds of the diagnosis experiment on a robot with hidden friction."""
-    values = {"diagnosis.length": 10, "plant.effects": [HIDDEN], "seed": 3}
+    values = {"diagnosis.length": 10, "diagnosis.parts": PARTS, "plant.effects": [HIDDEN], "seed": 3}
     folder = tmp_path_factory.mktemp("bags") / "hidden"
     write_log(closed_loop(Experiment.prepare(load_scenario("diagnosis").with_values(values, "test"))), folder)
     return str(folder)

@@ -29,7 +29,7 @@ def bags(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     """Ten seconds of the diagnosis experiment, with and without hidden friction."""
     folder, made = tmp_path_factory.mktemp("bags"), {}
     for name, effects in (("hidden", ["coulomb_friction@motor_1:level=0.05"]), ("clean", [])):
-        values = {"diagnosis.length": 10, "plant.effects": effects, "seed": 4}
+        values = {"diagnosis.length": 10, "diagnosis.parts": ["moves"], "plant.effects": effects, "seed": 4}
         log = closed_loop(Experiment.prepare(load_scenario("diagnosis").with_values(values, "test")))
         write_log(log, folder / name)
         made[name] = str(folder / name)
