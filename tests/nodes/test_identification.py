@@ -257,7 +257,7 @@ def test_parameters_of_the_node_that_is_left_out_are_bad_input(identification_sc
         run_scenario("circle_dae", None, parameters={"identification": {"lead": 1.0}})
 
 
-def test_executables_wait_for_the_service_and_run(
+def test_executable_waits_for_the_service_and_runs(
     bench: Bench,
     start_node: Callable[..., subprocess.Popen[str]],
     end_with_plant: Callable[..., str],
@@ -265,13 +265,16 @@ def test_executables_wait_for_the_service_and_run(
     identification_scenario: Path,
     log_differences: Differences,
 ) -> None:
-    scenario = f"scenario:={identification_scenario}"
-    plant = start_node("plant", scenario)
-    others = [
-        start_node("controller", scenario),
-        start_node("identification", scenario, "begin_at_once:=false"),
-        start_node("recorder", scenario, f"folder:={tmp_path / 'log'}"),
+    scenario = str(identification_scenario)
+    plant = start_node("plant", f"scenario:={scenario}")
+    leader = start_node("identification", f"scenario:={scenario}", "begin_at_once:=false")
+    here = [
+        bench.add(ControllerNode, scenario=scenario),
+        bench.add(RecorderNode, scenario=scenario, folder=str(tmp_path / "log")),
     ]
+    for node in here:
+        node.trigger_configure()
+        node.trigger_activate()
     user = bench.hold(rclpy.create_node("user", context=bench.context))
     client = user.create_client(Trigger, "identification/start")
     bench.spin_until(client.service_is_ready, TIMEOUT)
@@ -280,5 +283,7 @@ def test_executables_wait_for_the_service_and_run(
         future = client.call_async(Trigger.Request())
         bench.spin_until(future.done)
         answers.append(future.result())
-    end_with_plant(plant, *others, spin=lambda: bench.spin_for(0.02))
+    end_with_plant(plant, leader, spin=lambda: bench.spin_for(0.02))
+    for node in here:
+        node.trigger_shutdown()
     assert log_differences(direct(identification_scenario), read_log(tmp_path / "log")) == []

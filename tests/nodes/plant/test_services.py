@@ -248,15 +248,17 @@ def test_real_time_resumes_after_a_pause_without_misses(bench: Bench, short_scen
     assert loop.plant.figures()["missed_commands"] == 0
 
 
-def test_executables_are_stepped_reset_and_run(
+def test_executable_is_stepped_reset_and_run(
     bench: Bench,
     start_node: Callable[..., subprocess.Popen[str]],
     end_with_plant: Callable[..., str],
     short_scenario: Path,
 ) -> None:
-    given = f"scenario:={short_scenario}", "observers:=0"
-    plant = start_node("plant", *given, "begin_at_once:=false")
-    others = [start_node(node, *given) for node in ("controller", "feedforward")]
+    plant = start_node("plant", f"scenario:={short_scenario}", "observers:=0", "begin_at_once:=false")
+    for kind in (ControllerNode, FeedforwardNode):
+        partner = bench.add(kind, scenario=str(short_scenario), observers=0)
+        partner.trigger_configure()
+        partner.trigger_activate()
     user = bench.hold(rclpy.create_node("user", context=bench.context))
     clients = {name: user.create_client(Trigger, f"plant/{name}") for name in ("start", "step", "reset")}
 
@@ -275,7 +277,7 @@ def test_executables_are_stepped_reset_and_run(
     until("step", "sample 5")
     until("reset", "back before its first sample")
     until("start", "continues from")
-    end_with_plant(plant, *others, spin=lambda: bench.spin_for(0.02))
+    end_with_plant(plant, spin=lambda: bench.spin_for(0.02))
 
 
 def test_services_and_topics_go_with_the_clean_up(bench: Bench) -> None:

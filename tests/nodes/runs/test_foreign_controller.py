@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import json
+import signal
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
@@ -23,7 +24,13 @@ if TYPE_CHECKING:
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 
+from rclpy.parameter import Parameter
+
+from flexros_nodes.recorder import RecorderNode
+from tests.nodes.loop_on_bench import Loop
+
 EXAMPLE = "foreign_controller.py"
+TIMEOUT = 60.0
 GAINS = {"kind": "pid", "kp": 5600.0, "ki": 24000.0, "kd": 300.0}
 
 StartProcess = Callable[..., subprocess.Popen[str]]
@@ -38,16 +45,21 @@ def scenario_file(folder: Path, **changes: Any) -> Path:
 
 
 @pytest.fixture
-def recorded(start_node: StartProcess, start_example: StartProcess, end_with_plant: Callable[..., str]) -> Recorded:
-    """Give a run of plant, recorder and the foreign controller to the plant's end."""
+def recorded(bench: Any, start_example: StartProcess) -> Recorded:
+    """Give a run of plant, recorder and the foreign controller, a process of its own, to the plant's end."""
 
     def run(scenario: Path, *parameters: str) -> Log:
         arguments = [word for parameter in parameters for word in ("-p", parameter)]
         foreign = start_example(EXAMPLE, *(["--ros-args", *arguments] if arguments else []))
-        plant = start_node("plant", f"scenario:={scenario}")
         folder = scenario.parent / "log"
-        recorder = start_node("recorder", f"scenario:={scenario}", f"folder:={folder}")
-        end_with_plant(plant, recorder, foreign)
+        loop = Loop(bench, scenario, RecorderNode)
+        loop.node(RecorderNode).set_parameters([Parameter("folder", value=str(folder))])
+        loop.bring_up()
+        bench.spin_until(lambda: loop.plant.report is not None, TIMEOUT)
+        loop.finish()
+        foreign.send_signal(signal.SIGTERM)
+        _, errors = foreign.communicate(timeout=TIMEOUT)
+        assert foreign.returncode == 0, errors
         return read_log(folder)
 
     return run
@@ -68,7 +80,6 @@ def test_example_is_short_and_imports_nothing_of_flexros() -> None:
     assert len([line for line in text.splitlines() if line.strip()]) <= 40
 
 
-@pytest.mark.usefixtures("ros_domain")
 def test_holds_against_disturbances_sample_for_sample_as_the_same_law_of_ours(
     recorded: Recorded, tmp_path: Path
 ) -> None:
@@ -84,7 +95,6 @@ def test_holds_against_disturbances_sample_for_sample_as_the_same_law_of_ours(
     assert np.ptp(signals(ours)[0]) > 1e-3
 
 
-@pytest.mark.usefixtures("ros_domain")
 def test_motor_follows_its_swing(recorded: Recorded, tmp_path: Path) -> None:
     scenario = scenario_file(tmp_path, disturbances=[])
     log = recorded(scenario, "swing:=0.2", "period:=1.0")

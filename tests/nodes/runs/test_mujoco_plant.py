@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,6 +19,10 @@ from flexros.scenario.scenario import load_scenario
 pytest.importorskip("rclpy", reason="needs ROS 2")
 pytest.importorskip("mujoco", reason="the other plant")
 
+from flexros_nodes.controller.node import ControllerNode
+from flexros_nodes.feedforward import FeedforwardNode
+from flexros_nodes.recorder import RecorderNode
+
 EXAMPLES = Path(__file__).parents[3] / "docs" / "examples"
 SCENARIO = EXAMPLES / "two_mass_move.yaml"
 MODEL = EXAMPLES / "two_mass.xml"
@@ -26,26 +31,27 @@ StartProcess = Callable[..., subprocess.Popen[str]]
 
 
 @pytest.fixture
-def run_on_mujoco(
-    start_node: StartProcess, start_example: StartProcess, end_with_plant: Callable[..., str]
-) -> Callable[[Path], Log]:
+def run_on_mujoco(bench: Any, start_example: StartProcess, end_with_plant: Callable[..., str]) -> Callable[[Path], Log]:
     """Give a run of the scenario's controller and feedforward on a MuJoCo model to its end."""
 
     def run(model: Path) -> Log:
-        scenario = f"scenario:={SCENARIO}"
-        ours = [start_node(name, scenario) for name in ("controller", "feedforward")]
-        folder = model.parent / "log"
-        recorder = start_node("recorder", scenario, f"folder:={folder}")
+        folder, scenario = model.parent / "log", str(SCENARIO)
+        ours = [bench.add(kind, scenario=scenario) for kind in (ControllerNode, FeedforwardNode)]
+        ours.append(bench.add(RecorderNode, scenario=scenario, folder=str(folder)))
+        for node in ours:
+            node.trigger_configure()
+            node.trigger_activate()
         parameters = (f"model:={model}", "duration:=1.0", "listeners:=2", "watchers:=1")
         arguments = ["--ros-args", *(word for one in parameters for word in ("-p", one))]
         plant = start_example("mujoco_plant.py", *arguments)
-        assert end_with_plant(plant, recorder, *ours).startswith("1001 samples")
+        assert end_with_plant(plant, spin=lambda: bench.spin_for(0.02)).startswith("1001 samples")
+        for node in ours:
+            node.trigger_shutdown()
         return read_log(folder)
 
     return run
 
 
-@pytest.mark.usefixtures("ros_domain")
 @pytest.mark.parametrize(
     ("integrator", "position_error", "torque_error"),
     [("RK4", 1e-12, 1e-8), ("implicitfast", 1.5e-4, 1.0)],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
@@ -14,6 +15,9 @@ import pytest
 from flexros.logs.reader import read_log
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
+
+from flexros_nodes.plant.node import PlantNode
+from flexros_nodes.recorder import RecorderNode
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -48,13 +52,7 @@ def hardware_interface(context: Any) -> Node:
 
 
 @pytest.mark.slow
-def test_newest_command_answers_each_measurement(
-    bench: Any,
-    start_node: StartProcess,
-    start_example: StartProcess,
-    end_with_plant: Callable[..., str],
-    tmp_path: Path,
-) -> None:
+def test_newest_command_answers_each_measurement(bench: Any, start_example: StartProcess, tmp_path: Path) -> None:
     scenario = tmp_path / "rest.yaml"
     scenario.write_text(
         f"robot: two_mass\nduration: {(SAMPLES - 1) * 1e-3}\nnoise: false\nfeedforward: {{method: none}}\n"
@@ -63,10 +61,18 @@ def test_newest_command_answers_each_measurement(
     interface = hardware_interface(bench.context)
     bench.hold(interface)
     bridge = start_example("ros2_control_bridge.py")
-    recorder = start_node("recorder", f"scenario:={scenario}", f"folder:={tmp_path / 'log'}")
     bench.spin_until(lambda: interface.count_subscribers("/ros2_control_commands") > 0, TIMEOUT)
-    plant = start_node("plant", f"scenario:={scenario}", "observers:=2")
-    end_with_plant(plant, recorder, bridge, spin=lambda: bench.spin_for(0.02))
+    recorder = bench.add(RecorderNode, scenario=str(scenario), folder=str(tmp_path / "log"))
+    plant = bench.add(PlantNode, scenario=str(scenario), observers=2)
+    for node in (recorder, plant):
+        node.trigger_configure()
+        node.trigger_activate()
+    bench.spin_until(lambda: plant.report is not None, TIMEOUT)
+    assert (plant.report.exit_code, plant.report.message) == (0, "")
+    recorder.trigger_shutdown()
+    bridge.send_signal(signal.SIGTERM)
+    _, errors = bridge.communicate(timeout=TIMEOUT)
+    assert bridge.returncode == 0, errors
     log = read_log(tmp_path / "log")
     assert log.joint_commands is not None
     assert log.joint_commands.effort is not None

@@ -97,6 +97,7 @@ def test_child_that_offers_only_some_services_is_started_once_more(
         ready.append(self._watchers["recorder"].service_is_ready())
 
     ready: list[bool] = []
+    monkeypatch.setattr(RunPlan, "nodes", ("recorder",))  # the others take no part
     monkeypatch.setattr(ProcessManager, "__init__", begin_deaf)
     monkeypatch.setattr(ProcessManager, "run", await_recorder)
     monkeypatch.setattr(processes, "START_TIMEOUT", 3.0)
@@ -114,6 +115,7 @@ def test_node_killed_while_it_starts_leaves_a_closed_log(tmp_path: Path, monkeyp
             os.kill(self.processes[name].pid, signal.SIGKILL)
         return change(self, name, transition, timeout)
 
+    monkeypatch.setattr(RunPlan, "nodes", ("recorder", "controller"))  # the others take no part
     monkeypatch.setattr(ProcessManager, "change_state", kill_and_change)
     summary = run_scenario("circle_dae", tmp_path / "log", "processes")
     assert summary.exit_code == 3

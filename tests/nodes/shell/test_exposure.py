@@ -156,7 +156,7 @@ def test_node_of_the_user_finds_a_run_that_is_bound(ros_domain: int, tmp_path: P
     )
     domain = {"ROS_DOMAIN_ID": str(ros_domain)}
     arguments = ("run", str(long_scenario), "--realtime", "--out", str(tmp_path / "log"))
-    with started("-c", COMMAND, *arguments, **domain), started("-c", listener, **domain) as listening:
+    with started("-c", listener, **domain) as listening, started("-c", COMMAND, *arguments, **domain):
         assert listening.wait(60.0) == 0
 
 
