@@ -23,7 +23,7 @@ PARTS: dict[str, Callable[[Path], Result]] = {
     "bad_transport": lambda folder: bad_transport.disturbed(folder, 0.2, [1]),
     "flood": lambda folder: foreign_senders.flooded(folder, ["not_finite"], 1.0, 2000.0),
     "in_a_row": lambda folder: many_runs.in_a_row(folder, 3, 1, 0),
-    "side_by_side": lambda folder: many_runs.side_by_side(folder, 2, 1, 1.0),
+    "side_by_side": lambda folder: many_runs.side_by_side(folder, 2, 1, 0.5),
 }
 
 
@@ -41,6 +41,6 @@ def test_disk_that_is_full_is_survived(tmp_path: Path) -> None:
 
 
 def test_long_run_loses_nothing(tmp_path: Path) -> None:
-    result = long_runs.long_run(tmp_path, "composed", 8.0, 0.01, False)
+    result = long_runs.long_run(tmp_path, "composed", 4.0, 0.01, False)
     assert [row[0] for row in result.rows] == ["run", "log"]
     assert result.rows[-1][-1] == "ok"
