@@ -16,7 +16,7 @@ from flexros.validation.campaigns.study.settings import StudySettings
 if TYPE_CHECKING:
     from flexros.scenario.scenario import Scenario
 
-SMALL = StudySettings("identify_e12", positions=3, candidates=40, starts=6, redrawn=30, seed=3)
+SMALL = StudySettings("identify_e12", positions=3, candidates=40, starts=4, redrawn=30, seed=3)
 
 
 @pytest.fixture(scope="session")

@@ -22,7 +22,7 @@ def test_page_pictures_and_numbers_are_made(small_study: Study, small_scenario: 
         assert not name.endswith(".svg") or f"({name})" in files["study.md"]
     content = json.loads(files["data/study.json"])
     np.testing.assert_allclose(content["best"], small_study.best.values)
-    assert len(content["runs"]["NLS15O"]["values_over_nominal"]) == 6
+    assert len(content["runs"]["NLS15O"]["values_over_nominal"]) == 4
 
 
 def test_summary_has_a_sentence_per_estimator(small_study: Study) -> None:
