@@ -17,6 +17,7 @@ from flexros.validation.campaigns.base import CampaignRequest
 from flexros.validation.campaigns.blind_campaign import ScoredCases
 from flexros.validation.campaigns.quantized_nulls.campaign import QuantizedNulls
 from flexros.validation.campaigns.quantized_nulls.settings import QuantizedNullsSettings
+from tests.gap.diagnosis_logs import settings_of
 from tests.validation.blind.cases import answer, diagnosis, truth
 
 
@@ -141,7 +142,9 @@ def test_larger_number_of_cases_goes_on_and_false_alarms_are_made_again_without_
 
 
 @pytest.mark.slow
-def test_a_short_log_gives_a_page(tmp_path: Path) -> None:
+def test_a_short_log_gives_a_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    few = settings_of("coulomb_friction", "backlash")
+    monkeypatch.setattr("flexros.validation.blind.diagnose_case.case_settings", lambda: few)
     with connected(threads=1) as client:
         result = QuantizedNulls(settings(1)).run(CampaignRequest(tmp_path, client))
     page = result.files["quantized_nulls.md"]
