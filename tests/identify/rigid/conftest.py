@@ -59,6 +59,12 @@ def rigid_log_fixture():
     return rigid_log
 
 
+@pytest.fixture
+def unchecked(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave out the checks of a log: of six axes they take far longer than the fit, and have tests of their own."""
+    monkeypatch.setattr("flexros.identify.log_record.check_record", lambda record, robot, parameters_known: record)
+
+
 @pytest.fixture(scope="session")
 def elbow() -> Robot:
     return load_robot("elbow")

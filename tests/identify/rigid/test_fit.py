@@ -41,6 +41,7 @@ def truth(fit) -> np.ndarray:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("unchecked")
 @pytest.mark.parametrize(("name", "samples"), [("elbow", 10_000), ("e12", 10_000), ("six_axis", 5000)])
 def test_base_parameters_and_torques_are_recovered(name: str, samples: int, fourier_motion, rigid_log) -> None:
     robot = load_robot(name)
@@ -74,6 +75,7 @@ def test_a_motor_without_torque_is_left_out(elbow, fourier_motion, rigid_log) ->
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("unchecked")
 def test_standard_deviations_fit_the_spread(elbow, fourier_motion, rigid_log) -> None:
     motion = fourier_motion(8000, 1e-3, 2)
     scores = []

@@ -16,7 +16,7 @@ from flexros.identify.rigid.settings import RigidSettings
 from flexros.robot import Robot, load_robot
 from flexros.robot.robot import robot_from_data
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("unchecked")]
 
 SLOW = RigidSettings(cutoff=25.0)
 BODY = {

@@ -83,7 +83,7 @@ def test_degrees_of_freedom_are_those_of_the_scatter_over_repeated_records(choic
     u, errors = rng.standard_normal((1, 600, 1)), []
     for _ in range(100):
         y = u + 0.1 * rng.standard_normal(u.shape)
-        response = record_response(Experiments.of(u, y, T, band=(50.0, 250.0), periodic=False), settings)
+        response = record_response(Experiments.of(u, y, T, band=(50.0, 130.0), periodic=False), settings)
         assert response.total_error is not None
         errors.append(response.total_error[:, 0, 0].real)
     drawn = np.mean(np.mean(errors, axis=0) ** 2 / np.var(errors, axis=0))
