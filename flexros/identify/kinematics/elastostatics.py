@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
+from flexros.compile.over_rows import over_rows
 from flexros.errors import InputError, RunError
 
 if TYPE_CHECKING:
@@ -67,22 +68,27 @@ class Elastostatics:
             [ca.densify(part) for part in (point, by_q, by_p, stiffness, ca.jacobian(force, p))], {"cse": True},
         )  # fmt: skip
 
-    def equilibrium(self, motors: FloatArray, load: float, p: FloatArray) -> FloatArray:
-        """Return the arm coordinates at rest [rad or m], shape (N,).
+    def equilibria(self, record: PoseRecord, p: FloatArray) -> FloatArray:
+        """Return the arm coordinates at rest in all poses [rad or m], shape (n, N).
 
         Raises:
-            RunError: The springs do not balance gravity and load there.
+            RunError: The springs do not balance gravity and load in one of them.
         """
-        q = np.zeros(self._n_arm)
-        q[self._gears] = motors
+        n = self._n_arm
+        q = np.zeros((len(record), n))
+        q[:, self._gears] = record.motor_position
+        unbalanced = np.ones(len(record), dtype=bool)
         for _ in range(ITERATIONS):
-            force, stiffness = (np.array(part, dtype=float) for part in self._newton(q, motors, load, p))
-            step = np.linalg.solve(stiffness, force.ravel())
-            q = q - step
-            if np.abs(step).max() < TOLERANCE:
+            force, stiffness = over_rows(self._newton, q, *_given(record, p))
+            step = np.linalg.solve(stiffness.reshape(-1, n, n), force.reshape(-1, n, 1))[:, :, 0]
+            q[unbalanced] -= step[unbalanced]
+            unbalanced &= ~(np.abs(step).max(axis=1) < TOLERANCE)
+            if not np.any(unbalanced):
                 return q
+        pose = int(np.argmax(unbalanced))
         raise RunError(
-            f"there is no equilibrium with the motors at {np.round(motors, 4).tolist()} and a load of {load:g} kg"
+            f"there is no equilibrium with the motors at {np.round(record.motor_position[pose], 4).tolist()} and a "
+            f"load of {record.load[pose]:g} kg"
         )
 
     def points(self, record: PoseRecord, p: FloatArray, *, slopes: bool = True) -> tuple[FloatArray, FloatArray]:
@@ -96,15 +102,18 @@ class Elastostatics:
         Returns:
             Points [m], shape (n, 3), and derivatives, shape (n, 3, P).
         """
-        found, derivatives = np.empty((len(record), 3)), np.zeros((len(record), 3, len(p)))
-        for k, (motors, load) in enumerate(zip(record.motor_position, record.load, strict=True)):
-            q = self.equilibrium(motors, float(load), p)
-            parts = [np.array(part, dtype=float) for part in self._slopes(q, motors, load, p)]
-            point, by_q, by_p, stiffness, force_by_p = parts
-            found[k] = point.ravel()
-            if slopes:
-                derivatives[k] = by_p - by_q @ np.linalg.solve(stiffness, force_by_p)
-        return found, derivatives
+        n, size = self._n_arm, len(p)
+        point, *parts = over_rows(self._slopes, self.equilibria(record, p), *_given(record, p))
+        if not slopes:
+            return point, np.zeros((len(record), 3, size))
+        shapes = (3, n), (3, size), (n, n), (n, size)
+        by_q, by_p, stiffness, force_by_p = (part.reshape(-1, *shape) for part, shape in zip(parts, shapes, strict=True))
+        return point, by_p - by_q @ np.linalg.solve(stiffness, force_by_p)
+
+
+def _given(record: PoseRecord, p: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return motor positions, loads and parameters, a row for each pose."""
+    return record.motor_position, record.load[:, None], np.tile(p, (len(record), 1))
 
 
 @lru_cache(maxsize=4)
