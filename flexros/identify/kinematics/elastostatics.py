@@ -103,11 +103,11 @@ class Elastostatics:
             Points [m], shape (n, 3), and derivatives, shape (n, 3, P).
         """
         n, size = self._n_arm, len(p)
+        shapes = (3, n), (3, size), (n, n), (n, size)
         point, *parts = over_rows(self._slopes, self.equilibria(record, p), *_given(record, p))
         if not slopes:
             return point, np.zeros((len(record), 3, size))
-        shapes = (3, n), (3, size), (n, n), (n, size)
-        by_q, by_p, stiffness, force_by_p = (part.reshape(-1, *shape) for part, shape in zip(parts, shapes, strict=True))
+        by_q, by_p, stiffness, force_by_p = (part.reshape(-1, *shape) for part, shape in zip(parts, shapes))
         return point, by_p - by_q @ np.linalg.solve(stiffness, force_by_p)
 
 

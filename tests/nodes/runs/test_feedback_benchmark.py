@@ -33,7 +33,8 @@ def test_matrices_over_topics_equal_the_benchmark_in_process(tmp_path: Path) -> 
     system = pid_system(24.0, 100.0, 2.35, 2.6e-3, 5e-4).then(biquad_system(60.0, 0.5, 80.0, 0.7, 5e-4))
     np.savez(tmp_path / "k.npz", A=system.A, B=system.B, C=system.C, D=system.D, dt=5e-4)
     controller = {"kind": "state_space", "file": str(tmp_path / "k.npz")}
-    content = load_scenario("feedback_benchmark").with_values({"controller": controller, "duration": SECONDS}).settings()
+    changes = {"controller": controller, "duration": SECONDS}
+    content = load_scenario("feedback_benchmark").with_values(changes).settings()
     (tmp_path / "mine.yaml").write_text(json.dumps({**content, "controller": controller}))  # JSON is YAML
     summary = run_scenario(str(tmp_path / "mine.yaml"), tmp_path / "log")
     assert (summary.exit_code, summary.missing) == (0, 0)
