@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -33,6 +34,7 @@ pytestmark = pytest.mark.slow
 
 Bench = Any  # the class is in conftest
 AT_ONCE = 500
+SECONDS = 6
 
 
 @cache
@@ -40,7 +42,10 @@ def course(effect: str) -> Log:
     changes: dict[str, Any] = {"robot": "elbow", "diagnosis.length": 10, "seed": 31}
     if effect:
         changes["plant.effects"] = [effect]
-    return closed_loop(Experiment.prepare(load_scenario("diagnosis").with_values(changes, "test")))
+    log = closed_loop(Experiment.prepare(load_scenario("diagnosis").with_values(changes, "test")))
+    end, commands = int(log.joint_states.stamp[0]) + SECONDS * 10**9, log.joint_commands
+    assert commands is not None
+    return replace(log, joint_states=log.joint_states.until(end), joint_commands=commands.until(end))
 
 
 class Robot:

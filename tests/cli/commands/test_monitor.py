@@ -20,7 +20,8 @@ Command = Callable[..., Any]
 
 
 def record(folder: Path, *effects: str) -> str:
-    changes = {"robot": "elbow", "diagnosis.length": 12, "seed": 41, "plant.effects": list(effects)}
+    motion = {"diagnosis.length": 10, "diagnosis.parts": ["multisine"]}
+    changes = {"robot": "elbow", **motion, "seed": 41, "plant.effects": list(effects)}
     write_log(closed_loop(Experiment.prepare(load_scenario("diagnosis").with_values(changes, "test"))), folder)
     return str(folder)
 
