@@ -45,10 +45,13 @@ def test_wrong_options_are_named(flexros: Flexros, option: str, value: str) -> N
 
 def test_on_a_robot_of_several_axes(flexros: Flexros, tmp_path: Path) -> None:
     assert {"pid", "cascade"} <= {row["name"] for row in json.loads(flexros("benchmark", "--on", "e12", "--json").out)}
-    content = json.loads(flexros("benchmark", "pid", "--on", "e12", "--noise", "0", "--json").out)
-    assert set(content["sets"]["M1"]) == {"e", "Ts", "T_NOISE", "T_MAX", "V"}
-    page = tmp_path / "motion.html"
-    assert flexros("benchmark", "pid", "state_feedback", "--on", "e12", "--seeds", "1", "--report", str(page)).code == 0
+    page, out = tmp_path / "motion.html", tmp_path / "motion.json"
+    given = ("--seeds", "1", "--report", str(page), "--out", str(out))
+    ended = flexros("benchmark", "pid", "state_feedback", "--on", "e12", *given)
+    assert ended.code == 0
+    assert "settling, M1" in ended.out
+    for row in json.loads(out.read_text()):
+        assert set(row["sets"]["M1"]) == {"e", "Ts", "T_NOISE", "T_MAX", "V"}
     for words in ("Multivariable benchmark on e12", "settling, M1", "Loops of state_feedback", "Smallest margins"):
         assert words in page.read_text()
     assert flexros("benchmark", "pid", "--on", "elbow").code == 2
