@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import casadi as ca
@@ -146,6 +147,17 @@ def joint_derivatives(
 def _continued(trajectory: Trajectory, output: OutputDerivatives, near: FloatArray, t: FloatArray) -> FloatArray:
     """Continue the joint position from the start in coarse steps, interpolate at the times, shape (n, n_joints)."""
     end = min(max(float(np.max(t)), 0.0), trajectory.duration)
+    grid, positions, speeds = _from_start(trajectory, output, tuple(map(float, near)), end)
+    if grid.size == 1:
+        return np.tile(positions[0], (t.size, 1))
+    return cubic_hermite(grid, positions, speeds, np.clip(t, 0.0, end))
+
+
+@lru_cache(maxsize=4)
+def _from_start(
+    trajectory: Trajectory, output: OutputDerivatives, near: tuple[float, ...], end: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return coarse times up to the end with joint positions and speeds; asked for many times along one trajectory."""
     grid = np.linspace(0.0, end, max(2, int(np.ceil(end / CONTINUATION_STEP)) + 1)) if end > 0.0 else np.zeros(1)
     target = trajectory.evaluate(grid, 1)
     q = _newton(output, target[0, 0], np.array(near, dtype=float))
@@ -156,9 +168,7 @@ def _continued(trajectory: Trajectory, output: OutputDerivatives, near: FloatArr
         q = _advance(trajectory, output, grid[k - 1 : k + 1], positions[-1], target[0, k])
         positions.append(q)
         speeds.append(_speed(trajectory, output, q, target[1, k], float(grid[k])))
-    if grid.size == 1:
-        return np.tile(positions[0], (t.size, 1))
-    return cubic_hermite(grid, np.array(positions), np.array(speeds), np.clip(t, 0.0, end))
+    return grid, np.array(positions), np.array(speeds)
 
 
 def cubic_hermite(grid: FloatArray, values: FloatArray, slopes: FloatArray, t: FloatArray) -> FloatArray:
