@@ -14,6 +14,12 @@ from flexros.simulate.plant import Plant
 
 T = 4e-3
 NOISE = 1e-4
+SERVO_EFFECTS = (
+    *("servo_stiffness_error", "servo_damping_error", "servo_feedforward_error", "servo_integral"),
+    *("servo_command_lag", "actuator_lag", "delay", "coulomb_friction", "viscous_friction"),
+    *("motor_inertia_error", "torque_gain_error", "gravity_error"),
+)
+"""What a servo, its commands and its friction may lack: effects that stand for each other in logs of positions."""
 ONE = ("motor_1",)
 
 
@@ -82,7 +88,7 @@ def command(duration: float, seed: int = 0) -> np.ndarray:
 def servo_log(
     *effects: str,
     feedforward: float = 0.0,
-    duration: float = 12.0,
+    duration: float = 8.0,
     seed: int = 0,
     noise: float = NOISE,
     arm: bool = False,

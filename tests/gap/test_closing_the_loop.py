@@ -31,7 +31,13 @@ def tool(wanted: Scenario) -> Any:
 @pytest.mark.slow
 def test_the_patch_of_a_diagnosis_brings_the_tool_back_to_the_path_without_effect(tmp_path: Path) -> None:
     experiment = load_scenario("diagnosis").with_values(
-        {"robot": ROBOT, "plant.effects": [HIDDEN], "diagnosis.length": 10.0}
+        {
+            "robot": ROBOT,
+            "plant.effects": [HIDDEN],
+            "diagnosis.length": 10.0,
+            "diagnosis.parts": ["creep", "moves"],
+            "diagnosis.poses": 1,
+        }
     )
     model = load_model(ROBOT)
     log = closed_loop(Experiment.prepare(experiment))

@@ -20,17 +20,18 @@ from flexros.record.record import Record
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import load_scenario
-from tests.gap.diagnosis_logs import ROBOT, record_of, settings_of
+from tests.gap.diagnosis_logs import ROBOT, SECONDS, record_of, settings_of
 
 pytestmark = pytest.mark.slow
 
 ALL, FEW = settings_of(), settings_of("coulomb_friction", "stiffness_error", "motor_inertia_error")
-LONG = 10.0
 FRICTION, SOFT = "coulomb_friction@motor_1:level=0.05", "stiffness_error@body_2.rz:relative=-0.05"
 
 
-def diagnosed(*effects: str, tool: bool = False, settings: DiagnosisSettings = FEW) -> DiagnosisResult:
-    record, holdout = (record_of(*effects, length=LONG, seed=seed, tool=tool) for seed in (1, 2))
+def diagnosed(
+    *effects: str, length: float = SECONDS, tool: bool = False, settings: DiagnosisSettings = FEW
+) -> DiagnosisResult:
+    record, holdout = (record_of(*effects, length=length, seed=seed, tool=tool) for seed in (1, 2))
     return diagnose(record, ROBOT, holdout=holdout, settings=settings)
 
 
@@ -40,7 +41,8 @@ def causes(result: DiagnosisResult) -> list[str]:
 
 @pytest.fixture(scope="module")
 def null() -> DiagnosisResult:
-    return diagnosed(tool=True, settings=ALL)
+    """All effects compete."""
+    return diagnosed(length=5.0, tool=True, settings=ALL)
 
 
 @pytest.fixture(scope="module")
@@ -59,7 +61,7 @@ def unknown() -> DiagnosisResult:
     """Torques that come and go without relation to the motion."""
     logs = []
     for seed in (1, 2):
-        record = record_of(length=LONG, seed=seed)
+        record = record_of(seed=seed)
         time = np.arange(record.n_samples) * record.sample_time
         wandering = np.cumsum(np.random.default_rng(seed).normal(size=record.n_samples)) * 2e-3
         logs.append(replace(record, torque=record.torque + (wandering * np.sin(2 * np.pi * 1.7 * time**1.1))[:, None]))
@@ -102,7 +104,7 @@ def test_the_patch_of_a_diagnosis_is_the_effect(single: DiagnosisResult) -> None
 
 
 def test_what_the_model_knows_already_is_not_reported_again(single: DiagnosisResult) -> None:
-    record, holdout = (record_of(FRICTION, length=LONG, seed=seed) for seed in (1, 2))
+    record, holdout = (record_of(FRICTION, seed=seed) for seed in (1, 2))
     repaired = place_effects(ROBOT, single.patch)
     assert diagnose(record, repaired, holdout=holdout, settings=FEW).diagnosis.verdict == "no_gap"
 
@@ -195,7 +197,7 @@ def test_coloured_noise_is_no_place_of_a_gap() -> None:
     rng = np.random.default_rng(5)
 
     def recorded(seed: int) -> Record:
-        keys = {"robot": ROBOT.name, "diagnosis.length": LONG, "seed": seed, "noise": False}
+        keys = {"robot": ROBOT.name, "diagnosis.length": 10.0, "seed": seed, "noise": False}
         log = closed_loop(Experiment.prepare(load_scenario("diagnosis").with_values(keys, "test")))
         record = replace(read_record(log, ROBOT, name="log"), tool=None)
         noise = lfilter([0.6], [1.0, -0.8], rng.normal(size=record.n_samples))[:, None] * ROBOT.encoder_noise
@@ -209,7 +211,7 @@ def test_coloured_noise_is_no_place_of_a_gap() -> None:
 
 def test_stages_are_timed_and_progress_is_a_share_of_all() -> None:
     calls: list[tuple[str, float]] = []
-    record, holdout = (record_of(length=LONG, seed=seed) for seed in (1, 2))
+    record, holdout = (record_of(seed=seed) for seed in (1, 2))
     result = diagnose(
         record, ROBOT, holdout=holdout, settings=FEW, progress=lambda name, share: calls.append((name, share))
     )
@@ -235,7 +237,7 @@ def test_a_complete_diagnosis_is_not_partial(single: DiagnosisResult) -> None:
 
 
 def test_an_interrupted_diagnosis_gives_what_is_known() -> None:
-    record, holdout = (record_of(FRICTION, SOFT, length=LONG, seed=seed) for seed in (1, 2))
+    record, holdout = (record_of(FRICTION, SOFT, seed=seed) for seed in (1, 2))
     steps: list[str] = []
     result = diagnose(
         record,
@@ -256,7 +258,7 @@ def test_an_interrupted_diagnosis_gives_what_is_known() -> None:
 
 
 def test_a_diagnosis_without_time_still_tells_the_gap() -> None:
-    record, holdout = (record_of(FRICTION, length=LONG, seed=seed) for seed in (1, 2))
+    record, holdout = (record_of(FRICTION, seed=seed) for seed in (1, 2))
     result = diagnose(record, ROBOT, holdout=holdout, settings=FEW.model_copy(update={"time_limit": 1e-3}))
     diagnosis = result.diagnosis
     assert diagnosis.partial is not None
@@ -270,5 +272,5 @@ def test_names_are_checked_before_the_work() -> None:
     steps: list[str] = []
     settings = FEW.model_copy(update={"search": SearchSettings(joints=("motor_7",))})
     with pytest.raises(InputError, match="motor_7"):
-        diagnose(record_of(length=LONG), ROBOT, settings=settings, progress=lambda step, _: steps.append(step))
+        diagnose(record_of(), ROBOT, settings=settings, progress=lambda step, _: steps.append(step))
     assert steps == []

@@ -15,7 +15,7 @@ from flexros.gap.diagnose import diagnose
 from flexros.simulate.plant import Plant
 from flexros.simulate.plant_model import PlantModel
 from tests.gap.diagnosis_logs import settings_of
-from tests.gap.servo_logs import T, servo_log, servo_robot
+from tests.gap.servo_logs import SERVO_EFFECTS, T, servo_log, servo_robot
 
 LAG = 0.03
 INERTIA, VISCOUS, WEIGHT = 0.05 + 0.02 + 1.5 * 0.2**2, 0.3, 1.5 * 9.81 * 0.2
@@ -81,7 +81,7 @@ def test_it_is_sought_where_positions_are_commanded() -> None:
 def test_time_constant_is_found_in_a_log_of_positions(others: tuple[str, ...]) -> None:
     effects = (f"servo_command_lag@motor_1:time_constant={LAG}", *others)
     log, held = (checked_log(servo_log(*effects, seed=seed), servo_robot(), name="log") for seed in (0, 5))
-    found = diagnose(log, servo_robot(), holdout=held, settings=settings_of()).diagnosis.causes
+    found = diagnose(log, servo_robot(), holdout=held, settings=settings_of(*SERVO_EFFECTS)).diagnosis.causes
     assert {f"{one.effect}@{one.location}" for one in found} == {text.partition(":")[0] for text in effects}
     constant = next(one for one in found if one.effect == "servo_command_lag").parameters["time_constant"]
     assert constant.std is not None

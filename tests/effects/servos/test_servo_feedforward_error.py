@@ -12,7 +12,7 @@ from flexros.gap.candidates.scales import Scales
 from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
 from tests.gap.diagnosis_logs import settings_of
-from tests.gap.servo_logs import servo_log, servo_robot
+from tests.gap.servo_logs import SERVO_EFFECTS, servo_log, servo_robot
 
 
 def text(share: float) -> str:
@@ -49,7 +49,7 @@ def test_search_is_above_zero_unless_there_is_a_nominal_share() -> None:
 def test_share_is_found_in_a_log_of_positions() -> None:
     robot = servo_robot()
     log, held = (checked_log(servo_log(text(0.8), seed=seed), robot, name="log") for seed in (0, 5))
-    (cause,) = diagnose(log, robot, holdout=held, settings=settings_of()).diagnosis.causes
+    (cause,) = diagnose(log, robot, holdout=held, settings=settings_of(*SERVO_EFFECTS)).diagnosis.causes
     share = cause.parameters["share"]
     assert (cause.effect, cause.location) == ("servo_feedforward_error", "motor_1")
     assert share.std is not None

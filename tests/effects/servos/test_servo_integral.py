@@ -18,7 +18,7 @@ from flexros.robot import Robot
 from flexros.simulate.plant import Plant
 from flexros.simulate.plant_model import PlantModel
 from tests.gap.diagnosis_logs import settings_of
-from tests.gap.servo_logs import T, servo_log, servo_robot
+from tests.gap.servo_logs import SERVO_EFFECTS, T, servo_log, servo_robot
 
 INTEGRAL = 150.0
 """Of a joint with the stiffness 60 Nm/rad and the damping 2 Nm s/rad [Nm/(rad s)]."""
@@ -125,7 +125,7 @@ def test_torque_of_a_log_has_its_part() -> None:
 def test_gain_is_found_in_a_log_of_positions(others: tuple[str, ...]) -> None:
     effects = (f"servo_integral@motor_1:gain={INTEGRAL}", *others)
     log, held = (checked_log(servo_log(*effects, seed=seed), servo_robot(), name="log") for seed in (0, 5))
-    found = diagnose(log, servo_robot(), holdout=held, settings=settings_of()).diagnosis.causes
+    found = diagnose(log, servo_robot(), holdout=held, settings=settings_of(*SERVO_EFFECTS)).diagnosis.causes
     assert {f"{one.effect}@{one.location}" for one in found} == {text.partition(":")[0] for text in effects}
     gain = next(one for one in found if one.effect == "servo_integral").parameters["gain"]
     assert gain.std is not None

@@ -23,8 +23,7 @@ STATED = 0.022
 
 
 def simulated(seed: int) -> Record:
-    record = record_of(FRICTION, HEAVY, length=10.0, seed=seed)
-    return record.part(0, round(LENGTH / record.sample_time))
+    return record_of(FRICTION, HEAVY, length=LENGTH, seed=seed)
 
 
 def recorded(seed: int) -> Record:

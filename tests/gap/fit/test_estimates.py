@@ -27,7 +27,7 @@ from flexros.gap.fit.least_squares import chi2_of, fit, initial_values
 from flexros.gap.settings import FitSettings, RankingSettings
 from flexros.random_streams import generator
 from flexros.robot import load_robot
-from tests.gap.diagnosis_logs import candidates_of, data_of, encoded, predictor_of
+from tests.gap.diagnosis_logs import WHOLE, candidates_of, data_of, encoded, predictor_of
 
 pytestmark = pytest.mark.slow
 
@@ -146,7 +146,7 @@ def test_spread_of_estimates_is_as_stated() -> None:
     predictor = predictor_of(candidates_of(name)["coulomb_friction@motor_1"])
     off = []
     for seed in range(10, 16):
-        data = data_of(name, length=10.0, seed=seed)
+        data = data_of(name, seed=seed)
         starts = initial_values(predictor)
         best = starts[:, np.argmin(chi2_of(predictor, data, starts))]
         found = parameters_of(fit(predictor, data, best, 20, enough=FitSettings().exactly), data)[0]["level"]
@@ -159,7 +159,7 @@ def test_model_form_errors_of_effects_widen_the_deviations_of_all_sizes() -> Non
     large = [f"coulomb_friction@motor_1:level={LEVEL}", "torque_bias@motor_1:level=0.001"]
     among = candidates_of(*large)
     pair = [among["coulomb_friction@motor_1"], among["torque_bias@motor_1"]]
-    data = data_of(*large, length=10.0)
+    data = data_of(*large)
     predictor = predictor_of(*pair)
     start = np.array([*encoded(pair[0], level=LEVEL), *encoded(pair[1], level=0.001)])
     found = fit(predictor, data, start, 20, enough=FitSettings().exactly)
@@ -178,7 +178,7 @@ def test_sizes_of_hysteresis_allow_for_laws_of_other_shapes_on_measured_logs() -
     """Sizes that move with the shape are known no better than laws such as that of Dahl leave them."""
     entry = "hysteresis@motor_1:level=2e-3,angle=1e-4,spread=1.0"
     candidate = candidates_of(entry)["hysteresis@motor_1"]
-    data = data_of(entry, length=10.0)
+    data = data_of(entry, length=WHOLE)
     start = np.array(encoded(candidate, level=2e-3, angle=1e-4, spread=1.0))
     found = fit(predictor_of(candidate), data, start, 3, enough=FitSettings().exactly)
     measured = replace(data, record=replace(data.record, imported=True))

@@ -17,7 +17,7 @@ from flexros.gap.prediction.compiled_plant import LANES
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.residuals.fit_data import FitData
 from flexros.gap.settings import DiagnosisSettings
-from tests.gap.diagnosis_logs import candidates_of, data_of, encoded, predictor_of
+from tests.gap.diagnosis_logs import WHOLE, candidates_of, data_of, encoded, predictor_of
 
 pytestmark = pytest.mark.slow
 
@@ -32,7 +32,7 @@ TRUTHS = {
 
 def made(predictor: Predictor, theta: FloatArray, seed: int) -> FitData:
     """Log that a model would make under the torques of a real one, with white noise of the encoder."""
-    data = data_of()
+    data = data_of(length=WHOLE)
     record = data.record.part(0, N)
     blind = replace(data.gain, gain=np.zeros_like(data.gain.gain))
     errors = predictor.predict(theta[:, None], record, blind, data.initial_state).innovation[:, :, 0]

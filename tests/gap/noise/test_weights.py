@@ -13,7 +13,7 @@ from flexros.gap.noise.encoder_noise import Noise
 from flexros.gap.noise.weights import Measurement, measurement_in, measurement_of, noise_of_positions, spread_of
 from flexros.gap.settings import DiagnosisSettings
 from flexros.prediction.observer import observer_gain
-from tests.gap.diagnosis_logs import ROBOT, record_of
+from tests.gap.diagnosis_logs import ROBOT, WHOLE, record_of
 from tests.gap.rigid_arm import arm, record_of_arm
 
 pytestmark = pytest.mark.slow
@@ -28,7 +28,7 @@ def measurement(whitening: np.ndarray, jitter: float = 0.0) -> Measurement:
 
 
 def test_noise_as_declared_is_that_of_the_file_and_exact() -> None:
-    found = measurement_of(record_of(), ROBOT, SETTINGS)
+    found = measurement_of(record_of(length=WHOLE), ROBOT, SETTINGS)
     np.testing.assert_array_equal(found.deviation, ROBOT.encoder_noise)
     assert found.floor_error == 0.0
     assert found.doubt < 0.01
@@ -45,7 +45,7 @@ def test_other_noise_is_measured_and_less_sure() -> None:
 
 
 def test_noise_a_little_off_the_declared_one_is_allowed_for() -> None:
-    record = record_of()
+    record = record_of(length=WHOLE)
     more = np.random.default_rng(0).normal(size=record.position.shape) * 0.3e-4
     noisier = replace(record, position=record.position + more)
     found = measurement_of(noisier, ROBOT, SETTINGS)

@@ -13,7 +13,7 @@ from flexros.gap.residuals.fit_data import FitData
 from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.settings import DiagnosisSettings
 from flexros.record.record import Record
-from tests.gap.diagnosis_logs import MODEL, data_of, predictor_of, record_of
+from tests.gap.diagnosis_logs import MODEL, WHOLE, data_of, predictor_of, record_of
 
 
 def held_over(record: Record, late: BoolArray, *, known: bool = True) -> Record:
@@ -38,25 +38,25 @@ def burst(record: Record, length: int) -> BoolArray:
 
 
 def test_a_log_with_all_its_commands_counts_as_before() -> None:
-    record = record_of()
+    record = record_of(length=WHOLE)
     none = np.zeros(record.n_samples, dtype=bool)
-    np.testing.assert_array_equal(data(replace(record, late=none)).spread, data_of().spread)
+    np.testing.assert_array_equal(data(replace(record, late=none)).spread, data_of(length=WHOLE).spread)
 
 
 def test_what_a_hole_spoils_does_not_count() -> None:
-    record = record_of()
+    record = record_of(length=WHOLE)
     late = burst(record, 100)
     found = data(held_over(record, late, known=False))
     assert level(found) == pytest.approx(1.0, abs=5 * np.sqrt(2 / found.n_values))
     settled = np.flatnonzero(late)[-1] + found.gain.settling + 2  # the delay is below one sample
     assert not found.counted[np.flatnonzero(late)].any()
     assert found.counted[settled:].all()
-    not_led = replace(found, record=replace(found.record, bridged=None), spread=data_of().spread)
+    not_led = replace(found, record=replace(found.record, bridged=None), spread=data_of(length=WHOLE).spread)
     assert level(not_led) > 10
 
 
 def test_a_short_hole_is_noticed_by_its_prediction() -> None:
-    record = record_of()
+    record = record_of(length=WHOLE)
     late = burst(record, 3)
     found = data(held_over(record, late))
     assert not np.array_equal(found.record.torque[late], held_over(record, late).torque[late])
@@ -65,10 +65,10 @@ def test_a_short_hole_is_noticed_by_its_prediction() -> None:
 
 
 def test_one_lost_command_costs_what_it_may_have_changed() -> None:
-    record = record_of()
+    record = record_of(length=WHOLE)
     late = burst(record, 1)
     found = data(held_over(record, late, known=False))
-    usual, first = data_of(), int(np.flatnonzero(late)[0])
+    usual, first = data_of(length=WHOLE), int(np.flatnonzero(late)[0])
     lost = usual.counted.sum() - found.counted.sum()
     assert 1 < lost < 0.1 * found.gain.settling
     wider = np.any(found.spread > usual.spread, axis=1)
@@ -79,13 +79,13 @@ def test_one_lost_command_costs_what_it_may_have_changed() -> None:
 
 def test_commands_that_were_held_in_truth_count() -> None:
     """A controller that was late: nothing is lost."""
-    record = record_of()
+    record = record_of(length=WHOLE)
     found = data(replace(record, late=burst(record, 3)))
-    np.testing.assert_array_equal(found.spread, data_of().spread)
+    np.testing.assert_array_equal(found.spread, data_of(length=WHOLE).spread)
 
 
 def test_a_log_that_lost_commands_everywhere_is_refused() -> None:
-    record = record_of()
+    record = record_of(length=WHOLE)
     late = np.arange(record.n_samples) % 97 == 50
     with pytest.raises(InputError, match=r"log: commands were lost when it was recorded, .* \d+ % of the log are left"):
         data(held_over(record, late))
@@ -93,7 +93,7 @@ def test_a_log_that_lost_commands_everywhere_is_refused() -> None:
 
 def test_a_measured_torque_is_lost_with_its_sample() -> None:
     """Neither motion nor torque is known for 2 s; the prediction is led through it and settles again."""
-    record = replace(record_of(), measured_torque=True)
+    record = replace(record_of(length=WHOLE), measured_torque=True)
     late = burst(record, round(2.0 / record.sample_time))
     last = np.maximum.accumulate(np.where(late, 0, np.arange(record.n_samples)))
     found = data(replace(record, position=record.position[last], torque=record.torque[last], valid=~late))
@@ -104,7 +104,7 @@ def test_a_measured_torque_is_lost_with_its_sample() -> None:
 
 
 def test_what_is_predicted_across_a_jump_of_the_clock_does_not_count_until_that_has_decayed() -> None:
-    record = record_of()
+    record = record_of(length=WHOLE)
     at = int(np.argmax(np.abs(np.gradient(record.position[1000:-4000, 0])))) + 1000
     jumps = np.zeros(record.n_samples)
     jumps[at] = 1.0
@@ -113,4 +113,4 @@ def test_what_is_predicted_across_a_jump_of_the_clock_does_not_count_until_that_
     assert not found.counted[at]
     assert found.counted[at + found.gain.settling :].all()
     slight = data(replace(record, jumps=1e-9 * jumps))
-    np.testing.assert_array_equal(slight.spread, data_of().spread)
+    np.testing.assert_array_equal(slight.spread, data_of(length=WHOLE).spread)

@@ -38,7 +38,7 @@ def test_a_tool_that_was_hardly_seen_is_left_out_with_a_warning() -> None:
 @pytest.mark.slow
 def test_a_log_that_begins_in_motion_starts_with_its_state() -> None:
     """Errors of a guess of the state would last for seconds."""
-    record = record_of(length=10.0)
+    record = record_of()
     fast = int(np.argmax(np.abs(np.gradient(record.position[: record.n_samples // 2, 0]))))
     part: Record = record.part(fast, record.n_samples)
     data = fit_data(part, MODEL, DiagnosisSettings())
@@ -101,7 +101,7 @@ def test_the_gain_of_the_predictor_settles_early_in_a_short_log() -> None:
 @pytest.mark.slow
 def test_every_model_finds_its_own_state_in_a_log_that_begins_in_motion() -> None:
     """With that of the nominal model, the errors of a good one would be large for seconds."""
-    record = record_of("viscous_friction@motor_1:coefficient=0.5", length=10.0)
+    record = record_of("viscous_friction@motor_1:coefficient=0.5")
     fast = int(np.argmax(np.abs(np.gradient(record.position[: record.n_samples // 2, 0]))))
     data = fit_data(record.part(fast, record.n_samples), MODEL, DiagnosisSettings())
     friction = candidates_of()["viscous_friction@motor_1"]

@@ -7,7 +7,7 @@ import pytest
 from flexros.gap.fit.estimates import parameters_of
 from flexros.gap.search.bristles import with_bristles
 from flexros.gap.search.fits.candidate_fits import Search
-from tests.gap.diagnosis_logs import ROBOT, candidates_of, search_of
+from tests.gap.diagnosis_logs import ROBOT, WHOLE, candidates_of, search_of
 
 pytestmark = pytest.mark.slow
 
@@ -41,7 +41,7 @@ def test_rigid_contacts_stay_rigid() -> None:
 
 
 def test_bristles_that_stood_for_another_effect_go_again() -> None:
-    search = search_of(f"coulomb_friction@motor_1:level={LEVEL}", SOFT)
+    search = search_of(f"coulomb_friction@motor_1:level={LEVEL}", SOFT, length=WHOLE)
     (friction, *_) = search.singles(search.directions([candidates_of()["coulomb_friction@motor_1"]]))
     bent = with_bristles(search, friction, fits := [])
     assert [free.name for free in bent.hypothesis[0].free] == ["level", "stiffness", "damping"]

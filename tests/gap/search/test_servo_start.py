@@ -23,7 +23,7 @@ from flexros.logs.time_series import JointSeries, Log
 from flexros.record.record import Record
 from flexros.simulate.plant import Plant
 from tests.gap.diagnosis_logs import settings_of
-from tests.gap.servo_logs import NOISE, ONE, T, servo_arm, servo_log, servo_robot
+from tests.gap.servo_logs import NOISE, ONE, SERVO_EFFECTS, T, servo_arm, servo_log, servo_robot
 
 pytestmark = pytest.mark.slow
 
@@ -110,21 +110,21 @@ def test_effects_that_do_not_compete_are_left_out() -> None:
 
 
 def test_the_diagnosis_names_them_and_the_repair_holds_on_another_log() -> None:
-    result = diagnose(steps(*HOBBY), MODEL, holdout=steps(*HOBBY, seed=5), settings=settings_of())
+    result = diagnose(steps(*HOBBY), MODEL, holdout=steps(*HOBBY, seed=5), settings=settings_of(*SERVO_EFFECTS))
     causes = {cause.effect for cause in result.diagnosis.causes if cause.probability > 0.5}
     assert causes == {one.partition("@")[0] for one in HOBBY}
     assert result.diagnosis.gap.closed_fraction == pytest.approx(1.0, abs=0.01)
 
 
 def test_a_right_servo_at_its_limit_has_no_gap() -> None:
-    result = diagnose(steps(), MODEL, holdout=steps(seed=5), settings=settings_of())
+    result = diagnose(steps(), MODEL, holdout=steps(seed=5), settings=settings_of(*SERVO_EFFECTS))
     assert result.diagnosis.verdict == "no_gap"
 
 
 def test_noise_that_biases_a_regression_leaves_gains_and_damping_right() -> None:
     effects = ("viscous_friction@motor_1:coefficient=-0.25", "coulomb_friction@motor_1:level=0.25")
     robot = servo_robot()
-    record = checked_log(servo_log(*effects, noise=2e-2), robot, name="log")
+    record = checked_log(servo_log(*effects, noise=2e-2, duration=12.0), robot, name="log")
     record = replace(record, imported=True)
     model = RobotWithEffects(robot.commanded_by("position"), ())
     regression = regress_torque(record, model, tolerance_of(model.robot, {}))

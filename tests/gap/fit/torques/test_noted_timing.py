@@ -41,7 +41,7 @@ def shift(
     **recorded: Any,
 ) -> float | None:
     """Return the shift of a hypothesis that leaves more or less of torques that act earlier or later."""
-    record = record_of(length=10.0)
+    record = record_of()
     as_measured = {"measured_torque": True, "torque_shift": 0.0}
     record = replace(record, **{"noted": record.torque, "imported": True, **as_measured, **recorded})
     names = [FRICTION, *([DELAY] if delayed else [])]

@@ -16,7 +16,7 @@ from flexros.gap.prediction.predictor import LANES
 from flexros.gap.search.periodic import harmonic_candidates
 from flexros.gap.search.periodic.harmonic_candidates import neighbouring_orders
 from flexros.gap.search.periodic.harmonics import VALLEYS
-from tests.gap.diagnosis_logs import candidates_of, encoded, predictor_of, search_of
+from tests.gap.diagnosis_logs import WHOLE, candidates_of, encoded, predictor_of, search_of
 
 pytestmark = pytest.mark.slow
 
@@ -84,7 +84,7 @@ def test_the_best_neighbour_of_a_wrong_order_has_the_wave_that_is_there(of_rippl
 
 def test_the_effects_of_an_order_are_listed_in_place_of_each_other() -> None:
     """What has an order is found while much else is missing, and may be a ripple where a transmission error is."""
-    search = search_of("transmission_error@motor_1:amplitude=1e-4,order=6,phase=0.5")
+    search = search_of("transmission_error@motor_1:amplitude=1e-4,order=6,phase=0.5", length=WHOLE)
     ripple = next(one for one in search.harmonics(search.null.fit) if one.effect.name == "torque_ripple")
     (wrong,) = search.singles(search.directions([ripple]))
     order = wrong.predictor.values(wrong.theta)[0]["order"]

@@ -10,19 +10,19 @@ from flexros.effects.kinds.ranges import Entry
 from flexros.gap.search.periodic import harmonics
 from flexros.gap.search.periodic.harmonics import OrderSearch, _local_stiffness, _with_mean_stiffness, angle_spectrum
 from flexros.robot import load_robot
-from tests.gap.diagnosis_logs import ROBOT, record_of, search_of
+from tests.gap.diagnosis_logs import ROBOT, SECONDS, WHOLE, record_of, search_of
 
 ENTRIES: tuple[Entry, ...] = ("torque", "proportional torque", "gear", "encoder")
 
 
-def order_search(*effects: str) -> OrderSearch:
-    search = search_of(*effects)
+def order_search(*effects: str, length: float = SECONDS) -> OrderSearch:
+    search = search_of(*effects, length=length)
     return OrderSearch(ROBOT, search.data, search.base_residual, search.null.fit.states(search.data))
 
 
-def resolution() -> float:
+def resolution(length: float = SECONDS) -> float:
     """Order whose period is the range of the rotor angle."""
-    return float(2 * np.pi / np.ptp(record_of().position))
+    return float(2 * np.pi / np.ptp(record_of(length=length).position))
 
 
 def errors_of(search: OrderSearch, entry: Entry, wave: FloatArray) -> FloatArray:
@@ -70,11 +70,11 @@ def test_a_wave_of_the_right_order_is_fitted_with_amplitude_and_phase() -> None:
 @pytest.mark.parametrize("order", [5.03, 6.36, 7.11])
 def test_an_order_between_those_of_the_grid_gains_nearly_as_much_as_the_true_one(order: float) -> None:
     """The spectrum does not know how much of each order the errors hold: it may peak in another valley."""
-    search = order_search()
+    search = order_search(length=WHOLE)
     wave = 0.005 * np.sin(order * search._angle(0) + 0.8)
     search._residual = errors_of(search, "torque", wave)
     found = search.search(0, "torque")[0]
-    assert found.order == pytest.approx(order, abs=0.05 * resolution())
+    assert found.order == pytest.approx(order, abs=0.05 * resolution(WHOLE))
     assert found.gain > 0.995 * search.fit(0, "torque", order).gain
 
 

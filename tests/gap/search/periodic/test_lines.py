@@ -13,19 +13,19 @@ from flexros.gap.search.fits.candidate_fits import Search
 from flexros.gap.search.forward_selection import explain
 from flexros.gap.search.periodic.lines import beside_line
 from flexros.gap.search.prepare import prepare_search
-from tests.gap.diagnosis_logs import FEW_EFFECTS, MODEL, data_of, search_of, settings_of
+from tests.gap.diagnosis_logs import FEW_EFFECTS, MODEL, SECONDS, WHOLE, data_of, search_of, settings_of
 
 pytestmark = pytest.mark.slow
 
 FREQUENCY, VISCOUS = 41.3, "viscous_friction@motor_1"
 
 
-def shaken(amplitude: float, imported: bool = False) -> Search:
+def shaken(amplitude: float, length: float = SECONDS) -> Search:
     """Search in a log of a little friction whose encoder moves at one frequency all the time."""
-    data = data_of(f"{VISCOUS}:coefficient=5e-4")
+    data = data_of(f"{VISCOUS}:coefficient=5e-4", length=length)
     time = data.record.sample_time * np.arange(data.record.n_samples)
     wave = amplitude * data.gain.noise * np.sin(2 * np.pi * FREQUENCY * time)[:, None]
-    record = replace(data.record, position=data.record.position + wave, imported=imported)
+    record = replace(data.record, position=data.record.position + wave)
     return prepare_search(fit_null(replace(data, record=record), MODEL, Tolerance()), settings_of(*FEW_EFFECTS))
 
 
@@ -41,7 +41,7 @@ def test_a_line_that_is_most_of_what_is_left_is_left_out() -> None:
 
 
 def test_effects_that_a_line_hides_are_found_beside_it() -> None:
-    explanations = explain(shaken(30.0))
+    explanations = explain(shaken(30.0, WHOLE))
     assert explanations.chosen.names == {VISCOUS}
     assert explanations.beside is not None
     level = explanations.chosen.chi2 / explanations.beside.n_values
@@ -49,6 +49,6 @@ def test_effects_that_a_line_hides_are_found_beside_it() -> None:
 
 
 def test_a_log_without_a_line_is_searched_once() -> None:
-    search = search_of(f"{VISCOUS}:coefficient=5e-4")
+    search = search_of(f"{VISCOUS}:coefficient=5e-4", among=FEW_EFFECTS)
     assert beside_line(search, search.null.fit) is None
     assert explain(search).beside is None

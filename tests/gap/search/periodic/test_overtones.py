@@ -8,7 +8,7 @@ from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.fit.estimates import parameters_of
 from flexros.gap.search.fits.candidate_fits import Search
 from flexros.gap.search.periodic.overtones import with_overtones
-from tests.gap.diagnosis_logs import search_of
+from tests.gap.diagnosis_logs import WHOLE, search_of
 
 pytestmark = pytest.mark.slow
 
@@ -22,7 +22,7 @@ def found(search: Search) -> CandidateFit:
 
 
 def test_a_wave_that_is_no_pure_sine_has_its_overtone() -> None:
-    search = search_of(f"{RIPPLE},second_sine=0.1,second_cosine=-0.05")
+    search = search_of(f"{RIPPLE},second_sine=0.1,second_cosine=-0.05", length=WHOLE)
     pure = found(search)
     wavy = with_overtones(search, pure, fits := [])
     assert fits == [wavy]
@@ -35,7 +35,7 @@ def test_a_wave_that_is_no_pure_sine_has_its_overtone() -> None:
 
 
 def test_a_pure_sine_stays_one() -> None:
-    search = search_of(RIPPLE)
+    search = search_of(RIPPLE, length=WHOLE)
     pure = found(search)
     assert with_overtones(search, pure, fits := []) is pure
     assert not fits
