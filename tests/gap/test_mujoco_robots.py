@@ -31,7 +31,7 @@ from flexros.record.record import Record
 pytest.importorskip("mujoco", reason="MuJoCo is not installed")
 
 PROGRAMS = Path(__file__).parents[2] / "docs" / "results" / "programs" / "simulated"
-DURATION = 8.0
+DURATION = 6.0
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -132,7 +132,8 @@ def test_a_delay_of_five_samples_is_found_and_its_patch_closes_the_gap_of_measur
     arm = program("arms").drawn_arm(2, tmp_path)
     truth = program("truth").Truth({}, delay=5, measured=True)
     (model, fitted), (_, held) = (recorded(arm, truth, tmp_path, seed) for seed in (1, 2))
-    settings = DiagnosisSettings(where=None, next_experiment=None)
+    late = ("delay", "actuator_lag", "coulomb_friction", "viscous_friction", "torque_gain_error", "motor_inertia_error")
+    settings = DiagnosisSettings(where=None, next_experiment=None, search=SearchSettings(effects=late))
     found = diagnose(fitted, model, holdout=held, settings=settings).diagnosis
     assert [f"{cause.effect}@{cause.location}" for cause in found.causes] == ["delay@all"]
     assert found.causes[0].parameters["time"].value == pytest.approx(truth.late, rel=0.02)

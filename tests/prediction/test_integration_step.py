@@ -56,7 +56,7 @@ def test_the_steps_of_a_slowly_sampled_arm_change_the_errors_by_less_than_chance
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     robot, nothing = load_robot("six_axis"), np.zeros((0, 1))
-    keys = {"robot": robot.name, "seed": 1, "diagnosis.length": 10, "sample_time": 4e-3}
+    keys = {"robot": robot.name, "seed": 1, "diagnosis.length": 10, "sample_time": 4e-3, "diagnosis.parts": ["moves"]}
     log = closed_loop(Experiment.prepare(load_scenario("diagnosis").with_values(keys)))
     model = RobotWithEffects(robot, ())
     data = fit_data(replace(read_record(log, robot, name="log"), tool=None), model, DiagnosisSettings())

@@ -15,7 +15,7 @@ LEVEL = 0.05
 HIDDEN: dict[str, Any] = {
     "model": "four_mass_linear",
     "effects": [f"coulomb_friction@motor_1:level={LEVEL}"],
-    "settings": {"diagnosis.length": 10},
+    "settings": {"diagnosis.length": 10, "diagnosis.parts": ["creep", "moves"], "diagnosis.poses": 1},
 }
 
 

@@ -25,7 +25,7 @@ SETTINGS = DiagnosisSettings(
 @pytest.fixture(scope="module")
 def result() -> DiagnosisResult:
     """An arm with friction whose file gives no rotors; without its own the second joint flies off within 0.1 s."""
-    fitted, held = (record_of_arm(imported=True, seed=seed) for seed in (5, 6))
+    fitted, held = (record_of_arm(imported=True, seed=seed, seconds=15.0) for seed in (5, 6))
     return diagnose(fitted, arm(), holdout=held, settings=SETTINGS)
 
 
@@ -68,7 +68,8 @@ def test_the_sentence_names_what_the_model_lacks(result: DiagnosisResult) -> Non
 
 def test_a_load_that_the_file_lacks_has_a_row_of_the_budget() -> None:
     fitted, held = (record_of_arm(imported=True, seed=seed, load=7.0, seconds=10.0) for seed in (5, 6))
-    found = diagnose(fitted, arm(), holdout=held, settings=SETTINGS).diagnosis
+    few = SETTINGS.model_copy(update={"search": SearchSettings(effects=FRICTION[:2])})
+    found = diagnose(fitted, arm(), holdout=held, settings=few).diagnosis
     (row,) = (one for one in found.budget if one.effect == "tool_load")
     assert (row.joint, row.cause_class) == ("tool", "model numbers")
     assert row.share_first is not None

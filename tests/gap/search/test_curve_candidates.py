@@ -25,7 +25,7 @@ from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.result import DiagnosisResult
 from flexros.gap.search.curve_candidates import list_curves, without_shared
 from flexros.gap.search.prepare import prepare_search
-from flexros.gap.settings import DiagnosisSettings
+from flexros.gap.settings import DiagnosisSettings, SearchSettings
 from flexros.record.record import Record
 from flexros.robot import Robot, load_robot
 from flexros.robot.symbolic.kinematics import Value
@@ -36,7 +36,13 @@ pytestmark = pytest.mark.slow
 
 ROBOT = load_robot("two_mass")
 T, STIFFNESS, NOISE = ROBOT.sample_time, 6e4, 1e-5
-SETTINGS = DiagnosisSettings(where=None, next_experiment=None)
+RIVALS = (
+    *("coulomb_friction", "viscous_friction", "friction_curve", "torque_bias", "torque_curve", "torque_drift"),
+    *("stiffness_error", "damping_error", "nonlinear_stiffness", "backlash", "hysteresis", "spring_curve"),
+    *("motor_inertia_error", "torque_gain_error"),
+)
+"""Friction, springs and curves, which may stand for each other."""
+SETTINGS = DiagnosisSettings(where=None, next_experiment=None, search=SearchSettings(effects=RIVALS))
 FRICTION = {"coulomb_friction@motor_1": 6.0, "viscous_friction@motor_1": 10.0}
 TEXTS = ("coulomb_friction@motor_1:level=6", "viscous_friction@motor_1:coefficient=10")
 
@@ -55,7 +61,7 @@ class OneSided(AbstractGearLaw):
         return gear.transmits(values["relative"] * STIFFNESS * ca.fmax(gear.deflection - 3e-4, 0))
 
 
-def measured(*texts: str, one_sided: bool = False, swing: float = 0.4, samples: int = 12000) -> Record:
+def measured(*texts: str, one_sided: bool = False, swing: float = 0.4, samples: int) -> Record:
     """Simulate a drive that is shaken at 1.3 to 29 Hz while it swings, as a log of a real machine.
 
     Args:
@@ -82,7 +88,8 @@ def measured(*texts: str, one_sided: bool = False, swing: float = 0.4, samples: 
 
 @cache
 def diagnosed(*texts: str, one_sided: bool = False) -> DiagnosisResult:
-    return diagnose(measured(*texts, one_sided=one_sided), RobotWithEffects(ROBOT, ()), settings=SETTINGS)
+    record = measured(*texts, one_sided=one_sided, samples=12000 if one_sided else 8000)
+    return diagnose(record, RobotWithEffects(ROBOT, ()), settings=SETTINGS)
 
 
 def causes(found: DiagnosisResult) -> dict[str, dict[str, tuple[float, float]]]:

@@ -9,7 +9,7 @@ import pytest
 
 from flexros.effects import RobotWithEffects, parse_effect, place_effects
 from flexros.gap.diagnose import diagnose
-from flexros.gap.settings import DiagnosisSettings
+from flexros.gap.settings import DiagnosisSettings, SearchSettings
 from flexros.random_streams import generator
 from flexros.record.record import Record
 from flexros.robot import load_robot
@@ -19,6 +19,12 @@ pytestmark = pytest.mark.slow
 
 FRICTION = ("coulomb_friction@motor_1:level=6", "viscous_friction@motor_1:coefficient=10")
 N = 12_000
+RIVALS = (
+    *("coulomb_friction", "viscous_friction", "stribeck_friction", "hysteresis", "backlash", "stiffness_error"),
+    *("nonlinear_stiffness", "damping_error", "motor_inertia_error", "torque_gain_error", "payload_error"),
+)
+"""Friction, springs, and numbers of the drive."""
+SETTINGS = DiagnosisSettings(where=None, next_experiment=None, search=SearchSettings(effects=RIVALS))
 
 
 @cache
@@ -50,7 +56,7 @@ def record_of(*effects: str) -> Record:
 )
 def test_friction_that_drowned_in_a_wrong_spring_is_found_beside_it(effect: str, size: str) -> None:
     robot = RobotWithEffects(load_robot("two_mass"), ())
-    found = diagnose(record_of(*FRICTION, effect), robot, settings=DiagnosisSettings(where=None, next_experiment=None))
+    found = diagnose(record_of(*FRICTION, effect), robot, settings=SETTINGS)
     causes = {f"{one.effect}@{one.location}": one for one in found.diagnosis.causes}
     name = effect.partition(":")[0]
     assert causes.keys() == {"coulomb_friction@motor_1", "viscous_friction@motor_1", name}

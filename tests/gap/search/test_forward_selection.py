@@ -90,9 +90,10 @@ def test_candidates_that_fit_badly_from_their_common_start_are_tried_alone(monke
         return replace(found, chi2=2 * fit.chi2) if len(additions) > 1 else found
 
     monkeypatch.setattr(Search, "together", far_off)
-    found = explain(search_of(FRICTION, SOFT, among=SOME))
+    crowd = (FRICTION, SOFT, "torque_bias@motor_1:level=0.02")
+    found = explain(search_of(*crowd, among=("coulomb_friction", "stiffness_error", "torque_bias")))
     assert max(groups) > 1
-    assert names(found) == {name.partition(":")[0] for name in (FRICTION, SOFT)}
+    assert names(found) == {name.partition(":")[0] for name in crowd}
 
 
 def test_candidates_are_tried_alone_where_a_group_removes_less_than_it_must(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -71,7 +71,7 @@ def test_inertias_that_a_robot_file_lacks_are_estimated_and_uncertain() -> None:
 
 def test_load_that_a_urdf_lacks_is_estimated_beside_friction_and_rotors() -> None:
     """MuJoCo's UR5e carries 1.5 kg at 0.07 m."""
-    robot, record = ur5e(), ur5e_record().part(0, 3000)
+    robot, record = ur5e(), ur5e_record().part(0, 2000)
     model = RobotWithEffects(robot, ())
     unknown = unknown_numbers(record, model, tolerance_of(robot, {}))
     assert unknown.load is not None
@@ -134,7 +134,7 @@ def test_load_is_estimated_where_the_rotors_are_given_too() -> None:
     robot = ur5e()
     rotors = dict(zip((f"{name}.inertia" for name in robot.joint_names), (1.4, 1.4, 1.1, 0.25, 0.25, 0.25)))
     given = robot.with_values(rotors)
-    unknown = unknown_numbers(ur5e_record().part(0, 3000), RobotWithEffects(given, ()), tolerance_of(given, {}))
+    unknown = unknown_numbers(ur5e_record().part(0, 2000), RobotWithEffects(given, ()), tolerance_of(given, {}))
     assert not unknown.inertias
     assert unknown.load is not None
     assert unknown.load.mass == pytest.approx(1.5, rel=0.02)

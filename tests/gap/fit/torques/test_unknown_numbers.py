@@ -21,7 +21,7 @@ from flexros.gap.fit.torques.rough_bodies import fitted_bodies, with_rough_bodie
 from flexros.gap.fit.torques.solution import TorqueRegression
 from flexros.gap.fit.torques.unknown_numbers import UNCERTAIN, UNCERTAIN_LEAST, UnknownNumbers, unknown_numbers
 from flexros.gap.measure_gap import measure_gap
-from flexros.gap.settings import DiagnosisSettings, TorqueStartSettings
+from flexros.gap.settings import DiagnosisSettings, SearchSettings, TorqueStartSettings
 from flexros.prediction.integration_step import least_inertia, stops_too_fast, substeps
 from flexros.record.record import Record
 from flexros.robot import Robot, load_robot, robot_from_data
@@ -155,7 +155,8 @@ def test_a_heavier_last_body_does_not_make_all_bodies_rough() -> None:
 
 @pytest.mark.slow
 def test_the_patch_states_the_friction_of_the_log_against_that_of_the_file() -> None:
-    settings = DiagnosisSettings(where=None, next_experiment=None)
+    search = SearchSettings(effects=("coulomb_friction", "viscous_friction", "torque_bias", "motor_inertia_error"))
+    settings = DiagnosisSettings(where=None, next_experiment=None, search=search)
     log, held = (record_of_arm(imported=True, seed=seed, seconds=10.0) for seed in (5, 6))
     result = diagnose(log, damped(), holdout=held, settings=settings)
     friction = {one.location: one.effect for one in result.patch if isinstance(one.effect, ViscousFriction)}
