@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -41,7 +42,7 @@ def test_the_patch_of_a_diagnosis_brings_the_tool_back_to_the_path_without_effec
     )
     model = load_model(ROBOT)
     log = closed_loop(Experiment.prepare(experiment))
-    record = checked_log(log, model.robot, name="hidden")
+    record = replace(checked_log(log, model.robot, name="hidden"), tool=None)
     result = diagnose(record, model, log=log, settings=settings_of("coulomb_friction", "viscous_friction"))
     assert result.diagnosis.causes[0].effect == "coulomb_friction"
     ahead, *in_loop = result.signals

@@ -20,7 +20,7 @@ from flexros.robot import load_robot
 
 pytestmark = pytest.mark.slow
 
-KEYS = {"diagnosis.length": 10}
+KEYS = {"diagnosis.length": 10, "diagnosis.poses": 1}
 SAMPLE_TIME = 5e-4
 
 

@@ -28,11 +28,17 @@ from tests.gap.rigid_arm import ARM, COULOMB, INERTIA, VISCOUS, arm, record_of_a
 
 FRICTION = {f"{effect}@motor_{motor}" for effect in ("coulomb_friction", "viscous_friction") for motor in (1, 2)}
 RIVALS = (
-    *("coulomb_friction", "viscous_friction", "stribeck_friction", "load_dependent_friction"),
-    *("torque_bias", "torque_gain_error", "motor_inertia_error", "payload_error", "counterbalance"),
+    *("coulomb_friction", "viscous_friction", "stribeck_friction"),
+    *("torque_bias", "torque_gain_error", "motor_inertia_error"),
 )
-"""What is most like friction, loads and counterbalances; in the first diagnosis all effects compete."""
-FEW = DiagnosisSettings(where=None, next_experiment=None, sensitivity=None, search=SearchSettings(effects=RIVALS))
+"""What is most like friction; in the first diagnosis all effects compete."""
+
+
+def settings_of(*effects: str) -> DiagnosisSettings:
+    return DiagnosisSettings(where=None, next_experiment=None, sensitivity=None, search=SearchSettings(effects=effects))
+
+
+FEW = settings_of(*RIVALS)
 
 
 def log_of_arm(**others: Any) -> Record:
@@ -187,8 +193,8 @@ def test_friction_of_the_nominal_model_that_is_too_large_is_reduced() -> None:
 def test_a_load_of_many_times_the_last_body_is_found() -> None:
     """Its search ends at nine times the mass and is widened."""
     loaded = [log_of_arm(seed=seed, load=11.0) for seed in (5, 6)]
-    few = FEW.model_copy(update={"search": SearchSettings(effects=("coulomb_friction", "payload_error"))})
-    found = diagnose(loaded[0], complete_arm(), holdout=loaded[1], settings=few).diagnosis
+    settings = settings_of("coulomb_friction", "payload_error")
+    found = diagnose(loaded[0], complete_arm(), holdout=loaded[1], settings=settings).diagnosis
     causes = {f"{cause.effect}@{cause.location}": cause.parameters for cause in found.causes}
     assert causes["payload_error@tool"]["relative"].value == pytest.approx(11.0, rel=0.15)
     assert not causes["payload_error@tool"]["relative"].at_limit
@@ -217,7 +223,7 @@ def test_small_torque_over_the_position_is_no_counterbalance() -> None:
 def test_counterbalance_is_named_with_its_size() -> None:
     log, held = (log_of_arm(seed=seed, balance=(40.0, -15.0)) for seed in (5, 6))
     known = arm().with_values({"motor_1.inertia": INERTIA[0], "motor_2.inertia": INERTIA[1]})
-    found = diagnose(log, known, holdout=held, settings=FEW)
+    found = diagnose(log, known, holdout=held, settings=settings_of(*RIVALS, "payload_error", "counterbalance"))
     causes = {f"{one.effect}@{one.location}": one for one in found.diagnosis.causes}
     assert found.diagnosis.verdict == "explained"
     assert set(causes) == {*FRICTION, "counterbalance@motor_1"}
