@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import pytest
 
@@ -46,6 +47,7 @@ def test_a_log_that_is_tied_as_its_tolerance_says_stays_so() -> None:
     assert looser_null(null, record, Tolerance(), DiagnosisSettings()) is None
 
 
+@cache
 def first_search() -> tuple[Search, Explanations]:
     """Search a log whose large effect ties it closely."""
     settings = settings_of("coulomb_friction", "viscous_friction", "torque_bias")
