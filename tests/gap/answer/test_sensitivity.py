@@ -16,7 +16,7 @@ pytestmark = pytest.mark.slow
 
 SETTINGS = settings_of("coulomb_friction", "motor_inertia_error")
 FRICTION, HEAVY = "coulomb_friction@motor_1:level=0.05", "motor_inertia_error@motor_1:relative=0.1"
-LENGTH = 5.0
+LENGTH = 3.0
 """Of the logs [s]."""
 STATED = 0.022
 """Tolerance of which the error of the inertia is 4.5 standard deviations [1]; twice of it allows for that error."""
