@@ -60,6 +60,9 @@ if TYPE_CHECKING:
     from flexros.record.record import Record
     from flexros.robot import Robot
 
+SERVOS = 0.5
+"""Share of a diagnosis that is done once the numbers of servos are fitted [1]: about half of its time."""
+
 
 @one_blas_thread()
 def diagnose(
@@ -206,7 +209,7 @@ class _Task:
                 null = looser
         prediction = prediction_of(null.fit, null.data)
 
-        stages.begin("where", 0.1)
+        stages.begin("where", 0.1 if fitted.command is None else SERVOS)
         deadline.begin("where")
         excess = None if settings.where is None or deadline.stops() else _where(null, prediction, settings)
 
@@ -267,6 +270,8 @@ def _first_fits(
     few = settings.fit.model_copy(update={"null_iterations": 1})  # what the torques show is fitted from the torques
     null = fit_null(data, model, tolerance, settings.fit if start is None else few)
     first = None if start is None else first_values(start, null, settings)
+    if data.record.command is not None:
+        stages.begin("servos", SERVOS)
     of_servos = fit_of_servos(null, first, settings, deadline.of_fit(), stages.inner)
     if of_servos is not None and (first is None or of_servos.chi2 < first.chi2):
         first = of_servos

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 from itertools import product
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -109,40 +109,64 @@ def fit_of_servos(
         robot=robot,
         undamped=begin.undamped if limited.any() else None,
     )
-    over = stop or (lambda: False)
+    over, tell = stop or (lambda: False), progress or (lambda *_: None)
     screen, n = partial(_screened, null, settings=settings, stop=stop), null.data.n_values
-    best = _likeliest(_all_screened(plan(bare), screen, over, progress, (0.0, 0.5 if load else 1.0)), n)
-    if best is None or over():
-        return best
-    if load:
+    fits = _all_fitted(plan(bare), screen, over, partial(_shared, tell, 0.0, 0.3 if load else 0.6))
+    best = _likeliest(fits, n)
+    if best is not None and load and not over():
         own = [pair for pair in bare if pair[0].name in best.names]
         loaded, left = screen([*own, *load], first_parameters(best)), best.chi2 - n
         if left > 0 and best.chi2 - loaded.chi2 > settings.search.removed_of_all * left:
-            every = _all_screened(plan([*bare, *load]), screen, over, progress, (0.5, 1.0))
-            best = _likeliest([loaded, *every], n) or best
+            every = _all_fitted(plan([*bare, *load]), screen, over, partial(_shared, tell, 0.3, 0.6))
+            fits = [best, loaded, *every]
+
+    def longer(one: CandidateFit) -> CandidateFit:
+        return fit(one.predictor, null.data, one.theta, begin.iterations, settings=settings.fit, stop=stop)
+
+    promising = [(one,) for one in _promising(fits, begin.promising)]
+    best = _likeliest(_all_fitted(promising, longer, over, partial(_shared, tell, 0.6, 1.0)), n)
+    if best is None or over():
+        return best
     return fit(best.predictor, null.data, best.theta, settings.fit.final_iterations, settings=settings.fit, stop=stop)
 
 
-def _all_screened(
-    plan: Sequence[_Start],
-    screen: Callable[..., CandidateFit],
-    over: Callable[[], bool],
-    progress: Callable[[str, float], None] | None,
-    shares: tuple[float, float],
-) -> list[CandidateFit]:
-    """Fit the starts of a plan a little, and tell the share of all work before each, between two shares.
+def _shared(tell: Callable[[str, float], None], begins: float, ends: float, share: float) -> None:
+    """Tell how much of all work is done, by the share of a part of it."""
+    tell("servos", begins + (ends - begins) * share)
 
-    With many servos a single iteration takes long, so that once the time is over, no start is begun but the first one.
+
+def _all_fitted(
+    starts: Sequence[tuple[Any, ...]],
+    fitted: Callable[..., CandidateFit],
+    over: Callable[[], bool],
+    tell: Callable[[float], None],
+) -> list[CandidateFit]:
+    """Fit from several starts, and tell the share of them that is done before each.
+
+    With many servos a single iteration takes long, so that once the time is over, no fit is begun but the first one.
     """
-    begins, ends = shares
     fits: list[CandidateFit] = []
-    for done, start in enumerate(plan):
+    for done, start in enumerate(starts):
         if fits and over():
             break
-        if progress is not None:
-            progress("servos", begins + (ends - begins) * done / len(plan))
-        fits.append(screen(*start))
+        tell(done / len(starts))
+        fits.append(fitted(*start))
     return fits
+
+
+def _promising(fits: Sequence[CandidateFit], most: int) -> list[CandidateFit]:
+    """Return the best fits of each list of effects, the best of all first.
+
+    Args:
+        fits: The fits.
+        most: Most fits of the same effects.
+    """
+    ranked = sorted((one for one in fits if np.isfinite(one.chi2)), key=lambda one: one.chi2)
+    kept: list[CandidateFit] = []
+    for one in ranked:
+        if sum(other.names == one.names for other in kept) < most:
+            kept.append(one)
+    return kept
 
 
 def _plan(
@@ -184,15 +208,25 @@ def _screened(
     settings: DiagnosisSettings,
     stop: Callable[[], bool] | None,
 ) -> CandidateFit:
-    """Fit effects a little, from values by their names where these are given."""
+    """Fit effects a little, from values by their names where these are given; tolerated deviations stay at zero."""
     predictor = null.predictor(tuple(one for one, _ in begun))
     sizes = [
         free.encode(own.get(one.name, value) if free is one.free[0] else free.starts[0])
         for one, value in begun
         for free in one.free
     ]
-    theta = np.clip(np.concatenate([sizes, np.zeros(predictor.tolerance.n_free)]), *predictor.bounds)
-    return fit(predictor, null.data, theta, settings.servo_start.iterations, settings=settings.fit, stop=stop)
+    n_tolerated, begin = predictor.tolerance.n_free, settings.servo_start
+    theta = np.clip(np.concatenate([sizes, np.zeros(n_tolerated)]), *predictor.bounds)
+    still = np.broadcast_to(0.0, (len(null.data.used), n_tolerated))
+    return fit(
+        predictor,
+        null.data,
+        theta,
+        begin.first_iterations,
+        tolerance_slopes=still,
+        settings=settings.fit,
+        stop=stop,
+    )
 
 
 def _likeliest(fits: Sequence[CandidateFit], n_values: int) -> CandidateFit | None:

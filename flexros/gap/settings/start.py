@@ -188,8 +188,12 @@ class ServoStartSettings(Settings):
     lag: float = Field(
         default=2.0, gt=0, description="initial time constant of a filter of the commands [samples] (chosen)"
     )
+    first_iterations: int = Field(
+        default=3, ge=1, description="iterations from every start, after which the promising ones go on (chosen)"
+    )
+    promising: int = Field(default=2, ge=1, description="fits of the same effects that go on, the best ones (chosen)")
     iterations: int = Field(
-        default=8, ge=1, description="iterations after which the best one of the fits goes on alone (chosen)"
+        default=5, ge=1, description="further iterations, after which the best one of the fits goes on alone (chosen)"
     )
     rough_gain: float = Field(
         default=5.0,
