@@ -75,6 +75,9 @@ def fit_of_servos(
     damping. A filter of the commands makes a motor late as a delay does; each is tried in place of the other, and both
     together: the search adds one effect at a time, and would not come from a delay to filters at all motors.
 
+    From every start few iterations are made, with tolerated numbers at their nominal values; then the best fits of each
+    list of effects go on.
+
     What a load does that the robot file leaves out, wrong rotors and filters may do nearly as well: where it removes a
     good part of what the best fit leaves, all begin again with it.
 
@@ -111,18 +114,21 @@ def fit_of_servos(
     )
     over, tell = stop or (lambda: False), progress or (lambda *_: None)
     screen, n = partial(_screened, null, settings=settings, stop=stop), null.data.n_values
-    fits = _all_fitted(plan(bare), screen, over, partial(_shared, tell, 0.0, 0.3 if load else 0.6))
-    best = _likeliest(fits, n)
-    if best is not None and load and not over():
-        own = [pair for pair in bare if pair[0].name in best.names]
-        loaded, left = screen([*own, *load], first_parameters(best)), best.chi2 - n
-        if left > 0 and best.chi2 - loaded.chi2 > settings.search.removed_of_all * left:
-            every = _all_fitted(plan([*bare, *load]), screen, over, partial(_shared, tell, 0.3, 0.6))
-            fits = [best, loaded, *every]
 
     def longer(one: CandidateFit) -> CandidateFit:
         return fit(one.predictor, null.data, one.theta, begin.iterations, settings=settings.fit, stop=stop)
 
+    fits = _all_fitted(plan(bare), screen, over, partial(_shared, tell, 0.0, 0.3 if load else 0.6))
+    best = _likeliest(fits, n)
+    if best is None or over():
+        return best
+    if load:
+        best = longer(best)
+        own = [pair for pair in bare if pair[0].name in best.names]
+        loaded, left = longer(screen([*own, *load], first_parameters(best))), best.chi2 - n
+        if left > 0 and best.chi2 - loaded.chi2 > settings.search.removed_of_all * left:
+            every = _all_fitted(plan([*bare, *load]), screen, over, partial(_shared, tell, 0.3, 0.6))
+            fits = [loaded, *every]
     promising = [(one,) for one in _promising(fits, begin.promising)]
     best = _likeliest(_all_fitted(promising, longer, over, partial(_shared, tell, 0.6, 1.0)), n)
     if best is None or over():
