@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -112,52 +112,119 @@ def fit_of_servos(
         robot=robot,
         undamped=begin.undamped if limited.any() else None,
     )
-    over, tell = stop or (lambda: False), progress or (lambda *_: None)
-    screen, n = partial(_screened, null, settings=settings, stop=stop), null.data.n_values
-
-    def longer(one: CandidateFit) -> CandidateFit:
-        return fit(one.predictor, null.data, one.theta, begin.iterations, settings=settings.fit, stop=stop)
-
-    fits = _all_fitted(plan(bare), screen, over, partial(_shared, tell, 0.0, 0.3 if load else 0.6))
-    best = _likeliest(fits, n)
-    if best is None or over():
-        return best
-    if load:
-        best = longer(best)
-        own = [pair for pair in bare if pair[0].name in best.names]
-        loaded, left = longer(screen([*own, *load], first_parameters(best))), best.chi2 - n
-        if left > 0 and best.chi2 - loaded.chi2 > settings.search.removed_of_all * left:
-            every = _all_fitted(plan([*bare, *load]), screen, over, partial(_shared, tell, 0.3, 0.6))
-            fits = [loaded, *every]
-    promising = [(one,) for one in _promising(fits, begin.promising)]
-    best = _likeliest(_all_fitted(promising, longer, over, partial(_shared, tell, 0.6, 1.0)), n)
-    if best is None or over():
-        return best
-    return fit(best.predictor, null.data, best.theta, settings.fit.final_iterations, settings=settings.fit, stop=stop)
+    fits = _Fits(null, settings, stop, progress)
+    found = fits.every(plan(bare), fits.screened, 0.0, 0.3 if load else 0.6)
+    if load and found and not fits.over:
+        found = _with_load(fits, found, plan, bare, load)
+    if not found or fits.over:
+        return fits.likeliest(found)
+    promising = [(one,) for one in _promising(found, begin.promising)]
+    best = fits.likeliest(fits.every(promising, fits.longer, 0.6, 1.0))
+    return best if best is None or fits.over else fits.longer(best, settings.fit.final_iterations)
 
 
-def _shared(tell: Callable[[str, float], None], begins: float, ends: float, share: float) -> None:
-    """Tell how much of all work is done, by the share of a part of it."""
-    tell("servos", begins + (ends - begins) * share)
-
-
-def _all_fitted(
-    starts: Sequence[tuple[Any, ...]],
-    fitted: Callable[..., CandidateFit],
-    over: Callable[[], bool],
-    tell: Callable[[float], None],
+def _with_load(
+    fits: _Fits,
+    found: list[CandidateFit],
+    plan: Callable[[Sequence[tuple[Candidate, float]]], list[_Start]],
+    bare: Sequence[tuple[Candidate, float]],
+    load: Sequence[tuple[Candidate, float]],
 ) -> list[CandidateFit]:
-    """Fit from several starts, and tell the share of them that is done before each.
+    """Return the fits from all starts with a load that the robot file leaves out, or those found, without one.
 
-    With many servos a single iteration takes long, so that once the time is over, no fit is begun but the first one.
+    It is tried with the best fit, which goes on before: what few iterations leave may hide what a load does.
+
+    Args:
+        fits: Fits of the log.
+        found: Fits from all starts without a load.
+        plan: Lists the starts with some effects.
+        bare: These effects.
+        load: The load.
     """
-    fits: list[CandidateFit] = []
-    for done, start in enumerate(starts):
-        if fits and over():
-            break
-        tell(done / len(starts))
-        fits.append(fitted(*start))
-    return fits
+    first = fits.likeliest(found)
+    if first is None:
+        return found
+    best = fits.longer(first)
+    own = [pair for pair in bare if pair[0].name in best.names]
+    loaded = fits.longer(fits.screened([*own, *load], first_parameters(best)))
+    left = best.chi2 - fits.null.data.n_values
+    if left > 0 and best.chi2 - loaded.chi2 > fits.settings.search.removed_of_all * left:
+        return [loaded, *fits.every(plan([*bare, *load]), fits.screened, 0.3, 0.6)]
+    return [best if one is first else one for one in found]
+
+
+@dataclass(frozen=True)
+class _Fits:
+    """Fits of servos to one log.
+
+    Attributes:
+        null: The nominal model, fitted.
+        settings: Settings of the diagnosis.
+        stop: Asked after each iteration; None to go on to the end.
+        progress: Called with "servos" and the share of all work; None for nobody.
+    """
+
+    null: NullFit
+    settings: DiagnosisSettings
+    stop: Callable[[], bool] | None
+    progress: Callable[[str, float], None] | None
+
+    @property
+    def over(self) -> bool:
+        """Whether the time is over."""
+        return self.stop is not None and self.stop()
+
+    def screened(self, begun: Sequence[tuple[Candidate, float]], own: Mapping[str, float]) -> CandidateFit:
+        """Fit effects a little, from values by their names where these are given; tolerated deviations stay at zero."""
+        null, begin = self.null, self.settings.servo_start
+        predictor = null.predictor(tuple(one for one, _ in begun))
+        sizes = [
+            free.encode(own.get(one.name, value) if free is one.free[0] else free.starts[0])
+            for one, value in begun
+            for free in one.free
+        ]
+        n_tolerated = predictor.tolerance.n_free
+        theta = np.clip(np.concatenate([sizes, np.zeros(n_tolerated)]), *predictor.bounds)
+        return fit(
+            predictor,
+            null.data,
+            theta,
+            begin.first_iterations,
+            tolerance_slopes=np.broadcast_to(0.0, (len(null.data.used), n_tolerated)),
+            settings=self.settings.fit,
+            stop=self.stop,
+        )
+
+    def longer(self, one: CandidateFit, iterations: int | None = None) -> CandidateFit:
+        """Let a fit go on, for the iterations of the settings unless others are given."""
+        most = self.settings.servo_start.iterations if iterations is None else iterations
+        return fit(one.predictor, self.null.data, one.theta, most, settings=self.settings.fit, stop=self.stop)
+
+    def every(
+        self, starts: Sequence[tuple[Any, ...]], fitted: Callable[..., CandidateFit], begins: float, ends: float
+    ) -> list[CandidateFit]:
+        """Fit from several starts, and tell the share of all work before each, between two shares.
+
+        With many servos a single iteration takes long, so that once the time is over, no fit is begun but the first.
+        """
+        fits: list[CandidateFit] = []
+        for done, start in enumerate(starts):
+            if fits and self.over:
+                break
+            if self.progress is not None:
+                self.progress("servos", begins + (ends - begins) * done / len(starts))
+            fits.append(fitted(*start))
+        return fits
+
+    def likeliest(self, fits: Sequence[CandidateFit]) -> CandidateFit | None:
+        """Return the fit with the best Bayesian information criterion X / m + p log n (Schwarz 1978), if any.
+
+        The sum of squares X counts over the mean square m that the best fit leaves, if that is more than noise leaves.
+        """
+        n = self.null.data.n_values
+        finite = [one for one in fits if np.isfinite(one.chi2)]
+        left = max(min((one.chi2 for one in finite), default=0.0) / n, 1.0)
+        return min(finite, key=lambda one: one.chi2 / left + len(one.theta) * np.log(n), default=None)
 
 
 def _promising(fits: Sequence[CandidateFit], most: int) -> list[CandidateFit]:
@@ -205,44 +272,6 @@ def _plan(
         punctual = [pair for pair in delayed if pair[0].effect is not Delay]
         plan += product([[*rest, *lags] for rest in (punctual, delayed)], damping)
     return plan
-
-
-def _screened(
-    null: NullFit,
-    begun: Sequence[tuple[Candidate, float]],
-    own: Mapping[str, float],
-    settings: DiagnosisSettings,
-    stop: Callable[[], bool] | None,
-) -> CandidateFit:
-    """Fit effects a little, from values by their names where these are given; tolerated deviations stay at zero."""
-    predictor = null.predictor(tuple(one for one, _ in begun))
-    sizes = [
-        free.encode(own.get(one.name, value) if free is one.free[0] else free.starts[0])
-        for one, value in begun
-        for free in one.free
-    ]
-    n_tolerated, begin = predictor.tolerance.n_free, settings.servo_start
-    theta = np.clip(np.concatenate([sizes, np.zeros(n_tolerated)]), *predictor.bounds)
-    still = np.broadcast_to(0.0, (len(null.data.used), n_tolerated))
-    return fit(
-        predictor,
-        null.data,
-        theta,
-        begin.first_iterations,
-        tolerance_slopes=still,
-        settings=settings.fit,
-        stop=stop,
-    )
-
-
-def _likeliest(fits: Sequence[CandidateFit], n_values: int) -> CandidateFit | None:
-    """Return the fit with the best Bayesian information criterion X / m + p log n (Schwarz 1978); None without one.
-
-    The sum of squares X counts over the mean square m that the best fit leaves, if that is more than noise leaves.
-    """
-    finite = [one for one in fits if np.isfinite(one.chi2)]
-    left = max(min((one.chi2 for one in finite), default=0.0) / n_values, 1.0)
-    return min(finite, key=lambda one: one.chi2 / left + len(one.theta) * np.log(n_values), default=None)
 
 
 def _begun(null: NullFit, limited: BoolArray, settings: ServoStartSettings) -> list[tuple[Candidate, float]]:
