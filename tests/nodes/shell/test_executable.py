@@ -18,7 +18,7 @@ from flexros.scenario.scenario import load_scenario
 StartNode = Callable[..., subprocess.Popen[str]]
 CHECKOUT = Path(__file__).parents[3]
 TIMEOUT = 60.0
-BROUGHT_UP = 2.5
+BROUGHT_UP = 4.0
 """Processor time after which a node has loaded its modules and prepares the reference [s]."""
 
 pytestmark = pytest.mark.usefixtures("ros_domain")

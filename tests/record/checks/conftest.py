@@ -29,15 +29,15 @@ def robot_named(name: str) -> Robot:
 
 
 @cache
-def healthy_record(name: str, effects: tuple[str, ...] = ()) -> Record:
-    """Record of the diagnosis experiment of a robot, shortened; with effects in the plant where they are given."""
+def healthy_record(name: str, effects: tuple[str, ...] = (), *, whole: bool = False) -> Record:
+    """Record of a short diagnosis experiment, with effects in the plant where given; of several axes its first part."""
     scenario = load_scenario("diagnosis").with_values({"robot": name, "diagnosis.length": LENGTH}, "test")
     if effects:
         scenario = scenario.with_values({"plant.effects": list(effects)}, "test")
     log = closed_loop(Experiment.prepare(scenario))
     record = read_record(log, robot_named(name), name="log")
-    several = record.position.shape[1] > 1
-    return record.part(0, round(RECORDED / record.sample_time)) if several else record
+    complete = whole or record.position.shape[1] == 1
+    return record if complete else record.part(0, round(RECORDED / record.sample_time))
 
 
 @pytest.fixture(name="healthy", scope="session")

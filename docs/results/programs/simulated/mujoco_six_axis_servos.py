@@ -56,9 +56,6 @@ at joints drawn with the seed, differ from the nominal MJCF; most arms carry a l
 their commands some samples late. The logs hold commanded and measured positions at {rate} Hz, {duration:g} s, with
 noise of {noise:g} rad, and **no torques**. The first log is fitted, the second is held out. Seed 1 and arms
 of the same kind were used in development, the seeds of this page were not. Written by code {code}.
-All errors are at joint 6, a wrist without weight: there gain, damping, inertia and friction have a common factor that
-positions do not show, and which of them goes without is chance. Code ca26165a, with other starts of the fits, had 61 of
-the 62 effects, one false name and 55 of 61 sizes.
 *Ambiguous* is what was missed, but told to be as likely as what was named;
 *sizes* are those of right names within their 95 % intervals.
 
