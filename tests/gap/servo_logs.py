@@ -23,15 +23,17 @@ SERVO_EFFECTS = (
 ONE = ("motor_1",)
 
 
-def servo_robot(feedforward: float = 0.0, *, servo: bool = True, limit: float = 30.0, integral: float = 0.0) -> Robot:
+def servo_robot(
+    feedforward: float = 0.0, *, servo: bool = True, limit: float = 30.0, integral: float = 0.0, mass: float = 1.5
+) -> Robot:
     """A joint with a link under gravity; stiffness 60 Nm/rad, damping 2 Nm s/rad."""
     motor = {"inertia": 0.05, "viscous_friction": 0.3, "torque_limit": limit}
     if servo:
         motor["servo"] = {"stiffness": 60.0, "damping": 2.0, "feedforward": feedforward, "integral": integral}  # type: ignore[assignment]
     link = {
-        "mass": 1.5,
+        "mass": mass,
         "center_of_mass": [0, 0, 0.2],
-        "inertia": {"yy": 0.02},
+        "inertia": {"yy": 0.02 * mass / 1.5},
         "directions": {"ry": {"spring": "rigid", "motor": motor}},
     }
     data = {
@@ -92,9 +94,10 @@ def servo_log(
     seed: int = 0,
     noise: float = NOISE,
     arm: bool = False,
+    mass: float = 1.5,
 ) -> Log:
     """A log of commanded and measured positions of a joint with effects, or of the arm."""
-    robot = (servo_arm() if arm else servo_robot(feedforward)).commanded_by("position")
+    robot = (servo_arm() if arm else servo_robot(feedforward, mass=mass)).commanded_by("position")
     placed = place_effects(robot, [parse_effect(text, "test") for text in effects])
     names = robot.joint_names
     wanted = np.hstack([command(duration, seed + 7 * k) for k in range(len(names))])

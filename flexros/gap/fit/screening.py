@@ -220,6 +220,18 @@ class Surroundings:
         beside = self._beside(changes)
         return -beside._refitted(beside._gradient)[len(self.prior) :]
 
+    def alike(self, column: int, change: NDArray[Any]) -> float:
+        """Return the squared correlation of a fitted parameter and of a direction, all parameters free [1].
+
+        Args:
+            column: Number of the parameter.
+            change: Change of the prediction errors along the direction, shape (n_rows,).
+        """
+        beside = self._beside(change[:, None])
+        covariance = np.linalg.pinv(beside._information, rcond=1e-12, hermitian=True)
+        spread = covariance[column, column] * covariance[-1, -1]
+        return float(covariance[column, -1] ** 2 / max(spread, 1e-300))
+
     @property
     def least(self) -> float:
         """Sum of squares when all parameters are fitted again, by linear theory [1]."""
@@ -251,9 +263,12 @@ class Surroundings:
         own = self.weight * np.einsum("ij,ij->j", changes, changes, dtype=float)
         return np.asarray(own - np.einsum("ij,ij->j", shared, self._refitted(shared)), dtype=float)
 
+    @property
+    def _information(self) -> FloatArray:
+        return np.asarray(self.weight * self.slopes.T @ self.slopes + np.diag(self.prior), dtype=float)
+
     def _refitted(self, gradient: FloatArray) -> FloatArray:
-        information = self.weight * self.slopes.T @ self.slopes + np.diag(self.prior)
-        return np.asarray(np.linalg.lstsq(information, gradient, rcond=1e-12)[0], dtype=float)
+        return np.asarray(np.linalg.lstsq(self._information, gradient, rcond=1e-12)[0], dtype=float)
 
 
 def surroundings_of(fit: CandidateFit, line: Linearised, rows: IntArray, misfit: float = 1.0) -> Surroundings:

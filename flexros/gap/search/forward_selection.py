@@ -9,6 +9,7 @@ import numpy as np
 
 from flexros.gap.candidates.candidate import names_of
 from flexros.gap.fit.candidate_fit import best_of_each
+from flexros.gap.search.common_factor import with_other_scales
 from flexros.gap.search.curve_candidates import within_motion
 from flexros.gap.search.curves import curves_of, in_place_of_laws, with_curves
 from flexros.gap.search.elimination import reduced, with_asymmetry, with_dropped, without_unclear
@@ -125,6 +126,7 @@ def explain(search: Search) -> Explanations:
         chosen = chosen if grown is chosen else tidied(search, grown, directions, fits)
     for step in (without_tolerated, with_far_numbers, without_slight_friction, without_unclear):
         chosen = step(search, chosen, fits)
+    with_other_scales(search, chosen, fits)
     comparison = compared(search, best_of_each(fits))
     (chosen,) = (fit for fit in comparison.fits if fit.names == chosen.names)
     return _pruned(search, explanations_of(search, comparison, chosen, detected=True))

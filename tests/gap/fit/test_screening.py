@@ -67,6 +67,19 @@ def test_directions_that_are_fitted_together_have_the_sizes_that_were_left_out()
     assert around.left(changes) == pytest.approx(0.0, abs=1e-6 * around.least)
 
 
+def test_a_parameter_is_as_much_alike_a_direction_as_their_sizes_are_correlated_in_fits() -> None:
+    rng = np.random.default_rng(4)
+    slopes, other = rng.normal(size=(400, 2)), rng.normal(size=400)
+    around = Surroundings(rng.normal(size=400), slopes, np.zeros(2), np.zeros(2), 1.0)
+    direction = 2 * slopes[:, 0] + slopes[:, 1] + 0.5 * other
+    every = np.column_stack([slopes, direction])
+    expected = np.linalg.inv(every.T @ every)
+    expected = expected[0, 2] ** 2 / (expected[0, 0] * expected[2, 2])
+    assert expected > 0.9
+    assert around.alike(0, direction) == pytest.approx(expected)
+    assert around.alike(0, other) < 0.02
+
+
 @pytest.mark.parametrize(("deviation", "held"), [(5.0, True), (4.0, False)])
 def test_a_candidate_gains_what_a_pinned_tolerance_cannot(deviation: float, held: bool) -> None:
     """A tolerated parameter that would go on beyond its bound must not pretend to gain what a candidate gains."""
