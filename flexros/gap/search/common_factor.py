@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.gap.search.fits.additions import best_starts
+
 if TYPE_CHECKING:
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.search.fits.additions import Addition
@@ -35,15 +37,14 @@ def with_other_scales(search: Search, chosen: CandidateFit, fits: list[Candidate
     nominal = [one for one in search.candidates() if one.name in search.of_torques and one.location in servos]
     directions = search.directions([one for one in nominal if one.name not in chosen.names], chosen)
     around = search.surroundings(chosen)
-    removals = dict(zip(chosen.hypothesis, search.removals(chosen, around), strict=True))
-    trials = [
-        (one.name, addition)
-        for direction in directions
-        for one in own
-        if one.location == direction.candidate.location
-        for addition in search.additions([direction], chosen, removals[one])
-        if around.alike(int(np.argmax(chosen.columns((one.name,)))), addition.change) > ALIKE
-    ]
+    trials = []
+    for one, rest in zip(chosen.hypothesis, search.removals(chosen, around), strict=True):
+        for direction in directions:
+            if one not in own or one.location != direction.candidate.location:
+                continue
+            change = direction.changes[:, best_starts(direction, rest, 1)[0]]
+            if around.alike(int(np.argmax(chosen.columns((one.name,)))), change) > ALIKE:
+                trials += [(one.name, addition) for addition in search.additions([direction], chosen, rest)]
     fits += search.visible(search.parallel("other scales", partial(_exchanged, search, chosen), trials))
 
 
