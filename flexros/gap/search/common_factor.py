@@ -7,45 +7,66 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.search.fits.additions import best_starts
+from flexros.gap.search.elimination import reduced
+from flexros.gap.search.worth import compared, worth
 
 if TYPE_CHECKING:
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.search.fits.additions import Addition
     from flexros.gap.search.fits.candidate_fits import Search
 
-ALIKE = 0.9
-"""Squared correlation of two sizes, all others free, from which one may stand for the other [1] (chosen): 0.96 to 0.99
-at a wrist without weight, at most 0.3 at joints with weight."""
+ALIKE = 0.1
+"""Least squared correlation of two sizes, all others free, of which one may stand for the other [1] (chosen): 0.2 to 1
+at wrists, least beside a load."""
+DOUBTFUL = 100.0
+"""Rise of the sum of squares without an effect up to which it may go, with another one free, by linear theory [1]
+(chosen): far sizes leave so much that a fit closes."""
 
 
-def with_other_scales(search: Search, chosen: CandidateFit, fits: list[CandidateFit]) -> None:
+def with_other_scales(search: Search, chosen: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
     """Fit an explanation of a log without torques with other numbers of a servo nominal, as rivals of it.
 
     At a joint that gravity does not load, gain, damping, inertia and friction have a common factor. With wrong friction
     and gain, the log is explained alike by a wrong gain and a wrong inertia, and the search ends with one of the two.
+    It also ends with two wrong numbers where a single one of another kind is enough, which is taken instead.
 
     Args:
         search: The search.
         chosen: The explanation, at its end.
         fits: All fits so far; new ones are appended.
     """
-    if search.data.record.command is None or search.deadline.stops():
-        return
+    removed = search.settings.search.removed_of_all
+    while search.data.record.command is not None and not search.deadline.stops():
+        rivals = search.parallel("other scales", partial(_exchanged, search, chosen), _exchanges(search, chosen))
+        fits += rivals
+        near = [one for one in rivals if one.chi2 - chosen.chi2 < compared(search, [one]).threshold]
+        fewer = [reduced(search, one, fits, removed) for one in near]
+        best = min(fewer, key=lambda one: (len(one.hypothesis), one.chi2), default=chosen)
+        if len(best.hypothesis) >= len(chosen.hypothesis):
+            break
+        if worth(search, compared(search, [best, chosen]), best, chosen, removed):
+            break
+        chosen = best
+    return chosen
+
+
+def _exchanges(search: Search, chosen: CandidateFit) -> list[tuple[str, Addition]]:
+    """List the numbers of servos that may be nominal by linear theory, each with one that is wrong in its place."""
     own = [one for one in chosen.hypothesis if one.name in search.of_torques]
     servos = {one.location for one in own}
-    nominal = [one for one in search.candidates() if one.name in search.of_torques and one.location in servos]
+    nominal = [one for one in search.base.hypothesis if one.location in servos and not one.effect.one_level]
     directions = search.directions([one for one in nominal if one.name not in chosen.names], chosen)
     around = search.surroundings(chosen)
-    trials = []
+    exchanges = []
     for one, rest in zip(chosen.hypothesis, search.removals(chosen, around), strict=True):
         for direction in directions:
             if one not in own or one.location != direction.candidate.location:
                 continue
-            change = direction.changes[:, best_starts(direction, rest, 1)[0]]
-            if around.alike(int(np.argmax(chosen.columns((one.name,)))), change) > ALIKE:
-                trials += [(one.name, addition) for addition in search.additions([direction], chosen, rest)]
-    fits += search.visible(search.parallel("other scales", partial(_exchanged, search, chosen), trials))
+            smallest = direction.changes[:, np.argmin(np.abs(direction.starts[0]))]
+            alike = around.alike(int(np.argmax(chosen.columns((one.name,)))), smallest)
+            if alike > ALIKE and (rest.least - chosen.chi2) * (1 - alike) < DOUBTFUL:
+                exchanges += [(one.name, addition) for addition in search.additions([direction], chosen, rest)]
+    return exchanges
 
 
 def _exchanged(search: Search, chosen: CandidateFit, trial: tuple[str, Addition]) -> CandidateFit:

@@ -126,7 +126,7 @@ def explain(search: Search) -> Explanations:
         chosen = chosen if grown is chosen else tidied(search, grown, directions, fits)
     for step in (without_tolerated, with_far_numbers, without_slight_friction, without_unclear):
         chosen = step(search, chosen, fits)
-    with_other_scales(search, chosen, fits)
+    chosen = with_other_scales(search, chosen, fits)
     comparison = compared(search, best_of_each(fits))
     (chosen,) = (fit for fit in comparison.fits if fit.names == chosen.names)
     return _pruned(search, explanations_of(search, comparison, chosen, detected=True))
