@@ -13,17 +13,16 @@ import numpy as np
 from flexros.gap.fit.estimates import sizes_of
 from flexros.gap.fit.least_squares import linearise
 from flexros.gap.fit.once_per_fit import once_per_fit
+from flexros.gap.fit.parts import estimates_of_parts, parts_of
 
 if TYPE_CHECKING:
-    from flexros.arrays import FloatArray, IntArray
+    from flexros.arrays import FloatArray
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.settings import RankingSettings
 
 DEVIATION = 1.4826
 """Standard deviation of a normal distribution over its median absolute deviation [1]."""
-RIDGE = 1e-6
-"""Share of its information that is added to every parameter, for those that a part does not determine [1]."""
 
 
 @once_per_fit
@@ -41,7 +40,7 @@ def constancies(fit: CandidateFit, data: FitData, settings: RankingSettings) -> 
     line = linearise(fit.predictor, data, fit.theta)
     n, M = data.spread.shape
     rows = slice(0, M * n)  # those of the motors: other sensors have instants of their own
-    part = np.tile(np.arange(n) * settings.parts // n, M)
+    part = parts_of(data, settings.parts)
     prior = np.diag(line.information - line.slopes.T @ line.slopes)
     estimates, deviations = estimates_of_parts(line.slopes[rows], line.residual[rows], part, prior, prior * fit.theta)
     found, column = {}, 0
@@ -54,37 +53,6 @@ def constancies(fit: CandidateFit, data: FitData, settings: RankingSettings) -> 
         found[candidate.name] = constancy(whole + estimates[shown, index], settings.fewest_parts)
         column += len(candidate.free)
     return found
-
-
-def estimates_of_parts(
-    slopes: FloatArray, residual: FloatArray, part: IntArray, prior: FloatArray, pulled: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Estimate the parameters of a linearised fit from each part of its residuals.
-
-    With the part k of residuals r and slopes J, and a K-th of the prior P around zero,
-
-        d_k = -(J_k'J_k + P/K)^-1 (J_k'r_k + P theta/K)
-
-    Args:
-        slopes: Derivatives J of the residuals to the parameters, shape (n, p).
-        residual: The residuals r, shape (n,).
-        part: Part of each residual, 0 to K - 1, shape (n,).
-        prior: Information P of the prior on each parameter, shape (p,).
-        pulled: P theta, shape (p,).
-
-    Returns:
-        Differences from the parameters of the whole, and their standard deviations by the residuals of the part,
-        shape (K, p) each.
-    """
-    K = int(part.max()) + 1
-    free = prior + RIDGE * np.einsum("ij,ij->j", slopes, slopes) + 1e-300
-    estimates, deviations = np.empty((2, K, slopes.shape[1]))
-    for k in range(K):
-        J, r = slopes[part == k], residual[part == k]
-        covariance = np.linalg.pinv(J.T @ J + np.diag(free) / K, hermitian=True)
-        estimates[k] = -covariance @ (J.T @ r + pulled / K)
-        deviations[k] = np.sqrt(np.mean(r**2) * np.diag(covariance))
-    return estimates, deviations
 
 
 def constancy(sizes: FloatArray, fewest: int) -> float:

@@ -11,6 +11,7 @@ from scipy.ndimage import uniform_filter1d
 
 from flexros.gap.fit.least_squares import linearise
 from flexros.gap.fit.once_per_fit import once_per_fit
+from flexros.gap.fit.parts import estimates_of_parts, parts_of, variation_between_parts
 from flexros.gap.fit.screening import switched_off
 from flexros.gap.schema import CauseParameter
 
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from flexros.effects import PlacedEffect
     from flexros.gap.candidates.candidate import Candidate, FreeParameter
     from flexros.gap.fit.candidate_fit import CandidateFit
+    from flexros.gap.fit.least_squares import Linearised
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.settings import RankingSettings
     from flexros.robot import Robot
@@ -135,7 +137,8 @@ def fit_covariance(fit: CandidateFit, data: FitData, form: RankingSettings | Non
     the share `plain_form` or `shaped_form` of the spectrum of what each effect changes is added to S, all together at
     most `form_over_rest` times the power of what is left. What a shift in time of the torques of an imported log
     changes is added as well, see `_of_timing`. Laws of another form also look like another shape, see
-    `_with_doubt_of_shapes`. It is computed once for a fit and a log.
+    `_with_doubt_of_shapes`, and what is missing takes another size in every part of a log of a real machine, see
+    `_with_variation`. It is computed once for a fit and a log.
 
     Args:
         fit: The fit, at its minimum.
@@ -164,6 +167,7 @@ def fit_covariance(fit: CandidateFit, data: FitData, form: RankingSettings | Non
     covariance: FloatArray = inverse @ meat @ inverse
     if form is not None and not data.record.premises.library_is_complete:
         covariance = _with_doubt_of_shapes(covariance, inverse, fit)
+        covariance = _with_variation(covariance, inverse, fit, data, line, form)
     # where an unlikely fit nearly diverges, the spectrum overflows
     return covariance if np.all(np.isfinite(covariance)) else np.asarray(inverse)
 
@@ -226,6 +230,40 @@ def _with_doubt_of_shapes(covariance: FloatArray, inverse: FloatArray, fit: Cand
                 result = result + added * np.outer(along, along)
             index += 1
     return result
+
+
+def _with_variation(
+    covariance: FloatArray,
+    inverse: FloatArray,
+    fit: CandidateFit,
+    data: FitData,
+    line: Linearised,
+    form: RankingSettings,
+) -> FloatArray:
+    """Widen the covariance by what the parameters of the effects vary between parts of the log beyond chance.
+
+    Where a law is missing, others take up a part of it, of another size in every part of the log; their common mean is
+    an accident of its motion. So a size is known no better than it varies, however long the log is. Chance is what the
+    covariance says of a part. Correlations of the parameters stay.
+
+    Args:
+        covariance: Covariance in the units of the fit, shape (n_fitted, n_fitted).
+        inverse: H^-1, of the same shape.
+        fit: The fit.
+        data: The log.
+        line: The fit, linearised.
+        form: Settings with the number of parts.
+    """
+    rows, n_effect = slice(0, data.spread.size), fit.predictor.n_effect
+    prior = np.diag(line.information - line.slopes.T @ line.slopes)
+    J, r = line.slopes[rows], line.residual[rows]
+    estimates, deviations = estimates_of_parts(J, r, parts_of(data, form.parts), prior, prior * fit.theta)
+    coloured_over_white = np.diag(covariance) / np.maximum(np.diag(inverse) * np.mean(r**2), 1e-300)
+    varying = variation_between_parts(estimates, deviations * np.sqrt(np.maximum(coloured_over_white, 1.0)))
+    wider = np.ones(len(covariance))
+    own = np.maximum(np.diag(covariance)[:n_effect], 1e-300)
+    wider[:n_effect] = np.sqrt(1.0 + varying[:n_effect] ** 2 / own)
+    return np.asarray(covariance * np.outer(wider, wider))
 
 
 def inverse_of(information: FloatArray) -> FloatArray:

@@ -187,6 +187,21 @@ def test_sizes_of_hysteresis_allow_for_laws_of_other_shapes_on_measured_logs() -
     assert theirs["angle"].std > 1.4 * ours["angle"].std
 
 
+def test_friction_that_grows_is_known_no_better_on_a_measured_log_than_it_varies() -> None:
+    """One level for all of a log on which it rises by a half is right nowhere, however long the log is."""
+    level, drift = f"coulomb_friction@motor_1:level={LEVEL}", f"coulomb={0.5 * LEVEL},time_constant=4"
+    candidate = candidates_of(level)["coulomb_friction@motor_1"]
+    start, widths = np.array(encoded(candidate, level=1.3 * LEVEL)), []
+    for effects_of_log in ((level,), (level, f"friction_drift@motor_1:{drift}")):
+        data = data_of(*effects_of_log)
+        found = fit(predictor_of(candidate), data, start, 20, enough=FitSettings().exactly)
+        measured = replace(data, record=replace(data.record, imported=True))
+        widths.append(parameters_of(found, measured, RankingSettings())[0]["level"].std / LEVEL)
+    steady, rising = widths
+    assert steady < 0.02
+    assert 0.08 < rising < 0.5
+
+
 def test_a_number_that_a_log_says_nothing_of_keeps_its_tolerance_however_the_prior_weighs(
     fitted: CandidateFit, monkeypatch: pytest.MonkeyPatch
 ) -> None:
