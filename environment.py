@@ -83,7 +83,6 @@ def pip_install(extras: set[str], *constraints: str) -> bool:
     """Install the checkout with extras into the environment, telling whether pip succeeded."""
     target = f"{CHECKOUT}[{','.join(sorted(extras))}]" if extras else str(CHECKOUT)
     command = [PYTHON, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-input"]
-    command += ["--no-compile"]  # Python compiles a module when it is first imported: most of them never are
     quiet = {**os.environ, "PYTHONWARNINGS": "ignore"}  # setuptools warns of every editable installation
     return subprocess.run([*command, "--editable", target, *constraints], check=False, env=quiet).returncode == 0
 
