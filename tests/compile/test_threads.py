@@ -15,7 +15,7 @@ import casadi as ca
 
 def build(seed):
     draw = random.Random(seed)
-    for _ in range(3000):
+    for _ in range(1000):
         x = ca.SX.sym("x", 3)
         y = sum(ca.sin(x[k]) * (draw.randint(1, 40) / 8 + 0.1) for k in range(3))
         for _ in range(10):

@@ -264,7 +264,7 @@ _robots = [
     tree for tree in samples.trees_of("flexros/robot/library") if tree["name"] in ("two_mass", "four_mass", "e12")
 ]
 _scenarios = samples.trees_of("flexros/scenario/library")
-_mcap = damaged([samples.own_mcap(), samples.foreign_bag()]) | samples.reassembled()
+_mcap = st.deferred(lambda: damaged([samples.own_mcap(), samples.foreign_bag()]) | samples.reassembled())
 _definitions = [f"{name}\n{encoding}\n{text}".encode() for name, encoding, text in samples.DEFINITIONS]
 _state = json.dumps(samples.EXPERIMENT_STATE)
 _parameters = YAML(typ="safe").load(samples.CHECKOUT / "msgs_config" / "recorder.yaml")
@@ -294,11 +294,13 @@ def _options(*texts: str) -> st.SearchStrategy[bytes]:
 READERS: dict[str, Reader] = {
     "log": Reader("log in MCAP", _mcap, _log),
     "metadata": Reader(
-        "metadata.yaml of a log", damaged([samples.own_bag()[samples.METADATA]]) | yaml_texts, _beside(samples.METADATA)
+        "metadata.yaml of a log",
+        st.deferred(lambda: damaged([samples.own_bag()[samples.METADATA]])) | yaml_texts,
+        _beside(samples.METADATA),
     ),
     "provenance": Reader(
         "provenance.json of a log",
-        _trees(json.loads(samples.own_bag()[samples.PROVENANCE])),
+        st.deferred(lambda: _trees(json.loads(samples.own_bag()[samples.PROVENANCE]))),
         _beside(samples.PROVENANCE),
     ),
     "replay": Reader("log to be replayed", _mcap, _replay),
@@ -323,7 +325,11 @@ READERS: dict[str, Reader] = {
     "topics": Reader("topics", _trees(_topics), _file("yaml", lambda path: read_topics(path, load_qos()))),
     "qos": Reader("quality of service of topics", _trees(_qos), _file("yaml", read_qos)),
     "urdf": Reader("URDF", damaged([samples.URDF]), _file("urdf", skeleton_from_urdf)),
-    "responses": Reader("frequency responses in netCDF", damaged([samples.netcdf_file()]), _file("nc", load_responses)),
+    "responses": Reader(
+        "frequency responses in netCDF",
+        st.deferred(lambda: damaged([samples.netcdf_file()])),
+        _file("nc", load_responses),
+    ),
     "calibration": Reader(
         "calibration of the gap monitor",
         _trees(_calibration),

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from flexros.arrays import FloatArray
-    from flexros.record.balance.torque_balance import BalanceFit, TorqueBalance
+    from flexros.record.balance.torque_balance import Agreement, BalanceFit, TorqueBalance
     from flexros.record.record import Record
     from flexros.robot import Robot
 
@@ -81,7 +81,20 @@ def own_fits(balance: TorqueBalance | None, n_motors: int) -> tuple[BalanceFit |
     return tuple(None if balance is None else balance.fit(k, k) for k in range(n_motors))
 
 
-def score(fits: Sequence[BalanceFit | None]) -> float | None:
+def own_score(balance: TorqueBalance | None, n_motors: int) -> float | None:
+    """Average the agreement of every motor with its own motion, as `score` of `own_fits`, without what they add.
+
+    Args:
+        balance: Spectra of both; None where there are none.
+        n_motors: Number of motors M.
+
+    Returns:
+        The mean; None where no motor has one.
+    """
+    return score([None if balance is None else balance.agreement(k, k) for k in range(n_motors)])
+
+
+def score(fits: Sequence[Agreement | None]) -> float | None:
     """Average the agreement of torques and inverse-dynamics torques over the motors that have one.
 
     Args:
@@ -122,7 +135,7 @@ def best_assignment(record: Record, robot: Robot, current: float | None) -> Join
         return None
     if robot.n_motors > FEW and record.duration > LONG:
         record = _most_active_part(record, round(LONG / record.sample_time))
-        current = score(own_fits(torque_balance(record, robot), robot.n_motors))
+        current = own_score(torque_balance(record, robot), robot.n_motors)
     others = [*_assignments(record, robot), *_axes_inverted(record, robot), *_zeros_elsewhere(record, robot)]
     others += _weightless(record, robot)
     better = [other for other in others if clearly_better(other.agreement, current)]
@@ -160,7 +173,7 @@ def _assignments(record: Record, robot: Robot) -> Iterator[JointAssignment]:
     for k in range(M):
         sign = np.ones(M)
         sign[k] = -1.0
-        agreement = None if as_is is None else score(own_fits(replace(as_is, given=sign * as_is.given), M))
+        agreement = None if as_is is None else own_score(replace(as_is, given=sign * as_is.given), M)
         if agreement is not None:
             yield JointAssignment(f"the torque of {names[k]} inverted", agreement, opposite=True)
         yield from _both(record, robot, np.arange(M), sign, f"of {names[k]} inverted")
@@ -182,7 +195,7 @@ def _axes_inverted(record: Record, robot: Robot) -> Iterator[JointAssignment]:
             other = np.where(np.arange(M) == k, -1.0, sign)
             changed = replace(record, position=other * record.position, torque=other * record.torque)
             balance = torque_balance(changed, robot)
-            agreement = None if balance is None else score(own_fits(balance, M))
+            agreement = None if balance is None else own_score(balance, M)
             if agreement is not None:
                 trials.append((agreement, int(k)))
         if not trials or max(trials)[0] <= reached + LEAST:
@@ -206,7 +219,7 @@ def _zeros_elsewhere(record: Record, robot: Robot) -> Iterator[JointAssignment]:
             for angle in RIGHT_ANGLES if turns[k] == 0 else ():
                 other = np.where(np.arange(robot.n_motors) == k, angle, turns)
                 balance = torque_balance(replace(record, position=record.position + np.radians(other)), robot)
-                agreement = None if balance is None else score(own_fits(balance, robot.n_motors))
+                agreement = None if balance is None else own_score(balance, robot.n_motors)
                 if agreement is not None:
                     trials.append((agreement, k, angle))
         if not trials or max(trials)[0] <= reached + LEAST:
@@ -223,7 +236,7 @@ def _weightless(record: Record, robot: Robot) -> Iterator[JointAssignment]:
     if not any(robot.spec.gravity.value):
         return
     balance = torque_balance(record, robot.with_values(WEIGHTLESS))
-    agreement = None if balance is None else score(own_fits(balance, robot.n_motors))
+    agreement = None if balance is None else own_score(balance, robot.n_motors)
     if agreement is not None:
         text = "'gravity: [0, 0, 0]' in the robot file, as where the controller adds the weights to these torques"
         yield JointAssignment(text, agreement, opposite=False)
@@ -238,7 +251,7 @@ def _both(record: Record, robot: Robot, order: np.ndarray, sign: FloatArray, cha
         return
     kept = replace(balance, given=(sign * balance.given)[:, np.argsort(order)])
     for compared, signals in ((balance, "torque and position"), (kept, "the position")):
-        agreement = score(own_fits(compared, M))
+        agreement = own_score(compared, M)
         if agreement is not None:
             opposite = compared is kept and bool(np.any(sign < 0))
             yield JointAssignment(f"{signals} {change}", agreement, opposite)

@@ -53,7 +53,7 @@ LONGEST_DELAY = 0.03
 
 
 @dataclass(frozen=True, eq=False)
-class BalanceFit:
+class Agreement:
     """Agreement of a torque with an inverse-dynamics torque, apart from friction and unknown rotors.
 
     The agreement of torque u with a multiple s of the inverse-dynamics torque n in one band is
@@ -63,14 +63,23 @@ class BalanceFit:
         factor: Multiple of the inverse-dynamics torque that agrees best; negative for opposite directions.
         agreement: Mean agreement over the bands with that multiple, 0 ... 1.
         as_is: Mean agreement without a factor, -1 ... 1.
-        correlation: Cosine between both over all bands together, -1 ... 1. Where gravity dominates it is that of the
-            slow bands, and noise of the others does not count.
-        share: Power of the torque that friction and an unknown rotor leave, over all of it, 0 ... 1.
     """
 
     factor: float
     agreement: float
     as_is: float
+
+
+@dataclass(frozen=True, eq=False)
+class BalanceFit(Agreement):
+    """Agreement by band, and what all bands together show.
+
+    Attributes:
+        correlation: Cosine between both over all bands together, -1 ... 1. Where gravity dominates it is that of the
+            slow bands, and noise of the others does not count.
+        share: Power of the torque that friction and an unknown rotor leave, over all of it, 0 ... 1.
+    """
+
     correlation: float
     share: float
 
@@ -105,29 +114,57 @@ class TorqueBalance:
             delay: Delay of the torque with respect to its stamp [s].
 
         Returns:
-            The comparison; None where too little of the motion is clear of noise, or where friction and an unknown
+            The comparison; None where there is no agreement.
+        """
+        by_band = self.agreement(torque, motion, delay)
+        if by_band is None:
+            return None
+        use = self.clear[:, motion]
+        given, needed = self._compared(torque, motion, delay)
+        whole = float(_sums(self._bands(motion)[1], np.abs(given) ** 2).sum())
+        strong, strong_need = (_without(self.own[use, motion], part, np.ones(len(part))) for part in (given, needed))
+        correlation, share = _correlation_and_share(strong, strong_need, whole)
+        return BalanceFit(by_band.factor, by_band.agreement, by_band.as_is, correlation, share)
+
+    def agreement(self, torque: int, motion: int, delay: float = 0.0) -> Agreement | None:
+        """Compare the torque of one motor with the inverse-dynamics torque of the same or another one, band by band.
+
+        Args:
+            torque: Motor whose torque it is.
+            motion: Motor whose motion it is.
+            delay: Delay of the torque with respect to its stamp [s].
+
+        Returns:
+            The agreement; None where too little of the motion is clear of noise, or where friction and an unknown
             rotor would explain all of the inverse-dynamics torque.
         """
         use = self.clear[:, motion]
-        bands, index = np.unique(self.band[use], return_inverse=True)
+        bands, index = self._bands(motion)
         if use.sum() < FEWEST_BINS or len(bands) < FEWEST_BANDS:
             return None
-        given = self.given[use, torque] * np.exp(-2j * np.pi * self.frequency[use] * delay)
-        needed = self.needed[use, motion]
+        given, needed = self._compared(torque, motion, delay)
         power, need = (_sums(index, np.abs(part) ** 2) for part in (given, needed))
         if not (power.max() > 0 and need.max() > 0):
             return None
         level = float(np.median(power) / max(float(np.median(need)), 1e-300))
         weight = (1 / (power + level * need + 1e-12 * power.max()))[index]
         rest, need_rest = (_without(self.own[use, motion], part, weight) for part in (given, needed))
-        whole, whole_power = float(need.sum()), float(power.sum())
+        whole = float(need.sum())
         power, need = (_sums(index, np.abs(part) ** 2) for part in (rest, need_rest))
         if need.sum() < LEAST_REST * whole:
             return None
-        factor, agreement, as_is = _agreement(power, need, _sums(index, (np.conj(need_rest) * rest).real))
-        strong, strong_need = (_without(self.own[use, motion], part, np.ones(len(index))) for part in (given, needed))
-        correlation, share = _correlation_and_share(strong, strong_need, whole_power)
-        return BalanceFit(factor, agreement, as_is, correlation, share)
+        return Agreement(*_agreement(power, need, _sums(index, (np.conj(need_rest) * rest).real)))
+
+    def _bands(self, motion: int) -> tuple[IntArray, IntArray]:
+        """Return the half octaves in which the motion of a motor is clear, and the place of each frequency in them."""
+        bands, index = np.unique(self.band[self.clear[:, motion]], return_inverse=True)
+        return bands, index
+
+    def _compared(self, torque: int, motion: int, delay: float) -> tuple[ComplexArray, ComplexArray]:
+        """Return the delayed torque and the inverse-dynamics torque at the frequencies where the motion is clear."""
+        use = self.clear[:, motion]
+        given = self.given[use, torque] * np.exp(-2j * np.pi * self.frequency[use] * delay)
+        return given, self.needed[use, motion]
 
     def unexplained(self, torque: int, motion: int) -> float:
         """Return the power of a torque that the motion of a motor leaves unexplained, over all of it, 0 ... 1.
@@ -161,7 +198,7 @@ class TorqueBalance:
         tried = np.arange(-count, count + 1) * step
         shares = np.zeros(len(tried))
         for motor in motors:
-            fits = [self.fit(motor, motor, float(tau)) for tau in tried]
+            fits = [self.agreement(motor, motor, float(tau)) for tau in tried]
             shares += [0.0 if fit is None else np.copysign(fit.agreement, fit.factor) for fit in fits]
         shares /= len(motors)
         best = int(np.argmax(np.abs(shares)))

@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.record.balance.inverse_dynamics import rigid_inverse_dynamics
-from flexros.record.balance.joint_assignments import DOUBTFUL, best_assignment, clearly_better, own_fits, score
+from flexros.record.balance.joint_assignments import (
+    DOUBTFUL,
+    best_assignment,
+    clearly_better,
+    own_fits,
+    own_score,
+    score,
+)
 from flexros.record.balance.posture import Motion, postures
 from flexros.record.balance.spectra import torque_balance
 from flexros.record.balance.torque_balance import Delay
@@ -226,7 +233,7 @@ class CheckedRecord:
         current, nominal = score(self.own), self.robot.sample_time
         if current is None or current > DOUBTFUL or abs(self.record.sample_time / nominal - 1) < SAME_RATE:
             return False
-        other = score(own_fits(torque_balance(self.record, self.robot, nominal), self.robot.n_motors))
+        other = own_score(torque_balance(self.record, self.robot, nominal), self.robot.n_motors)
         return clearly_better(other, current)
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.record.balance.joint_assignments import clearly_better, own_fits, score
+from flexros.record.balance.joint_assignments import clearly_better, own_score, score
 from flexros.record.balance.spectra import torque_balance
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ def like_degrees(checked: CheckedRecord) -> str:
     if not np.any(far) or checked.balance is None:
         return ""
     angles = np.where(rotary, np.radians(record.position), record.position)
-    in_degrees = score(own_fits(torque_balance(replace(record, position=angles), robot), robot.n_motors))
+    in_degrees = own_score(torque_balance(replace(record, position=angles), robot), robot.n_motors)
     if in_degrees is None or not clearly_better(in_degrees, score(checked.own)):
         return ""
     named = ", ".join(f"{robot.joint_names[k]}: {reached[k]:.4g} rad" for k in np.flatnonzero(far))
