@@ -61,8 +61,23 @@ def page_of(path: Path) -> str:
             where = {"metadata": {"path": folder}}
             client = NotebookClient(notebook, timeout=LONGEST, resources=where, extra_arguments=["--log-level=ERROR"])
             client.execute()
+        _check_shown(notebook, path.name)
         _pages[name] = "\n\n".join(_blocks(notebook, path.name))
     return _pages[name]
+
+
+def _check_shown(notebook: Any, name: str) -> None:
+    """Check that a notebook shows a table and a picture, and prints nothing.
+
+    Raises:
+        ValueError: It does not.
+    """
+    outputs = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
+    missing = {_TABLE, _PICTURE} - {kind for output in outputs for kind in output.get("data", {})}
+    if missing:
+        raise ValueError(f"{name} shows nothing of the kind {', '.join(sorted(missing))}")
+    if any(output.output_type in ("stream", "error") for output in outputs):
+        raise ValueError(f"{name} prints text or an error beside its tables and pictures")
 
 
 def _blocks(notebook: Any, name: str) -> Iterator[str]:
