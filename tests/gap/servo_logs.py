@@ -24,12 +24,19 @@ ONE = ("motor_1",)
 
 
 def servo_robot(
-    feedforward: float = 0.0, *, servo: bool = True, limit: float = 30.0, integral: float = 0.0, mass: float = 1.5
+    feedforward: float = 0.0,
+    *,
+    servo: bool = True,
+    limit: float = 30.0,
+    integral: float = 0.0,
+    mass: float = 1.5,
+    tolerance: float = 0.0,
 ) -> Robot:
-    """A joint with a link under gravity; stiffness 60 Nm/rad, damping 2 Nm s/rad."""
+    """A joint with a link under gravity; stiffness 60 Nm/rad, damping 2 Nm s/rad, both with a tolerance."""
     motor = {"inertia": 0.05, "viscous_friction": 0.3, "torque_limit": limit}
     if servo:
-        motor["servo"] = {"stiffness": 60.0, "damping": 2.0, "feedforward": feedforward, "integral": integral}  # type: ignore[assignment]
+        stiffness, damping = ({"value": value, "tolerance": tolerance} for value in (60.0, 2.0))
+        motor["servo"] = {"stiffness": stiffness, "damping": damping, "feedforward": feedforward, "integral": integral}  # type: ignore[assignment]
     link = {
         "mass": mass,
         "center_of_mass": [0, 0, 0.2],

@@ -8,6 +8,7 @@ import numpy as np
 
 from flexros.effects.kinds.command_law import AbstractCommandLaw
 from flexros.effects.torque_drift import TorqueDrift
+from flexros.gap.answer.hanging_sizes import hanging_sizes
 from flexros.gap.fit.estimates import placed_effects
 from flexros.gap.fit.torques.regression import ONE_WAY
 
@@ -85,6 +86,7 @@ def answer_warnings(findings: Findings, gap: GapNumbers, *, worse: bool) -> list
         *_unit_warnings(findings),
         *_drift_warnings(findings),
         *_one_way_warnings(findings),
+        *hanging_sizes(findings),
     ]
 
 
