@@ -262,9 +262,9 @@ def test_a_report_into_a_folder_is_refused(flexros: Flexros, tmp_path: Path, mon
     monkeypatch.chdir(tmp_path)
     assert flexros("run", "circle_pd", "--transport", "direct", "--out", "log", "--json").code == 0
     ended = flexros("analyze", "log", "--report", ".")
-    assert (ended.code, ended.err) == (
+    assert (ended.code, ended.told) == (
         2,
-        "flexros: the report cannot be written to '.', which is a folder; give a file\n",
+        ["flexros: the report cannot be written to '.', which is a folder; give a file"],
     )
 
 

@@ -22,12 +22,12 @@ RIGHT = np.array([1.0, 1.0, -1.0, -1.0, 1.0, -1.0])
 def record(monkeypatch: pytest.MonkeyPatch) -> Record:
     """A record whose positions are one where their sign is right and whose agreement is the share of right signs."""
 
-    def share(fits: FloatArray) -> float:
-        return float(0.5 * np.mean(fits > 0))
+    def share(balance: _Balance, n_motors: int) -> float:
+        del n_motors
+        return float(0.5 * np.mean(balance.position > 0))
 
     monkeypatch.setattr(joint_assignments, "torque_balance", lambda record, robot: _Balance(record.position[0]))
-    monkeypatch.setattr(joint_assignments, "own_fits", lambda balance, n_motors: balance.position)
-    monkeypatch.setattr(joint_assignments, "score", share)
+    monkeypatch.setattr(joint_assignments, "own_score", share)
     ones = np.ones((8, 6))
     return Record("log", 1e-3, RIGHT * ones, ones, np.ones(8, dtype=bool))
 
