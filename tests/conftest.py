@@ -17,12 +17,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from xdist.remote import Producer
-    from xdist.scheduler import LoadFileScheduling
-
-SHARED = ("tests/identify/graybox", "tests/monitor", "tests/record/checks", "tests/validation/campaigns/study")
-"""Folders whose files use the same logs or fits, each of which takes seconds."""
-
 # Workers and the processes that tests start run side by side: threads of BLAS would wait for each other.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 # Hundreds of processes import the same modules: each would compile all of them again.
@@ -45,21 +39,6 @@ def pytest_configure(config: pytest.Config) -> None:
         config.option.loadscopereorder = False  # files with most tests first: those with few long ones would end alone
     if not hasattr(config, "workerinput"):
         os.environ["FLEXROS_CACHE"] = str(config.rootpath / ".pytest_cache" / "machine_code")
-
-
-@pytest.hookimpl(optionalhook=True)
-def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> LoadFileScheduling | None:
-    """Let one worker run the files of a folder that share logs or fits: each worker would make them again."""
-    if config.getvalue("dist") != "loadfile":
-        return None
-    from xdist.scheduler import LoadFileScheduling
-
-    class BySharedFolder(LoadFileScheduling):
-        def _split_scope(self, nodeid: str) -> str:
-            folder = nodeid.partition("::")[0].rpartition("/")[0]
-            return folder if folder in SHARED else str(super()._split_scope(nodeid))
-
-    return BySharedFolder(config, log)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

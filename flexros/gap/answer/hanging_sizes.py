@@ -20,6 +20,9 @@ ALIKE = 0.5
 """Squared correlation with a number of the model from which a size hangs on it [1] (chosen)."""
 LOOSE = 3.0
 """Deviation of a number by the log alone, over its tolerance, from which the log hardly tells it [1] (chosen)."""
+SEVERAL = 2
+"""Sizes that a common factor scales at least [1]: one alone is that of an effect which acts as the number does, as
+viscous friction does in place of damping."""
 RELEASED = 1e-6
 """Weight of the prior of a number that the log alone is to tell, over the usual one [1]: enough to invert."""
 
@@ -64,6 +67,7 @@ def hanging_sizes(findings: Findings) -> list[str]:
         f"{', '.join(sorted(sizes))} hang on {name}, which this log {told}: they are as stated if it is right "
         "within its tolerance. Without torques all numbers of a servo have a common factor where no weight shows"
         for (name, told), sizes in found.items()
+        if len(sizes) >= SEVERAL
     ]
 
 

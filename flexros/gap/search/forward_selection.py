@@ -124,9 +124,8 @@ def explain(search: Search) -> Explanations:
     else:  # what no law explains would be imitated there
         grown = grown_within_floor(search, chosen, directions, fits)
         chosen = chosen if grown is chosen else tidied(search, grown, directions, fits)
-    for step in (without_tolerated, with_far_numbers, without_slight_friction, without_unclear):
+    for step in (without_tolerated, with_far_numbers, without_slight_friction, without_unclear, with_other_scales):
         chosen = step(search, chosen, fits)
-    chosen = with_other_scales(search, chosen, fits)
     comparison = compared(search, best_of_each(fits))
     (chosen,) = (fit for fit in comparison.fits if fit.names == chosen.names)
     return _pruned(search, explanations_of(search, comparison, chosen, detected=True))
