@@ -41,7 +41,7 @@ class MotorInertiaError(AbstractRelativeError):
         """Return the motors whose inertia is not zero."""
         return tuple(name for name in robot.joint_names if robot.parameters[f"{name}.inertia"].value > 0)
 
-    def scaled(self, robot: Robot, location: str) -> tuple[str, ...]:
+    def numbers(self, robot: Robot, location: str) -> tuple[str, ...]:
         """Return the inertia of the motor."""
         del robot
         return (f"{location}.inertia",)

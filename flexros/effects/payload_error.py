@@ -47,7 +47,7 @@ class PayloadError(AbstractRelativeError):
         del robot
         return ("tool",)
 
-    def scaled(self, robot: Robot, location: str) -> tuple[str, ...]:
+    def numbers(self, robot: Robot, location: str) -> tuple[str, ...]:
         """Return mass and inertia of the last body."""
         del location
         last = f"body_{len(robot.spec.bodies)}"

@@ -52,10 +52,16 @@ class ViscousFriction(AbstractMotorTorque):
         """Whether the friction is nominal."""
         return self.coefficient == 0 and self.asymmetry == 0
 
+    def numbers(self, robot: Robot, location: str) -> tuple[str, ...]:
+        """Return the nominal friction of the motor."""
+        del robot
+        return (f"{location}.viscous_friction",)
+
     def reductions(self, robot: Robot, location: str, known: Sequence[AbstractEffect] = ()) -> Mapping[str, float]:
         """Return the nominal friction, which is all that can be missing."""
         del known
-        return {"coefficient": robot.parameters[f"{location}.viscous_friction"].value}
+        (nominal,) = self.numbers(robot, location)
+        return {"coefficient": robot.parameters[nominal].value}
 
     def check_on(self, robot: Robot, location: str) -> None:
         """Refuse a coefficient that makes the friction of a motor negative."""

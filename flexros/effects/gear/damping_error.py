@@ -25,7 +25,7 @@ class DampingError(AbstractRelativeError):
         """Return the springs, each of which has a damper."""
         return tuple(name for name in robot.arm_names if f"{name}.damping" in robot.parameters)
 
-    def scaled(self, robot: Robot, location: str) -> tuple[str, ...]:
+    def numbers(self, robot: Robot, location: str) -> tuple[str, ...]:
         """Return the damper parallel to the spring."""
         del robot
         return (f"{location}.damping",)

@@ -25,7 +25,7 @@ class StiffnessError(AbstractRelativeError):
         """Return the springs."""
         return tuple(name for name in robot.arm_names if f"{name}.stiffness" in robot.parameters)
 
-    def scaled(self, robot: Robot, location: str) -> tuple[str, ...]:
+    def numbers(self, robot: Robot, location: str) -> tuple[str, ...]:
         """Return the stiffness of the spring."""
         del robot
         return (f"{location}.stiffness",)

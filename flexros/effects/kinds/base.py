@@ -116,6 +116,14 @@ class AbstractEffect(Settings, ABC):
         del robot, location
         return self.ranges
 
+    def numbers(self, robot: Robot, location: str) -> tuple[str, ...]:
+        """Return the names of the parameters of the robot that it changes or adds to at one of its `locations`.
+
+        Default: none, as for a law that the model lacks.
+        """
+        del robot, location
+        return ()
+
     def reductions(self, robot: Robot, location: str, known: Sequence[AbstractEffect] = ()) -> Mapping[str, float]:
         """Return the largest sizes of negative values, by name of the parameter [its unit]; default: none.
 

@@ -46,6 +46,10 @@ class AbstractChangedValues(AbstractModelChange):
             location: One of its `locations`.
         """
 
+    def numbers(self, robot: Robot, location: str) -> tuple[str, ...]:
+        """Return the names of the parameters with new values."""
+        return tuple(self.values(robot, location))
+
     def changed(self, robot: Robot, location: str) -> Robot:
         """Return the robot with the new values."""
         return robot.with_values(self.values(robot, location), self.name)

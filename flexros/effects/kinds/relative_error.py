@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 class AbstractRelativeError(AbstractChangedValues):
     """Parameters of the model scaled by one factor: value = (1 + relative) times nominal.
 
-    A member provides `name`, `stage`, `locations` and `scaled`.
+    A member provides `name`, `stage`, `locations` and `numbers`.
     """
 
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
@@ -30,9 +30,9 @@ class AbstractRelativeError(AbstractChangedValues):
     relative: float = Field(0.0, gt=-1.0, lt=10.0, description="deviation, relative to the nominal value [1]")
 
     @abstractmethod
-    def scaled(self, robot: Robot, location: str) -> tuple[str, ...]:
+    def numbers(self, robot: Robot, location: str) -> tuple[str, ...]:
         """Return the names of the scaled parameters at one of its `locations`, as for `Robot.with_values`."""
 
     def values(self, robot: Robot, location: str) -> dict[str, float]:
         """Return the scaled values."""
-        return {name: (1 + self.relative) * robot.parameters[name].value for name in self.scaled(robot, location)}
+        return {name: (1 + self.relative) * robot.parameters[name].value for name in self.numbers(robot, location)}

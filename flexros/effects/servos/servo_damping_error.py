@@ -35,7 +35,7 @@ class ServoDampingError(AbstractRelativeError):
         """Return whether the robot is commanded by positions whose rate the servo follows."""
         return robot.commands == "position" and robot.parameters[f"{location}.{SERVO}feedforward"].value > 0
 
-    def scaled(self, robot: Robot, location: str) -> tuple[str, ...]:
+    def numbers(self, robot: Robot, location: str) -> tuple[str, ...]:
         """Return the damping of the servo."""
         del robot
         return (f"{location}.{SERVO}damping",)

@@ -38,7 +38,7 @@ class ServoStiffnessError(AbstractRelativeError):
         del location
         return robot.commands == "position"
 
-    def scaled(self, robot: Robot, location: str) -> tuple[str, ...]:
+    def numbers(self, robot: Robot, location: str) -> tuple[str, ...]:
         """Return the stiffness of the servo."""
         del robot
         return (f"{location}.{SERVO}stiffness",)

@@ -6,15 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.effects.friction.viscous_friction import ViscousFriction
-from flexros.effects.kinds.relative_error import AbstractRelativeError
 from flexros.gap.fit.estimates import inverse_of
 from flexros.gap.fit.least_squares import linearise
 
 if TYPE_CHECKING:
     from flexros.gap.answer.decision import Findings
-    from flexros.gap.candidates.candidate import Candidate
-    from flexros.robot import Robot
 
 ALIKE = 0.5
 """Squared correlation with a number of the model from which a size hangs on it [1] (chosen)."""
@@ -49,7 +45,7 @@ def hanging_sizes(findings: Findings) -> list[str]:
     for number, (name, deviation) in enumerate(zip(tolerance.names, tolerance.deviations, strict=True)):
         motor = name.partition(".")[0]
         own = [one for one in chosen.hypothesis if one.location == motor]
-        if motor not in robot.joint_names or not own or any(name in _changed(one, robot) for one in own):
+        if motor not in robot.joint_names or not own or any(name in one.effect().numbers(robot, motor) for one in own):
             continue
         place, free = n_effect + number, prior.copy()
         free[place] *= RELEASED
@@ -69,10 +65,3 @@ def hanging_sizes(findings: Findings) -> list[str]:
         for (name, told), sizes in found.items()
         if len(sizes) >= SEVERAL
     ]
-
-
-def _changed(candidate: Candidate, robot: Robot) -> tuple[str, ...]:
-    """Return the numbers of the model that an effect changes."""
-    if issubclass(candidate.effect, AbstractRelativeError):
-        return candidate.effect().scaled(robot, candidate.location)
-    return (f"{candidate.location}.viscous_friction",) if candidate.effect is ViscousFriction else ()

@@ -63,6 +63,10 @@ class Tolerance:
         """
         return free if self.directions is None else self.directions @ free
 
+    def largest(self, names: Sequence[str]) -> float:
+        """Return the largest standard deviation of the logarithms of some parameters [1]; 0 where none is tolerated."""
+        return max((d for name, d in zip(self.names, self.deviations, strict=True) if name in names), default=0.0)
+
     def along(self, deviations: FloatArray) -> FloatArray:
         """Return the deviations along the directions, nearest to some of the parameters, shape (n_free,).
 

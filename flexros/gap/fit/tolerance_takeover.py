@@ -49,7 +49,7 @@ def takeover(candidate: Candidate, fit: CandidateFit) -> Takeover | None:
         return None
     effect = candidate.typical().effect
     assert isinstance(effect, AbstractChangedValues)
-    changed = effect.values(predictor.robot, candidate.location).keys()
+    changed = effect.numbers(predictor.robot, candidate.location)
     replaced = np.array([name in changed for name in tolerance.names], dtype=bool)
     if not replaced.any():
         return None

@@ -231,10 +231,8 @@ def _tolerated(search: Search, candidate: Candidate) -> float:
     """
     if not issubclass(candidate.effect, AbstractRelativeError):
         return 0.0
-    tolerance, robot = search.null.fit.predictor.tolerance, search.null.model.robot
-    deviations = dict(zip(tolerance.names, tolerance.deviations, strict=True))
-    changed = candidate.effect().scaled(robot, candidate.location)
-    return max((deviations.get(name, 0.0) for name in changed), default=0.0)
+    changed = candidate.effect().numbers(search.null.model.robot, candidate.location)
+    return search.null.fit.predictor.tolerance.largest(changed)
 
 
 def _tolerated_torque(search: Search, candidate: Candidate) -> float:

@@ -102,12 +102,9 @@ def _farthest(search: Search, chosen: CandidateFit, refused: set[str]) -> Additi
 
 def _tolerances(search: Search, fit: CandidateFit, candidate: Candidate) -> float:
     """Return the size of a relative error of an explanation over the tolerance of the numbers that it changes [1]."""
-    assert issubclass(candidate.effect, AbstractRelativeError)
-    tolerance = search.null.fit.predictor.tolerance
-    deviations = dict(zip(tolerance.names, tolerance.deviations, strict=True))
-    changed = candidate.effect().scaled(search.null.model.robot, candidate.location)
+    changed = candidate.effect().numbers(search.null.model.robot, candidate.location)
     values = next(v for one, v in zip(fit.hypothesis, fit.predictor.values(fit.theta), strict=True) if one is candidate)
-    least = max((deviations.get(name, 0.0) for name in changed), default=0.0)
+    least = search.null.fit.predictor.tolerance.largest(changed)
     return abs(float(np.log1p(max(values["relative"], -0.99)))) / max(least, 1e-300)
 
 
