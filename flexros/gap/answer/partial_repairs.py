@@ -113,7 +113,7 @@ class PartialRepairs:
         """Prepare the given model with some of the numbers that it lacks."""
         chosen, given = self.findings.explanations.chosen, self.findings.as_given
         predictor = chosen.predictor if numbers == given.lacking else given.predictor(chosen.hypothesis, numbers)
-        return _Base(predictor, given.fitted(numbers).deviations)
+        return _Base(predictor, given.deviations(numbers))
 
     def _fitted(self, base: _Base, parts: Sequence[frozenset[str]]) -> FloatArray:
         """Return the parameters with some parts of the effects, tolerated deviations fitted, shape (n_fitted, sets).

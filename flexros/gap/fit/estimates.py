@@ -39,6 +39,9 @@ FARTHEST_SHIFT = 3**0.5
 ROUNDING = 1e-9
 """Standard deviation over its value below which a fit is no minimum but one that has diverged [1]: no sensor is that
 exact, and no derivative by differences."""
+MOST_VARYING = 0.9
+"""Largest deviation by variation between parts of a log, over the size [1] (chosen): one above it would say that the
+log does not tell whether the effect is there."""
 _UNIT = re.compile(r"\[([^\]]+)\]")
 
 
@@ -244,7 +247,8 @@ def _with_variation(
 
     Where a law is missing, others take up a part of it, of another size in every part of the log; their common mean is
     an accident of its motion. So a size is known no better than it varies, however long the log is. Chance is what the
-    covariance says of a part. Correlations of the parameters stay.
+    covariance says of a part. Correlations of the parameters stay. An effect that the whole log shows varies by no more
+    than its size: parts tell sizes with a common factor apart too badly to say that there is none.
 
     Args:
         covariance: Covariance in the units of the fit, shape (n_fitted, n_fitted).
@@ -262,8 +266,19 @@ def _with_variation(
     varying = variation_between_parts(estimates, deviations * np.sqrt(np.maximum(coloured_over_white, 1.0)))
     wider = np.ones(len(covariance))
     own = np.maximum(np.diag(covariance)[:n_effect], 1e-300)
-    wider[:n_effect] = np.sqrt(1.0 + varying[:n_effect] ** 2 / own)
+    most = np.maximum((MOST_VARYING * _sizes(fit)) ** 2 - own, 0.0)
+    wider[:n_effect] = np.sqrt(1.0 + np.minimum(varying[:n_effect] ** 2, most) / own)
     return np.asarray(covariance * np.outer(wider, wider))
+
+
+def _sizes(fit: CandidateFit) -> FloatArray:
+    """Return the parameters of the effects without sign, in the units of the fit; of an angle infinity."""
+    sizes = [
+        np.inf if free.signed and candidate.neutral(free) is None else abs(values[free.name])
+        for candidate, values in zip(fit.hypothesis, fit.predictor.values(fit.theta), strict=True)
+        for free in candidate.free
+    ]
+    return np.asarray(np.array(sizes) / np.maximum(np.abs(fit.predictor.slopes(fit.theta)), 1e-300))
 
 
 def inverse_of(information: FloatArray) -> FloatArray:

@@ -202,6 +202,18 @@ def test_friction_that_grows_is_known_no_better_on_a_measured_log_than_it_varies
     assert 0.04 < rising < 0.5
 
 
+def test_a_size_that_the_whole_log_shows_stays_determined(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Parts of a log may tell next to nothing where sizes have a common factor; the whole of it says that it is there."""
+    candidate = candidates_of(f"coulomb_friction@motor_1:level={LEVEL}")["coulomb_friction@motor_1"]
+    data = data_of(f"coulomb_friction@motor_1:level={LEVEL}")
+    found = fit(predictor_of(candidate), data, np.array(encoded(candidate, level=LEVEL)), 20)
+    monkeypatch.setattr(estimates, "variation_between_parts", lambda *_: np.array([np.inf]))
+    measured = replace(data, record=replace(data.record, imported=True))
+    size = parameters_of(found, measured, RankingSettings())[0]["level"]
+    assert size.determined
+    assert size.std == pytest.approx(0.9 * size.value)
+
+
 def test_a_number_that_a_log_says_nothing_of_keeps_its_tolerance_however_the_prior_weighs(
     fitted: CandidateFit, monkeypatch: pytest.MonkeyPatch
 ) -> None:
