@@ -203,7 +203,7 @@ def test_friction_that_grows_is_known_no_better_on_a_measured_log_than_it_varies
 
 
 def test_a_size_that_the_whole_log_shows_stays_determined(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Parts of a log may tell next to nothing where sizes have a common factor; the whole of it says that it is there."""
+    """Parts may tell next to nothing where sizes have a common factor; the whole log says that the effect is there."""
     candidate = candidates_of(f"coulomb_friction@motor_1:level={LEVEL}")["coulomb_friction@motor_1"]
     data = data_of(f"coulomb_friction@motor_1:level={LEVEL}")
     found = fit(predictor_of(candidate), data, np.array(encoded(candidate, level=LEVEL)), 20)
