@@ -162,7 +162,8 @@ def _held_out_errors(findings: Findings) -> HeldOutErrors:
         else ()
     )
     singles = {next(iter(fit.names)): fit for fit in reversed(explanations.rivals) if len(fit.hypothesis) == 1}
-    before = findings.as_given.before if explanations.detected else null
+    given = findings.as_given
+    before = given.fitted(given.kept) if explanations.detected else null
     alone = {name: singles[name] for fit in compared for name in fit.names if name in singles and before is null}
     fits = dict.fromkeys([null, before, findings.repaired, *([] if rival is None else [rival]), *alone.values()])
     errors = {fit: errors_ahead(fit, held) for fit in fits}

@@ -32,9 +32,6 @@ if TYPE_CHECKING:
 SKILL = 0.5
 """Errors of a motor 0.1 s ahead, over those of a prediction that it stays where it is, from which on a model predicts
 nothing there [1] (chosen): it leaves more than a quarter of the variance of the motion."""
-SHARE = 1e-2
-"""Fall of the sum of squares below which its fit ends, over what is left [1] (chosen): where rotors are missing, steps
-of a model that flies off lead to smaller falls without an end."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +46,7 @@ class GivenModel:
 
     findings: Findings
     _plants: dict[tuple[Hypothesis, bool], CompiledPlant] = field(default_factory=dict)
+    _fits: dict[frozenset[str], CandidateFit] = field(default_factory=dict)
 
     @cached_property
     def lacking(self) -> frozenset[str]:
@@ -100,50 +98,47 @@ class GivenModel:
         A joint that lacks its rotor may fly off within 0.1 s, and all else would be a negligible share of such a gap.
         The motor that is predicted worst is given its rotor first; if that is not what it lacks, all numbers are kept.
         """
-        return self._begun[0]
-
-    @property
-    def before(self) -> CandidateFit:
-        """The model with these numbers and without any effect, its tolerated deviations fitted to the log."""
-        return self._begun[1]
-
-    @cached_property
-    def _begun(self) -> tuple[frozenset[str], CandidateFit]:
-        """The numbers that are kept, and the model with them."""
         kept: frozenset[str] = frozenset()
-        fitted, held = self.nominal, self.findings.held
         while kept != self.lacking:
-            fitted = self._fitted(kept, fitted)
-            strays = errors_over_rest(errors_ahead(fitted, held), held)
+            strays = errors_over_rest(errors_ahead(self.fitted(kept), self.findings.held), self.findings.held)
             worst = int(np.argmax(strays))
             if strays[worst] <= SKILL:
-                return kept, fitted
+                break
             rotor = f"{RotorInertia.name}@{self.findings.model.robot.joint_names[worst]}"
             kept = kept | {rotor} if rotor in self.lacking - kept else self.lacking
-        return self.lacking, self.nominal
+        return kept
 
-    def _fitted(self, numbers: Collection[str], near: CandidateFit) -> CandidateFit:
-        """Fit the tolerated deviations of it with some of these numbers, from those of another model."""
-        data = replace(self.findings.data, torques=None)
-        settings = data.settings.fit
-        return fit(
-            self.predictor((), numbers),
-            data,
-            near.theta,
-            settings.final_iterations,
-            enough=max(settings.enough, data.negligible),
-            share=SHARE,
-            settings=settings,
-        )
+    def fitted(self, numbers: Collection[str]) -> CandidateFit:
+        """Return it with some of these numbers and without any effect, its tolerated deviations fitted to the log."""
+        key, data = frozenset(numbers), replace(self.findings.data, torques=None)
+        if key == self.lacking:
+            return self.nominal
+        if key not in self._fits:
+            settings = data.settings.fit
+            self._fits[key] = fit(
+                self.predictor((), key),
+                data,
+                self.nominal.theta,
+                settings.final_iterations,
+                enough=max(settings.enough, data.negligible),
+                share=settings.enough_of_rest,
+                settings=settings,
+            )
+        return self._fits[key]
 
     def deviations(self, numbers: Collection[str]) -> FloatArray:
-        """Return the tolerated deviations of it with some of these numbers: of the nearer one of those two models.
+        """Return the tolerated deviations of it with some of these numbers.
 
-        One with most rotors is near to the nominal one, as with all of them; a fit to each would take longer than all
-        else, as what lacks rotors is stiff to simulate.
+        Where it has those without which it predicts nothing, they are those of the nearer one of the model that the gap
+        begins with and the nominal one: what lacks rotors is stiff to simulate, and a fit to each takes long.
+
+        Args:
+            numbers: The numbers.
         """
-        nearer = self.before if len(self.lacking - set(numbers)) > len(set(numbers) - self.kept) else self.nominal
-        return nearer.deviations
+        some = frozenset(numbers)
+        if not self.kept <= some:
+            return self.fitted(some).deviations
+        return self.fitted(self.kept if len(self.lacking - some) > len(some - self.kept) else self.lacking).deviations
 
 
 def errors_over_rest(errors: AheadErrors, held: FitData) -> FloatArray:
