@@ -54,6 +54,7 @@ def record_of_arm(
     asymmetry: float = 0.0,
     load: float = 0.0,
     balance: tuple[float, float] = (0.0, 0.0),
+    cable: tuple[float, float] = (0.0, 0.0),
     share: float = 0.0,
     offset: float = 0.0,
     rotors: tuple[float, float] | None = None,
@@ -68,6 +69,7 @@ def record_of_arm(
         asymmetry: Of the viscous friction of motor_1, (forward - backward) / mean.
         load: Mass and inertia of the last body beyond those of the model, relative to them.
         balance: Torques of a counterbalance at motor_1 at its positions 0 and 90 degrees [Nm].
+        cable: Stiffness of a cable at motor_2 about its middle position [Nm/rad], and its cubic part [Nm/rad3].
         share: Friction of motor_1 per torque that its gear transmits [1].
         offset: Of the torque of motor_1 [Nm].
         rotors: Inertias of the rotors [kg m2]; None for `INERTIA`.
@@ -82,6 +84,8 @@ def record_of_arm(
     torque[:, 0] += share * np.abs(rigid[:, 0]) * np.sign(v[:, 0])
     torque[:, 0] += offset
     torque[:, 0] -= balance[0] * np.cos(q[:, 0]) + balance[1] * np.sin(q[:, 0])
+    pulled = q[:, 1] - q[:, 1].mean()
+    torque[:, 1] += cable[0] * pulled + cable[1] * pulled**3
     noise = 1e-6 * np.random.default_rng(seed).standard_normal(q.shape)
     held = 0.5 * (torque + np.vstack([torque[1:], torque[-1:]]))
     valid = np.ones(len(q), dtype=bool)

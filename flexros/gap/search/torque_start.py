@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.effects.counterbalance import Counterbalance
 from flexros.effects.encoders.encoder_offset import EncoderOffset
+from flexros.effects.torque_curve import TorqueCurve
 from flexros.gap.candidates.candidate import Candidate, free_parameter, list_candidates
 from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.scales import scales_of_motors
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from flexros.gap.candidates.tolerance import Tolerance
     from flexros.gap.fit.null_fit import NullFit
     from flexros.gap.fit.torques.arm_torque import ArmTorque
+    from flexros.gap.fit.torques.position_torque import PositionTorque
     from flexros.gap.fit.torques.solution import TorqueRegression
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.settings import DiagnosisSettings, TorqueStartSettings
@@ -82,16 +83,16 @@ class TorqueStart:
             for candidate in list_candidates(self.robot, scales, measured=True, known=self.model.laws)
             if (value := values.get((candidate.effect.name, candidate.location), 0.0)) != 0
         ]
-        return [*single, *(self._counterbalance(motor, scales) for motor in found.balance)]
+        return [*single, *(self._over_position(one, scales) for one in found.position_torques)]
 
-    def _counterbalance(self, motor: int, scales: Scales) -> tuple[Candidate, tuple[float, ...]]:
-        """Return the counterbalance of a motor with the initial values of its parameters."""
-        location = self.robot.joint_names[motor]
+    def _over_position(self, torque: PositionTorque, scales: Scales) -> tuple[Candidate, tuple[float, ...]]:
+        """Return a counterbalance or a curve of a motor with the initial values of its sizes."""
+        location, effect = self.robot.joint_names[torque.motor], torque.effect
         free = tuple(
-            free_parameter(name, allowed, scales.of(allowed.scale, location))
-            for name, allowed in Counterbalance.ranges.items()
+            free_parameter(name, allowed, scales.of(allowed.scale, location)) for name, allowed in effect.ranges.items()
         )
-        return Candidate(Counterbalance, location, free), tuple(self.regression.balance[motor].tolist())
+        fixed = () if torque.span is None else tuple(zip(TorqueCurve.extent, torque.span, strict=True))
+        return Candidate(effect, location, free, fixed, together=torque.span is not None), torque.sizes
 
 
 def torque_start(
@@ -149,7 +150,7 @@ def _balanced(
         tolerance,
         arm,
         delay=delay,
-        balanced=next(iter(best.balance), None),
+        position_torques=best.position_torques,
         settings=settings,
     )
     rough = with_rough_bodies(tolerance, settings.rough_bodies) == tolerance and any(map(is_inertial, tolerance.names))

@@ -1,4 +1,4 @@
-"""Regression of torques beside a counterbalance, where one motor shows that it has one."""
+"""Regression of torques beside those over the position of a motor: of a counterbalance, a cable or a hose."""
 
 from __future__ import annotations
 
@@ -8,9 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects.counterbalance import Counterbalance
+from flexros.gap.fit.torques.position_torque import PositionTorque, curve_of
 from flexros.gap.fit.torques.regression import regress_torque
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from flexros.effects import RobotWithEffects
     from flexros.gap.candidates.tolerance import Tolerance
     from flexros.gap.fit.torques.arm_torque import ArmTorque
@@ -28,9 +31,10 @@ def regress_balanced(
     delay: float = 0.0,
     settings: TorqueStartSettings,
 ) -> TorqueRegression | None:
-    """Regress the torques, with a counterbalance at the motor at which it explains most, if that is much.
+    """Regress the torques, with torques over the position of every motor at which one explains much.
 
-    Without it, friction, rotor and bodies stand for it.
+    Without it, friction, rotor and bodies stand for it. A spring or a gas cylinder carries the weight of many heavy
+    arms, and cables and hoses pull at wrists.
 
     Args:
         record: The log.
@@ -41,20 +45,41 @@ def regress_balanced(
         settings: Settings of the regression.
 
     Returns:
-        The regression; None where there is none without a counterbalance.
+        The regression; None where there is none without these.
     """
     regress = partial(regress_torque, record, model, tolerance, arm, delay=delay, settings=settings)
-    plain = regress()
-    if plain is None:
-        return None
-    best = plain
-    factor = settings.balanced
-    for location in Counterbalance().locations(model.robot):
-        motor = model.robot.joint_names.index(location)
-        found = regress(balanced=motor)
-        least = settings.carried * np.nanmax(np.abs(record.torque[:, motor]))
-        if found is None or np.linalg.norm(found.balance[motor]) < least:
+    found = regress()
+    while found is not None:
+        better = _with_another(found, regress, record, model, settings)
+        if better is None:
+            break
+        found = better
+    return found
+
+
+def _with_another(
+    before: TorqueRegression,
+    regress: Callable[..., TorqueRegression | None],
+    record: Record,
+    model: RobotWithEffects,
+    settings: TorqueStartSettings,
+) -> TorqueRegression | None:
+    """Return a regression with a torque over position at the motor at which it explains most; None where none does.
+
+    A curve must explain as much more than a counterbalance as that explains itself.
+    """
+    known, turning = before.position_torques, Counterbalance().locations(model.robot)
+    best, most = None, settings.balanced
+    for motor, name in enumerate(model.robot.joint_names):
+        if not record.predicted[motor] or any(one.motor == motor for one in known):
             continue
-        if plain.rest[motor] > factor * found.rest[motor]:
-            best, factor = found, plain.rest[motor] / found.rest[motor]
+        left, carried = before.rest[motor], settings.carried * np.nanmax(np.abs(record.torque[:, motor]))
+        for torque in (*([PositionTorque(motor)] if name in turning else []), curve_of(record, motor)):
+            found = regress(position_torques=(*known, torque))
+            if found is None:
+                continue
+            lowered, left = left > settings.balanced * found.rest[motor], min(left, found.rest[motor])
+            factor = before.rest[motor] / found.rest[motor]
+            if lowered and factor > most and found.position_torques[-1].amplitude >= carried:
+                best, most = found, factor
     return best

@@ -9,6 +9,7 @@ import numpy as np
 
 from flexros.effects.left_out.tool_load import ToolLoad, last_moved
 from flexros.gap.candidates.tolerance import Tolerance
+from flexros.gap.fit.torques.position_torque import PositionTorque
 from flexros.gap.fit.torques.rough_bodies import with_rough_bodies
 
 if TYPE_CHECKING:
@@ -42,13 +43,13 @@ def clear_load(
     without = regress(Tolerance(), load=kind)
     if without is None:
         return None, None
-    found = [load_beside(regress, robot, tolerance, without, None, settings)]
+    found = [load_beside(regress, robot, tolerance, without, (), settings)]
     for motor, one in enumerate(robot.motors):
         if found[0] is not None or not one.rotary:
             continue
-        relieved = regress(Tolerance(), load=kind, balanced=motor)
+        relieved = regress(Tolerance(), load=kind, position_torques=(PositionTorque(motor),))
         if relieved is not None and without.rest[motor] > settings.relieved * relieved.rest[motor]:
-            found.append(load_beside(regress, robot, tolerance, relieved, motor, settings))
+            found.append(load_beside(regress, robot, tolerance, relieved, (PositionTorque(motor),), settings))
     best = min((one for one in found if one is not None), key=lambda one: rest_of(one[0]), default=None)
     return (None, None) if best is None else best
 
@@ -127,7 +128,7 @@ def load_beside(
     robot: Robot,
     tolerance: Tolerance,
     without: TorqueRegression,
-    balanced: int | None,
+    position_torques: tuple[PositionTorque, ...],
     settings: TorqueStartSettings,
 ) -> tuple[TorqueRegression, ToolLoad] | None:
     """Estimate the load beside a counterbalance of one motor; None for no load.
@@ -140,17 +141,17 @@ def load_beside(
         robot: The nominal robot.
         tolerance: Parameters of the robot that may deviate.
         without: The regression without a load.
-        balanced: Index of the motor with the counterbalance; None for none.
+        position_torques: The counterbalance; empty for none.
         settings: Settings of the regressions.
     """
-    loaded = regress(tolerance, load="point", balanced=balanced)
+    loaded = regress(tolerance, load="point", position_torques=position_torques)
     if loaded is None:
         return None
     load, moved = _at_a_point(loaded, settings), _moved(robot)
     if load is None or load.mass < settings.lightest_load * moved or not _explains(loaded, without, settings):
         return None
     if load.mass < settings.light_load * moved:
-        tolerated = regress(tolerance, balanced=balanced)
+        tolerated = regress(tolerance, position_torques=position_torques)
         if tolerated is None or not _explains(loaded, tolerated, settings):
             return None
     return loaded, load

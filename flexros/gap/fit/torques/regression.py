@@ -18,7 +18,7 @@ import numpy as np
 from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.effects.left_out.tool_load import ENTRIES, last_moved
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.fit.torques.solution import BALANCE, KINDS, LOAD, ROUNDS, Sought, solve
+from flexros.gap.fit.torques.solution import KINDS, LOAD, ROUNDS, Sought, solve
 from flexros.gap.residuals.torque_rows import acting_torque, torque_rows
 from flexros.gap.settings import TorqueStartSettings
 from flexros.identify.rigid.standard_parameters import standard_parameters
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.effects import RobotWithEffects
     from flexros.gap.fit.torques.arm_torque import ArmTorque
+    from flexros.gap.fit.torques.position_torque import PositionTorque
     from flexros.gap.fit.torques.solution import Load, TorqueRegression
     from flexros.gap.residuals.torque_rows import ActingTorque
     from flexros.identify.rigid.regression_rows import RegressionRows
@@ -53,7 +54,7 @@ def regress_torque(
     *,
     load: Load = "none",
     delay: float = 0.0,
-    balanced: int | None = None,
+    position_torques: tuple[PositionTorque, ...] = (),
     uneven: bool = False,
     zeros: Mapping[int, float] = MappingProxyType({}),
     settings: TorqueStartSettings | None = None,
@@ -69,8 +70,8 @@ def regress_torque(
             then: all bodies a little heavier look much like it.
         delay: Delay of the commands beyond that of the model [s]. Where positions are commanded, the torques are those
             of the servos, whose stiffness may be wrong too.
-        balanced: Index of a motor with a further torque over its own position, such as that of a spring or a gas
-            cylinder that carries the weight of the arm; its first harmonic is free. None for none.
+        position_torques: Further torques of motors over their own positions, such as those of a spring or a gas
+            cylinder that carries the weight of the arm, or of a cable; their sizes are free.
         uneven: Whether viscous friction that differs by direction stands for the offset of every motor.
         zeros: Motors whose encoders may have another zero, with the offsets around which the torques are linear
             [rad or m]; behind springs around none.
@@ -91,7 +92,7 @@ def regress_torque(
         robot=robot,
         known=_known_friction(model),
         moving=rows.motion.moving,
-        balanced=balanced,
+        position_torques=position_torques,
         load=load,
         servos=record.command is not None,
         tolerated=len(tolerance.names),
@@ -103,7 +104,7 @@ def regress_torque(
     own, others = np.split(A, [sought.of_motors.stop], axis=-1)
     own = _identifiable(own, rows, sought, uneven=uneven)
     b = b - own[..., sought.of_kind("coulomb_friction")] @ sought.known
-    further = (_of_balance(rows, balanced), _of_zeros(rows, sought), _of_servos(rows, acting, sought))
+    further = (_of_position(rows, position_torques), _of_zeros(rows, sought), _of_servos(rows, acting, sought))
     A = np.concatenate([own, *further, others], axis=-1)
     A[:, ~record.predicted], b[:, ~record.predicted] = 0.0, 0.0  # a prescribed motion says nothing of its torque
     if not (np.isfinite(A).all() and np.isfinite(b).all()):  # the arm behind its springs ran away from the log
@@ -187,16 +188,21 @@ def _identifiable(own: FloatArray, rows: RegressionRows, sought: Sought, *, unev
     friction = np.einsum("nmm->nm", own[..., sought.of_kind("coulomb_friction")])
     for motor in np.flatnonzero(np.abs(friction.sum(axis=0)) > ONE_WAY * np.abs(friction).sum(axis=0)):
         own[:, motor, offset.start + motor] = 0.0
+    for torque in sought.position_torques:
+        if torque.span is not None:  # a curve has a constant part
+            own[..., offset.start + torque.motor] = 0.0
     return own
 
 
-def _of_balance(rows: RegressionRows, motor: int | None) -> FloatArray:
-    """Return the torques that both numbers of a counterbalance take from its motor, shape (n, M, 2); none without."""
-    if motor is None:
-        return np.zeros((*rows.torque.shape, 0))
-    position = rows.decimated(bridged_motion(rows.record.position, rows.record.valid))
-    columns: FloatArray = np.zeros((*position.shape, len(BALANCE)))
-    columns[:, motor] = -np.stack([np.cos(position[:, motor]), np.sin(position[:, motor])], axis=-1)
+def _of_position(rows: RegressionRows, torques: tuple[PositionTorque, ...]) -> FloatArray:
+    """Return what the sizes of torques over position take from the motors, shape (n, M, sizes)."""
+    columns: FloatArray = np.zeros((*rows.torque.shape, sum(one.n_sizes for one in torques)))
+    if not torques:
+        return columns
+    position, begin = rows.decimated(bridged_motion(rows.record.position, rows.record.valid)), 0
+    for one in torques:
+        columns[:, one.motor, begin : begin + one.n_sizes] = -one.columns(position[:, one.motor])
+        begin += one.n_sizes
     return columns
 
 

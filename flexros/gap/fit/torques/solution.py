@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING, Literal
 
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flexros.arrays import BoolArray, FloatArray
+    from flexros.gap.fit.torques.position_torque import PositionTorque
     from flexros.gap.settings import TorqueStartSettings
     from flexros.robot import Robot
 
@@ -31,8 +32,6 @@ Load = Literal["none", "body", "point"]
 """Load that the last body that moves may carry: none, a share of itself, or a mass at a point."""
 LOAD = ("mass", "first_moment.x", "first_moment.y", "first_moment.z")
 """Columns of a load."""
-BALANCE = ("cosine", "sine")
-"""Columns of a counterbalance: its torques at positions 0 and 90 degrees."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +48,7 @@ class TorqueRegression:
         rest: Rest of the torque of every motor, rms [Nm or N], shape (M,).
         load: Mass [kg] and first moment [kg m] of a load on the last body that moves, shape (4,); zeros without one.
         servo_stiffness: Relative error of the stiffness of every servo [1], shape (M,); zeros where torques are known.
-        balance: Numbers of a counterbalance [Nm], shape (2,), by the index of its motor; empty without one.
+        position_torques: Torques of motors over their own positions, with their sizes.
         zeros: Offsets of encoders by the index of their motor [rad or m]; empty without one.
         inertia_deviation: Standard deviation of the added inertias [kg m2 or kg], shape (M,): of coloured errors, and
             of what bodies within their tolerance have in common with rotors; infinite where it is none.
@@ -64,7 +63,7 @@ class TorqueRegression:
     rest: FloatArray
     load: FloatArray
     servo_stiffness: FloatArray
-    balance: Mapping[int, FloatArray] = field(default_factory=dict)
+    position_torques: tuple[PositionTorque, ...] = ()
     zeros: Mapping[int, float] = field(default_factory=dict)
     inertia_deviation: FloatArray = field(default_factory=partial(np.zeros, 0))
 
@@ -73,14 +72,14 @@ class TorqueRegression:
 class Sought:
     """What a regression looks for, in the order of its columns.
 
-    These are the kinds of every motor, both numbers of a counterbalance, offsets of encoders, a load or the stiffness
+    These are the kinds of every motor, sizes of torques over position, offsets of encoders, a load or the stiffness
     of every servo, and tolerated parameters.
 
     Attributes:
         robot: The nominal robot.
         known: Coulomb friction that its model has [Nm or N], shape (M,).
         moving: Motors that move, shape (M,).
-        balanced: Index of a motor with a counterbalance; None for none.
+        position_torques: Torques of motors over their own positions.
         load: Load that the last body that moves may carry.
         servos: Whether the torques are those of servos.
         tolerated: Number of tolerated parameters.
@@ -90,7 +89,7 @@ class Sought:
     robot: Robot
     known: FloatArray
     moving: BoolArray
-    balanced: int | None
+    position_torques: tuple[PositionTorque, ...]
     load: Load
     servos: bool
     tolerated: int
@@ -107,15 +106,15 @@ class Sought:
         return slice(0, len(KINDS) * self.robot.n_motors)
 
     @property
-    def of_balance(self) -> slice:
-        """Columns of a counterbalance."""
+    def of_position(self) -> slice:
+        """Columns of the torques over position."""
         begin = self.of_motors.stop
-        return slice(begin, begin + (0 if self.balanced is None else len(BALANCE)))
+        return slice(begin, begin + sum(one.n_sizes for one in self.position_torques))
 
     @property
     def of_zeros(self) -> slice:
         """Columns of the offsets of encoders."""
-        return slice(self.of_balance.stop, self.of_balance.stop + len(self.zeros))
+        return slice(self.of_position.stop, self.of_position.stop + len(self.zeros))
 
     @property
     def of_load(self) -> slice:
@@ -204,13 +203,19 @@ def solve(A: FloatArray, b: FloatArray, sought: Sought, settings: TorqueStartSet
         rest=found.left,
         load=load,
         servo_stiffness=stiffness,
-        balance={} if sought.balanced is None else {sought.balanced: found.values[sought.of_balance]},
+        position_torques=_with_sizes(sought.position_torques, found.values[sought.of_position]),
         zeros={
             motor: before + float(change)
             for (motor, before), change in zip(sought.zeros.items(), found.values[sought.of_zeros], strict=True)
         },
         inertia_deviation=_deviation(A, b, sought, found)[sought.of_kind("inertia")],
     )
+
+
+def _with_sizes(torques: tuple[PositionTorque, ...], sizes: FloatArray) -> tuple[PositionTorque, ...]:
+    """Return torques over position with their sizes, which follow one another."""
+    own = np.split(sizes, np.cumsum([one.n_sizes for one in torques])[:-1]) if torques else []
+    return tuple(replace(one, sizes=tuple(found.tolist())) for one, found in zip(torques, own, strict=True))
 
 
 def _stands_out(size: FloatArray, least: FloatArray) -> BoolArray:

@@ -281,7 +281,7 @@ def _with_load_or_bodies(
         of_rough = None
     loaded, load = clear_load(regress, robot, tolerance, n_lacking, settings)
     if loaded is None and of_rough is None and may_be_rough and may_carry(robot):
-        beside = partial(regress, balanced=next(iter(regression.balance), None))
+        beside = partial(regress, position_torques=regression.position_torques)
         loaded, load = load_before_bodies(beside, robot, tolerance, n_lacking, settings) or (None, None)
     if loaded is not None and (of_rough is None or rest_of(loaded) < rest_of(of_rough)):
         return _Shown(loaded, load)  # what explains more stands for both
@@ -309,13 +309,13 @@ def _clear_zeros(
         settings: Settings of the regressions.
     """
     regress = partial(regress_torque, record, model, delay=delay, settings=settings)
-    alone = partial(regress, tolerance, balanced=next(iter(regression.balance), None))
+    alone = partial(regress, tolerance, position_torques=regression.position_torques)
     turned = with_zeros(alone, regression, model.robot, record, settings)
     if turned is not None and rest_of(turned) < rest_of(shown.regression):
         return turned.zeros
     if shown.load is None:
         return {}
-    loaded = partial(regress, Tolerance(), load="point", balanced=next(iter(shown.regression.balance), None))
+    loaded = partial(regress, Tolerance(), load="point", position_torques=shown.regression.position_torques)
     beside = loaded()
     both = None if beside is None else with_zeros(loaded, beside, model.robot, record, settings)
     return {} if both is None else both.zeros

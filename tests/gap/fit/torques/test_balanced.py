@@ -1,4 +1,4 @@
-"""A counterbalance beside friction and rotors, where one motor shows that it has one."""
+"""Torques over the position of motors beside friction and rotors, where they show."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import pytest
 from flexros.effects import RobotWithEffects
 from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.fit.torques.balanced import regress_balanced
+from flexros.gap.fit.torques.regression import regress_torque
 from flexros.gap.settings import TorqueStartSettings
 from tests.gap.rigid_arm import COULOMB, VISCOUS, arm, record_of_arm
 
@@ -17,9 +18,29 @@ def test_a_counterbalance_is_fitted_where_there_is_one(balance: tuple[float, flo
     record, tolerance = record_of_arm(rotors=(0.12, 0.0), balance=balance), tolerance_of(arm(), {})
     found = regress_balanced(record, RobotWithEffects(arm(), ()), tolerance, settings=TorqueStartSettings())
     assert found is not None
-    assert set(found.balance) == ({0} if any(balance) else set())
-    for numbers in found.balance.values():
-        np.testing.assert_allclose(numbers, balance, rtol=0.05)
+    assert [one.motor for one in found.position_torques] == ([0] if any(balance) else [])
+    for torque in found.position_torques:
+        np.testing.assert_allclose(torque.sizes, balance, rtol=0.05)
     assert abs(found.inertia[0] - 0.12) < 3 * found.inertia_deviation[0] < 0.1
     np.testing.assert_allclose(found.viscous_friction, VISCOUS, rtol=0.03)
     np.testing.assert_allclose(found.coulomb_friction, COULOMB, rtol=0.03)
+
+
+def test_a_cable_whose_torque_has_no_law_is_a_curve_that_hides_no_rotor() -> None:
+    """Of a joint that goes to and fro the torque of a stiff cable looks like an inertia less than none.
+
+    The counterbalance of the other motor is found beside it.
+    """
+    cable, balance = (30.0, 30.0), (60.0, 10.0)
+    record, model = record_of_arm(rotors=(0.12, 0.4), balance=balance, cable=cable), RobotWithEffects(arm(), ())
+    plain = regress_torque(record, model, tolerance_of(arm(), {}))
+    found = regress_balanced(record, model, tolerance_of(arm(), {}), settings=TorqueStartSettings())
+    assert plain is not None
+    assert found is not None
+    assert plain.inertia[1] == 0
+    assert abs(found.inertia[1] - 0.4) < 3 * found.inertia_deviation[1] < 0.4
+    assert {one.motor: one.effect.name for one in found.position_torques} == {0: "counterbalance", 1: "torque_curve"}
+    (curve,) = (one for one in found.position_torques if one.span is not None)
+    low, high = curve.span
+    pulled = np.linspace(low, high, len(curve.sizes)) - record.position[:, 1].mean()
+    np.testing.assert_allclose(curve.sizes, -cable[0] * pulled - cable[1] * pulled**3, atol=0.05 * curve.amplitude)

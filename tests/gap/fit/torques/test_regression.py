@@ -12,6 +12,7 @@ import pytest
 from flexros.effects import RobotWithEffects
 from flexros.gap.candidates.tolerance import Tolerance, tolerance_of
 from flexros.gap.fit.torques.missing_load import load_beside
+from flexros.gap.fit.torques.position_torque import PositionTorque
 from flexros.gap.fit.torques.regression import regress_torque
 from flexros.gap.fit.torques.unknown_numbers import UNCERTAIN, UNCERTAIN_LOAD, unknown_numbers
 from flexros.gap.settings import TorqueStartSettings
@@ -174,15 +175,15 @@ def test_a_light_load_counts_where_errors_of_the_bodies_do_not_explain_it(
         return SimpleNamespace(load=np.array([mass, 0.1 * mass, 0.0, 0.0]), left=np.array([left, 1.0]))
 
     tolerance = tolerance_of(arm(), {})
-    load = load_beside(regress, arm(), tolerance, regress(Tolerance()), None, TorqueStartSettings())
+    load = load_beside(regress, arm(), tolerance, regress(Tolerance()), (), TorqueStartSettings())
     assert (load is not None) is found
 
 
 def test_numbers_of_a_counterbalance_are_found_beside_friction_and_rotors() -> None:
     record = record_of_arm(balance=(-90.0, 15.0))
-    found = regress_torque(record, RobotWithEffects(arm(), ()), Tolerance(), balanced=0)
+    found = regress_torque(record, RobotWithEffects(arm(), ()), Tolerance(), position_torques=(PositionTorque(0),))
     assert found is not None
-    np.testing.assert_allclose(found.balance[0], (-90.0, 15.0), rtol=0.01)
+    np.testing.assert_allclose(found.position_torques[0].sizes, (-90.0, 15.0), rtol=0.01)
     np.testing.assert_allclose(found.inertia, INERTIA, rtol=0.03)
     np.testing.assert_allclose(found.coulomb_friction, COULOMB, rtol=0.03)
     plain = regress_torque(record, RobotWithEffects(arm(), ()), Tolerance())
@@ -208,7 +209,9 @@ def test_load_behind_a_counterbalance_is_estimated() -> None:
 def test_load_is_sought_beside_a_counterbalance_that_relieves_its_motor_by_itself() -> None:
     """Else a motor that is not driven is explained by a load, and by a counterbalance of what that load weighs."""
     model, record = RobotWithEffects(arm(), ()), record_of_arm(load=1.0, balance=(-90.0, 15.0))
-    plain, relieved = (regress_torque(record, model, Tolerance(), balanced=motor) for motor in (None, 0))
+    plain, relieved = (
+        regress_torque(record, model, Tolerance(), position_torques=one) for one in ((), (PositionTorque(0),))
+    )
     assert plain is not None
     assert relieved is not None
     factor = plain.rest[0] / relieved.rest[0]
