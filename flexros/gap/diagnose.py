@@ -250,6 +250,7 @@ class _Task:
             settings=settings.ranking,
             complete=deadline.partial is None,
             withdrawn=withdrawn,
+            stop=deadline.of_fit(finishing=True),
         )
         return result_of(findings, found.prediction, found.excess, settings, stages, deadline)
 

@@ -21,7 +21,7 @@ from flexros.gap.search.curves import curves_of
 from flexros.gap.search.model_probability import RANKING, ModelComparison, allowing_for_doubt, compare
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping
+    from collections.abc import Callable, Collection, Mapping
 
     from flexros.effects import RobotWithEffects
     from flexros.gap.fit.candidate_fit import CandidateFit
@@ -52,6 +52,7 @@ class Findings:
         names_by_tolerance: Effects that are named with the stated, halved or doubled tolerances.
         elsewhere: Explanations that are the most probable ones with other tolerances.
         withdrawn: Effects, effect@location, without which the held-out log is predicted better.
+        stop: Asked by the fits of the answer after each iteration; True ends them where they are.
     """
 
     model: RobotWithEffects
@@ -69,6 +70,7 @@ class Findings:
     names_by_tolerance: tuple[ToleranceSensitivity, ...] = ()
     elsewhere: tuple[CandidateFit, ...] = ()
     withdrawn: tuple[str, ...] = ()
+    stop: Callable[[], bool] = lambda: False
 
     @cached_property
     def as_given(self) -> GivenModel:
@@ -109,6 +111,7 @@ def findings_of(
     names_by_tolerance: tuple[ToleranceSensitivity, ...] = (),
     elsewhere: tuple[CandidateFit, ...] = (),
     withdrawn: tuple[str, ...] = (),
+    stop: Callable[[], bool] = lambda: False,
 ) -> Findings:
     """Evaluate the nominal model and the chosen explanation on the held-out log; arguments as in `Findings`."""
     return Findings(
@@ -127,6 +130,7 @@ def findings_of(
         names_by_tolerance=names_by_tolerance,
         elsewhere=elsewhere,
         withdrawn=withdrawn,
+        stop=stop,
     )
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from flexros.effects.left_out.rotor_inertia import RotorInertia
 from flexros.effects.left_out.tool_load import ToolLoad
-from flexros.gap.fit.least_squares import fit
+from flexros.gap.fit.least_squares import chi2_of, fit
 from flexros.gap.fit.null_fit import predicting_best
 from flexros.gap.held_out.errors_ahead import HORIZON, errors_ahead
 from flexros.gap.prediction.driven_model import driven_model
@@ -114,15 +114,17 @@ class GivenModel:
         if key == self.lacking:
             return self.nominal
         if key not in self._fits:
-            settings = data.settings.fit
+            settings, predictor = data.settings.fit, self.predictor((), key)
+            starts = np.stack([one.theta for one in (self.nominal, *self._fits.values())], axis=-1)
             self._fits[key] = fit(
-                self.predictor((), key),
+                predictor,
                 data,
-                self.nominal.theta,
+                starts[:, int(np.argmin(chi2_of(predictor, data, starts)))],
                 settings.final_iterations,
                 enough=max(settings.enough, data.negligible),
                 share=settings.enough_of_rest,
                 settings=settings,
+                stop=self.findings.stop,
             )
         return self._fits[key]
 
