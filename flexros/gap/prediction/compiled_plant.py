@@ -17,6 +17,7 @@ from flexros.effects.kinds.dry_friction import AbstractDryFriction
 from flexros.effects.kinds.law import AbstractLaw
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.effects.kinds.motor_law import AbstractMotorTorque
+from flexros.gap.prediction.braking import braked_robot
 from flexros.gap.prediction.fractional_delay import HALVES
 from flexros.prediction.integration_step import substeps
 from flexros.simulate.open_loop import feed_through
@@ -89,7 +90,7 @@ class CompiledPlant:
         self.parts = parts_of(self.robot, candidates)
         if steps is None:
             least = 1 if rough or not any(map(_bends, self.laws)) else STEPS_OF_BRISTLES
-            steps = max(least, substeps(self.robot, sample_time, fast=fast, rough=rough))
+            steps = max(least, substeps(braked_robot(model), sample_time, fast=fast, rough=rough))
         of_part = -(-steps // self.parts)
         self.steps = of_part * self.parts
         self.loop = PredictionLoop(
