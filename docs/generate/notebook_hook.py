@@ -8,24 +8,19 @@ from __future__ import annotations
 
 import hashlib
 import json
-import tempfile
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import nbformat
 from mkdocs.structure.files import File
-from nbclient import NotebookClient
 from plotly.offline import get_plotlyjs
+from run_notebook import PICTURE, TABLE, executed
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
 FOLDER = "notebooks"
 LIBRARY = "plotly.min.js"
-LONGEST = 300
-"""Time after which a cell counts as hung [s] (chosen)."""
-_PICTURE, _TABLE, _TEXT = "application/vnd.plotly.v1+json", "text/html", "text/plain"
 _LONG = 30
 """Lines of a text output that are shown (chosen)."""
 _pages: dict[str, str] = {}
@@ -53,31 +48,11 @@ def page_of(path: Path) -> str:
     Args:
         path: The notebook.
     """
-    content = path.read_bytes()
-    name = hashlib.sha256(content).hexdigest()
+    name = hashlib.sha256(path.read_bytes()).hexdigest()
     if name not in _pages:
-        notebook = nbformat.reads(content.decode(), 4)
-        with tempfile.TemporaryDirectory(prefix="flexros_") as folder:
-            where = {"metadata": {"path": folder}}
-            client = NotebookClient(notebook, timeout=LONGEST, resources=where, extra_arguments=["--log-level=ERROR"])
-            client.execute()
-        _check_shown(notebook, path.name)
+        notebook = executed(path)
         _pages[name] = "\n\n".join(_blocks(notebook, path.name))
     return _pages[name]
-
-
-def _check_shown(notebook: Any, name: str) -> None:
-    """Check that a notebook shows a table and a picture, and prints nothing.
-
-    Raises:
-        ValueError: It does not.
-    """
-    outputs = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
-    missing = {_TABLE, _PICTURE} - {kind for output in outputs for kind in output.get("data", {})}
-    if missing:
-        raise ValueError(f"{name} shows nothing of the kind {', '.join(sorted(missing))}")
-    if any(output.output_type in ("stream", "error") for output in outputs):
-        raise ValueError(f"{name} prints text or an error beside its tables and pictures")
 
 
 def _blocks(notebook: Any, name: str) -> Iterator[str]:
@@ -98,12 +73,12 @@ def _blocks(notebook: Any, name: str) -> Iterator[str]:
 
 def _output(output: Any, name: str) -> str:
     data = output.get("data", {})
-    if _PICTURE in data:
-        return _picture(data[_PICTURE], name)
-    if _TABLE in data:
-        rows = (line.strip() for line in data[_TABLE].splitlines())
+    if PICTURE in data:
+        return _picture(data[PICTURE], name)
+    if TABLE in data:
+        rows = (line.strip() for line in data[TABLE].splitlines())
         return f'<div class="output" style="overflow-x: auto">{" ".join(filter(None, rows))}</div>'
-    lines = (data.get(_TEXT) or output.get("text", "")).splitlines()
+    lines = (data.get("text/plain") or output.get("text", "")).splitlines()
     more = [f"... {len(lines) - _LONG} more lines"] if len(lines) > _LONG else []
     return f'<pre class="output">{escape(chr(10).join([*lines[:_LONG], *more]))}</pre>'
 

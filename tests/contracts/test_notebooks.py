@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import nbformat
 import pytest
-from nbclient import NotebookClient
 
 DOCS = Path(__file__).parents[2] / "docs"
 NOTEBOOKS = sorted((DOCS / "notebooks").glob("*.ipynb"))
@@ -31,11 +32,7 @@ def test_no_outputs_are_kept(path: Path) -> None:
 
 @pytest.mark.guide
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_notebook_runs_and_shows_tables_and_pictures(path: Path, tmp_path: Path) -> None:
-    notebook = nbformat.read(path, 4)
-    folder = {"metadata": {"path": str(tmp_path)}}
-    NotebookClient(notebook, timeout=600, resources=folder).execute()
-    outputs = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
-    kinds = {kind for output in outputs for kind in output.get("data", {})}
-    assert {"text/html", "application/vnd.plotly.v1+json"} <= kinds
-    assert [output for output in outputs if output.output_type in ("stream", "error")] == []
+def test_notebook_runs_and_shows_tables_and_pictures(path: Path) -> None:
+    script = str(DOCS / "generate" / "run_notebook.py")
+    ran = subprocess.run([sys.executable, script, str(path)], capture_output=True, text=True, check=False)
+    assert ran.returncode == 0, ran.stderr
