@@ -195,11 +195,13 @@ def _within_floor(findings: Findings, left: float, with_tolerance: float | None)
     """Return whether the chosen explanation leaves about the floor: on a real machine, of noise and tolerance.
 
     There predictions of one sample, in both logs, must be within it as well as those 0.1 s ahead: the former show fast
-    errors, the latter slow ones.
+    errors, the latter slow ones. Torques of the fitted log count by what they predict, as they do in the other one: a
+    fit weighs them by less than their tolerance.
     """
     floors = findings.settings.floors
     if not findings.data.record.premises.floor_is_noise:
-        fitted = findings.explanations.comparison.level(findings.explanations.chosen)
+        positions = replace(findings.data, torques=None)
+        fitted = on_held_out(findings.explanations.chosen, positions).chi2 / positions.n_values
         if max(fitted, findings.held_comparison.level(findings.held_chosen)) > floors:
             return False
     return left <= floors * (with_tolerance or 1.0)

@@ -131,15 +131,16 @@ def _partly(diagnosis: Diagnosis) -> str:
 
 
 def _lacking(diagnosis: Diagnosis) -> str:
-    """Say which numbers the model lacks that the repair has and no cause is; empty where they have no share."""
+    """Say which numbers the model lacks that the log determines and no cause is; empty where they have no share."""
     named = {one.effect for one in diagnosis.causes}  # a load of servos is a cause, and named as one
     rows = [one for one in diagnosis.budget if one.effect in _LACKED and one.effect not in named]
     found = {one.name: one for one in diagnosis.model_numbers}
     texts = []
     for row in rows:
         size = found.get(f"{row.effect}.mass" if row.effect == ToolLoad.name else f"{row.location}.inertia")
-        texts.append(budget_words(row) + (f", {with_std(size.value, size.std, size.unit)}" if size else ""))
-    return f"The model lacked {first_few(texts)}." if rows else ""
+        if size is None or size.determined:
+            texts.append(budget_words(row) + (f", {with_std(size.value, size.std, size.unit)}" if size else ""))
+    return f"The model lacked {first_few(texts)}." if texts else ""
 
 
 def _ambiguous(diagnosis: Diagnosis) -> str:

@@ -279,3 +279,15 @@ def test_on_a_real_machine_the_floor_contains_the_tolerance() -> None:
     assert verdict_of(real, left=50.0, with_tolerance=24.0) == "partly_explained"
     far = replace(real, held_chosen=replace(real.held_chosen, chi2=2.1 * found.held.n_values))
     assert verdict_of(far, left=1.0) == "partly_explained"
+
+
+def test_torques_of_a_fit_on_a_real_machine_count_by_what_they_predict() -> None:
+    """A fit weighs errors of torques by less than their tolerance, and the sum of both may be far above the floor."""
+    good = fitted(50.0, COULOMB)
+    off = replace(good, theta=good.theta + 1.0)
+    found, far = (
+        replace(one, data=replace(one.data, record=replace(one.data.record, imported=True)))
+        for one in (findings(fit, [], [1.0], TRUTH, null=1e5) for fit in (good, off))
+    )
+    assert verdict_of(found, closed=1.0) == "explained"
+    assert verdict_of(replace(far, held_chosen=found.held_chosen), closed=1.0) == "partly_explained"

@@ -38,6 +38,11 @@ def test_sizes_of_what_the_model_lacks_are_stated(diagnosed: Diagnosed) -> None:
     assert (
         "The model lacked rotor inertia at motor_1, 0.810 kg m2 (±0.024) and tool load at the tool, 0.74 kg (±0.20)."
     ) in text
+    unclear = numbers[0].model_copy(update={"determined": False})
+    text = verdict_sentence(
+        diagnosed("explained").diagnosis.model_copy(update={**given, "model_numbers": (unclear, numbers[1])})
+    )
+    assert "The model lacked tool load at the tool" in text
 
 
 def test_a_load_that_is_named_as_a_cause_is_not_told_twice(diagnosed: Diagnosed) -> None:
