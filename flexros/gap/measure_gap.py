@@ -125,7 +125,7 @@ def measure_gap(
         return measure_gap(moved, model, repaired=repaired, tolerance=tolerance, settings=settings, progress=progress)
     errors = _errors(null, data)
     before, after = (errors, None) if before is None else (before, errors)
-    significant, floor = _shows(null, data), tolerance_floor(null.fit, data)
+    significant, floor = _shows(null, data, errors.mean), tolerance_floor(null.fit, data)
     numbers = gap_numbers(before, after, record.sample_time, with_tolerance=floor)
     warnings = settled(data.record, numbers.closed_fraction).warnings
     warnings += runaway_warning(null.model, record.sample_time, null.fit.predictor.plant.steps)
@@ -162,7 +162,10 @@ def _errors(null: NullFit, data: FitData) -> AheadErrors:
     return over_expected_floor(errors_ahead(null.fit, data), null.model, data)
 
 
-def _shows(null: NullFit, data: FitData) -> bool:
-    """Return whether a model leaves more than noise and tolerance."""
-    comparison = allowing_for_doubt(compare(data, null.fit, settings=data.settings.ranking), data)
-    return comparison.significant(null.fit) or bool(unknown_rounding(null.model, data.measurement))
+def _shows(null: NullFit, data: FitData, ahead: float) -> bool:
+    """Return whether a model leaves more than noise and tolerance, as the verdict of a diagnosis has it."""
+    settings = data.settings.ranking
+    comparison = allowing_for_doubt(compare(data, null.fit, settings=settings), data)
+    within = not data.record.premises.floor_is_noise and max(comparison.level(null.fit), ahead) <= settings.floors
+    shows = comparison.significant(null.fit) and not within
+    return shows or bool(unknown_rounding(null.model, data.measurement))

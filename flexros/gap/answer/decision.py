@@ -140,6 +140,19 @@ def on_held_out(fit: CandidateFit, held: FitData) -> CandidateFit:
     return replace(fit, chi2=squares if np.isfinite(squares) else np.inf)
 
 
+def level_of_positions(fit: CandidateFit, data: FitData) -> float:
+    """Return the mean squared error of predicted positions of one sample over its floor [1].
+
+    Errors of the torques that a fit weighs as well are over less than their tolerance.
+
+    Args:
+        fit: The fit.
+        data: The log.
+    """
+    positions = replace(data, torques=None)
+    return on_held_out(fit, positions).chi2 / positions.n_values
+
+
 def held_out_gap(findings: Findings) -> bool:
     """Return whether the nominal model leaves more than noise in the held-out log."""
     comparison = allowing_for_doubt(findings.held_comparison, findings.held)
@@ -162,6 +175,9 @@ def verdict_of(
 ) -> Verdict:
     """Return the verdict.
 
+    A real machine has no gap where its errors are within the floors that an explanation may leave: the tolerance of
+    torques is in the floor as white torque, and real errors last.
+
     A curve names where something is, but no law: what it explains is explained in part at best. An explanation may be
     as good as its form allows and still leave much more than noise: then it is one in part as well.
 
@@ -177,7 +193,9 @@ def verdict_of(
     explanations, comparison = findings.explanations, findings.explanations.comparison
     if not explanations.detected:
         fitted = allowing_for_doubt(comparison, findings.data)
-        if fitted.significant(explanations.chosen) or held_out_gap(findings):
+        shows = fitted.significant(explanations.chosen) or held_out_gap(findings)
+        measured = not findings.data.record.premises.floor_is_noise
+        if shows and not (measured and max(*_levels(findings), left) <= findings.settings.floors):
             return "unknown_effect"
         return "explained" if findings.quantizations else "no_gap"
     if worse and held_out_gap(findings):
@@ -195,16 +213,18 @@ def _within_floor(findings: Findings, left: float, with_tolerance: float | None)
     """Return whether the chosen explanation leaves about the floor: on a real machine, of noise and tolerance.
 
     There predictions of one sample, in both logs, must be within it as well as those 0.1 s ahead: the former show fast
-    errors, the latter slow ones. Torques of the fitted log count by what they predict, as they do in the other one: a
-    fit weighs them by less than their tolerance.
+    errors, the latter slow ones.
     """
     floors = findings.settings.floors
-    if not findings.data.record.premises.floor_is_noise:
-        positions = replace(findings.data, torques=None)
-        fitted = on_held_out(findings.explanations.chosen, positions).chi2 / positions.n_values
-        if max(fitted, findings.held_comparison.level(findings.held_chosen)) > floors:
-            return False
+    if not findings.data.record.premises.floor_is_noise and max(_levels(findings)) > floors:
+        return False
     return left <= floors * (with_tolerance or 1.0)
+
+
+def _levels(findings: Findings) -> tuple[float, float]:
+    """Return what the chosen explanation leaves of predictions of one sample in both logs, over their floor [1]."""
+    fitted = level_of_positions(findings.explanations.chosen, findings.data)
+    return fitted, findings.held_comparison.level(findings.held_chosen)
 
 
 def _partly(findings: Findings, closed: float) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
-from flexros.gap.answer.decision import on_held_out
+from flexros.gap.answer.decision import level_of_positions, on_held_out
 from flexros.gap.fit.candidate_fit import best_of_each
 from flexros.gap.fit.null_fit import predicting_best
 from flexros.gap.held_out.closed_share import share_between
@@ -18,10 +18,6 @@ if TYPE_CHECKING:
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.search.fits.candidate_fits import Search
     from flexros.gap.search.forward_selection import Explanations
-
-WITHIN = 1.0
-"""Mean squared prediction error over that of noise and tolerance up to which there is no gap [1]: of the next sample in
-either log, and 0.1 s ahead in the held-out one."""
 
 
 def confirmed(search: Search, explanations: Explanations, held: FitData) -> tuple[Explanations, tuple[str, ...]]:
@@ -67,8 +63,8 @@ def _of_chance(search: Search, explanations: Explanations, held: FitData) -> boo
         return False
     null, chosen = explanations.null, explanations.chosen
     without, before = on_held_out(null, held), errors_ahead(null, held).mean
-    levels = explanations.comparison.level(null), without.chi2 / held.n_values, before
-    if max(levels) > WITHIN:
+    levels = level_of_positions(null, search.data), without.chi2 / held.n_values, before
+    if max(levels) > search.settings.ranking.floors:
         return False
     return on_held_out(chosen, held).chi2 >= without.chi2 or errors_ahead(chosen, held).mean > before
 

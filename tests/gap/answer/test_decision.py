@@ -291,3 +291,12 @@ def test_torques_of_a_fit_on_a_real_machine_count_by_what_they_predict() -> None
     )
     assert verdict_of(found, closed=1.0) == "explained"
     assert verdict_of(replace(far, held_chosen=found.held_chosen), closed=1.0) == "partly_explained"
+
+
+def test_errors_of_a_real_machine_within_the_floors_of_an_explanation_are_no_gap() -> None:
+    """Its floor holds the tolerance of torques as white torque, and real errors last."""
+    found = findings(None, [], [], null=1.5)
+    real = replace(found, data=replace(found.data, record=replace(found.data.record, imported=True)))
+    assert verdict_of(found, left=1.9) == "unknown_effect"
+    assert verdict_of(real, left=1.9) == "no_gap"
+    assert verdict_of(real, left=2.1) == "unknown_effect"
