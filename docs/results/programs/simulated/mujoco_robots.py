@@ -4,8 +4,8 @@ Options: [--cases MODE:SEED[:URDF] ...] [--work FOLDER].
 
 Each case leaves its row in mujoco_robots.json as soon as it is done; the page is written from that file. Cases that are
 there are not computed again (`--again` does). The evaluation cases of the page are EVALUATION; development seeds are
-below 1000, and those of earlier pages, 1001 to 1052 and 6201 to 6261. A URDF is a file of your own, such as one from a
-clone of a public repository of models; its meshes are not needed.
+below 1000, and those of earlier pages, 1001 to 1052, 6201 to 6261 and 7301 to 7352. A URDF is a file of your own, such
+as one from a clone of a public repository of models; its meshes are not needed.
 """
 
 from __future__ import annotations
@@ -43,12 +43,12 @@ if TYPE_CHECKING:
 
 UR5E = Path(__file__).parents[3] / "examples" / "ur5e.urdf"
 EVALUATION = (
-    *(f"torque:{seed}" for seed in range(7301, 7308)),
-    *(f"delay:{seed}" for seed in range(7311, 7316)),
-    *(f"elastic:{seed}" for seed in range(7321, 7325)),
-    *(f"backlash:{seed}" for seed in range(7331, 7335)),
-    *(f"servo:{seed}" for seed in range(7341, 7347)),
-    *(f"{mode}:{seed}:{UR5E.name}" for mode, seed in (("torque", 7351), ("delay", 7352))),
+    *(f"torque:{seed}" for seed in range(7401, 7408)),
+    *(f"delay:{seed}" for seed in range(7411, 7416)),
+    *(f"elastic:{seed}" for seed in range(7421, 7425)),
+    *(f"backlash:{seed}" for seed in range(7431, 7435)),
+    *(f"servo:{seed}" for seed in range(7441, 7447)),
+    *(f"{mode}:{seed}:{UR5E.name}" for mode, seed in (("torque", 7451), ("delay", 7452))),
 )
 """Cases of the page; their seeds were not used before it."""
 NAMES = ("fitted", "held", "other")
@@ -121,18 +121,18 @@ def visible(record: Record, model: RobotWithEffects, hidden: dict[str, float]) -
     return shown
 
 
-def named(diagnosis: Diagnosis) -> dict[str, float]:
-    """Return the size of every effect that is named, and of the numbers that the model lacks."""
+def named(diagnosis: Diagnosis) -> dict[str, tuple[float, float]]:
+    """Return size and standard deviation of every effect that is named, and of the numbers that the model lacks."""
     found = {}
     for cause in diagnosis.causes:
         parameters = list(cause.parameters.values())
         if cause.probability > 0.5 and not any(one.at_limit for one in parameters):
-            found[f"{cause.effect}@{cause.location}"] = parameters[0].value
+            found[f"{cause.effect}@{cause.location}"] = parameters[0].value, parameters[0].std
     for number in diagnosis.model_numbers:
         if number.nominal == 0 and number.name.endswith(".inertia"):
-            found[f"rotor_inertia@{number.location}"] = number.value
+            found[f"rotor_inertia@{number.location}"] = number.value, number.std
         if number.name == "tool_load.mass":
-            found["tool_load@tool"] = number.value
+            found["tool_load@tool"] = number.value, number.std
     return found
 
 
@@ -160,13 +160,15 @@ def result_of(case: Case, folder: Path) -> dict[str, Any]:
     patch = folder / "diagnosis" / "patch.yaml"
     repaired = load_patched(patch).model if patch.is_file() else None
     gap, hidden = measure_gap(other, model, repaired=repaired).numbers, expected(truth, model)
+    found = named(result.diagnosis)
     return {
         "robot": arm.name,
         "motors": arm.n_motors,
         "truth": {key: value for key, value in asdict(truth).items() if key not in ("causes", "rotors")},
         "hidden": hidden,
         "visible": visible(fitted, model, hidden),
-        "named": named(result.diagnosis),
+        "named": {name: size for name, (size, _) in found.items()},
+        "deviations": {name: deviation for name, (_, deviation) in found.items()},
         "verdict": result.diagnosis.verdict,
         "partial": result.diagnosis.partial is not None,
         "warnings": result.diagnosis.warnings,

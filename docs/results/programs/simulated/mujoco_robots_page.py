@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 
 NEAR = 0.25
 """Relative error of a size up to which it counts as right [1]."""
+INTERVAL = 1.96
+"""Half of a 95 % interval, over the standard deviation [1]."""
 FLOORS = RankingSettings().floors
 """Floors with tolerance up to which a log is explained [1]."""
 HEAD = """# Arms of MuJoCo
@@ -32,7 +34,8 @@ in half of the cases, measured ones, noted at the begin or the end of the sample
 
 Below, an effect is *shown* by the log if a model with all other true effects leaves more than noise and the tolerances
 of a measured log (5 % of the torques, 3 % of the nominal numbers). Others cannot be found without claims that the log
-does not support. *False* are named effects that are not hidden. A size is right within 25 %. The arms, effects and
+does not support. *False* are named effects that are not hidden. A size is right within 25 %, and
+in its interval within 1.96 of its stated standard deviations. The arms, effects and
 motions of these cases were drawn once and not used before, and run once, by commit 8df79eab beside other work on the
 same two cores. `explained` says that at most two floors with tolerance are left on
 held-out data. Below is counted where the third log has more than the plain floor then (noise, and tolerances of the
@@ -64,14 +67,17 @@ def page(found: Mapping[str, Mapping[str, Any]], duration: float) -> str:
         duration: Duration of a log [s].
     """
     text = HEAD.format(duration=duration)
-    text += "| mode | cases | effects shown | named | sizes right | false | explained, partly, ambiguous, other | "
-    text += "`explained` above the floor, above two with tolerance | closed, median | time, median |\n"
-    text += "|" + "---|" * 10 + "\n"
+    text += "| mode | cases | effects shown | named | sizes right | in their 95 % intervals | false | "
+    text += "explained, partly, ambiguous, other | `explained` above the floor, above two with tolerance | "
+    text += "closed, median | time, median |\n"
+    text += "|" + "---|" * 11 + "\n"
     for mode in dict.fromkeys(name.partition(":")[0] for name in found):
         text += _summary(mode, [one for name, one in found.items() if name.partition(":")[0] == mode])
     text += _summary("all", list(found.values()))
-    text += "\n| case | robot | shown: hidden size, named size | not shown | false | verdict | gap before | after | "
-    text += "time |\n|" + "---|" * 9 + "\n"
+    text += (
+        "\n| case | robot | shown: hidden size, named size ± its deviation (*outside the interval*) | not shown | "
+    )
+    text += "false | verdict | gap before | after | time |\n|" + "---|" * 9 + "\n"
     return text + "".join(_row(name, one) for name, one in found.items()) + MISSED
 
 
@@ -88,11 +94,16 @@ def _right(one: Mapping[str, Any], name: str) -> bool:
     return name in one["named"] and abs(one["named"][name] - size) <= NEAR * abs(size)
 
 
+def _in_interval(one: Mapping[str, Any], name: str) -> bool:
+    return name in one["named"] and abs(one["named"][name] - one["hidden"][name]) <= INTERVAL * one["deviations"][name]
+
+
 def _summary(mode: str, cases: Sequence[Mapping[str, Any]]) -> str:
     done = [one for one in cases if "refused" not in one]
     shown = [(one, name) for one in done for name in _shown(one)]
     named = sum(name in one["named"] for one, name in shown)
     right = sum(_right(one, name) for one, name in shown)
+    within = sum(_in_interval(one, name) for one, name in shown)
     false = sum(len(_false(one)) for one in done)
     verdicts = [one["verdict"] for one in done]
     counts = [verdicts.count(kind) for kind in ("explained", "partly_explained", "ambiguous")]
@@ -102,7 +113,7 @@ def _summary(mode: str, cases: Sequence[Mapping[str, Any]]) -> str:
     closed = [one["gap"]["closed_fraction"] or 0.0 for one in done if one["gap"]["before"] > one["gap"]["noise_floor"]]
     median = 100 * float(np.median(closed)) if closed else 0.0
     return (
-        f"| {mode} | {len(cases)} | {len(shown)} | {named} | {right} | {false} | "
+        f"| {mode} | {len(cases)} | {len(shown)} | {named} | {right} | {within} of {named} | {false} | "
         f"{', '.join(map(str, counts))}, {len(cases) - sum(counts)} | {above}, {far} | "
         f"{median:.1f} % | {np.median([one['seconds'] for one in done]):.0f} s |\n"
     )
@@ -123,4 +134,7 @@ def _row(name: str, one: Mapping[str, Any]) -> str:
 
 
 def _size(one: Mapping[str, Any], name: str) -> str:
-    return f"{one['named'][name]:.3g}" if name in one["named"] else "**missed**"
+    if name not in one["named"]:
+        return "**missed**"
+    text = f"{one['named'][name]:.3g} ± {one['deviations'][name]:.2g}"
+    return text if _in_interval(one, name) else f"*{text}*"
