@@ -28,7 +28,8 @@ REFUSED = 2.7
 """Factor for rejection of a log (chosen)."""
 
 BARE = 5.0
-"""Factor up to which rotors and friction explain the largest torque of an arm whose file leaves rotors out (chosen)."""
+"""Factor up to which rotors and friction explain the largest torque of an arm whose file leaves rotors out, and a load
+that of a joint beyond others whose torques fit (chosen)."""
 
 LOADED = 50.0
 """Factor up to which a load that the model lacks explains the torque of a light wrist (chosen)."""
@@ -126,7 +127,10 @@ def _model_may_be_rough(checked: CheckedRecord, refused: dict[int, BalanceFit]) 
     large = np.flatnonzero(power > HEAVY * power.max())
     bare = rotor_unknown(checked.robot)
     clear = [(k, fit) for k in large if (fit := checked.own[k]) is not None and fit.agreement > LARGE_CLEAR]
-    return bool(clear) and all(1 / REFUSED < fit.factor < (BARE if bare[k] else REFUSED) for k, fit in clear)
+    if not clear:
+        return False
+    base = clear[0][0]  # what a load multiplies is farther out
+    return all(1 / REFUSED < fit.factor < (BARE if bare[k] or k > base else REFUSED) for k, fit in clear)
 
 
 def _is_significant(fit: BalanceFit) -> bool:

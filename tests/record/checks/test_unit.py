@@ -151,3 +151,20 @@ def test_where_friction_hides_the_largest_torque_other_heavy_joints_tell_the_uni
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(unit, "rotor_unknown", lambda _: np.zeros(4, dtype=bool))
         assert unit._model_may_be_rough(checked, refused) is rough
+
+
+@pytest.mark.parametrize(
+    ("factors", "rough"),
+    [((1.3, 1.6, 2.9), True), ((2.9, 2.9, 2.9), False), ((1.3, 1.6, 5.5), False), ((2.9, 1.6, 1.2), False)],
+    ids=["a load", "a unit", "too much for a load", "a shoulder"],
+)
+def test_a_load_may_multiply_the_torque_of_a_joint_beyond_others_that_fit(
+    factors: tuple[float, float, float], rough: bool
+) -> None:
+    own = [SimpleNamespace(factor=factor, agreement=0.9) for factor in factors]
+    needed = np.sqrt(np.array([[3e6, 2e6, 1e5]]))
+    checked: Any = SimpleNamespace(balance=SimpleNamespace(needed=needed), robot=SimpleNamespace(n_motors=3), own=own)
+    refused: Any = {motor: fit for motor, fit in enumerate(own) if fit.factor > 2.7}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(unit, "rotor_unknown", lambda _: np.zeros(3, dtype=bool))
+        assert unit._model_may_be_rough(checked, refused) is rough

@@ -74,9 +74,7 @@ def page(found: Mapping[str, Mapping[str, Any]], duration: float) -> str:
     for mode in dict.fromkeys(name.partition(":")[0] for name in found):
         text += _summary(mode, [one for name, one in found.items() if name.partition(":")[0] == mode])
     text += _summary("all", list(found.values()))
-    text += (
-        "\n| case | robot | shown: hidden size, named size ± its deviation (*outside the interval*) | not shown | "
-    )
+    text += "\n| case | robot | shown: hidden size, named size ± its deviation (*outside the interval*) | not shown | "
     text += "false | verdict | gap before | after | time |\n|" + "---|" * 9 + "\n"
     return text + "".join(_row(name, one) for name, one in found.items()) + MISSED
 
