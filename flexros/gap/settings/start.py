@@ -51,13 +51,13 @@ class TorqueStartSettings(Settings):
     balanced: float = Field(
         default=2.5,
         ge=1,
-        description="factor by which a counterbalance lowers what is left at its motor, from which there is one [1] "
-        "(chosen)",
+        description="factor by which a counterbalance lowers what is left at its motor, from which there is one, and by "
+        "which a curve over position lowers it further, from which that has no law [1] (chosen)",
     )
     carried: float = Field(
         default=0.5,
         ge=0,
-        description="torque of a counterbalance over the largest of its motor, from which there is one [1] (chosen): "
+        description="torque of either over the largest of its motor, from which there is one [1] (chosen): "
         "it is built to carry weight. Less is an error of the weight of the arm, as on a robot whose URDF is a third "
         "too light",
     )
