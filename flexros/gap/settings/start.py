@@ -51,8 +51,8 @@ class TorqueStartSettings(Settings):
     balanced: float = Field(
         default=2.5,
         ge=1,
-        description="factor by which a counterbalance lowers what is left at its motor, from which there is one, and by "
-        "which a curve over position lowers it further, from which that has no law [1] (chosen)",
+        description="factor by which a counterbalance lowers what is left at its motor, from which there is one, and "
+        "by which a curve over position lowers it further, from which that has no law [1] (chosen)",
     )
     carried: float = Field(
         default=0.5,
