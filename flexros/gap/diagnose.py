@@ -269,7 +269,8 @@ def _first_fits(
     On a real machine the prior of tolerances is weighed by what these effects leave, or what no candidate removes.
     """
     few = settings.fit.model_copy(update={"null_iterations": 1})  # what the torques show is fitted from the torques
-    null = fit_null(data, model, tolerance, settings.fit if start is None else few)
+    first_settings = settings.fit if start is None else few
+    null = fit_null(data, model, tolerance, first_settings, stop=deadline.of_fit())
     first = None if start is None else first_values(start, null, settings)
     if data.record.command is not None:
         stages.begin("servos", SERVOS)
@@ -286,7 +287,7 @@ def _first_fits(
         misfit = search.misfit(search.directions(search.candidates()))
     found = null.fit if base is None else base
     start_at = found.predictor.tolerance.by_name(found.deviations)
-    null = fit_null(replace(data, misfit=misfit), model, tolerance, settings.fit, start_at)
+    null = fit_null(replace(data, misfit=misfit), model, tolerance, settings.fit, start_at, stop=deadline.of_fit())
     return null, None if base is None else base_fit(null, on_null(null, base), settings, deadline.of_fit())
 
 
