@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 NEIGHBOURS = np.array([-1.0, 4.0, 0.0, 4.0, -1.0]) / 6.0
 """Weights of the steps beside one that a cubic through them has there."""
+BESIDE = np.array([-3, -2, -1, 1, 2, 3])
+"""The neighbours of a step through which a parabola is laid."""
 CLEAR = 8.0
 """Jump over its standard deviation from which there is one [1] (chosen): far beyond noise."""
 LEAST = 0.03
@@ -31,6 +33,10 @@ MOVES = 0.5
 """Least step before and after one, over that which its neighbours expect of it, with the same sign, where a joint moves
 there [1] (chosen): motion that begins or ends goes on by nothing in a step, as under a clock that stands does.
 """
+OUTSIDE = 2.5
+"""Least deviation of a step from a parabola through its six neighbours, over what that leaves of these, where the clock
+jumps [1] (chosen): 2.2 and less where torques change speeds at once, in logs of a simulator that is not ours; 3.2 and
+more where a clock jumps, and 20 where it does so once."""
 RARE = 0.002
 """Largest share of samples with jumps (chosen): more is the jitter of a clock, which counts as noise."""
 
@@ -105,4 +111,24 @@ def _jumps(record: Record, rows: IntArray) -> tuple[IntArray, FloatArray]:
     strength = np.abs(size) * np.sqrt(information) * clear
     around = np.stack([np.roll(strength, shift) for shift in (-2, -1, 1, 2)])
     found = np.flatnonzero(clear & (strength >= around.max(axis=0)))
+    shows = agrees & (np.abs(expected) > SHOWS)
+    found = found[[_stands_out(steps[:, shows[step]] / spread[shows[step]], step) for step in found.tolist()]]
     return (found, size[found]) if len(found) else nothing
+
+
+def _stands_out(steps: FloatArray, at: int) -> bool:
+    """Return whether a step deviates from a smooth motion through its neighbours, which do not.
+
+    Where a torque changes the speeds of all joints at once, the steps around it are no smooth motion either.
+
+    Args:
+        steps: Steps of the joints that show a jump, over their usual deviation, shape (n, joints).
+        at: The step.
+    """
+    beside = at + BESIDE
+    if beside[0] < 0 or beside[-1] >= len(steps):
+        return True
+    parabola = np.vander(BESIDE.astype(float), 3)
+    numbers, *_ = np.linalg.lstsq(parabola, steps[beside], rcond=None)
+    rest = np.sum((steps[beside] - parabola @ numbers) ** 2) / (len(beside) - 3)
+    return bool(np.sum((steps[at] - numbers[-1]) ** 2) > OUTSIDE**2 * rest)

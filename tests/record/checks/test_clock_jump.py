@@ -67,6 +67,15 @@ def test_an_encoder_that_errs_alone_and_an_impact_are_no_jumps() -> None:
     assert not found(replace(record, position=hit))
 
 
+def test_speeds_that_torques_change_at_once_are_no_jump() -> None:
+    """In a stiff arm a step of all commands nearly doubles all speeds within two samples."""
+    record = recorded(np.zeros(N))
+    steps = np.diff(record.position, axis=0)
+    steps[1998:] += steps[1998] * np.array([-0.15, 0.9, 1.75, *np.full(N - 2002, 1.6)])[:, None]
+    position = np.vstack([record.position[:1], record.position[0] + np.cumsum(steps, axis=0)])
+    assert not found(replace(record, position=position))
+
+
 def test_a_motion_that_begins_at_rest_is_no_jump() -> None:
     """A sampling interval of 40 ms: the first steps are small beside those that follow."""
     time = np.maximum(0.04 * np.arange(600) - 1.2, 0.0)
