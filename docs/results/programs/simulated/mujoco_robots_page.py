@@ -45,17 +45,20 @@ those two.
 MISSED = """
 ## What is missed, and why
 
-- The gain of motor 2, 18 % too large, is taken for one of motor 1, 13 % too small, with friction of both motors as much
-  lower (torque:7305): the log shows the ratio of the two gains, but hardly which of them is right.
-- Viscous friction of 0.0018 Nm s/rad is named beside the Coulomb friction of the last wrist of the UR5e, which is found
-  3 % too small (torque:7351).
-- `explained` is said of the held-out log and of at most two floors with tolerance; a third one may leave more than the
-  plain floor (backlash:7332, whose backlash does not show in the fitted log).
+- A correct log is refused (torque:7403): its load multiplies the torque of the last motor by 2.89, which was taken for
+  a wrong unit. Allowed since then, with this case in view; it was not run again.
+- A backlash of 17 mrad at motor 1 is named at motor 2, with 28 mrad, and takes up the viscous friction there
+  (backlash:7433). It is called `partly_explained`.
+- Viscous friction of 0.0027 Nm s/rad is named beside the Coulomb friction of the last wrist of the UR5e, which is found
+  3.6 % too small (delay:7452), as on the page before.
+- Sizes outside their intervals: the friction beside that backlash (8.4 deviations), a motor inertia that is 48.8 % too
+  small and said to be 42.2 % (7.7, backlash:7434), that wrist friction (5.5), delays by 1 to 2 % (2.3 to 4.6), and two
+  frictions by 0.4 and 2 % (2.2 and 2.4).
+- 13 of the 27 logs had a warning that their clock jumps, where the commands of all joints step. Mended since then.
 
-The 27 cases of the page before (seeds 6201 to 6252) had 105 of 108 effects named with 4 false ones, 24 `explained`, and
-two correct logs refused: without gravity, a load multiplies the torque of a light last motor, which was taken for a
-wrong unit. No log is refused here. On the cases of the first page (seeds 1001 to 1052, development) it was 123 of 125
-effects with no false one.
+The 28 cases of the page before (seeds 7301 to 7352) had 116 of 117 shown effects named with 2 false ones, by an older
+commit and without the two floors in what is shown (146 of all 160), and no log refused. The 27 cases before these
+(seeds 6201 to 6252) had 105 of 108 with 4 false ones and two correct logs refused.
 """
 
 
