@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import accumulate
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
@@ -10,6 +11,8 @@ from flexros.gap.report.words import MOST_SHARE, capital, named_at, share_words,
 from flexros.report.colours import NOMINAL, REPAIRED
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     import plotly.graph_objects as go
 
     from flexros.gap.schema import Diagnosis, Waterfall
@@ -78,9 +81,10 @@ def waterfall_figure(diagnosis: Diagnosis) -> go.Figure:
     largest, traces = 0.0, []
     for waterfall in shown(diagnosis):
         rows, first = rows_of(waterfall), (places[-1] + 1.5 if places else 0.0)
-        own = [first + index for index in range(len(rows))]
+        of_rows = [_label(row, waterfall.joint) for row in rows]
+        own = [first + place for place in _places(of_rows)]
         places += own
-        labels += [_label(row, waterfall.joint) for row in rows]
+        labels += of_rows
         largest = max(largest, *(max(row.begin, row.begin + row.share) for row in rows))
         traces.append(
             go.Waterfall(
@@ -133,6 +137,12 @@ def waterfall_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
             bar = " " * ends[0] + "█" * max(ends[1] - ends[0], 1)
             lines.append(f"  {capital(row.name):<{width}} {row.words:>6}  {bar}")
     return tuple(lines)
+
+
+def _places(labels: Sequence[str]) -> list[float]:
+    """Return where the rows of labels are, a row apart, and farther where a label has more than two lines."""
+    heights = [max(1.0, (1 + label.count("<br>")) / 2) for label in labels]
+    return [end - (height + 1) / 2 for end, height in zip(accumulate(heights), heights, strict=True)]
 
 
 def _label(row: Row, joint: str) -> str:

@@ -58,6 +58,18 @@ def test_bars_of_a_joint_follow_one_another(diagnosis: Diagnosis) -> None:
     assert "<b>motor_2</b>, before" in figure.layout.yaxis.ticktext
 
 
+def test_a_long_label_has_more_room() -> None:
+    """A line of a label is half a row high."""
+    steps = (step("torque_curve", 0.3, "motor_2"), step("torque_bias", 0.1))
+    one = Waterfall(joint="motor_1", before=0.5, steps=steps, left=0.1)
+    axis = waterfall_figure(Diagnosis.model_construct(waterfall=(one,))).layout.yaxis
+    lines = [1 + label.count("<br>") for label in axis.ticktext]
+    apart = [after - before for before, after in zip(axis.tickvals, axis.tickvals[1:], strict=False)]
+    assert max(lines) == 3
+    assert all(between >= (above + below) / 4 for between, above, below in zip(apart, lines, lines[1:], strict=False))
+    assert min(apart) == 1
+
+
 def test_lines_have_bars_to_scale(diagnosis: Diagnosis) -> None:
     lines = waterfall_lines(diagnosis)
     assert lines[0] == "motor_1"
