@@ -19,14 +19,15 @@ if TYPE_CHECKING:
     from flexros.effects.kinds.ranges import Range
     from flexros.robot.symbolic.kinematics import Value
 
-_KNOTS = tuple(number / 7 for number in range(8))
+_KNOTS = tuple(number / 7 for number in range(-1, 9))
 
 
 class TorqueCurve(AbstractCurve, AbstractMotorTorque):
     """Torque at a motor as a function of its position that follows no law of the other effects.
 
     Cables and hoses, balancing springs, gravity of what the model lacks. The torque is piecewise linear between eight
-    knots, evenly spread from the lowest to the highest position, and constant beyond them.
+    knots, evenly spread from the lowest to the highest position. Beyond these it goes on as steeply for the length of
+    one more interval, and is constant from there.
     """
 
     name: ClassVar[str] = "torque_curve"
@@ -44,18 +45,20 @@ class TorqueCurve(AbstractCurve, AbstractMotorTorque):
     extent: ClassVar[Mapping[str, Extent]] = MappingProxyType({"low": "lowest angle", "high": "highest angle"})
     ranges: ClassVar[Mapping[str, Range]] = torques(f"torque_{number}" for number in range(1, 9))
 
-    torque_1: float = Field(0.0, description="additional torque at the lowest position and below [Nm or N]")
+    torque_1: float = Field(0.0, description="additional torque at the lowest position [Nm or N]")
     torque_2: float = Field(0.0, description="the same at the second knot [Nm or N]")
     torque_3: float = Field(0.0, description="the same at the third knot [Nm or N]")
     torque_4: float = Field(0.0, description="the same at the fourth knot [Nm or N]")
     torque_5: float = Field(0.0, description="the same at the fifth knot [Nm or N]")
     torque_6: float = Field(0.0, description="the same at the sixth knot [Nm or N]")
     torque_7: float = Field(0.0, description="the same at the seventh knot [Nm or N]")
-    torque_8: float = Field(0.0, description="the same at the highest position and above [Nm or N]")
+    torque_8: float = Field(0.0, description="the same at the highest position [Nm or N]")
     low: float = Field(-1.0, description="lowest position [rad or m]")
     high: float = Field(1.0, description="highest position [rad or m]")
 
     def added(self, motor: MotorState, values: Mapping[str, Value]) -> ca.SX:
         """Interpolate at the position."""
         relative = (motor.position - values["low"]) / ca.fmax(values["high"] - values["low"], SMALLEST)
-        return piecewise_linear(relative, _KNOTS, [values[name] for name in self.ranges])
+        torques = [values[name] for name in self.ranges]
+        before, after = 2 * torques[0] - torques[1], 2 * torques[-1] - torques[-2]
+        return piecewise_linear(relative, _KNOTS, [before, *torques, after])
