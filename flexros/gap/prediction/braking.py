@@ -36,6 +36,8 @@ def runaway_warning(model: RobotWithEffects, sample_time: float, steps: int) -> 
         steps: Integration steps per sample.
     """
     braked = braked_robot(model)
+    if not stops_too_fast(braked, sample_time, steps):
+        return ()
     names = {motor: f"{motor}.viscous_friction" for motor in braked.joint_names}
     calm = model.robot.with_values(dict.fromkeys(names.values(), 0.0))
     motors = [

@@ -103,7 +103,8 @@ def _jumps(record: Record, rows: IntArray) -> tuple[IntArray, FloatArray]:
     left = np.sum((weighed - size[:, None] * share) ** 2, axis=1)
     expected = size[:, None] * share
     agrees = np.abs(weighed - expected) < np.abs(expected) / 2
-    shown = np.sum(agrees & (np.abs(expected) > SHOWS), axis=1) >= FEWEST
+    shows = agrees & (np.abs(expected) > SHOWS)
+    shown = np.sum(shows, axis=1) >= FEWEST
     shown &= ~np.any(~agrees & (np.abs(expected) > 2 * SHOWS), axis=1)
     clear = (
         (np.abs(size) * np.sqrt(information) > CLEAR) & (np.abs(size) > LEAST) & (left <= (1 - ALIKE) * whole) & shown
@@ -111,7 +112,6 @@ def _jumps(record: Record, rows: IntArray) -> tuple[IntArray, FloatArray]:
     strength = np.abs(size) * np.sqrt(information) * clear
     around = np.stack([np.roll(strength, shift) for shift in (-2, -1, 1, 2)])
     found = np.flatnonzero(clear & (strength >= around.max(axis=0)))
-    shows = agrees & (np.abs(expected) > SHOWS)
     found = found[[_stands_out(steps[:, shows[step]] / spread[shows[step]], step) for step in found.tolist()]]
     return (found, size[found]) if len(found) else nothing
 
