@@ -15,7 +15,6 @@ from flexros.gap.fit.torques.unknown_numbers import unknown_numbers
 from flexros.gap.held_out.errors_ahead import errors_ahead
 from flexros.gap.held_out.gap_floor import over_expected_floor, tolerance_floor, unknown_rounding
 from flexros.gap.held_out.gap_numbers import gap_numbers, settled
-from flexros.gap.prediction.braking import runaway_warning
 from flexros.gap.prediction.driven_model import driven_model
 from flexros.gap.progress import Stages
 from flexros.gap.residuals.prepare_fit_data import fit_data
@@ -128,7 +127,6 @@ def measure_gap(
     significant, floor = _shows(null, data, errors.mean), tolerance_floor(null.fit, data)
     numbers = gap_numbers(before, after, record.sample_time, with_tolerance=floor)
     warnings = settled(data.record, numbers.closed_fraction).warnings
-    warnings += runaway_warning(null.model, record.sample_time, null.fit.predictor.plant.steps)
     return MeasuredGap(numbers, significant, (*warnings, *_cut_short(deadline)))
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.compile.loop.prediction import PredictionLoop
-from flexros.prediction.integration_step import substeps
+from flexros.prediction.integration_step import integration_steps
 from flexros.simulate.open_loop import feed_through
 from flexros.simulate.plant_model import PlantModel
 
@@ -40,11 +40,13 @@ class ObserverModel:
         self.robot, self._sample_time = model.robot, sample_time
         felt = [law for law in model.laws if not law.effect.as_noise]
         self._plant = PlantModel(model.robot, felt)
+        fast = any(law.effect.n_states for law in felt)
+        steps = integration_steps(model.robot, sample_time, may_be_implicit=self._plant.can_be_implicit, fast=fast)
         self._loop = PredictionLoop(
-            self._plant.functions(feed_through(model.robot.n_motors)),
+            self._plant.functions(feed_through(model.robot.n_motors), implicit=steps.implicit),
             sample_time=sample_time,
             delay=self._plant.delay,
-            substeps=substeps(model.robot, sample_time, fast=any(law.effect.n_states for law in felt)),
+            substeps=steps.number,
         )
         self._none = np.zeros((0, 1))
         self.starts_in_motion = False

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -11,6 +12,7 @@ from flexros.robot.linear.linearise import linear_model
 
 if TYPE_CHECKING:
     from flexros.robot import Robot
+    from flexros.robot.linear.linearise import LinearModel
 
 SHORTEST, LONGEST = 5e-4, 2.5e-3
 """Bounds of the step [s] (chosen): effects with fast states need the first; with the second, the reversals of dry
@@ -20,6 +22,10 @@ FAST = 5
 (chosen)."""
 STABLE = 2.5
 """Largest step times the largest eigenvalue [1]: Runge-Kutta steps of order four grow from 2.78 on."""
+LONGEST_IMPLICIT = 1e-3
+"""Longest implicit step [s] (chosen): a tenth of the time in which a stiff servo brings a joint to its command."""
+ROUGH = 2
+"""Implicit steps per sample where only the change of a prediction counts (chosen)."""
 MOST = 64
 """Most steps per sample (chosen), for joints with much damping and little inertia."""
 TURN, TURN_OF_MANY = 0.2, 0.4
@@ -29,16 +35,19 @@ ROUGH_TURN = 1.0
 """The same where only the change of a prediction counts, and an error of a percent of it is none (chosen)."""
 
 
-def substeps(robot: Robot, sample_time: float, *, fast: bool = False, rough: bool = False) -> int:
+def substeps(
+    robot: Robot, sample_time: float, friction: tuple[float, ...] = (), *, fast: bool = False, rough: bool = False
+) -> int:
     """Return the Runge-Kutta steps per sample.
 
     Args:
         robot: The robot.
         sample_time: Time between two samples [s].
+        friction: Viscous friction of all motors beside that of the robot [Nm s/rad or N s/m]; empty for none.
         fast: Whether effects have states that may be faster than the robot.
         rough: Whether the difference of two predictions with these steps is all that counts.
     """
-    fastest = _fastest(robot)
+    fastest = max(max(map(abs, _eigenvalues(robot, friction))), 1e-9)
     exact = max(TURN, min(TURN_OF_MANY, fastest * sample_time / FAST)) / fastest
     exact, longest = (ROUGH_TURN / fastest, max(LONGEST, sample_time)) if rough else (exact, LONGEST)
     step = max(SHORTEST, sample_time / FAST) if fast else min(max(exact, SHORTEST), longest)
@@ -46,33 +55,71 @@ def substeps(robot: Robot, sample_time: float, *, fast: bool = False, rough: boo
     return max(1, int(np.ceil(sample_time / step - 1e-9)))
 
 
-def stops_too_fast(robot: Robot, sample_time: float, steps: int) -> bool:
-    """Return whether a robot has motions that die out too fast for some steps per sample.
+@dataclass(frozen=True)
+class IntegrationSteps:
+    """Integration steps of a predictor.
+
+    Attributes:
+        number: Steps per sample.
+        implicit: Whether they are implicit in the stiffness and the damping of the motors, see
+            `flexros.simulate.implicit_step`; else they are Runge-Kutta steps.
+    """
+
+    number: int
+    implicit: bool
+
+
+def integration_steps(
+    robot: Robot,
+    sample_time: float,
+    friction: tuple[float, ...] = (),
+    *,
+    may_be_implicit: bool,
+    fast: bool = False,
+    rough: bool = False,
+) -> IntegrationSteps:
+    """Return the steps for a robot: implicit ones where motions die out within a sample.
+
+    Servos and friction stop light joints much faster than anything else moves, and Runge-Kutta steps would follow that.
+    Fast motions that oscillate need them.
 
     Args:
         robot: The robot.
         sample_time: Time between two samples [s].
-        steps: Steps per sample.
+        friction: Viscous friction of all motors beside that of the robot [Nm s/rad or N s/m]; empty for none.
+        may_be_implicit: Whether implicit steps exist for the plant.
+        fast: Whether effects have states that may be faster than the robot.
+        rough: Whether the difference of two predictions with these steps is all that counts.
     """
-    return _fastest(robot) * sample_time > STABLE * steps
+    if may_be_implicit and _is_stiff(robot, sample_time, friction):
+        return IntegrationSteps(_implicit_substeps(sample_time, rough=rough), implicit=True)
+    return IntegrationSteps(substeps(robot, sample_time, friction, fast=fast, rough=rough), implicit=False)
 
 
-def least_inertia(friction: float, sample_time: float, steps: int) -> float:
-    """Return the inertia with which friction lets a motor die out slowly enough: friction T / (STABLE steps).
+def _is_stiff(robot: Robot, sample_time: float, friction: tuple[float, ...]) -> bool:
+    """Return whether implicit steps are fewer, and all motions that are too fast for them die out without swinging."""
+    number = _implicit_substeps(sample_time)
+    if substeps(robot, sample_time, friction) <= number:
+        return False
+    quick = [one for one in _eigenvalues(robot, friction) if abs(one) * sample_time > TURN_OF_MANY * number]
+    return all(abs(one.imag) < abs(one.real) for one in quick)
 
-    Args:
-        friction: Viscous friction of the motor [Nm s/rad or N s/m].
-        sample_time: Time T between two samples [s].
-        steps: Steps per sample.
 
-    Returns:
-        The inertia [kg m2 or kg].
-    """
-    return friction * sample_time / (STABLE * steps)
+def _implicit_substeps(sample_time: float, *, rough: bool = False) -> int:
+    """Return the implicit steps per sample."""
+    step = max(SHORTEST, sample_time / ROUGH if rough else min(sample_time / FAST, LONGEST_IMPLICIT))
+    return max(1, int(np.ceil(sample_time / step - 1e-9)))
+
+
+@lru_cache(maxsize=256)
+def _eigenvalues(robot: Robot, friction: tuple[float, ...]) -> tuple[complex, ...]:
+    """Return the eigenvalues of a robot at home with more viscous friction [rad/s]."""
+    model = _at_home(robot)
+    if any(friction):
+        model = replace(model, damping=model.damping + model.input @ np.diag(friction) @ model.encoder)
+    return tuple(map(complex, np.linalg.eigvals(model.matrices()[0])))
 
 
 @lru_cache(maxsize=32)
-def _fastest(robot: Robot) -> float:
-    """Return the largest eigenvalue of a robot at home [rad/s]."""
-    A = linear_model(robot).matrices()[0]
-    return max(float(np.abs(np.linalg.eigvals(A)).max()), 1e-9)
+def _at_home(robot: Robot) -> LinearModel:
+    return linear_model(robot)

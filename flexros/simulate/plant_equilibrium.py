@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 
 from flexros.robot.equilibrium_search import EquilibriumSearch
-from flexros.simulate.plant_updates import smooth_torque
+from flexros.simulate.plant_rates import smooth_torque
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -13,9 +13,11 @@ from flexros.effects.delay import Delay
 from flexros.errors import unknown_name
 from flexros.robot.equilibrium_search import Equilibrium, EquilibriumSearch
 from flexros.robot.parameters import SERVO
+from flexros.simulate.implicit_step import can_be_implicit, implicit_step
 from flexros.simulate.plant_equilibrium import PlantEquilibriumSearch, own_at_start, torque_beyond_command
+from flexros.simulate.plant_rates import acting_torque, dynamics, rates_beside_motion
 from flexros.simulate.plant_symbols import PlantSymbols
-from flexros.simulate.plant_updates import dynamics, own_rates, smooth_torque, step_updates
+from flexros.simulate.plant_updates import step_updates
 from flexros.simulate.sensor_outputs import feels_input, measured_sensors, sensor_outputs
 from flexros.simulate.stages import Stages
 
@@ -249,9 +251,19 @@ class PlantModel:
         names = [f"{motor}.{SERVO}{kind}" for motor in self.robot.joint_names]
         return np.array([values[name] if name in values else self.robot.parameters[name].value for name in names])
 
-    def functions(self, controller: ca.Function) -> LoopFunctions:
-        """Return the functions of the loop with a controller (c, r, y, g) -> (u, c_next)."""
-        before, after = self._updates
+    @property
+    def can_be_implicit(self) -> bool:
+        """Whether a step exists that is implicit in the stiffness and the damping of the motors."""
+        return can_be_implicit(self._plant)
+
+    def functions(self, controller: ca.Function, *, implicit: bool = False) -> LoopFunctions:
+        """Return the functions of the loop.
+
+        Args:
+            controller: Controller (c, r, y, g) -> (u, c_next).
+            implicit: Whether its steps are implicit in the stiffness and the damping of the motors.
+        """
+        before, after = step_updates(self._plant, implicit=implicit)
         return LoopFunctions(
             derivative=self.derivative,
             encoder=self.model.encoder,
@@ -261,6 +273,7 @@ class PlantModel:
             further=self.further if self.sensors else None,
             before_step=before,
             after_step=after,
+            step=implicit_step(self._plant) if implicit else None,
         )
 
     @cached_property
@@ -274,18 +287,9 @@ class PlantModel:
         plant = self._plant
         if not self.laws and self.robot.commands == "torque" and plant.x.numel() == 2 * self.model.n_coordinates:
             return self.model.derivative
-        passed = plant.torques(plant.u)
-        torque = passed + smooth_torque(plant, passed)
-        for row, motor in enumerate(plant.sticking_motors):
-            torque[motor] -= plant.friction[row]
-        for law, _ in plant.laws.bristles:
-            torque[law.motor] -= plant.own(law)[-1]
         stages = Stages([plant.x, plant.u, plant.w, plant.p])
-        function, inputs = dynamics(plant, torque)
-        robot = ca.vertcat(plant.v, stages.call(function, *inputs)[0])
-        held = ca.SX.zeros(plant.input_rows.stop - plant.input_rows.start)
-        still = ca.SX.zeros(len(plant.sticking_motors))
-        rates = ca.vertcat(robot, still, own_rates(plant, passed), plant.integral_rates(plant.followed(plant.u)), held)
+        function, inputs = dynamics(plant, acting_torque(plant))
+        rates = ca.vertcat(plant.v, stages.call(function, *inputs)[0], rates_beside_motion(plant))
         return stages.function("derivative", rates)
 
     def sensor_outputs(self, wanted: Sequence[tuple[str, int]]) -> ca.Function:
@@ -308,10 +312,6 @@ class PlantModel:
         found = ca.Function("slopes", [x, u, p], [slopes])
         held = np.zeros(self.robot.n_motors)
         return np.asarray(found(self.start(state, held), held, self.nominal_values).full())
-
-    @cached_property
-    def _updates(self) -> tuple[ca.Function | None, ca.Function | None]:
-        return step_updates(self._plant)
 
     @cached_property
     def _tool_pose(self) -> ca.Function:

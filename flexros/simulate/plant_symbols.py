@@ -131,13 +131,13 @@ class PlantSymbols:
                 commands[law.motor] = effect.passed(commands[law.motor], self.own(law), self.values(law))
         return commands
 
-    def driven(self, commands: ca.SX) -> ca.SX:
+    def driven(self, commands: ca.SX, *, limited: bool = True) -> ca.SX:
         """Return the torques for followed commands: they themselves, or those of servos within their limits."""
         if self.robot.commands == "torque":
             return ca.SX(commands)
         torques = []
         for motor in self.robot.motors:
-            torque, limit = self._unlimited(motor.index, commands), motor.torque_limit
+            torque, limit = self._unlimited(motor.index, commands), motor.torque_limit if limited else math.inf
             torques.append(ca.fmin(ca.fmax(torque, -limit), limit) if math.isfinite(limit) else torque)
         return ca.vertcat(*torques)
 
@@ -170,13 +170,24 @@ class PlantSymbols:
             torque += self.x[self.integral_rows.start + self.integrating.index(index)]
         return torque
 
-    def torques(self, commands: ca.SX) -> ca.SX:
-        """Return the motor torques for commands, after filters, saturation, gain and lag."""
-        torque = self.driven(self.followed(commands))
+    def torques(self, commands: ca.SX, *, limited: bool = True) -> ca.SX:
+        """Return the motor torques for commands, after filters, saturation, gain and lag.
+
+        Args:
+            commands: Commands of all motors.
+            limited: Whether servos keep to the torque limits of the robot file.
+        """
+        torque = self.driven(self.followed(commands), limited=limited)
         for law, effect in self.laws.commands:
             motor = law.motor
             torque[motor] = effect.passed(torque[motor], self.own(law), self.values(law))
         return torque
+
+    def of_motors(self, values: ca.SX) -> ca.SX:
+        """Return values of all motors at the coordinates of these, zero elsewhere, SX (n_coordinates, 1)."""
+        placed = ca.SX.zeros(self.model.n_coordinates)
+        placed[list(self.robot.motor_rows)] = values
+        return placed
 
     def motor(self, law: PlacedLaw, torque: ca.SX) -> MotorState:
         """Return the motor state for a law at a motor; `torque` is that of all motors."""

@@ -12,11 +12,10 @@ from typing import TYPE_CHECKING
 import casadi as ca
 
 from flexros.compile.nested_calls import is_long
-from flexros.effects.kinds.arm_law import AbstractArmLaw
 from flexros.effects.kinds.bristle_friction import bristle_step
 from flexros.effects.kinds.dry_friction import AHEAD, FrictionLevels, mean_friction
-from flexros.effects.kinds.gear_law import AbstractGearLaw
-from flexros.effects.kinds.motor_law import AbstractMotorLaw
+from flexros.simulate.motor_stiffness import motor_stiffness
+from flexros.simulate.plant_rates import dynamics, own_rates, smooth_torque
 from flexros.simulate.stages import Stages
 
 if TYPE_CHECKING:
@@ -30,43 +29,13 @@ SWEEPS = 8
 """Sweeps over coupled friction torques per step, warm-started from the last step (chosen)."""
 
 
-def smooth_torque(plant: PlantSymbols, torque: ca.SX) -> ca.SX:
-    """Sum the continuous torques of laws at the motors, SX (M, 1).
+def step_updates(plant: PlantSymbols, *, implicit: bool = False) -> tuple[ca.Function | None, ca.Function | None]:
+    """Build the updates (x, u, w, p, h) -> x before and after an integration step; None where not needed.
 
     Args:
         plant: Symbols of the plant.
-        torque: Motor torques after saturation, gain and lag [Nm or N], SX (M, 1).
+        implicit: Whether the step is the one of `implicit_step`.
     """
-    added = ca.SX.zeros(plant.robot.n_motors)
-    for law, effect in plant.laws.torques:
-        added[law.motor] += effect.added(plant.motor(law, torque), plant.values(law))
-    return added
-
-
-def own_rates(plant: PlantSymbols, torque: ca.SX) -> ca.SX:
-    """Return the derivatives of the own states of all laws; zero for those updated between the steps.
-
-    Args:
-        plant: Symbols of the plant.
-        torque: Motor torques after saturation, gain and lag [Nm or N], SX (M, 1).
-    """
-    rates = ca.SX.zeros(plant.x.numel())
-    for law in plant.laws.all:
-        effect, values = law.effect, plant.values(law)
-        smooth = slice(plant.rows(law).start, plant.rows(law).start + effect.smooth_states)
-        if not effect.smooth_states:
-            continue
-        if isinstance(effect, AbstractMotorLaw):
-            rates[smooth] = effect.rates(plant.motor(law, torque), values)
-        elif isinstance(effect, AbstractGearLaw):
-            rates[smooth] = effect.rates(plant.gear(law), values)
-        elif isinstance(effect, AbstractArmLaw):
-            rates[smooth] = effect.rates(plant.arm(law), values)
-    return rates[plant.own_rows]
-
-
-def step_updates(plant: PlantSymbols) -> tuple[ca.Function | None, ca.Function | None]:
-    """Build the updates (x, u, w, p, h) -> x before and after an integration step; None where not needed."""
     step = ca.SX.sym("h")
     before, after = ca.SX(plant.x), ca.SX(plant.x)
     _update_command_laws(plant, before, step)
@@ -76,7 +45,7 @@ def step_updates(plant: PlantSymbols) -> tuple[ca.Function | None, ca.Function |
         after[rows] = effect.after_step(plant.gear(law), plant.values(law), step)
     arguments = [plant.x, plant.u, plant.w, plant.p, step]
     stages = Stages(arguments)
-    _update_friction(plant, before, step, stages)
+    _update_friction(plant, before, step, stages, implicit=implicit)
     if plant.input_rows.stop > plant.input_rows.start:
         before[plant.input_rows] = ca.vertcat(plant.u, plant.w)
 
@@ -106,7 +75,7 @@ def _update_command_laws(plant: PlantSymbols, x: ca.SX, step: ca.SX) -> None:
     updated(plant.driven(updated(ca.SX(plant.u), filters)), plant.laws.commands)
 
 
-def _update_friction(plant: PlantSymbols, x: ca.SX, step: ca.SX, stages: Stages) -> None:
+def _update_friction(plant: PlantSymbols, x: ca.SX, step: ca.SX, stages: Stages, *, implicit: bool) -> None:
     """Solve for the coupled friction torques of all motors by Gauss-Seidel sweeps, and write them into x."""
     bristles = plant.laws.bristles
     if not plant.sticking_motors and not bristles:
@@ -117,7 +86,8 @@ def _update_friction(plant: PlantSymbols, x: ca.SX, step: ca.SX, stages: Stages)
     nq = plant.model.n_coordinates
     friction = ca.vertcat(plant.friction, *[plant.x[row] for row in held])
     rows = [plant.robot.motor_rows[motor] for motor in motors]
-    found = _accelerations(plant, x, motors, step, stages)
+    motion = _implicit_motion if implicit else _explicit_motion
+    found = motion(plant, x, motors, step, stages)
     free, slope, mobility = found.free[rows], found.slope, found.mobility
     middle = 0.5 * step
     speeds = [
@@ -202,7 +172,31 @@ class _FreeMotion:
     torque: ca.SX
 
 
-def _accelerations(plant: PlantSymbols, x: ca.SX, motors: list[int], step: ca.SX, stages: Stages) -> _FreeMotion:
+def _implicit_motion(plant: PlantSymbols, x: ca.SX, motors: list[int], step: ca.SX, stages: Stages) -> _FreeMotion:
+    """Return the motion without friction as a step sees it that is implicit in stiffness and damping of the motors."""
+    rows = [plant.robot.motor_rows[motor] for motor in motors]
+    passed, own = plant.torques(plant.u), plant.own_states
+    driven = passed + smooth_torque(plant, passed)
+    stiffness = motor_stiffness(plant)
+    shift = -step * stiffness.stiffness * plant.v[list(plant.robot.motor_rows)]
+    inertia = plant.of_motors(stiffness.inertia(step))
+    force = plant.added_force()
+    added = ca.SX.zeros(plant.model.n_coordinates) if force is None else force
+
+    def motion(q: ca.SX, states: ca.SX, function: ca.Function) -> list[ca.SX]:
+        torque, laws = driven + shift, ca.substitute(added, plant.q, q)  # the servos see the way of the step already
+        torque, laws = (ca.substitute(value, own, states) if own.numel() else value for value in (torque, laws))
+        return stages.call(function, q, plant.v, torque, plant.w, laws, inertia, plant.robot_parameters)
+
+    ahead, now = AHEAD * step, x[plant.own_rows]
+    free, mobility = motion(plant.q, now, plant.model.heavier_acceleration_with_mobility)
+    later = now + ahead * own_rates(plant, passed)
+    then = motion(plant.q + ahead * plant.v, later, plant.model.heavier_acceleration)[0]
+    torque = ca.substitute(driven, own, now) if own.numel() else driven
+    return _FreeMotion(free, (then[rows] - free[rows]) / ahead, mobility[rows, motors], torque)
+
+
+def _explicit_motion(plant: PlantSymbols, x: ca.SX, motors: list[int], step: ca.SX, stages: Stages) -> _FreeMotion:
     """Return the motion without friction."""
     rows = [plant.robot.motor_rows[motor] for motor in motors]
     passed, own = plant.torques(plant.u), plant.own_states
@@ -236,20 +230,6 @@ def _accelerations(plant: PlantSymbols, x: ca.SX, motors: list[int], step: ca.SX
         if own.numel():
             slope = slope + ca.jtimes(free[rows], own, own_rates(plant, passed))
     return _FreeMotion(updated(free), updated(slope), mobility, updated(driven))
-
-
-def dynamics(plant: PlantSymbols, torque: ca.SX) -> tuple[ca.Function, list[ca.SX]]:
-    """Return the function of the accelerations of all coordinates, without dry friction, and its inputs.
-
-    Args:
-        plant: Symbols of the plant.
-        torque: Motor torques [Nm or N], SX (M, 1).
-    """
-    force = plant.added_force()
-    state = [plant.q, plant.v, torque, plant.w]
-    if force is None:
-        return plant.model.acceleration, [*state, plant.robot_parameters]
-    return plant.model.forced_acceleration, [*state, force, plant.robot_parameters]
 
 
 def _within_direction(speed: ca.SX, later: ca.SX) -> ca.SX:

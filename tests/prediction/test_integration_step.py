@@ -14,9 +14,9 @@ from flexros.gap.prediction import compiled_plant
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.settings import DiagnosisSettings
-from flexros.prediction.integration_step import substeps
+from flexros.prediction.integration_step import IntegrationSteps, integration_steps, substeps
 from flexros.record.read import read_record
-from flexros.robot import load_robot, robot_from_data
+from flexros.robot import Robot, load_robot, robot_from_data
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import load_scenario
@@ -44,11 +44,38 @@ def test_effects_with_fast_states_get_at_most_five_steps_in_a_sample() -> None:
     assert substeps(load_robot("emps"), 0.02, fast=True) == 5
 
 
-def test_much_damping_on_little_inertia_needs_steps_that_do_not_grow() -> None:
-    brake = "{spring: rigid, motor: {inertia: 1.0e-4, viscous_friction: 1.0}}"  # 1e4 1/s
+def _braked(friction: float = 1.0, servo: str = "") -> Robot:
+    """A joint that friction of 1 Nm s/rad stops with a time constant of 0.1 ms."""
+    brake = f"{{spring: rigid, motor: {{inertia: 1.0e-4, viscous_friction: {friction}{servo}}}}}"
     data = {"name": "brake", "bodies": [{"directions": {"ry": yaml.safe_load(brake)}}], "controlled": "j"}
-    robot = robot_from_data({**data, "outputs": {"j": {"coordinates": ["body_1.ry"]}}}, "brake.yaml")
-    assert substeps(robot, 0.004) == substeps(robot, 0.004, fast=True) == 16
+    return robot_from_data({**data, "outputs": {"j": {"coordinates": ["body_1.ry"]}}}, "brake.yaml")
+
+
+def test_much_damping_on_little_inertia_needs_steps_that_do_not_grow() -> None:
+    assert substeps(_braked(), 0.004) == substeps(_braked(), 0.004, fast=True) == 16
+    assert substeps(_braked(0.0), 0.004, (1.0,)) == 16
+
+
+@pytest.mark.parametrize(("sample_time", "rough", "number"), [(0.004, False, 5), (0.02, False, 20), (0.004, True, 2)])
+def test_steps_are_implicit_where_motions_die_out_within_a_sample(sample_time: float, rough: bool, number: int) -> None:
+    steps = integration_steps(_braked(), sample_time, may_be_implicit=True, rough=rough)
+    assert steps == IntegrationSteps(number, implicit=True)
+    assert not integration_steps(_braked(), sample_time, may_be_implicit=False, rough=rough).implicit
+
+
+def test_friction_beside_that_of_the_robot_counts() -> None:
+    assert not integration_steps(_braked(0.0), 0.004, may_be_implicit=True).implicit
+    assert integration_steps(_braked(0.0), 0.004, (1.0,), may_be_implicit=True).implicit
+
+
+def test_a_servo_that_swings_needs_runge_kutta_steps() -> None:
+    """Implicit steps as long as these would damp its vibration at 160 Hz."""
+    swinging, braked = (
+        _braked(0.0, f", servo: {{stiffness: 100, damping: {damping}}}").commanded_by("position")
+        for damping in (0.02, 2.0)
+    )
+    assert not integration_steps(swinging, 0.004, may_be_implicit=True).implicit
+    assert integration_steps(braked, 0.004, may_be_implicit=True).implicit
 
 
 @pytest.mark.slow
@@ -65,5 +92,5 @@ def test_the_steps_of_a_slowly_sampled_arm_change_the_errors_by_less_than_chance
         return float(np.sum(data.residuals(Predictor(model, (), Tolerance(), 4e-3), nothing) ** 2))
 
     usual = squares()
-    monkeypatch.setattr(compiled_plant, "substeps", lambda *_, **__: 16)
+    monkeypatch.setattr(compiled_plant, "integration_steps", lambda *_, **__: IntegrationSteps(16, implicit=False))
     assert usual == pytest.approx(squares(), abs=0.1 * np.sqrt(2 * data.n_values))

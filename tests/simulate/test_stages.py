@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from flexros.compile.nested_calls import nested_calls
+from flexros.compile.sx_emitter import PART_LENGTH
 from flexros.effects import parse_effect, place_effects
 from flexros.robot import Robot, load_robot
+from flexros.simulate.open_loop import feed_through
 from flexros.simulate.plant_model import PlantModel
 from flexros.simulate.stages import Stages
 from tests.ur5e import ur5e
@@ -39,11 +41,27 @@ def test_short_functions_are_written_out() -> None:
     np.testing.assert_array_equal(np.ravel(function([1.0, 2.0]).full()), [10.0, 38.0])
 
 
+def test_a_call_may_need_what_another_returns() -> None:
+    """Three long functions of which the last takes the results of the others, as the stages of an implicit step do."""
+    x, y = ca.SX.sym("x"), ca.SX.sym("y")
+    value = x
+    for k in range(PART_LENGTH):
+        value = ca.sin(value) + k * y
+    long = ca.Function("long", [x, y], [value])
+    stages = Stages([x, y])
+    first, second = stages.call(long, x, y)[0], stages.call(long, y, x)[0]
+    function = stages.function("whole", x + stages.call(long, first + x, second)[0] - first)
+    assert nested_calls(function) is not None
+    a, b = long(0.3, 0.01), long(0.01, 0.3)
+    assert float(function(0.3, 0.01)) == pytest.approx(float(0.3 + long(a + 0.3, b) - a), rel=1e-12)
+
+
 @pytest.mark.parametrize("effects", [FRICTION[:1], FRICTION])
 def test_long_dynamics_are_called(effects: tuple[str, ...]) -> None:
     model = plant(ur5e(), *effects)
-    before, after = model._updates
-    assert after is None
+    functions = model.functions(feed_through(6))
+    before = functions.before_step
+    assert functions.after_step is None
     assert before is not None
     for function in (model.derivative, before):
         assert nested_calls(function) is not None

@@ -11,6 +11,8 @@ if TYPE_CHECKING:
     import casadi as ca
 
 WRENCH_SIZE = 6
+N_WEIGHTS = 3
+"""Number of weights of a step, see `step_weights`."""
 
 
 @dataclass(frozen=True)
@@ -28,12 +30,14 @@ class LoopFunctions:
         sensor: (y, x, p) -> y, acting on the noisy encoder values: quantisation, periodic errors. None: no change.
         further: (x, p) -> (n_further,) values of sensors beside the encoders. None: there are none.
         exact_update: (x, u, w, p, h) -> x after time h [s] by the dynamics that `derivative` omits, solved exactly:
-            stiff bristles, stick and slip. Applied for h/2 before and after every Runge-Kutta step (Strang 1968,
+            stiff bristles, stick and slip. Applied for h/2 before and after every step (Strang 1968,
             second order). None: nothing is omitted.
-        before_step: (x, u, w, p, h) -> x, called once before every Runge-Kutta step of length h [s]: sets quantities
+        before_step: (x, u, w, p, h) -> x, called once before every step of length h [s]: sets quantities
             held during the step, such as a mean friction torque. None: nothing.
         after_step: The same after every step: updates states that depend on its end point, such as the slip of an
             element of a hysteresis. None: nothing.
+        step: (x, u, w, p, weights) -> x one step later, with the weights of `step_weights`. None: the Runge-Kutta step
+            of `derivative`.
     """
 
     derivative: ca.Function
@@ -45,6 +49,7 @@ class LoopFunctions:
     exact_update: ca.Function | None = None
     before_step: ca.Function | None = None
     after_step: ca.Function | None = None
+    step: ca.Function | None = None
 
 
 @dataclass(frozen=True)
@@ -119,11 +124,11 @@ def loop_sizes(functions: LoopFunctions) -> LoopSizes:
     if functions.further is not None:
         _check_counts("further", functions.further, 2, 1)
         _check_sizes("further", functions.further, (x, p), (sizes.further,))
-    for name in ("exact_update", "before_step", "after_step"):
+    for name, last in (("exact_update", 1), ("before_step", 1), ("after_step", 1), ("step", N_WEIGHTS)):
         update: ca.Function | None = getattr(functions, name)
         if update is not None:
             _check_counts(name, update, 5, 1)
-            _check_sizes(name, update, (x, m, WRENCH_SIZE, p, 1), (x,))
+            _check_sizes(name, update, (x, m, WRENCH_SIZE, p, last), (x,))
     return sizes
 
 

@@ -5,16 +5,17 @@ from __future__ import annotations
 import ctypes
 from typing import TYPE_CHECKING
 
-import casadi as ca
 import numpy as np
 
 from flexros.compile.compiled_function import bind_packed, packed_entry
 from flexros.compile.loop.driver import ADVANCE, JOB_FIELDS, MEASURE, RUN, LoopDriver, LoopSymbols
-from flexros.compile.loop.runge_kutta import is_merged, runge_kutta_step
+from flexros.compile.loop.runge_kutta import whole_step
 from flexros.compile.module_builder import ModuleBuilder, check_lanes
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    import casadi as ca
 
     from flexros.arrays import FloatArray
     from flexros.compile.command_delay import CommandDelay, MotorDelays
@@ -78,11 +79,11 @@ def add_functions(builder: ModuleBuilder, functions: LoopFunctions, lanes: int) 
     def add(name: str, function: ca.Function) -> str:
         return builder.add_function(function, name=name, lanes=lanes)
 
-    merged = is_merged(functions)
+    step = whole_step(functions)
     sensor, exact_update = functions.sensor, functions.exact_update
     return LoopSymbols(
-        derivative=None if merged else add("derivative", functions.derivative),
-        merged_step=add("merged_step", runge_kutta_step(functions, ca.SX)) if merged else None,
+        derivative=None if step is not None else add("derivative", functions.derivative),
+        merged_step=None if step is None else add("merged_step", step),
         encoder=add("encoder", functions.encoder),
         tool_pose=add("tool_pose", functions.tool_pose),
         controller=add("controller", functions.controller),

@@ -37,7 +37,10 @@ def runge_kutta_step(functions: LoopFunctions, symbol: type[Symbol]) -> ca.Funct
     return ca.Function("runge_kutta_step", [x, u, w, p, weights], [after])
 
 
-def is_merged(functions: LoopFunctions) -> bool:
-    """Return whether the step is short enough to be compiled as one function."""
+def whole_step(functions: LoopFunctions) -> ca.Function | None:
+    """Return the step of a loop as one function to compile; None where the derivative is too long to be written out."""
+    if functions.step is not None:
+        return functions.step
     derivative = functions.derivative
-    return bool(derivative.is_a("SXFunction")) and derivative.n_instructions() <= MERGED_INSTRUCTIONS
+    short = derivative.is_a("SXFunction") and derivative.n_instructions() <= MERGED_INSTRUCTIONS
+    return runge_kutta_step(functions, ca.SX) if short else None

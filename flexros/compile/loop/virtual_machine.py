@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 
 from flexros.compile.loop.functions import WRENCH_SIZE
-from flexros.compile.loop.runge_kutta import is_merged, runge_kutta_step, step_weights
+from flexros.compile.loop.runge_kutta import runge_kutta_step, step_weights, whole_step
 from flexros.compile.module_builder import check_lanes
 
 if TYPE_CHECKING:
@@ -147,7 +147,7 @@ def _step_function(functions: LoopFunctions, sizes: LoopSizes, h: float) -> ca.F
     def updated(function: ca.Function | None, state: ca.MX, duration: float) -> ca.MX:
         return state if function is None else function(state, u, w, p, duration)
 
-    step = runge_kutta_step(functions, ca.SX) if is_merged(functions) else runge_kutta_step(functions, ca.MX)
+    step = whole_step(functions) or runge_kutta_step(functions, ca.MX)
     begin = updated(functions.exact_update, updated(functions.before_step, x, h), 0.5 * h)
     end = updated(functions.exact_update, step(begin, u, w, p, ca.DM(step_weights(h))), 0.5 * h)
     return ca.Function("step", [x, u, w, p], [updated(functions.after_step, end, h)])

@@ -11,7 +11,6 @@ from flexros.effects.torque_drift import TorqueDrift
 from flexros.gap.answer.hanging_sizes import hanging_sizes
 from flexros.gap.fit.estimates import placed_effects
 from flexros.gap.fit.torques.regression import ONE_WAY
-from flexros.gap.prediction.braking import runaway_warning
 
 if TYPE_CHECKING:
     from flexros.gap.answer.decision import Findings
@@ -87,16 +86,8 @@ def answer_warnings(findings: Findings, gap: GapNumbers, *, worse: bool) -> list
         *_unit_warnings(findings),
         *_drift_warnings(findings),
         *_one_way_warnings(findings),
-        *_runaway(findings),
         *hanging_sizes(findings),
     ]
-
-
-def _runaway(findings: Findings) -> tuple[str, ...]:
-    """Name the motors whose friction, as found, is too fast for the steps of the predictions."""
-    chosen = findings.explanations.chosen
-    found = findings.model.with_effects(placed_effects(chosen))
-    return runaway_warning(found, findings.data.record.sample_time, chosen.predictor.plant.steps)
 
 
 def _without_finding(findings: Findings) -> list[str]:

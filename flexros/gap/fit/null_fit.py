@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from flexros.gap.prediction.compiled_plant import CompiledPlant
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.settings import FitSettings
+    from flexros.prediction.integration_step import IntegrationSteps
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,13 +49,15 @@ class NullFit:
         """
         return _predictor(self.data, self.model, hypothesis, self.fit.predictor.tolerance, plant)
 
-    def plant(self, candidates: Sequence[Candidate], *, rough: bool = False, steps: int | None = None) -> CompiledPlant:
+    def plant(
+        self, candidates: Sequence[Candidate], *, rough: bool = False, steps: IntegrationSteps | None = None
+    ) -> CompiledPlant:
         """Compile a plant for all hypotheses that contain no other candidates than these.
 
         Args:
             candidates: The candidates.
             rough: Whether its predictions are compared with each other alone, see `CompiledPlant`.
-            steps: Integration steps per sample; None: as many as needed.
+            steps: Integration steps; None: those that are needed.
         """
         tolerance, record = self.fit.predictor.tolerance, self.data.record
         return compiled_plant(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -17,9 +18,9 @@ from flexros.effects.kinds.dry_friction import AbstractDryFriction
 from flexros.effects.kinds.law import AbstractLaw
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.effects.kinds.motor_law import AbstractMotorTorque
-from flexros.gap.prediction.braking import braked_robot
 from flexros.gap.prediction.fractional_delay import HALVES
-from flexros.prediction.integration_step import substeps
+from flexros.gap.prediction.most_friction import most_friction
+from flexros.prediction.integration_step import integration_steps
 from flexros.simulate.open_loop import feed_through
 from flexros.simulate.plant_model import PlantModel
 
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 
     from flexros.effects import RobotWithEffects
     from flexros.gap.candidates.candidate import Candidate, Hypothesis
+    from flexros.prediction.integration_step import IntegrationSteps
     from flexros.robot import Robot
 
 LANES = 8
@@ -51,7 +53,7 @@ class CompiledPlant:
         sample_time: Time between two samples [s].
         measured_torque: Whether the torques of the log were measured at the motors, after the nominal delay.
         rough: Whether it takes as few steps per sample as serve to compare its predictions with each other.
-        steps: Integration steps per sample; None: as many as the robot and the candidates need.
+        steps: Integration steps; None: those that the robot and the candidates need.
 
     Attributes:
         robot: The nominal robot.
@@ -60,7 +62,7 @@ class CompiledPlant:
         model: The plant.
         delay: Delay of the torques of the log [s]; one per motor if effects delay single motors.
         parts: Parts of a sample with torques of their own: two where a candidate delays these, as any delay needs.
-        steps: Integration steps per sample.
+        steps: Integration steps.
         loop: The predictor of constant gain around it, of one part after the other.
     """
 
@@ -73,7 +75,7 @@ class CompiledPlant:
         *,
         measured_torque: bool = False,
         rough: bool = False,
-        steps: int | None = None,
+        steps: IntegrationSteps | None = None,
     ) -> None:
         self.robot = model.robot
         self.laws = tuple(one for one in candidates if is_law(one))
@@ -89,12 +91,20 @@ class CompiledPlant:
         fast = bool(known or any(map(_own_states, self.laws)))
         self.parts = parts_of(self.robot, candidates)
         if steps is None:
+            steps = integration_steps(
+                self.robot,
+                sample_time,
+                most_friction(model, candidates),
+                may_be_implicit=self.model.can_be_implicit,
+                fast=fast,
+                rough=rough,
+            )
             least = 1 if rough or not any(map(_bends, self.laws)) else STEPS_OF_BRISTLES
-            steps = max(least, substeps(braked_robot(model), sample_time, fast=fast, rough=rough))
-        of_part = -(-steps // self.parts)
-        self.steps = of_part * self.parts
+            steps = replace(steps, number=max(least, steps.number))
+        of_part = -(-steps.number // self.parts)
+        self.steps = replace(steps, number=of_part * self.parts)
         self.loop = PredictionLoop(
-            self.model.functions(feed_through(self.robot.n_motors)),
+            self.model.functions(feed_through(self.robot.n_motors), implicit=steps.implicit),
             sample_time=sample_time / self.parts,
             delay=self.delay if self.parts == 1 else 0.0,  # else the halves are those of the whole delay
             substeps=of_part,
@@ -151,7 +161,7 @@ def compiled_plant(
     *,
     measured_torque: bool = False,
     rough: bool = False,
-    steps: int | None = None,
+    steps: IntegrationSteps | None = None,
 ) -> CompiledPlant:
     """Return a plant with some candidates; arguments as of `CompiledPlant`.
 

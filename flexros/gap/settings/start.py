@@ -79,12 +79,6 @@ class TorqueStartSettings(Settings):
         description="the same over that of the bodies it moves [1] (chosen): bodies that are stated without tolerance "
         "are not known better",
     )
-    least_stepped_rotor: float = Field(
-        default=0.1,
-        ge=0,
-        description="inertia that a motor without rotor is given so that its friction can be stepped, over that of its "
-        "bodies, from which it is [1] (chosen)",
-    )
     lightest_load: float = Field(
         default=0.005,
         ge=0,

@@ -123,16 +123,19 @@ class SymbolicModel:
     def _acceleration(self) -> ca.SX:
         return self._accelerated_by(ca.SX.zeros(self.n_coordinates))
 
-    def _accelerated_by(self, added: ca.SX) -> ca.SX:
-        """Return the accelerations under additional forces on the coordinates."""
+    def _accelerated_by(self, added: ca.SX, inertia: ca.SX | None = None) -> ca.SX:
+        """Return the accelerations under additional forces on the coordinates, with additional inertias of them."""
+        heavier = ca.SX(self.n_coordinates, 1) if inertia is None else inertia
         if self.specification.inertial_coupling:
-            return inertial_coupling.solve_symmetric(self._mass_matrix, self._force + added)
+            return inertial_coupling.solve_symmetric(self._mass_matrix + ca.diag(heavier), self._force + added)
         tau = self._transmission.arm + self._transmission.drive @ self._u + added[: self.n_arm]
+        armature = [own + heavier[index] for index, own in enumerate(self._transmission.armature)]
         arm = dynamics.forward_dynamics(
-            self.chain, self._geometry, self._gravity, self._transmission.armature, self._qa, self._va, tau, self._w
+            self.chain, self._geometry, self._gravity, armature, self._qa, self._va, tau, self._w
         )
         motor = (
-            (self._transmission.motor + self._flexible_torque + added[self.n_arm :]) / self._motor_inertia
+            (self._transmission.motor + self._flexible_torque + added[self.n_arm :])
+            / (self._motor_inertia + heavier[self.n_arm :])
             if self.chain.flexible_motors
             else ca.SX(0, 1)
         )
@@ -154,13 +157,28 @@ class SymbolicModel:
         )
 
     @cached_property
+    def heavier_acceleration(self) -> ca.Function:
+        """The same from (q, v, u, w, f, e, p), with additional inertias e of all coordinates."""
+        f, e = ca.SX.sym("f", self.n_coordinates), ca.SX.sym("e", self.n_coordinates)
+        arguments = [self._q, self._v, self._u, self._w, f, e, self._p]
+        names = ["q", "v", "u", "w", "f", "e", "p"]
+        return self._function("heavier_acceleration", arguments, [self._accelerated_by(f, e)], names)
+
+    @cached_property
     def acceleration_with_mobility(self) -> ca.Function:
         """Accelerations of q, and their derivatives to the motor torques, from (q, v, u, w, f, p)."""
-        inputs = self.forced_acceleration.sx_in()
-        found = self.forced_acceleration(*inputs)
-        return self._function(
-            "acceleration_with_mobility", inputs, [found, ca.jacobian(found, inputs[2])], ["q", "v", "u", "w", "f", "p"]
-        )
+        return self._with_mobility(self.forced_acceleration)
+
+    @cached_property
+    def heavier_acceleration_with_mobility(self) -> ca.Function:
+        """The same from (q, v, u, w, f, e, p), with additional inertias e of all coordinates."""
+        return self._with_mobility(self.heavier_acceleration)
+
+    def _with_mobility(self, accelerated: ca.Function) -> ca.Function:
+        inputs = accelerated.sx_in()
+        found = accelerated(*inputs)
+        outputs = [found, ca.jacobian(found, inputs[2])]
+        return self._function(f"{accelerated.name()}_with_mobility", inputs, outputs, accelerated.name_in())
 
     @cached_property
     def derivative(self) -> ca.Function:

@@ -79,6 +79,16 @@ def test_updates_before_and_after_a_step_equal_the_virtual_machine(chain: LoopFu
     assert_equal(both(functions, 100, rich_inputs(100), substeps=2, delay=1.3 * SAMPLE_TIME))
 
 
+def test_another_step_equals_the_virtual_machine(chain: LoopFunctions) -> None:
+    rates = chain.derivative
+    x, u, w, p = (ca.SX.sym(name, rates.numel_in(k)) for k, name in enumerate("xuwp"))
+    weights = ca.SX.sym("weights", 3)
+    euler = ca.Function("euler", [x, u, w, p, weights], [x + weights[0] * rates(x, u, w, p)])
+    results = both(replace(chain, step=euler), 50, rich_inputs(50), substeps=2)
+    assert_equal(results)
+    assert not np.allclose(results[0].encoder, both(chain, 50, rich_inputs(50), substeps=2)[0].encoder, rtol=1e-9)
+
+
 @pytest.mark.parametrize("lanes", [1, 4])
 def test_delays_of_single_motors_equal_the_virtual_machine(chain: LoopFunctions, lanes: int) -> None:
     delay = (0.4 * SAMPLE_TIME, 2.0 * SAMPLE_TIME)

@@ -70,7 +70,7 @@ def test_bristles_take_the_steps_of_delayed_torques_with_which_they_are_compared
     every = candidates_of()
     presliding, delay = (every[name] for name in ("presliding_friction@motor_1", "delay@all"))
     plain, bent, late, rough = (
-        CompiledPlant(MODEL, candidates, (), 5e-4, rough=rough).steps
+        CompiledPlant(MODEL, candidates, (), 5e-4, rough=rough).steps.number
         for candidates, rough in (
             ((), False),
             ((presliding,), False),

@@ -1,11 +1,8 @@
-"""Inertias of rotors that a robot file leaves out: those that torques show, and those that friction needs in steps."""
+"""Rotors that a robot file leaves out, and friction in it that joints without rotors cannot have."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
-
-from flexros.prediction.integration_step import least_inertia, stops_too_fast, substeps
-from flexros.robot.parameters import SERVO
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -14,9 +11,8 @@ if TYPE_CHECKING:
     from flexros.gap.settings import TorqueStartSettings
     from flexros.robot import Robot
 
-STEPS = 16
-"""Steps per sample that the friction of motors without rotors may need [1] (chosen). Some URDFs have the same large
-damping at every joint, which only keeps a simulator calm; a light wrist without rotor would stop within 0.1 ms."""
+AT_ONCE = 4.0
+"""Sample time over the time constant of a joint from which its friction stops it within a sample [1] (chosen)."""
 
 
 def least_rotors(
@@ -40,39 +36,15 @@ def least_rotors(
     }
 
 
-def inertias_to_step(
-    robot: Robot, sample_time: float, of_bodies: Mapping[str, float], shows: float
-) -> dict[str, float]:
-    """Return the least inertias of motors without rotor with which their friction, or servos, can be stepped.
+def stops_at_once(robot: Robot, sample_time: float, of_bodies: Mapping[str, float]) -> bool:
+    """Return whether the viscous friction of the robot file would stop a motor without rotor within a sample.
 
-    Args:
-        robot: The robot, driven as in the log.
-        sample_time: Time between two samples [s].
-        of_bodies: Inertia of the bodies that each of these motors moves, by name [kg m2 or kg].
-        shows: Inertia over that of the bodies from which it is given [1].
-    """
-    if not stops_too_fast(robot, sample_time, STEPS):
-        return {}
-    kinds = ("viscous_friction", f"{SERVO}damping") if robot.commands == "position" else ("viscous_friction",)
-    braking = {name: sum(robot.parameters[f"{name}.{kind}"].value for kind in kinds) for name in of_bodies}
-    least = {name: least_inertia(value, sample_time, STEPS) for name, value in braking.items()}
-    return {name: value for name, value in least.items() if value > shows * of_bodies[name]}
-
-
-def inertias_for_friction(
-    robot: Robot, sample_time: float, friction: Mapping[str, float], carried: Mapping[str, float]
-) -> dict[str, float]:
-    """Return the least inertias of motors without rotor with which the friction that their torques show can be stepped.
-
-    Without it a light wrist with the friction of its gear would diverge in the steps of the nominal robot, and with it
-    all that the torques of the other motors show.
+    Some URDFs have the same large damping at every joint, which only keeps a simulator calm.
 
     Args:
         robot: The robot.
         sample_time: Time between two samples [s].
-        friction: Viscous friction by motor [Nm s/rad or N s/m].
-        carried: Inertia by motor that is known [kg m2 or kg].
+        of_bodies: Inertia of the bodies that each of these motors moves, by name [kg m2 or kg].
     """
-    steps = substeps(robot, sample_time)
-    least = {name: least_inertia(value, sample_time, steps) for name, value in friction.items()}
-    return {name: value for name, value in least.items() if value > carried[name]}
+    friction = {name: robot.parameters[f"{name}.viscous_friction"].value for name in of_bodies}
+    return any(value * sample_time > AT_ONCE * of_bodies[name] for name, value in friction.items())

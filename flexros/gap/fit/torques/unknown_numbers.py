@@ -17,7 +17,7 @@ from flexros.gap.fit.torques.balanced import regress_balanced
 from flexros.gap.fit.torques.delay import torque_delay
 from flexros.gap.fit.torques.encoder_zeros import with_zeros
 from flexros.gap.fit.torques.missing_load import bodies_are_off, clear_load, load_before_bodies, may_carry, rest_of
-from flexros.gap.fit.torques.missing_rotors import inertias_for_friction, inertias_to_step, least_rotors
+from flexros.gap.fit.torques.missing_rotors import least_rotors, stops_at_once
 from flexros.gap.fit.torques.regression import at_zeros, only_coulomb, regress_torque
 from flexros.gap.fit.torques.rough_bodies import CENTER, fitted_bodies, is_inertial, with_rough_bodies
 from flexros.gap.settings import TorqueStartSettings
@@ -35,9 +35,6 @@ PLACEHOLDER = 0.5
 """Share of such a friction that the torques of the log have at most, if it stands for none [1] (chosen)."""
 UNCERTAIN = 0.5
 """Standard deviation of the logarithm of an estimated inertia: the prediction errors decide (chosen)."""
-UNCERTAIN_LEAST = 1.5
-"""The same for an inertia that is only the least with which its joint can be stepped (chosen): it may be any larger
-one, as rotors of wrists are ten times as large."""
 UNCERTAIN_LOAD = 0.1
 """The same for mass and centre of the body with an estimated load (chosen): the weight shows them well."""
 
@@ -53,7 +50,6 @@ class UnknownNumbers:
         placeholders: Viscous friction in the file by motor, where it stands for none [Nm s/rad or N s/m].
         rough: Tolerance of masses, centres of mass and inertias of the bodies where they are off by more than that of
             the file allows for [1]; zero where they are not.
-        least: Motors whose inertia is not estimated, but the least with which their friction can be stepped.
     """
 
     inertias: Mapping[str, float] = field(default_factory=dict)
@@ -61,7 +57,6 @@ class UnknownNumbers:
     bare: float = 0.0
     placeholders: Mapping[str, float] = field(default_factory=dict)
     rough: float = 0.0
-    least: frozenset[str] = frozenset()
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -93,7 +88,7 @@ class UnknownNumbers:
         repaired = {law.location for law in model.laws if isinstance(law.effect, ViscousFriction)}
         placeholders = {name: value for name, value in self.placeholders.items() if name not in repaired}
         load = self.load if bare else None
-        return UnknownNumbers(lacked, load, self.bare, placeholders, least=self.least & lacked.keys())
+        return UnknownNumbers(lacked, load, self.bare, placeholders)
 
     def given_to(self, model: RobotWithEffects) -> RobotWithEffects:
         """Return a model that lacks these numbers with them."""
@@ -120,7 +115,7 @@ class UnknownNumbers:
             tolerance: Tolerance of the model with these numbers.
             robot: The robot.
         """
-        uncertain = {f"{name}.inertia": UNCERTAIN_LEAST if name in self.least else UNCERTAIN for name in self.inertias}
+        uncertain = {f"{name}.inertia": UNCERTAIN for name in self.inertias}
         uncertain |= dict.fromkeys(self._of_load(robot), UNCERTAIN_LOAD)
         bodies = with_rough_bodies(tolerance, self.rough)
         pairs = zip(bodies.names, bodies.deviations, strict=True)
@@ -171,8 +166,7 @@ def unknown_numbers(
 ) -> UnknownNumbers:
     """Estimate the rotor inertias that a model lacks and a load, from a log that this program has not simulated.
 
-    In a log of position commands, whose torques are not known, only rotors without which the damping of servos would
-    stop light joints at once are given, with the least inertia that can be stepped; the fit says more.
+    A log of position commands shows none of them: its torques are not known, and a load is a candidate.
 
     Args:
         record: The log.
@@ -185,18 +179,14 @@ def unknown_numbers(
     settings = settings or TorqueStartSettings()
     robot = model.robot
     lacking = [name for name in robot.joint_names if robot.parameters[f"{name}.inertia"].value == 0]
-    if record.simulated or not only_coulomb(model) or not (lacking or may_carry(robot)):
+    unknown = bool(lacking) or may_carry(robot)
+    if record.simulated or record.command is not None or not only_coulomb(model) or not unknown:
         return UnknownNumbers()
     of_bodies = _inertias_of_bodies(record, robot)
-    needed = inertias_to_step(
-        robot, record.sample_time, {name: of_bodies[name] for name in lacking}, settings.least_stepped_rotor
-    )
-    if record.command is not None:  # servos: their torques are not known, and a load is a candidate
-        return UnknownNumbers(needed, least=frozenset(needed))
     delay = torque_delay(record, model, tolerance, settings)
     regression = regress_balanced(record, model, tolerance, delay=delay, settings=settings)
     if regression is None:
-        return UnknownNumbers(needed, least=frozenset(needed))
+        return UnknownNumbers()
     with_load_or_bodies = partial(
         _with_load_or_bodies,
         model=model,
@@ -215,15 +205,10 @@ def unknown_numbers(
     rotors = _clear_rotors(shown.regression, robot, of_bodies, lacking, settings)
     changes = dict(zip(robot.joint_names, shown.regression.viscous_friction.tolist(), strict=True))
     viscous = {name: robot.parameters[f"{name}.viscous_friction"].value for name in lacking}
-    friction = {name: value + changes[name] for name, value in viscous.items()}
-    placeholders = {name: value for name, value in viscous.items() if needed and friction[name] < PLACEHOLDER * value}
-    needed = {name: value for name, value in needed.items() if name not in placeholders}
-    carried = {name: of_bodies[name] + rotors.get(name, 0.0) for name in lacking}
-    needed |= inertias_for_friction(robot, record.sample_time, friction, carried)
-    inertias = {name: max(needed.get(name, 0.0), rotors.get(name, 0.0)) for name in (needed | rotors)}
+    calmed = stops_at_once(robot, record.sample_time, {name: of_bodies[name] for name in lacking})
+    unseen = {name: value for name, value in viscous.items() if value + changes[name] < PLACEHOLDER * value}
     bare = robot.parameters[f"{last_moved(robot)}.mass"].value if shown.load else 0.0
-    least = frozenset(name for name, value in needed.items() if value > rotors.get(name, 0.0))
-    return UnknownNumbers(inertias, shown.load, bare, placeholders, shown.rough, least)
+    return UnknownNumbers(rotors, shown.load, bare, unseen if calmed else {}, shown.rough)
 
 
 def _inertias_of_bodies(record: Record, robot: Robot) -> dict[str, float]:

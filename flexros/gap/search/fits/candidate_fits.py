@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from flexros.gap.fit.screening import Directions, Surroundings
     from flexros.gap.prediction.compiled_plant import CompiledPlant
     from flexros.gap.search.fits.additions import Addition
+    from flexros.prediction.integration_step import IntegrationSteps
 
 REMEMBERED = 2
 """Explanations whose linearisation is kept (chosen): each has the size of some predictions."""
@@ -189,7 +190,7 @@ class Search(Refits):
         return {one: plant for group, plant in zip(groups, plants, strict=True) for one in group}
 
     def _directions(
-        self, fit: CandidateFit, residuals: Mapping[int, FloatArray], pair: tuple[Candidate, CompiledPlant]
+        self, fit: CandidateFit, residuals: Mapping[IntegrationSteps, FloatArray], pair: tuple[Candidate, CompiledPlant]
     ) -> Directions:
         candidate, plant = pair
         own = starts_of((candidate,), self.settings.fit.most_starts if fit is self.null.fit else LANES)

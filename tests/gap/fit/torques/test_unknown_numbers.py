@@ -1,4 +1,4 @@
-"""Friction of a simulator in a robot file: it counts as none where torques do not show it, and can be stepped else."""
+"""Friction of a simulator in a robot file, which counts as none where torques do not show it; rotors; rough bodies."""
 
 from __future__ import annotations
 
@@ -15,17 +15,15 @@ from flexros.effects.kinds.base import PlacedEffect
 from flexros.gap.candidates.tolerance import Tolerance, tolerance_of
 from flexros.gap.diagnose import diagnose
 from flexros.gap.fit.torques.missing_load import bodies_are_off, load_before_bodies
-from flexros.gap.fit.torques.missing_rotors import STEPS
 from flexros.gap.fit.torques.regression import regress_torque
 from flexros.gap.fit.torques.rough_bodies import fitted_bodies, with_rough_bodies
 from flexros.gap.fit.torques.solution import TorqueRegression
-from flexros.gap.fit.torques.unknown_numbers import UNCERTAIN, UNCERTAIN_LEAST, UnknownNumbers, unknown_numbers
+from flexros.gap.fit.torques.unknown_numbers import UnknownNumbers, unknown_numbers
 from flexros.gap.measure_gap import measure_gap
 from flexros.gap.settings import DiagnosisSettings, SearchSettings, TorqueStartSettings
-from flexros.prediction.integration_step import least_inertia, stops_too_fast, substeps
 from flexros.record.record import Record
 from flexros.robot import Robot, load_robot, robot_from_data
-from tests.gap.rigid_arm import ARM, COULOMB, INERTIA, VISCOUS, T, arm, motion, record_of_arm
+from tests.gap.rigid_arm import ARM, COULOMB, INERTIA, VISCOUS, arm, motion, record_of_arm
 
 FILE = 500.0
 """Viscous friction of the robot file; that of the log is `VISCOUS`."""
@@ -48,42 +46,12 @@ def unknown(record: Record) -> UnknownNumbers:
     return unknown_numbers(record, RobotWithEffects(damped(), ()), Tolerance())
 
 
-def test_a_light_wrist_gets_the_inertia_with_which_the_friction_of_its_torques_can_be_stepped() -> None:
-    """Without it the effects that torques show would diverge together, and the search would begin with nothing."""
-    record, speed = record_of_arm(imported=True, rotors=(INERTIA[0], 0.0)), motion()[1]
-    more = np.array([0.0, FILE]) * 0.5 * (speed + np.vstack([speed[1:], speed[-1:]]))
-    model = RobotWithEffects(arm(), ())
-    assert "motor_2" not in unknown_numbers(record, model, Tolerance()).inertias
-    found = unknown_numbers(replace(record, torque=record.torque + more), model, Tolerance())
-    steps = substeps(arm(), T)
-    assert found.inertias["motor_2"] == pytest.approx(least_inertia(FILE + VISCOUS[1], T, steps), rel=0.05)
-    damped_wrist = found.given_to(model).robot.with_values({"motor_2.viscous_friction": FILE})
-    assert found.least == {"motor_2"}
-    assert not stops_too_fast(damped_wrist, T, steps)
-
-
-@pytest.mark.parametrize(("damping", "light"), [(1000.0, {"motor_2"}), (10.0, set())])
-def test_a_servo_without_rotor_gets_the_inertia_with_which_its_damping_can_be_stepped(
-    damping: float, light: set[str]
-) -> None:
-    """A file from a URDF has no rotors: with stiff servos of a simulator a prediction took 64 steps a sample."""
-    servo = f"{{inertia: 0, servo: {{stiffness: {20 * damping}, damping: {damping}}}}}"
+def test_servos_without_rotors_get_none() -> None:
+    """A file from a URDF has no rotors, and the torques of servos are not known."""
+    servo = "{inertia: 0, servo: {stiffness: 20000, damping: 1000}}"
     stiff = robot_from_data(yaml.safe_load(ARM.replace("{inertia: 0}", servo)), "stiff.yaml").commanded_by("position")
     record = replace(record_of_arm(imported=True), command=motion()[0])
-    found = unknown_numbers(record, RobotWithEffects(stiff, ()), Tolerance())
-    assert found.inertias.keys() == found.least == light
-    assert found.load is None
-    steps = substeps(found.given_to(RobotWithEffects(stiff, ())).robot, T)
-    assert steps <= 2 * STEPS < substeps(stiff, T) if light else steps == substeps(stiff, T)
-
-
-def test_the_least_inertia_for_steps_may_be_any_larger_one() -> None:
-    numbers = UnknownNumbers({"motor_1": 1.0, "motor_2": 0.01}, least=frozenset({"motor_2"}))
-    model = arm()
-    tolerance = Tolerance(("motor_1.inertia", "motor_2.inertia"), (0.03, 0.03))
-    assert numbers.tolerated(tolerance, model).deviations == (UNCERTAIN, UNCERTAIN_LEAST)
-    bare = RobotWithEffects(model.with_values({"motor_1.inertia": 0.0, "motor_2.inertia": 0.0}), ())
-    assert numbers.lacked_by(bare).least == {"motor_2"}
+    assert unknown_numbers(record, RobotWithEffects(stiff, ()), Tolerance()) == UnknownNumbers()
 
 
 def test_friction_that_torques_do_not_show_stands_for_none() -> None:
@@ -102,13 +70,11 @@ def test_a_patched_model_lacks_no_friction() -> None:
     assert set(found.lacked_by(RobotWithEffects(damped(), ()).with_effects([law])).placeholders) == {"motor_2"}
 
 
-def test_friction_that_torques_show_stays_and_can_be_stepped() -> None:
-    assert stops_too_fast(damped(), T, STEPS)
+def test_friction_that_torques_show_stays() -> None:
     found = unknown(damped_record())
     assert not found.placeholders
     given = found.given_to(RobotWithEffects(damped(), ())).robot
     assert given.parameters["motor_1.viscous_friction"].value == FILE
-    assert not stops_too_fast(given, T, STEPS)
 
 
 ROUGH = {"body_1.mass": 8.0, "body_1.center_of_mass.x": 0.24, "body_2.mass": 2.5, "body_2.center_of_mass.x": 0.22}

@@ -22,7 +22,7 @@ from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.search.fits.additions import Addition
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.settings import DiagnosisSettings, SearchSettings
-from flexros.prediction.integration_step import substeps
+from flexros.prediction.integration_step import IntegrationSteps, substeps
 from flexros.robot import load_robot
 from tests.gap.diagnosis_logs import MODEL, candidates_of, data_of, predictor_of, search_of, settings_of
 from tests.gap.servo_logs import servo_log, servo_robot
@@ -105,8 +105,11 @@ def test_candidates_are_looked_at_with_longer_steps_which_change_their_gains_lit
     among = [candidates_of()[name] for name in names]
     around = search.surroundings(search.null.fit)
     exact = search.directions(among)
-    plant = search.null.plant(among, steps=2)
-    residual = search.data.residuals(search.null.predictor((), search.null.plant((), steps=2)), np.zeros((0, 1)))[:, 0]
+    two = IntegrationSteps(2, implicit=False)
+    plant = search.null.plant(among, steps=two)
+    residual = search.data.residuals(search.null.predictor((), search.null.plant((), steps=two)), np.zeros((0, 1)))[
+        :, 0
+    ]
     steps = search.null.fit.predictor.plant.steps
     for one in exact:
         again = search._directions(search.null.fit, {steps: residual, plant.steps: residual}, (one.candidate, plant))

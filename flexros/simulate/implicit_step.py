@@ -1,0 +1,68 @@
+"""Integration step of arms whose servos or viscous friction are much faster than a sample.
+
+A Runge-Kutta step must be shorter than 2.8 time constants of the fastest motion, however little of it shows. The light
+wrist of a URDF without rotors, held by a servo, has time constants of microseconds. The step here is linearly implicit
+in the stiffness K and the damping D of every motor, both diagonal, and explicit in all else (Verwer et al. 1999, "A
+second-order Rosenbrock method applied to photochemical dispersion problems", eq. 2.1; a W-method: of order two for any
+K and D):
+
+    (1 - g h A) k1 = h f(x),   (1 - g h A) k2 = h f(x + k1) - 2 k1,   x <- x + 3/2 k1 + 1/2 k2,   g = 1 - 1/sqrt(2)
+
+With A = [0 1; -M^-1 K, -M^-1 D] the accelerations of a stage are those of an arm with the additional inertias
+g h D + (g h)^2 K at its motors, under a torque that depends on the stage.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import casadi as ca
+
+from flexros.simulate.motor_stiffness import motor_stiffness
+from flexros.simulate.plant_rates import acting_torque, rates_beside_motion
+from flexros.simulate.stages import Stages
+
+if TYPE_CHECKING:
+    from flexros.simulate.plant_symbols import PlantSymbols
+
+GAMMA = 1 - 1 / math.sqrt(2)
+"""Coefficient of the implicit terms [1]: motions that are much faster than a step are gone after it."""
+
+
+def can_be_implicit(plant: PlantSymbols) -> bool:
+    """Return whether the step exists: every coordinate has a motor of its own."""
+    return plant.model.n_coordinates == plant.robot.n_motors
+
+
+def implicit_step(plant: PlantSymbols) -> ca.Function:
+    """Build (x, u, w, p, weights) -> x one step later; u, w and p are held, and the first weight is its length [s].
+
+    Args:
+        plant: Symbols of a plant that can be implicit.
+    """
+    weights = ca.SX.sym("weights", 3)
+    arguments = [plant.x, plant.u, plant.w, plant.p, weights]
+    stages, h = Stages(arguments), weights[0]
+    ahead, motors, n = GAMMA * h, list(plant.robot.motor_rows), plant.model.n_coordinates
+    held = motor_stiffness(plant)
+    inertia = held.inertia(ahead)
+    force = plant.added_force()
+    added = ca.SX.zeros(n) if force is None else force
+    torque, others = acting_torque(plant), rates_beside_motion(plant)
+
+    def stage(x: ca.SX, carried: ca.SX) -> ca.SX:
+        """Solve (1 - g h A) k = h f(x) + carried."""
+        acting, forces, rates = (ca.substitute(value, plant.x, x) for value in (torque, added, others))
+        way, kick = h * x[n : 2 * n] + carried[:n], carried[n : 2 * n]
+        acting -= ahead * held.stiffness * way[motors] + inertia * kick[motors] / h
+        (acceleration,) = stages.call(
+            plant.model.heavier_acceleration,
+            *(x[:n], x[n : 2 * n], acting, plant.w, forces, plant.of_motors(inertia), plant.robot_parameters),
+        )
+        gained = h * acceleration + kick
+        return ca.vertcat(way + ahead * gained, gained, h * rates + carried[2 * n :])
+
+    first = stage(plant.x, ca.SX.zeros(plant.x.numel()))
+    second = stage(plant.x + first, -2 * first)
+    return stages.function("implicit_step", plant.x + 1.5 * first + 0.5 * second)
