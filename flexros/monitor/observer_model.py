@@ -40,10 +40,15 @@ class ObserverModel:
         self.robot, self._sample_time = model.robot, sample_time
         felt = [law for law in model.laws if not law.effect.as_noise]
         self._plant = PlantModel(model.robot, felt)
-        fast = any(law.effect.n_states for law in felt)
-        steps = integration_steps(model.robot, sample_time, may_be_implicit=self._plant.can_be_implicit, fast=fast)
+        steps = integration_steps(
+            model.robot,
+            sample_time,
+            may_be_implicit=self._plant.can_be_implicit,
+            fast=any(law.effect.n_states for law in felt),
+            curved=self._plant.friction_follows_speed,
+        )
         self._loop = PredictionLoop(
-            self._plant.functions(feed_through(model.robot.n_motors), implicit=steps.implicit),
+            self._plant.functions(feed_through(model.robot.n_motors), implicit=steps.implicit, placed=True),
             sample_time=sample_time,
             delay=self._plant.delay,
             substeps=steps.number,

@@ -14,9 +14,10 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
     from flexros.robot.linear.linearise import LinearModel
 
-SHORTEST, LONGEST = 5e-4, 2.5e-3
-"""Bounds of the step [s] (chosen): effects with fast states need the first; with the second, the reversals of dry
-friction are still placed well within a sample of the lowest rates."""
+SHORTEST, LONGEST, LONGEST_BENT = 5e-4, 1e-2, 2.5e-3
+"""Bounds of the step [s] (chosen): effects with fast states need the first. Torques of a log are held from sample to
+sample, and jumps of dry friction are placed within a step; but friction that depends on the speed is the same in all of
+a step, and servos follow jumps of their commands, so that these take steps of at most the third."""
 FAST = 5
 """Most steps per sample for states that may be faster than the robot; what is much faster than a sample does not show
 (chosen)."""
@@ -31,12 +32,20 @@ MOST = 64
 TURN, TURN_OF_MANY = 0.2, 0.4
 """Largest step times the largest eigenvalue [rad], and where a sample has `FAST` steps or more: the error of a step is
 its fifth power over 120 (chosen). A motion as fast as that shows little in the samples."""
+DECAY = 1.0
+"""The same for motions that die out without swinging (chosen): they soon forget the error of a step."""
 ROUGH_TURN = 1.0
 """The same where only the change of a prediction counts, and an error of a percent of it is none (chosen)."""
 
 
 def substeps(
-    robot: Robot, sample_time: float, friction: tuple[float, ...] = (), *, fast: bool = False, rough: bool = False
+    robot: Robot,
+    sample_time: float,
+    friction: tuple[float, ...] = (),
+    *,
+    fast: bool = False,
+    curved: bool = False,
+    rough: bool = False,
 ) -> int:
     """Return the Runge-Kutta steps per sample.
 
@@ -45,11 +54,15 @@ def substeps(
         sample_time: Time between two samples [s].
         friction: Viscous friction of all motors beside that of the robot [Nm s/rad or N s/m]; empty for none.
         fast: Whether effects have states that may be faster than the robot.
+        curved: Whether effects are dry friction that depends on the speed.
         rough: Whether the difference of two predictions with these steps is all that counts.
     """
-    fastest = max(max(map(abs, _eigenvalues(robot, friction))), 1e-9)
-    exact = max(TURN, min(TURN_OF_MANY, fastest * sample_time / FAST)) / fastest
-    exact, longest = (ROUGH_TURN / fastest, max(LONGEST, sample_time)) if rough else (exact, LONGEST)
+    rates = _eigenvalues(robot, friction)
+    fastest = max(max(map(abs, rates)), 1e-9)
+    turn = max(TURN, min(TURN_OF_MANY, fastest * sample_time / FAST))
+    exact = 1 / max(max(abs(one) / (DECAY if _dies_out(one) else turn) for one in rates), 1e-9)
+    longest = LONGEST_BENT if curved or robot.commands == "position" else LONGEST
+    exact, longest = (ROUGH_TURN / fastest, max(longest, sample_time)) if rough else (exact, longest)
     step = max(SHORTEST, sample_time / FAST) if fast else min(max(exact, SHORTEST), longest)
     step = min(step, max(STABLE / fastest, sample_time / MOST))
     return max(1, int(np.ceil(sample_time / step - 1e-9)))
@@ -76,6 +89,7 @@ def integration_steps(
     *,
     may_be_implicit: bool,
     fast: bool = False,
+    curved: bool = False,
     rough: bool = False,
 ) -> IntegrationSteps:
     """Return the steps for a robot: implicit ones where motions die out within a sample.
@@ -89,11 +103,14 @@ def integration_steps(
         friction: Viscous friction of all motors beside that of the robot [Nm s/rad or N s/m]; empty for none.
         may_be_implicit: Whether implicit steps exist for the plant.
         fast: Whether effects have states that may be faster than the robot.
+        curved: Whether effects are dry friction that depends on the speed.
         rough: Whether the difference of two predictions with these steps is all that counts.
     """
     if may_be_implicit and _is_stiff(robot, sample_time, friction):
         return IntegrationSteps(_implicit_substeps(sample_time, rough=rough), implicit=True)
-    return IntegrationSteps(substeps(robot, sample_time, friction, fast=fast, rough=rough), implicit=False)
+    return IntegrationSteps(
+        substeps(robot, sample_time, friction, fast=fast, curved=curved, rough=rough), implicit=False
+    )
 
 
 def _is_stiff(robot: Robot, sample_time: float, friction: tuple[float, ...]) -> bool:
@@ -102,7 +119,12 @@ def _is_stiff(robot: Robot, sample_time: float, friction: tuple[float, ...]) -> 
     if substeps(robot, sample_time, friction) <= number:
         return False
     quick = [one for one in _eigenvalues(robot, friction) if abs(one) * sample_time > TURN_OF_MANY * number]
-    return all(abs(one.imag) < abs(one.real) for one in quick)
+    return all(map(_dies_out, quick))
+
+
+def _dies_out(rate: complex) -> bool:
+    """Return whether the motion of an eigenvalue dies out without swinging."""
+    return abs(rate.imag) < -rate.real
 
 
 def _implicit_substeps(sample_time: float, *, rough: bool = False) -> int:

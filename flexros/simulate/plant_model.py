@@ -252,18 +252,24 @@ class PlantModel:
         return np.array([values[name] if name in values else self.robot.parameters[name].value for name in names])
 
     @property
+    def friction_follows_speed(self) -> bool:
+        """Whether the plant has dry friction that depends on the speed."""
+        return any(effect.depends_on_speed for _, effect in self._plant.laws.frictions)
+
+    @property
     def can_be_implicit(self) -> bool:
         """Whether a step exists that is implicit in the stiffness and the damping of the motors."""
         return can_be_implicit(self._plant)
 
-    def functions(self, controller: ca.Function, *, implicit: bool = False) -> LoopFunctions:
+    def functions(self, controller: ca.Function, *, implicit: bool = False, placed: bool = False) -> LoopFunctions:
         """Return the functions of the loop.
 
         Args:
             controller: Controller (c, r, y, g) -> (u, c_next).
             implicit: Whether its steps are implicit in the stiffness and the damping of the motors.
+            placed: Whether dry friction that jumps within a step also moves the motors by what that adds to its mean.
         """
-        before, after = step_updates(self._plant, implicit=implicit)
+        before, after = step_updates(self._plant, implicit=implicit, placed=placed)
         return LoopFunctions(
             derivative=self.derivative,
             encoder=self.model.encoder,

@@ -13,7 +13,7 @@ import casadi as ca
 
 from flexros.compile.nested_calls import is_long
 from flexros.effects.kinds.bristle_friction import bristle_step
-from flexros.effects.kinds.dry_friction import AHEAD, FrictionLevels, mean_friction
+from flexros.effects.kinds.dry_friction import AHEAD, FrictionLevels, mean_friction, way_beside_mean
 from flexros.simulate.motor_stiffness import motor_stiffness
 from flexros.simulate.plant_rates import dynamics, own_rates, smooth_torque
 from flexros.simulate.stages import Stages
@@ -29,12 +29,15 @@ SWEEPS = 8
 """Sweeps over coupled friction torques per step, warm-started from the last step (chosen)."""
 
 
-def step_updates(plant: PlantSymbols, *, implicit: bool = False) -> tuple[ca.Function | None, ca.Function | None]:
+def step_updates(
+    plant: PlantSymbols, *, implicit: bool = False, placed: bool = False
+) -> tuple[ca.Function | None, ca.Function | None]:
     """Build the updates (x, u, w, p, h) -> x before and after an integration step; None where not needed.
 
     Args:
         plant: Symbols of the plant.
         implicit: Whether the step is the one of `implicit_step`.
+        placed: Whether dry friction that jumps within a step also moves the motors by what that adds to its mean.
     """
     step = ca.SX.sym("h")
     before, after = ca.SX(plant.x), ca.SX(plant.x)
@@ -45,7 +48,7 @@ def step_updates(plant: PlantSymbols, *, implicit: bool = False) -> tuple[ca.Fun
         after[rows] = effect.after_step(plant.gear(law), plant.values(law), step)
     arguments = [plant.x, plant.u, plant.w, plant.p, step]
     stages = Stages(arguments)
-    _update_friction(plant, before, step, stages, implicit=implicit)
+    _update_friction(plant, before, step, stages, implicit=implicit, placed=placed)
     if plant.input_rows.stop > plant.input_rows.start:
         before[plant.input_rows] = ca.vertcat(plant.u, plant.w)
 
@@ -75,7 +78,9 @@ def _update_command_laws(plant: PlantSymbols, x: ca.SX, step: ca.SX) -> None:
     updated(plant.driven(updated(ca.SX(plant.u), filters)), plant.laws.commands)
 
 
-def _update_friction(plant: PlantSymbols, x: ca.SX, step: ca.SX, stages: Stages, *, implicit: bool) -> None:
+def _update_friction(
+    plant: PlantSymbols, x: ca.SX, step: ca.SX, stages: Stages, *, implicit: bool, placed: bool
+) -> None:
     """Solve for the coupled friction torques of all motors by Gauss-Seidel sweeps, and write them into x."""
     bristles = plant.laws.bristles
     if not plant.sticking_motors and not bristles:
@@ -88,7 +93,7 @@ def _update_friction(plant: PlantSymbols, x: ca.SX, step: ca.SX, stages: Stages,
     rows = [plant.robot.motor_rows[motor] for motor in motors]
     motion = _implicit_motion if implicit else _explicit_motion
     found = motion(plant, x, motors, step, stages)
-    free, slope, mobility = found.free[rows], found.slope, found.mobility
+    free, slope, mobility = found.free[rows], found.slope, found.mobility[rows, :]
     middle = 0.5 * step
     speeds = [
         _within_direction(plant.v[row], plant.v[row] + middle * (free[k] - mobility[k, :] @ friction))
@@ -103,6 +108,7 @@ def _update_friction(plant: PlantSymbols, x: ca.SX, step: ca.SX, stages: Stages,
         braked = found.torque[motor] - sum(friction[j] for j, other in enumerate(motors) if other == motor)
         return braked - _own_torque(plant, motor, speeds[k], mean)
 
+    ways = {}
     coupled = not mobility.sparsity().is_diag() or bool(loaded & set(plant.robot.stiff_motors))
     for _ in range(SWEEPS if coupled else 1):
         for k, motor in enumerate(motors):
@@ -114,6 +120,7 @@ def _update_friction(plant: PlantSymbols, x: ca.SX, step: ca.SX, stages: Stages,
                 carried = load(k, motor) if motor in loaded else ca.SX(0)
                 levels = _levels(plant, motor, speeds[k], middle, carried)
                 friction[k] = mean_friction(speed, acceleration, own, levels, step)
+                ways[k] = way_beside_mean(speed, acceleration, own, levels, step) / own
                 continue
             law, effect = bristles[k - len(plant.sticking_motors)]
             deflection = plant.rows(law).start
@@ -127,6 +134,8 @@ def _update_friction(plant: PlantSymbols, x: ca.SX, step: ca.SX, stages: Stages,
             )
     for row, value in zip([*range(2 * nq, plant.friction_end), *held], ca.vertsplit(friction)):
         x[row] = value
+    if placed:
+        x[:nq] += sum(found.mobility[:, k] * way for k, way in ways.items())
 
 
 def _own_torque(plant: PlantSymbols, motor: int, speed: ca.SX, acceleration: ca.SX) -> ca.SX:
@@ -162,7 +171,7 @@ class _FreeMotion:
     Attributes:
         free: Accelerations of all coordinates.
         slope: Their rates at the motors with friction, due to springs and own states.
-        mobility: Accelerations of these motors per torque at each of them.
+        mobility: Accelerations of all coordinates per torque at each motor with friction.
         torque: Torques at all motors.
     """
 
@@ -193,7 +202,7 @@ def _implicit_motion(plant: PlantSymbols, x: ca.SX, motors: list[int], step: ca.
     later = now + ahead * own_rates(plant, passed)
     then = motion(plant.q + ahead * plant.v, later, plant.model.heavier_acceleration)[0]
     torque = ca.substitute(driven, own, now) if own.numel() else driven
-    return _FreeMotion(free, (then[rows] - free[rows]) / ahead, mobility[rows, motors], torque)
+    return _FreeMotion(free, (then[rows] - free[rows]) / ahead, mobility[:, motors], torque)
 
 
 def _explicit_motion(plant: PlantSymbols, x: ca.SX, motors: list[int], step: ca.SX, stages: Stages) -> _FreeMotion:
@@ -214,11 +223,11 @@ def _explicit_motion(plant: PlantSymbols, x: ca.SX, motors: list[int], step: ca.
         later = [ca.substitute(value, ca.vertcat(plant.q, own), moved) for value in now]
         free, mobility = stages.call(plant.model.acceleration_with_mobility, *map(updated, now))
         then = stages.call(plant.model.forced_acceleration, *map(updated, later))[0]
-        return _FreeMotion(free, (then[rows] - free[rows]) / ahead, mobility[rows, motors], updated(driven))
+        return _FreeMotion(free, (then[rows] - free[rows]) / ahead, mobility[:, motors], updated(driven))
     torque = ca.SX.sym("torque", plant.robot.n_motors)
     function, inputs = dynamics(plant, torque)
     free = function(*inputs)
-    mobility = ca.jacobian(free[rows], torque)[:, motors]
+    mobility = ca.jacobian(free, torque)[:, motors]
     free = ca.substitute(free, torque, driven)
     corners = plant.laws.gears or plant.laws.arms  # where a derivative would depend on round-off
     if (

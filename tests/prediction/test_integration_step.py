@@ -24,7 +24,7 @@ from flexros.scenario.scenario import load_scenario
 
 @pytest.mark.parametrize(
     ("name", "sample_time", "steps"),
-    [("six_axis", 5e-4, 1), ("six_axis", 4e-3, 5), ("six_axis", 0.01, 11), ("emps", 0.01, 4)],
+    [("six_axis", 5e-4, 1), ("six_axis", 4e-3, 5), ("six_axis", 0.01, 11), ("emps", 0.01, 1), ("emps", 0.03, 3)],
 )
 def test_the_fastest_motion_of_a_robot_decides(name: str, sample_time: float, steps: int) -> None:
     assert substeps(load_robot(name), sample_time) == steps
@@ -37,6 +37,16 @@ def test_the_fastest_motion_of_a_robot_decides(name: str, sample_time: float, st
 ])  # fmt: skip
 def test_where_only_changes_count_steps_are_up_to_a_radian_long(name: str, sample_time: float, steps: int) -> None:
     assert substeps(load_robot(name), sample_time, rough=True) == steps
+
+
+def test_friction_over_speed_and_servos_get_short_steps() -> None:
+    assert substeps(load_robot("emps"), 0.01, curved=True) == 4
+    assert substeps(_braked(0.0, ", servo: {stiffness: 0.01, damping: 0.001}").commanded_by("position"), 0.01) == 4
+
+
+def test_a_motion_that_dies_out_needs_steps_of_its_time_constant_alone() -> None:
+    """It has one of 2 ms; one of a spring that swings as fast needs five times as many steps."""
+    assert substeps(_braked(0.05), 0.004) == 2
 
 
 def test_effects_with_fast_states_get_at_most_five_steps_in_a_sample() -> None:

@@ -42,6 +42,7 @@ class StribeckFriction(AbstractYieldingFriction):
     name: ClassVar[str] = "stribeck_friction"
     stage: ClassVar[Stage] = "motor friction"
     size: ClassVar[str] = "extra"
+    depends_on_speed: ClassVar[bool] = True
     signatures: ClassVar[tuple[str, ...]] = ("torque_over_speed",)
     fingerprint: ClassVar[str] = (
         "friction torque against the motion at low speed only, largest at standstill: stick-slip in slow motion"

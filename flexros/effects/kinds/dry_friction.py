@@ -63,6 +63,9 @@ class AbstractDryFriction(AbstractMotorLaw):
     eases: ClassVar[bool] = False
     """Whether its levels may be negative, which reduces the other dry frictions of the motor, at most to zero."""
 
+    depends_on_speed: ClassVar[bool] = False
+    """Whether its levels, or a torque beside them, follow a curve over the speed."""
+
     needs_load: ClassVar[bool] = False
     """Whether its levels depend on the torque that the gear transmits, `MotorState.load`."""
 
@@ -96,13 +99,52 @@ def mean_friction(speed: ca.SX, acceleration: ca.SX, mobility: ca.SX, levels: Fr
     Returns:
         Torque f [Nm or N], positive against a positive speed: the acceleration of the step is a - mobility f.
     """
+    one = _stopping(speed, acceleration, mobility, levels, step)
+    mean = (one.acceleration - (one.after - one.speed) / step) / mobility
+    return one.direction * ca.if_else(one.slides, one.against, mean)
+
+
+def way_beside_mean(speed: ca.SX, acceleration: ca.SX, mobility: ca.SX, levels: FrictionLevels, step: ca.SX) -> ca.SX:
+    """Compute how much farther a motor gets in a step than under the mean of its friction torque [rad or m].
+
+    The motor stops within the step, so that its friction jumps there; arguments as of `mean_friction`.
+    """
+    one = _stopping(speed, acceleration, mobility, levels, step)
+    lacking = 0.5 * (one.speed * (step - one.stop) + one.after * one.stop)
+    return ca.if_else(one.slides, 0.0, -one.direction * lacking)
+
+
+@dataclass(frozen=True)
+class _Stopping:
+    """Motion of a motor in a step, in the direction in which it begins.
+
+    Attributes:
+        direction: Sign of the initial speed.
+        speed: Initial speed.
+        acceleration: Acceleration without friction.
+        against: Level of the friction that brakes.
+        slides: Whether it does not stop within the step.
+        stop: Time until it stops [s], where it does.
+        after: Speed at the end, where it stops before.
+    """
+
+    direction: ca.SX
+    speed: ca.SX
+    acceleration: ca.SX
+    against: ca.SX
+    slides: ca.SX
+    stop: ca.SX
+    after: ca.SX
+
+
+def _stopping(speed: ca.SX, acceleration: ca.SX, mobility: ca.SX, levels: FrictionLevels, step: ca.SX) -> _Stopping:
     backward = speed < 0
     direction = ca.if_else(backward, -1.0, 1.0)
     against = ca.if_else(backward, levels.backward, levels.forward)
     reverse = ca.if_else(backward, levels.forward, levels.backward)
-    v, a = direction * speed, direction * acceleration  # in the direction of motion
+    v, a = direction * speed, direction * acceleration
     braked = a - mobility * against
     slides = v + step * braked >= 0
     stop = v / ca.if_else(slides, 1.0, -braked)  # not used where it slides
     after = ca.fmin(a + mobility * reverse, 0) * (step - stop)
-    return direction * ca.if_else(slides, against, (a - (after - v) / step) / mobility)
+    return _Stopping(direction, v, a, against, slides, stop, after)

@@ -97,6 +97,7 @@ class CompiledPlant:
                 most_friction(model, candidates),
                 may_be_implicit=self.model.can_be_implicit,
                 fast=fast,
+                curved=self.model.friction_follows_speed,
                 rough=rough,
             )
             least = 1 if rough or not any(map(_bends, self.laws)) else STEPS_OF_BRISTLES
@@ -104,7 +105,7 @@ class CompiledPlant:
         of_part = -(-steps.number // self.parts)
         self.steps = replace(steps, number=of_part * self.parts)
         self.loop = PredictionLoop(
-            self.model.functions(feed_through(self.robot.n_motors), implicit=steps.implicit),
+            self.model.functions(feed_through(self.robot.n_motors), implicit=steps.implicit, placed=True),
             sample_time=sample_time / self.parts,
             delay=self.delay if self.parts == 1 else 0.0,  # else the halves are those of the whole delay
             substeps=of_part,

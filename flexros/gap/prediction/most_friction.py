@@ -13,8 +13,13 @@ if TYPE_CHECKING:
     from flexros.gap.candidates.candidate import Candidate
 
 
+LIKELY = 0.3
+"""Share of the largest friction of its range that a candidate may come to [1] (chosen): with all of it, the torque of a
+motor would go into friction where it is fastest."""
+
+
 def most_friction(model: RobotWithEffects, candidates: Sequence[Candidate]) -> tuple[float, ...]:
-    """Return the viscous friction of known laws and the largest one of candidates [Nm s/rad or N s/m], length M.
+    """Return the viscous friction of known laws and much of the range of candidates [Nm s/rad or N s/m], length M.
 
     Of friction that depends on the direction, the larger one counts.
 
@@ -28,5 +33,5 @@ def most_friction(model: RobotWithEffects, candidates: Sequence[Candidate]) -> t
             friction[law.location] += law.effect.coefficient * (1 + abs(law.effect.asymmetry) / 2)
     for one in candidates:
         if one.effect is ViscousFriction:
-            friction[one.location] += next(free.high for free in one.free if free.name == "coefficient")
+            friction[one.location] += LIKELY * next(free.high for free in one.free if free.name == "coefficient")
     return tuple(friction.values())
