@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import casadi as ca
@@ -72,17 +73,49 @@ def solve_symmetric(A: ca.SX, b: ca.SX) -> ca.SX:
     Returns:
         Solution, SX (n, 1).
     """
-    n = A.shape[0]
-    L = [[ca.SX(0)] * n for _ in range(n)]
-    D = [ca.SX(0)] * n
-    for j in range(n):
-        D[j] = A[j, j] - sum((L[j][k] ** 2 * D[k] for k in range(j)), start=ca.SX(0))
-        for i in range(j + 1, n):
-            L[i][j] = (A[i, j] - sum((L[i][k] * L[j][k] * D[k] for k in range(j)), start=ca.SX(0))) / D[j]
-    y = [ca.SX(0)] * n
-    for i in range(n):
-        y[i] = b[i] - sum((L[i][k] * y[k] for k in range(i)), start=ca.SX(0))
-    x = [ca.SX(0)] * n
-    for i in reversed(range(n)):
-        x[i] = y[i] / D[i] - sum((L[k][i] * x[k] for k in range(i + 1, n)), start=ca.SX(0))
-    return ca.vertcat(*x)
+    return SymmetricFactors.of(A).solve(b)
+
+
+@dataclass(frozen=True)
+class SymmetricFactors:
+    """Unrolled factorisation L D L^T of a symmetric positive definite matrix, without pivoting.
+
+    Attributes:
+        lower: Rows of L left of its diagonal of ones.
+        inverse_pivots: Reciprocals of D.
+    """
+
+    lower: list[list[ca.SX]]
+    inverse_pivots: list[ca.SX]
+
+    @classmethod
+    def of(cls, A: ca.SX) -> SymmetricFactors:
+        """Factorise a matrix, SX (n, n)."""
+        n = A.shape[0]
+        L: list[list[ca.SX]] = [[] for _ in range(n)]
+        pivots: list[ca.SX] = []
+        for j in range(n):
+            scaled = [L[j][k] * pivots[k] for k in range(j)]
+            pivots.append(A[j, j] - _product(L[j], scaled))
+            for i in range(j + 1, n):
+                L[i].append((A[i, j] - _product(L[i], scaled)) * (1 / pivots[j]))
+        return cls(L, [1 / pivot for pivot in pivots])
+
+    def solve(self, b: ca.SX) -> ca.SX:
+        """Solve A x = b for each column of b, SX (n, m)."""
+        return ca.horzcat(*[self._solve_one(column) for column in ca.horzsplit(b)])
+
+    def _solve_one(self, b: ca.SX) -> ca.SX:
+        L, n = self.lower, len(self.lower)
+        y: list[ca.SX] = []
+        for i in range(n):
+            y.append(b[i] - _product(L[i], y))
+        x: list[ca.SX] = []
+        for i in reversed(range(n)):
+            behind = [L[k][i] for k in reversed(range(i + 1, n))]
+            x.append(y[i] * self.inverse_pivots[i] - _product(behind, x))
+        return ca.vertcat(*reversed(x))
+
+
+def _product(one: list[ca.SX], other: list[ca.SX]) -> ca.SX:
+    return sum((a * b for a, b in zip(one, other)), start=ca.SX(0))

@@ -167,18 +167,25 @@ class SymbolicModel:
     @cached_property
     def acceleration_with_mobility(self) -> ca.Function:
         """Accelerations of q, and their derivatives to the motor torques, from (q, v, u, w, f, p)."""
-        return self._with_mobility(self.forced_acceleration)
+        f = ca.SX.sym("f", self.n_coordinates)
+        outputs = self._accelerated_with_mobility(f, self._mass_matrix)
+        arguments = [self._q, self._v, self._u, self._w, f, self._p]
+        return self._function("acceleration_with_mobility", arguments, outputs, ["q", "v", "u", "w", "f", "p"])
 
     @cached_property
     def heavier_acceleration_with_mobility(self) -> ca.Function:
         """The same from (q, v, u, w, f, e, p), with additional inertias e of all coordinates."""
-        return self._with_mobility(self.heavier_acceleration)
+        f, e = ca.SX.sym("f", self.n_coordinates), ca.SX.sym("e", self.n_coordinates)
+        outputs = self._accelerated_with_mobility(f, self._mass_matrix + ca.diag(e))
+        arguments = [self._q, self._v, self._u, self._w, f, e, self._p]
+        names = ["q", "v", "u", "w", "f", "e", "p"]
+        return self._function("heavier_acceleration_with_mobility", arguments, outputs, names)
 
-    def _with_mobility(self, accelerated: ca.Function) -> ca.Function:
-        inputs = accelerated.sx_in()
-        found = accelerated(*inputs)
-        outputs = [found, ca.jacobian(found, inputs[2])]
-        return self._function(f"{accelerated.name()}_with_mobility", inputs, outputs, accelerated.name_in())
+    def _accelerated_with_mobility(self, added: ca.SX, mass_matrix: ca.SX) -> list[ca.SX]:
+        """Solve for the accelerations and for their derivatives to the motor torques with one factorisation."""
+        factors = inertial_coupling.SymmetricFactors.of(mass_matrix)
+        drive = ca.jacobian(self._force, self._u)
+        return [factors.solve(self._force + added), factors.solve(drive)]
 
     @cached_property
     def derivative(self) -> ca.Function:
