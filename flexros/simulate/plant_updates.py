@@ -182,27 +182,21 @@ class _FreeMotion:
 
 
 def _implicit_motion(plant: PlantSymbols, x: ca.SX, motors: list[int], step: ca.SX, stages: Stages) -> _FreeMotion:
-    """Return the motion without friction as a step sees it that is implicit in stiffness and damping of the motors."""
-    rows = [plant.robot.motor_rows[motor] for motor in motors]
+    """Return the motion without friction as a step sees it that is implicit in stiffness and damping of the motors.
+
+    These see the way of the whole step, and what else changes within a step that short counts for nothing.
+    """
     passed, own = plant.torques(plant.u), plant.own_states
     driven = passed + smooth_torque(plant, passed)
     stiffness = motor_stiffness(plant)
     shift = -step * stiffness.stiffness * plant.v[list(plant.robot.motor_rows)]
-    inertia = plant.of_motors(stiffness.inertia(step))
     force = plant.added_force()
     added = ca.SX.zeros(plant.model.n_coordinates) if force is None else force
-
-    def motion(q: ca.SX, states: ca.SX, function: ca.Function) -> list[ca.SX]:
-        torque, laws = driven + shift, ca.substitute(added, plant.q, q)  # the servos see the way of the step already
-        torque, laws = (ca.substitute(value, own, states) if own.numel() else value for value in (torque, laws))
-        return stages.call(function, q, plant.v, torque, plant.w, laws, inertia, plant.robot_parameters)
-
-    ahead, now = AHEAD * step, x[plant.own_rows]
-    free, mobility = motion(plant.q, now, plant.model.heavier_acceleration_with_mobility)
-    later = now + ahead * own_rates(plant, passed)
-    then = motion(plant.q + ahead * plant.v, later, plant.model.heavier_acceleration)[0]
-    torque = ca.substitute(driven, own, now) if own.numel() else driven
-    return _FreeMotion(free, (then[rows] - free[rows]) / ahead, mobility[:, motors], torque)
+    torque, laws = (ca.substitute(one, own, x[plant.own_rows]) if own.numel() else one for one in (driven, added))
+    inertia = plant.of_motors(stiffness.inertia(step))
+    inputs = [plant.q, plant.v, torque + shift, plant.w, laws, inertia, plant.robot_parameters]
+    free, mobility = stages.call(plant.model.heavier_acceleration_with_mobility, *inputs)
+    return _FreeMotion(free, ca.SX.zeros(len(motors)), mobility[:, motors], torque)
 
 
 def _explicit_motion(plant: PlantSymbols, x: ca.SX, motors: list[int], step: ca.SX, stages: Stages) -> _FreeMotion:
