@@ -3,7 +3,7 @@
 A Runge-Kutta step must be shorter than 2.8 time constants of the fastest motion, however little of it shows. The light
 wrist of a URDF without rotors, held by a servo, has time constants of microseconds. The step here is linearly implicit
 in the stiffness K and the damping D of every motor, both diagonal, and explicit in all else (Verwer et al. 1999, "A
-second-order Rosenbrock method applied to photochemical dispersion problems", eq. 2.1; a W-method: of order two for any
+second-order Rosenbrock method applied to photochemical dispersion problems"; a W-method: of order two for any
 K and D):
 
     (1 - g h A) k1 = h f(x),   (1 - g h A) k2 = h f(x + k1) - 2 k1,   x <- x + 3/2 k1 + 1/2 k2,   g = 1 - 1/sqrt(2)
