@@ -43,12 +43,14 @@ class ObserverModel:
         steps = integration_steps(
             model.robot,
             sample_time,
-            may_be_implicit=self._plant.can_be_implicit,
+            may_be_implicit=self._plant.is_rigid,
             fast=any(law.effect.n_states for law in felt),
             curved=self._plant.friction_follows_speed,
         )
         self._loop = PredictionLoop(
-            self._plant.functions(feed_through(model.robot.n_motors), implicit=steps.implicit, placed=True),
+            self._plant.functions(
+                feed_through(model.robot.n_motors), implicit=steps.implicit, placed=self._plant.is_rigid
+            ),
             sample_time=sample_time,
             delay=self._plant.delay,
             substeps=steps.number,

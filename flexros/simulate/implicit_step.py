@@ -30,16 +30,11 @@ GAMMA = 1 - 1 / math.sqrt(2)
 """Coefficient of the implicit terms [1]: motions that are much faster than a step are gone after it."""
 
 
-def can_be_implicit(plant: PlantSymbols) -> bool:
-    """Return whether the step exists: every coordinate has a motor of its own."""
-    return plant.model.n_coordinates == plant.robot.n_motors
-
-
 def implicit_step(plant: PlantSymbols) -> ca.Function:
     """Build (x, u, w, p, weights) -> x one step later; u, w and p are held, and the first weight is its length [s].
 
     Args:
-        plant: Symbols of a plant that can be implicit.
+        plant: Symbols of a plant in which every coordinate has a motor of its own.
     """
     weights = ca.SX.sym("weights", 3)
     arguments = [plant.x, plant.u, plant.w, plant.p, weights]

@@ -13,7 +13,7 @@ from flexros.effects.delay import Delay
 from flexros.errors import unknown_name
 from flexros.robot.equilibrium_search import Equilibrium, EquilibriumSearch
 from flexros.robot.parameters import SERVO
-from flexros.simulate.implicit_step import can_be_implicit, implicit_step
+from flexros.simulate.implicit_step import implicit_step
 from flexros.simulate.plant_equilibrium import PlantEquilibriumSearch, own_at_start, torque_beyond_command
 from flexros.simulate.plant_rates import acting_torque, dynamics, rates_beside_motion
 from flexros.simulate.plant_symbols import PlantSymbols
@@ -257,9 +257,9 @@ class PlantModel:
         return any(effect.depends_on_speed for _, effect in self._plant.laws.frictions)
 
     @property
-    def can_be_implicit(self) -> bool:
-        """Whether a step exists that is implicit in the stiffness and the damping of the motors."""
-        return can_be_implicit(self._plant)
+    def is_rigid(self) -> bool:
+        """Whether every coordinate has a motor of its own, so that steps may be implicit."""
+        return self.model.n_coordinates == self.robot.n_motors
 
     def functions(self, controller: ca.Function, *, implicit: bool = False, placed: bool = False) -> LoopFunctions:
         """Return the functions of the loop.

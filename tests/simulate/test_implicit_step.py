@@ -95,5 +95,5 @@ def test_long_dynamics_give_what_short_steps_give() -> None:
 
 
 def test_springs_have_no_implicit_step() -> None:
-    assert not PlantModel(load_robot("elbow")).can_be_implicit
-    assert PlantModel(stiff_arm()).can_be_implicit
+    assert not PlantModel(load_robot("elbow")).is_rigid
+    assert PlantModel(stiff_arm()).is_rigid

@@ -95,7 +95,7 @@ class CompiledPlant:
                 self.robot,
                 sample_time,
                 most_friction(model, candidates),
-                may_be_implicit=self.model.can_be_implicit,
+                may_be_implicit=self.model.is_rigid,
                 fast=fast,
                 curved=self.model.friction_follows_speed,
                 rough=rough,
@@ -105,7 +105,9 @@ class CompiledPlant:
         of_part = -(-steps.number // self.parts)
         self.steps = replace(steps, number=of_part * self.parts)
         self.loop = PredictionLoop(
-            self.model.functions(feed_through(self.robot.n_motors), implicit=steps.implicit, placed=True),
+            self.model.functions(
+                feed_through(self.robot.n_motors), implicit=steps.implicit, placed=self.model.is_rigid
+            ),
             sample_time=sample_time / self.parts,
             delay=self.delay if self.parts == 1 else 0.0,  # else the halves are those of the whole delay
             substeps=of_part,

@@ -37,9 +37,9 @@ def with_other_scales(search: Search, chosen: CandidateFit, fits: list[Candidate
     """
     removed = search.settings.search.removed_of_all
     while search.data.record.command is not None and not search.deadline.stops():
-        rivals = search.parallel("other scales", partial(_exchanged, search, chosen), _exchanges(search, chosen))
+        rivals = _rivals(search, chosen)
         fits += rivals
-        near = [one for one in rivals if one.chi2 - chosen.chi2 < compared(search, [one]).threshold]
+        near = [one for one in rivals if _as_good(search, one, chosen)]
         fewer = [reduced(search, one, fits, removed) for one in near]
         best = min(fewer, key=lambda one: (len(one.hypothesis), one.chi2), default=chosen)
         if len(best.hypothesis) >= len(chosen.hypothesis):
@@ -48,6 +48,33 @@ def with_other_scales(search: Search, chosen: CandidateFit, fits: list[Candidate
             break
         chosen = best
     return chosen
+
+
+def _rivals(search: Search, chosen: CandidateFit) -> list[CandidateFit]:
+    """Fit an explanation with numbers of a servo exchanged, and with those that do as well at the same servo once more.
+
+    Of three numbers any two may explain a log, and only one exchange of each explanation be near by linear theory.
+    """
+    fits: list[CandidateFit] = []
+    known, begun = {chosen.names}, [(chosen, "")]
+    while begun and not search.deadline.stops():
+        around, servo = begun.pop(0)
+        trials = {
+            around.names - {name} | {addition.candidate.name}: (name, addition)
+            for name, addition in _exchanges(search, around)
+            if servo in ("", addition.candidate.location)
+        }
+        new = [trial for names, trial in trials.items() if names not in known]
+        known |= trials.keys()
+        found = search.parallel("other scales", partial(_exchanged, search, around), new)
+        fits += found
+        places = [addition.candidate.location for _, addition in new]
+        begun += [(one, place) for one, place in zip(found, places, strict=True) if _as_good(search, one, chosen)]
+    return fits
+
+
+def _as_good(search: Search, one: CandidateFit, chosen: CandidateFit) -> bool:
+    return one.chi2 - chosen.chi2 < compared(search, [one]).threshold
 
 
 def _exchanges(search: Search, chosen: CandidateFit) -> list[tuple[str, Addition]]:
