@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 
+from flexros.compile.loop.functions import N_WEIGHTS
 from flexros.simulate.motor_stiffness import motor_stiffness
 from flexros.simulate.plant_rates import acting_torque, rates_beside_motion
 from flexros.simulate.stages import Stages
@@ -34,9 +35,9 @@ def implicit_step(plant: PlantSymbols) -> ca.Function:
     """Build (x, u, w, p, weights) -> x one step later; u, w and p are held, and the first weight is its length [s].
 
     Args:
-        plant: Symbols of a plant in which every coordinate has a motor of its own.
+        plant: Symbols of a rigid plant.
     """
-    weights = ca.SX.sym("weights", 3)
+    weights = ca.SX.sym("weights", N_WEIGHTS)
     arguments = [plant.x, plant.u, plant.w, plant.p, weights]
     stages, h = Stages(arguments), weights[0]
     ahead, motors, n = GAMMA * h, list(plant.robot.motor_rows), plant.model.n_coordinates

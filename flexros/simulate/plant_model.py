@@ -259,7 +259,7 @@ class PlantModel:
     @property
     def is_rigid(self) -> bool:
         """Whether every coordinate has a motor of its own, so that steps may be implicit."""
-        return self.model.n_coordinates == self.robot.n_motors
+        return self._plant.is_rigid
 
     def functions(self, controller: ca.Function, *, implicit: bool = False, placed: bool = False) -> LoopFunctions:
         """Return the functions of the loop.

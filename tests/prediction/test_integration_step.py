@@ -45,8 +45,9 @@ def test_friction_over_speed_and_servos_get_short_steps() -> None:
 
 
 def test_a_motion_that_dies_out_needs_steps_of_its_time_constant_alone() -> None:
-    """It has one of 2 ms; one of a spring that swings as fast needs five times as many steps."""
+    swinging = _braked(0.0, ", servo: {stiffness: 25, damping: 0}").commanded_by("position")  # as fast, 500 rad/s
     assert substeps(_braked(0.05), 0.004) == 2
+    assert substeps(swinging, 0.004) == 5
 
 
 def test_effects_with_fast_states_get_at_most_five_steps_in_a_sample() -> None:

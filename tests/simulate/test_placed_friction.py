@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import casadi as ca
 import numpy as np
 import pytest
 
@@ -71,15 +70,3 @@ def test_one_step_of_an_arm_is_as_good_as_four_in_which_jumps_are_not_placed() -
     of_one, unplaced, of_four = (np.sqrt(np.mean(np.square(found))) for found in errors.values())
     assert of_one < of_four
     assert of_one < 0.2 * unplaced
-
-
-def test_accelerations_and_mobility_take_fewer_operations_than_the_derivatives_of_articulated_bodies() -> None:
-    model = ur5e().model
-    inputs = model.forced_acceleration.sx_in()
-    found = model.forced_acceleration(*inputs)
-    together = model.acceleration_with_mobility
-    assert together.n_instructions() < 1.3 * model.forced_acceleration.n_instructions()
-    slopes = ca.Function("slopes", inputs, [ca.jacobian(found, inputs[2])])
-    values = [np.random.default_rng(1).normal(size=symbol.shape) for symbol in inputs]
-    np.testing.assert_allclose(together(*values)[0].full(), model.forced_acceleration(*values).full(), rtol=1e-10)
-    np.testing.assert_allclose(together(*values)[1].full(), slopes(*values).full(), rtol=1e-9, atol=1e-12)
