@@ -67,11 +67,30 @@ def test_much_damping_on_little_inertia_needs_steps_that_do_not_grow() -> None:
     assert substeps(_braked(0.0), 0.004, (1.0,)) == 16
 
 
-@pytest.mark.parametrize(("sample_time", "rough", "number"), [(0.004, False, 5), (0.02, False, 20), (0.004, True, 2)])
-def test_steps_are_implicit_where_motions_die_out_within_a_sample(sample_time: float, rough: bool, number: int) -> None:
-    steps = integration_steps(_braked(), sample_time, may_be_implicit=True, rough=rough)
+def test_steps_are_implicit_where_motions_die_out_within_a_sample() -> None:
+    assert integration_steps(_braked(), 0.004, may_be_implicit=True).implicit
+    assert not integration_steps(_braked(), 0.004, may_be_implicit=False).implicit
+
+
+@pytest.mark.parametrize(("sample_time", "options", "number"), [
+    (0.004, {}, 2),
+    (0.02, {}, 2),
+    (0.05, {}, 5),  # no longer than 10 ms
+    (0.02, {"fast": True}, 5),
+    (0.004, {"rough": True}, 2),
+])  # fmt: skip
+def test_torques_that_are_held_take_few_implicit_steps(
+    sample_time: float, options: dict[str, bool], number: int
+) -> None:
+    steps = integration_steps(_braked(), sample_time, may_be_implicit=True, **options)
     assert steps == IntegrationSteps(number, implicit=True)
-    assert not integration_steps(_braked(), sample_time, may_be_implicit=False, rough=rough).implicit
+
+
+@pytest.mark.parametrize(("sample_time", "rough", "number"), [(0.004, False, 5), (0.02, False, 20), (0.004, True, 2)])
+def test_servos_take_implicit_steps_of_a_millisecond(sample_time: float, rough: bool, number: int) -> None:
+    held = _braked(0.0, ", servo: {stiffness: 100, damping: 2.0}").commanded_by("position")
+    steps = integration_steps(held, sample_time, may_be_implicit=True, rough=rough)
+    assert steps == IntegrationSteps(number, implicit=True)
 
 
 def test_friction_beside_that_of_the_robot_counts() -> None:

@@ -30,18 +30,20 @@ def stiff_arm(rotor: float = 0.02, limit: float = 1e4) -> Robot:
     return robot.with_values({"motor_1.inertia": rotor, "motor_2.inertia": rotor})
 
 
-def commands(n_motors: int = 2) -> np.ndarray:
-    time = np.arange(N) * T
+def commands(n_motors: int = 2, sample_time: float = T) -> np.ndarray:
+    time = np.arange(N) * sample_time
     return 0.3 * np.column_stack([np.sin((3 + k) * time + k) for k in range(n_motors)])
 
 
-def run(robot: Robot, steps: int, *effects: str, implicit: bool, u: np.ndarray | None = None) -> np.ndarray:
+def run(
+    robot: Robot, steps: int, *effects: str, implicit: bool, u: np.ndarray | None = None, sample_time: float = T
+) -> np.ndarray:
     """Positions of the joints after every sample, from rest."""
     laws = place_effects(robot, [parse_effect(text, "test") for text in effects]).laws
     model = PlantModel(robot, laws)
     functions = model.functions(feed_through(robot.n_motors), implicit=implicit)
-    loop = PredictionLoop(functions, sample_time=T, substeps=steps)
-    driving = commands(robot.n_motors) if u is None else u
+    loop = PredictionLoop(functions, sample_time=sample_time, substeps=steps)
+    driving = commands(robot.n_motors, sample_time) if u is None else u
     nothing = np.zeros((N, robot.n_motors))
     start = model.start(robot.equilibrium(motor_position=driving[0] if u is None else nothing[0]), driving[0])
     gain = np.zeros((loop.sizes.state, robot.n_motors))
@@ -97,3 +99,22 @@ def test_long_dynamics_give_what_short_steps_give() -> None:
 def test_springs_have_no_implicit_step() -> None:
     assert not PlantModel(load_robot("elbow")).is_rigid
     assert PlantModel(stiff_arm()).is_rigid
+
+
+def test_two_steps_of_10_ms_follow_torques_that_are_held() -> None:
+    """Viscous friction stops these wrists within 1 ms, and dry friction reverses; 0.1 mrad is a step of 16 bits."""
+    wrist = {"inertia": 0.005, "viscous_friction": 5.0}
+    heavy = {f"motor_{k}.inertia": 1.0 for k in (1, 2, 3)}
+    robot = ur5e().with_values({f"motor_{k}.{name}": value for k in (4, 5, 6) for name, value in wrist.items()} | heavy)
+    still = np.zeros((N, 6))
+    torque = robot.holding_torque(robot.equilibrium(motor_position=still[0]))
+    driving = torque + np.array([60, 60, 30, 3, 3, 3]) * commands(6, 0.02)
+    levels = (4, 4, 3, 0.3, 0.3, 0.3)
+    friction = [f"coulomb_friction@motor_{k}:level={level}" for k, level in enumerate(levels, 1)]
+
+    def moved(steps: int) -> np.ndarray:
+        return run(robot, steps, *friction, implicit=True, u=driving, sample_time=0.02)[:30]
+
+    exact, found = moved(200), moved(2)
+    assert np.ptp(exact, axis=0).min() > 0.02
+    np.testing.assert_allclose(found, exact, atol=1e-4)

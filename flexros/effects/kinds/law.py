@@ -51,6 +51,11 @@ class AbstractLaw(AbstractEffect):
         """Number of own states."""
         return self.smooth_states + self.stepwise_states
 
+    @property
+    def n_driven_states(self) -> int:
+        """Number of own states that the motion or the torques drive, which may be faster than the robot."""
+        return self.n_states - len(self.states_of_time(0.0))
+
     def states_of_time(self, time: float) -> tuple[float, ...]:
         """Return the leading own states that are functions of time alone; empty where there are none.
 

@@ -87,8 +87,8 @@ class CompiledPlant:
         names = [*self.robot_names, *(name for law in laws for name in law.parameters)]
         self.model = PlantModel(self.robot, (*_felt(model.laws), *laws), names)
         self.delay = self.model.delay_from(model.added_delay if measured_torque else self.robot.delay)
-        known = [law for law in model.laws if law.effect.n_states]
-        fast = bool(known or any(map(_own_states, self.laws)))
+        known = [law for law in model.laws if law.effect.n_driven_states]
+        fast = bool(known or any(map(_driven_states, self.laws)))
         self.parts = parts_of(self.robot, candidates)
         if steps is None:
             steps = integration_steps(
@@ -135,7 +135,7 @@ class CompiledPlant:
         wanted = {_key(one) for one in hypothesis if is_law(one)}
         changed = {name for one in hypothesis for name in changed_names(self.robot, one)}
         off = all(switchable(law) for key, law in keys.items() if key not in wanted)
-        alike = any(map(_own_states, self.laws)) == any(map(_own_states, hypothesis))
+        alike = any(map(_driven_states, self.laws)) == any(map(_driven_states, hypothesis))
         alike = alike and parts_of(self.robot, hypothesis) == self.parts
         return alike and off and wanted <= keys.keys() and changed <= set(self.robot_names)
 
@@ -216,19 +216,19 @@ def _kind(candidate: Candidate) -> Hashable:
     """Return what candidates of one group have in common: the effect where it is more than a torque."""
     if not is_law(candidate):
         return candidate.effect.name if delays(candidate) else None
-    plain = isinstance(_acting(candidate), (AbstractMotorTorque, AbstractDryFriction)) and not _own_states(candidate)
+    plain = isinstance(_acting(candidate), (AbstractMotorTorque, AbstractDryFriction)) and not _driven_states(candidate)
     return None if plain else candidate.effect.name if switchable(candidate) else candidate
 
 
 def switchable(candidate: Candidate) -> bool:
     """Return whether a law with its size at zero leaves the plant as it is, even where its states are kept."""
     lasting = (AbstractCommandLaw, AbstractArmLaw)  # a lag without time constant, a mode without inertia
-    return not is_law(candidate) or not issubclass(candidate.effect, lasting) or not _own_states(candidate)
+    return not is_law(candidate) or not issubclass(candidate.effect, lasting) or not _driven_states(candidate)
 
 
-def _own_states(candidate: Candidate) -> int:
-    """Return the number of states that a candidate adds to the plant."""
-    return _acting(candidate).n_states if is_law(candidate) else 0
+def _driven_states(candidate: Candidate) -> int:
+    """Return the number of states that a candidate adds to the plant, but those that only time drives."""
+    return _acting(candidate).n_driven_states if is_law(candidate) else 0
 
 
 def _bends(candidate: Candidate) -> bool:

@@ -73,7 +73,13 @@ class PlantInputs:
             late = [self._filtered(one, own.values) for one, own in zip(inputs, sets, strict=True)]
         else:
             delayed = [self._late(own.values, record.prescribed) for own in sets]
-            late = [delayed_halves(one, delay) for one, delay in zip(inputs, delayed, strict=True)]
+            made: dict[tuple[int, bytes], FloatArray] = {}  # most sets of a fit have the same delays
+            late = []
+            for one, delay in zip(inputs, delayed, strict=True):
+                key = id(one), delay.tobytes()
+                if key not in made:
+                    made[key] = delayed_halves(one, delay)
+                late.append(made[key])
         return late[0] if len(late) == 1 else np.stack(late, axis=-1)
 
     def acting(self, record: Record, sets: Sequence[ParameterSet], samples: IntArray) -> FloatArray:

@@ -139,21 +139,10 @@ class TorqueErrors:
 
         def rows(robot: Robot, numbers: tuple[tuple[str, float], ...], zeros: tuple[float, ...]) -> FloatArray:
             values = np.array([one.nominal for one in standard_parameters(robot, numbers=dict(numbers))])
-            needed: FloatArray = self._moved_regressor(zeros) @ values + self.known
-            return needed
+            needed: FloatArray = self.regressor @ values + self.known
+            return needed + self.rows.torque_of_zeros(np.array(zeros), dict(numbers)) if any(zeros) else needed
 
         return lru_cache(maxsize=BODIES)(rows)
-
-    @cached_property
-    def _moved_regressor(self) -> Callable[[tuple[float, ...]], FloatArray]:
-        """Function of the regressor at positions less the offsets of their encoders, shape (m, M, P)."""
-
-        def regressor(zeros: tuple[float, ...]) -> FloatArray:
-            if not any(zeros):
-                return self.regressor
-            return np.concatenate([H for H, _ in self.rows.at_zeros(np.array(zeros)).blocks()])
-
-        return lru_cache(maxsize=BODIES)(regressor)
 
     @cached_property
     def _lagged(self) -> Callable[[int, float, float], FloatArray]:

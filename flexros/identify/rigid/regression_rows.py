@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.identify.rigid.body_torque import body_torque
 from flexros.identify.rigid.motion_estimate import (
     MotionEstimate,
     decimate,
@@ -19,7 +21,7 @@ from flexros.identify.rigid.record import torque_as_it_acts
 from flexros.record.missing_samples import bridged_motion, long_holes
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Mapping
 
     from flexros.arrays import BoolArray, FloatArray
     from flexros.identify.rigid.regressor import RigidRegressor
@@ -97,13 +99,23 @@ class RegressionRows:
         """
         return decimate(values, self.factor)[self.counts]
 
-    def at_zeros(self, offsets: FloatArray) -> RegressionRows:
-        """Return the same rows at positions less the offsets of their encoders.
+    def torque_of_zeros(self, offsets: FloatArray, numbers: Mapping[str, float] = MappingProxyType({})) -> FloatArray:
+        """Return by how much more torque the bodies need at positions less the offsets of their encoders.
 
         Args:
             offsets: Offsets of all motors [rad or m], shape (M,).
+            numbers: Values of the robot in place of its own, by name of the parameter [SI].
+
+        Returns:
+            Torques in the rows that count [Nm or N], shape (n, M).
         """
-        return replace(self, motion=replace(self.motion, position=self.motion.position - offsets), kept=[])
+        bodies, motion = body_torque(self.regressor.robot), self.motion
+        here, there = (
+            bodies(position, motion.velocity, motion.acceleration, numbers)
+            for position in (motion.position, motion.position - offsets)
+        )
+        there[:, list(self.record.prescribed)] = here[:, list(self.record.prescribed)]
+        return self.decimated(there - here)
 
     @property
     def factor(self) -> int:

@@ -89,7 +89,7 @@ class RigidRegressor:
         robot = self.robot
         column = {parameter.name: index for index, parameter in enumerate(self.parameters)}
         H = ca.SX(robot.n_motors, len(self.parameters))
-        H[:, [column[_linear_name(name)] for name in _body_names(robot)]] = _body_columns(robot, *self._motion)
+        H[:, [column[_linear_name(name)] for name in body_names(robot)]] = _body_columns(robot, *self._motion)
         coupled = robot.flexible_motors if robot.spec.inertial_coupling else ()
         if coupled:
             H[:, [column[f"motor_{k + 1}.inertia"] for k in coupled]] = _rotor_columns(robot, *self._motion)
@@ -114,8 +114,12 @@ def _friction_columns(v: ca.SX, asymmetric: bool) -> dict[str, ca.SX]:
     return columns
 
 
-def _body_names(robot: Robot) -> list[str]:
-    """Names of the robot parameters whose derivatives are columns of the bodies."""
+def body_names(robot: Robot) -> list[str]:
+    """Return the names of the robot parameters that the torque of the bodies depends on.
+
+    Args:
+        robot: The robot.
+    """
     kinds = [
         *[f"inertia.{entry}" for entry in INERTIA_COMPONENTS],
         *[f"center_of_mass.{axis}" for axis in "xyz"],
@@ -133,7 +137,7 @@ def _linear_name(name: str) -> str:
 
 def _body_columns(robot: Robot, q: ca.SX, v: ca.SX, a: ca.SX) -> ca.SX:
     """Columns of the bodies, shape (M, 10 R and more)."""
-    names = _body_names(robot)
+    names = body_names(robot)
     model = robot.symbolic(names)
     p = ca.SX.sym("p", len(names))
     arm = robot.arm_from_gears

@@ -209,13 +209,9 @@ def _of_position(rows: RegressionRows, torques: tuple[PositionTorque, ...]) -> F
 def _of_zeros(rows: RegressionRows, sought: Sought) -> FloatArray:
     """Return how the torques of the nominal bodies change with the offsets of encoders, shape (n, M, zeros)."""
     columns: FloatArray = np.zeros((*rows.torque.shape, len(sought.zeros)))
-    if not sought.zeros:
-        return columns
-    nominal = np.array([parameter.nominal for parameter in rows.regressor.parameters])
-    here = np.concatenate([H @ nominal for H, _ in rows.blocks()])
     for column, motor in enumerate(sought.zeros):
-        moved = rows.at_zeros(STEP_OF_ZERO * np.eye(sought.robot.n_motors)[motor])
-        columns[..., column] = (np.concatenate([H @ nominal for H, _ in moved.blocks()]) - here) / STEP_OF_ZERO
+        moved = STEP_OF_ZERO * np.eye(sought.robot.n_motors)[motor]
+        columns[..., column] = rows.torque_of_zeros(moved) / STEP_OF_ZERO
     return columns
 
 
