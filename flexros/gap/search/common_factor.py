@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,7 +29,8 @@ def with_other_scales(search: Search, chosen: CandidateFit, fits: list[Candidate
 
     At a joint that gravity does not load, gain, damping, inertia and friction have a common factor. With wrong friction
     and gain, the log is explained alike by a wrong gain and a wrong inertia, and the search ends with one of the two.
-    It also ends with two wrong numbers where a single one of another kind is enough, which is taken instead.
+    It also ends with two wrong numbers where a single one of another kind is enough, which is taken instead, or with
+    two that stand for nothing together, which are left out.
 
     Args:
         search: The search.
@@ -36,6 +38,7 @@ def with_other_scales(search: Search, chosen: CandidateFit, fits: list[Candidate
         fits: All fits so far; new ones are appended.
     """
     removed = search.settings.search.removed_of_all
+    chosen = _without_pairs(search, chosen, fits)
     while search.data.record.command is not None and not search.deadline.stops():
         rivals = _rivals(search, chosen)
         fits += rivals
@@ -47,6 +50,33 @@ def with_other_scales(search: Search, chosen: CandidateFit, fits: list[Candidate
         if worth(search, compared(search, [best, chosen]), best, chosen, removed):
             break
         chosen = best
+    return chosen
+
+
+def _without_pairs(search: Search, chosen: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
+    """Leave out two numbers of a servo that are worth their parameters beside each other alone.
+
+    A wrong gain of both stiffness and damping, and viscous friction that undoes the latter, are nothing more than a
+    wrong stiffness; without either of the two the other one is far off.
+    """
+    removed = search.settings.search.removed_of_all
+    while search.data.record.command is not None and not search.deadline.stops():
+        pairs = [
+            (one.name, other.name)
+            for one, other in combinations(chosen.hypothesis, 2)
+            if one.location == other.location
+        ]
+        around = search.surroundings(chosen)
+        rises = [rest.least - around.least for rest in search.removals_together(chosen, around, pairs)]
+        for rise, pair in sorted(zip(rises, pairs, strict=True)):
+            if rise > DOUBTFUL:
+                return chosen
+            fits.append(search.without(chosen, *pair))
+            if not worth(search, compared(search, [fits[-1], chosen]), fits[-1], chosen, removed):
+                chosen = fits[-1]
+                break
+        else:
+            return chosen
     return chosen
 
 
