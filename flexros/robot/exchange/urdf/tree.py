@@ -174,8 +174,20 @@ class UrdfTree:
         )
 
     def _likely_tip(self) -> str:
-        """Return the link with most moving joints before it; of several the first one."""
-        return max(self.links, key=lambda link: sum(joint.kind in MOVABLE for joint in self._to(link)))
+        """Return the link with most moving joints before it, or where fingers or the like begin on the way to it.
+
+        These are chains behind a link, none of which has more moving joints than lie before that link.
+        """
+        last = max(self.links, key=self._moving_before)
+        for joint in self._to(last):
+            link, most = joint.parent, self._moving_before(last)
+            fingers = [one for one in self.children[link] if self._movable_below(one)]
+            if len(fingers) > 1 and 2 * self._moving_before(link) >= most:
+                return link
+        return last
+
+    def _moving_before(self, link: str) -> int:
+        return sum(joint.kind in MOVABLE for joint in self._to(link))
 
     def _movable_below(self, joint: UrdfJoint) -> bool:
         waiting = [joint]

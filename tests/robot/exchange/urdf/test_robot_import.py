@@ -244,6 +244,14 @@ def test_several_chains_ask_for_the_tip(urdf: Path) -> None:
         skeleton_from_urdf(urdf, "hnd")
 
 
+@pytest.mark.parametrize(("arm", "tip"), [(URDF, "hand"), ('<robot name="legs"><link name="hand"/></robot>', "left")])
+def test_the_tip_that_is_proposed_carries_the_fingers_of_a_gripper(urdf: Path, arm: str, tip: str) -> None:
+    """Chains that have more joints than lie before them, such as legs, are arms themselves."""
+    urdf.write_text(arm.replace("</robot>", GRIPPER))
+    with pytest.raises(InputError, match=f"e.g. '{tip}'"):
+        skeleton_from_urdf(urdf)
+
+
 def test_base_is_turned_where_the_first_joint_is_slanted(tmp_path: Path) -> None:
     pin = pytest.importorskip("pinocchio", reason="Pinocchio is not installed")
     text = URDF.replace('rpy="0 0 0"', 'rpy="0.3 0.4 0.5"', 1)
