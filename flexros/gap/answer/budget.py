@@ -187,14 +187,18 @@ def _model_numbers(findings: Findings) -> tuple[ModelNumber, ...]:
 
 
 def _estimated(findings: Findings) -> list[ModelNumber]:
-    """List the numbers that the robot file lacks, as the chosen explanation has them."""
+    """List the numbers that the robot file lacks, as the chosen explanation has them.
+
+    A log shows the inertia of a rotor together with that of the bodies that always turn with it: what these are known
+    to is a doubt about the rotor.
+    """
     chosen, robot = findings.explanations.chosen, findings.model.robot
     tolerance = chosen.predictor.tolerance
     n = chosen.predictor.n_effect
     covariance = fit_covariance(chosen, findings.data, findings.settings)[n:, n:]
-    if tolerance.directions is not None:
-        covariance = tolerance.directions @ covariance @ tolerance.directions.T
-    relative = dict(zip(tolerance.names, np.array(tolerance.deviations) * np.sqrt(np.maximum(np.diag(covariance), 0))))
+    fitted = tolerance.fitted(covariance)
+    relative = dict(zip(tolerance.names, fitted))
+    of_rotors = dict(zip(tolerance.names, np.hypot(fitted, tolerance.uninformed)))
     numbers = []
     for placed in findings.unknown.fitted(chosen):
         name, effect = f"{placed.location}.inertia", placed.effect
@@ -213,9 +217,9 @@ def _estimated(findings: Findings) -> list[ModelNumber]:
                 name=name,
                 nominal=0.0,
                 value=effect.added,
-                std=float(relative[name]) * effect.added,
+                std=float(of_rotors[name]) * effect.added,
                 unit=robot.parameters[name].unit,
-                determined=bool(relative[name] <= 1.0),
+                determined=bool(of_rotors[name] <= 1.0),
             )
         )
     return numbers

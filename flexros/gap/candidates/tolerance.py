@@ -79,6 +79,25 @@ class Tolerance:
         """Return the logarithms of the factors on the parameters [1], shape (n_names,); argument as for `by_name`."""
         return np.array(self.deviations) * self.by_name(free)
 
+    def fitted(self, covariance: FloatArray) -> FloatArray:
+        """Return the standard deviations of the logarithms of the parameters along the directions, shape (n_names,).
+
+        Args:
+            covariance: Covariance of fitted deviations along the directions [1], shape (n_free, n_free).
+        """
+        parts = np.diag(covariance)
+        if self.directions is not None:
+            parts = np.einsum("ij,jk,ik->i", self.directions, covariance, self.directions)
+        result: FloatArray = np.array(self.deviations) * np.sqrt(np.maximum(parts, 0.0))
+        return result
+
+    @property
+    def uninformed(self) -> FloatArray:
+        """Standard deviations of the logarithms in the directions in which no log informs [1], shape (n_names,)."""
+        left = 0.0 if self.directions is None else 1.0 - np.sum(self.directions**2, axis=1)
+        result: FloatArray = np.array(self.deviations) * np.sqrt(np.maximum(left, 0.0))
+        return result
+
     def without(self, free: FloatArray, replaced: BoolArray) -> FloatArray:
         """Return deviations along the directions with some parameters at their nominal values, shape (n_free,).
 

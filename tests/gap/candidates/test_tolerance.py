@@ -64,6 +64,17 @@ def test_directions_in_which_a_log_does_not_inform_are_left_out() -> None:
     np.testing.assert_allclose(few.logarithms(few.along(np.array([1.0, 1.0, 0.0]))), [0.1, 0.1, 0.0], atol=1e-12)
 
 
+def test_a_number_that_only_shows_with_another_is_known_no_better_than_that_one() -> None:
+    """A log shows the sum of the inertias of a rotor and of a body; the body is known to 0.03 x 0.2 kg m2."""
+    rotor, body, of_rotor, of_body = 0.5, 0.2, 1.0, 0.03
+    seen = np.array([rotor * of_rotor, body * of_body])
+    few = Tolerance(("rotor", "body"), (of_rotor, of_body)).informed(1e4 * np.outer(seen, seen))
+    covariance = np.linalg.inv(few.directions.T @ (1e4 * np.outer(seen, seen) + np.eye(2)) @ few.directions)
+    deviation = rotor * np.hypot(few.fitted(covariance), few.uninformed)[0]
+    assert deviation == pytest.approx(np.hypot(body * of_body, 0.01), rel=0.01)
+    np.testing.assert_array_equal(Tolerance(("a",), (0.1,)).uninformed, [0.0])
+
+
 def test_replaced_parameters_are_nominal() -> None:
     whole = Tolerance(("a", "b"), (0.1, 0.1))
     free = np.array([1.0, 2.0])
