@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.effects.friction.viscous_friction import ViscousFriction
+from flexros.effects.motor_inertia_error import MotorInertiaError
+from flexros.effects.torque_gain_error import TorqueGainError
+from flexros.gap.fit.estimates import unit_of_parameter
 from flexros.gap.search.elimination import reduced
 from flexros.gap.search.worth import compared, worth
 
 if TYPE_CHECKING:
+    from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.search.fits.additions import Addition
     from flexros.gap.search.fits.candidate_fits import Search
@@ -38,7 +44,7 @@ def with_other_scales(search: Search, chosen: CandidateFit, fits: list[Candidate
         fits: All fits so far; new ones are appended.
     """
     removed = search.settings.search.removed_of_all
-    chosen = _without_pairs(search, chosen, fits)
+    chosen = _without_pairs(search, _without_gains(search, chosen, fits), fits)
     while search.data.record.command is not None and not search.deadline.stops():
         rivals = _rivals(search, chosen)
         fits += rivals
@@ -51,6 +57,36 @@ def with_other_scales(search: Search, chosen: CandidateFit, fits: list[Candidate
             break
         chosen = best
     return chosen
+
+
+def _without_gains(search: Search, chosen: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
+    """Leave out wrong gains of torques where other friction and inertia at their motors explain the log as well.
+
+    Fits that begin at the sizes that these have beside a gain do not come to those in proportion.
+    """
+    removed = search.settings.search.removed_of_all
+    for gain in [one for one in chosen.hypothesis if one.effect is TorqueGainError]:
+        if search.data.record.command is None or search.deadline.stops() or len(chosen.hypothesis) == 1:
+            break
+        fits.append(search.without(_in_proportion(chosen, gain), gain.name))
+        if not worth(search, compared(search, [fits[-1], chosen]), fits[-1], chosen, removed):
+            chosen = reduced(search, fits[-1], fits, removed)
+    return chosen
+
+
+def _in_proportion(fit: CandidateFit, gain: Candidate) -> CandidateFit:
+    """Divide all torques that a motor meets by the gain of its own, as they are where that is nominal."""
+    theta, robot, motor = fit.theta.copy(), fit.predictor.robot, gain.location
+    values = fit.predictor.values(fit.theta)
+    factor = 1 + values[fit.hypothesis.index(gain)]["relative"]
+    frees = [(one, free, own[free.name]) for one, own in zip(fit.hypothesis, values, strict=True) for free in one.free]
+    viscous = robot.parameters[f"{motor}.viscous_friction"].value
+    for column, (candidate, free, size) in enumerate(frees):
+        relative = candidate.effect is MotorInertiaError
+        if candidate.location == motor and (relative or unit_of_parameter(candidate, free.name, robot).startswith("N")):
+            known = 1.0 if relative else viscous if candidate.effect is ViscousFriction else 0.0
+            theta[column] = np.clip(free.encode((known + size) / factor - known), *free.bounds)
+    return replace(fit, theta=theta)
 
 
 def _without_pairs(search: Search, chosen: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from flexros.effects import RobotWithEffects
+from flexros.gap.candidates.candidate import Candidate
 from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
+from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.schema import Diagnosis
 from flexros.gap.search import common_factor
 from flexros.gap.settings import DiagnosisSettings
-from tests.gap.diagnosis_logs import settings_of
+from tests.gap.diagnosis_logs import candidates_of, encoded, predictor_of, settings_of
 from tests.gap.servo_logs import servo_log, servo_robot
 
 WEIGHTLESS = 1e-3
@@ -85,3 +88,54 @@ def test_two_numbers_that_stand_for_nothing_together_are_left_out(
     found = common_factor._without_pairs(search, chosen, fits)
     assert found.names == ({STIFFNESS, ELSEWHERE} if commanded else chosen.names)
     assert len(fits) == commanded
+
+
+@dataclass(frozen=True)
+class _Sized:
+    """A fit, of which a part of the attributes counts."""
+
+    hypothesis: tuple[Candidate, ...]
+    theta: np.ndarray
+    predictor: Predictor
+
+
+def test_friction_and_inertia_in_proportion_to_a_gain() -> None:
+    """Of half the torque, half of all that a motor meets explains the same motion; shares and shapes stay."""
+    sizes = {
+        "coulomb_friction": {"level": 0.5},
+        "viscous_friction": {"coefficient": 0.01, "asymmetry": 0.4},
+        "motor_inertia_error": {"relative": -0.4},
+        "load_dependent_friction": {"share": 0.1},
+        "torque_gain_error": {"relative": -0.5},
+    }
+    every = {name.split("@")[0]: one for name, one in candidates_of().items()}
+    hypothesis = tuple(every[name] for name in sizes)
+    predictor = predictor_of(*hypothesis)
+    theta = np.concatenate([encoded(one, **sizes[one.effect.name]) for one in hypothesis])
+    fit: Any = _Sized(hypothesis, theta, predictor)
+    scaled = common_factor._in_proportion(fit, every["torque_gain_error"])
+    found = {one.effect.name: own for one, own in zip(hypothesis, predictor.values(scaled.theta), strict=True)}
+    nominal = predictor.robot.parameters["motor_1.viscous_friction"].value
+    assert found["coulomb_friction"]["level"] == pytest.approx(1.0)
+    assert found["viscous_friction"] == pytest.approx({"coefficient": 2 * (nominal + 0.01) - nominal, "asymmetry": 0.4})
+    assert found["motor_inertia_error"]["relative"] == pytest.approx(0.2)
+    assert found["load_dependent_friction"]["share"] == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize("alike", [True, False])
+def test_a_gain_is_left_out_where_other_friction_explains_as_much(alike: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    gain = candidates_of()["torque_gain_error@motor_1"]
+    other = candidates_of()["coulomb_friction@motor_1"]
+    chosen: Any = SimpleNamespace(hypothesis=(gain, other), names={gain.name, other.name}, chi2=1000.0)
+    rest = SimpleNamespace(hypothesis=(other,), chi2=1001.0 if alike else 1100.0)
+    monkeypatch.setattr(common_factor, "compared", lambda *_: None)
+    monkeypatch.setattr(common_factor, "_in_proportion", lambda fit, gain: fit)
+    monkeypatch.setattr(common_factor, "reduced", lambda search, fit, fits, removed: fit)
+    monkeypatch.setattr(common_factor, "worth", lambda search, how, rest, fit, share: rest.chi2 > fit.chi2 + 10)
+    search: Any = SimpleNamespace(
+        settings=DiagnosisSettings(),
+        data=SimpleNamespace(record=SimpleNamespace(command=1)),
+        deadline=SimpleNamespace(stops=lambda: False),
+        without=lambda fit, name: rest,
+    )
+    assert common_factor._without_gains(search, chosen, []) is (rest if alike else chosen)
