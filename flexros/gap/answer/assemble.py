@@ -28,7 +28,7 @@ from flexros.gap.held_out.errors_ahead import errors_ahead
 from flexros.gap.held_out.gap_floor import over_expected_floor, tolerance_floor
 from flexros.gap.held_out.gap_numbers import gap_numbers, settled, signal_gaps
 from flexros.gap.held_out.predictions import prediction_of, signature_evidence
-from flexros.gap.next_experiment.choose import next_experiment
+from flexros.gap.next_experiment.choose import file_or_name, next_experiment
 from flexros.gap.result import DiagnosisResult, Explanation, RankedCandidate
 from flexros.gap.schema import NEXT_EXPERIMENT, Cause, CauseParameter, Diagnosis
 from flexros.provenance import versions
@@ -344,6 +344,8 @@ def _next(findings: Findings, verdict: Verdict, stages: Stages, deadline: Deadli
     return next_experiment(
         model,
         survivors,
+        name=file_or_name(findings.given.robot),
+        sample_time=findings.data.record.sample_time,
         tool_measured=findings.data.tool is not None,
         tolerance=findings.tolerance,
         prescribed=findings.data.record.prescribed,

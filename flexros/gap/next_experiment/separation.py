@@ -9,7 +9,7 @@ import numpy as np
 
 from flexros.gap.candidates.candidate import Candidate, FreeParameter
 from flexros.gap.candidates.tolerance import tolerance_of
-from flexros.gap.fit.least_squares import chi2_of, fit
+from flexros.gap.fit.least_squares import chi2_of, fit, linearise
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.search.model_probability import contrast_of, form_error
@@ -143,7 +143,11 @@ def separation(truth: Explained, rival: Explained, made: Trial) -> float:
     data, sample_time = made.data, made.record.sample_time
     true_predictor, theta = predictor_of(truth, sample_time)
     rival_predictor, rival_theta = predictor_of(rival, sample_time)
-    rival_fit = fit(rival_predictor, data, rival_theta, ITERATIONS)
+    line = linearise(
+        rival_predictor, data, rival_theta
+    )  # slopes of tolerated deviations, which are many, change little
+    tolerated = line.slopes[:, rival_predictor.n_effect :]
+    rival_fit = fit(rival_predictor, data, rival_theta, ITERATIONS, tolerance_slopes=tolerated)
     residuals = data.residuals(true_predictor, theta[:, None])
     least = float(np.sum(residuals**2))
     contrast = contrast_of(true_predictor.hypothesis, rival_predictor.hypothesis)

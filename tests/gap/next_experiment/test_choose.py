@@ -14,7 +14,7 @@ from flexros.effects import PlacedEffect, RobotWithEffects, parse_effect
 from flexros.errors import RunError
 from flexros.gap.next_experiment import choose as module
 from flexros.gap.next_experiment.catalogue import CATALOGUE, CatalogueEntry
-from flexros.gap.next_experiment.choose import Separated, command_of, next_experiment, separated
+from flexros.gap.next_experiment.choose import SLOWEST, Separated, command_of, next_experiment, separated
 from flexros.gap.next_experiment.separation import Explained, separation, trial
 from flexros.robot import load_robot
 from flexros.robot.robot import LIBRARY
@@ -196,6 +196,24 @@ def test_every_command_can_be_run(entry: CatalogueEntry) -> None:
 def test_names_of_experiments_are_given_once() -> None:
     assert len(ENTRIES) == len(CATALOGUE)
     assert all(entry.description and not entry.description.endswith(".") for entry in CATALOGUE)
+
+
+@pytest.mark.parametrize(("log", "period"), [(0.0, 5e-4), (1e-4, 5e-4), (1e-3, 1e-3), (0.02, SLOWEST)])
+def test_experiments_are_as_slow_as_the_recorder_of_the_log(
+    log: float, period: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    used: list[float] = []
+
+    def separated(explained: list[Explained], entry: CatalogueEntry, *rest: object) -> Separated:
+        used.append(explained[0].model.robot.sample_time)
+        return Separated(entry, 5.0, (0, 1))
+
+    monkeypatch.setattr(module, "separated", separated)
+    survivors = [placed("delay@all:time=0.001"), placed("delay@all:time=0.002")]
+    proposed = next_experiment(load_robot("e12"), survivors, sample_time=log)
+    assert proposed is not None
+    assert set(used) == {period}
+    assert (f"sample_time={period}" in shlex.split(proposed.command)) == (period > 5e-4)
 
 
 def test_command_names_the_file_of_the_robot_or_its_name(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
