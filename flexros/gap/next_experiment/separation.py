@@ -143,10 +143,8 @@ def separation(truth: Explained, rival: Explained, made: Trial) -> float:
     data, sample_time = made.data, made.record.sample_time
     true_predictor, theta = predictor_of(truth, sample_time)
     rival_predictor, rival_theta = predictor_of(rival, sample_time)
-    line = linearise(
-        rival_predictor, data, rival_theta
-    )  # slopes of tolerated deviations, which are many, change little
-    tolerated = line.slopes[:, rival_predictor.n_effect :]
+    line = linearise(rival_predictor, data, rival_theta)
+    tolerated = line.slopes[:, rival_predictor.n_effect :]  # they are many and change little
     rival_fit = fit(rival_predictor, data, rival_theta, ITERATIONS, tolerance_slopes=tolerated)
     residuals = data.residuals(true_predictor, theta[:, None])
     least = float(np.sum(residuals**2))
