@@ -27,7 +27,7 @@ LONGEST_IMPLICIT = 1e-3
 """Longest implicit step of servos [s] (chosen): a tenth of the time in which a stiff one brings a joint to its
 command."""
 ROUGH = 2
-"""Implicit steps per sample under torques, and where only the change of a prediction counts (chosen)."""
+"""Implicit steps per sample where only the change of a prediction counts (chosen)."""
 MOST = 64
 """Most steps per sample (chosen), for joints with much damping and little inertia."""
 TURN, TURN_OF_MANY = 0.2, 0.4
@@ -108,7 +108,7 @@ def integration_steps(
         rough: Whether the difference of two predictions with these steps is all that counts.
     """
     if may_be_implicit and _is_stiff(robot, sample_time, friction):
-        return IntegrationSteps(_implicit_substeps(robot, sample_time, fast=fast or curved, rough=rough), implicit=True)
+        return IntegrationSteps(_implicit_substeps(robot, sample_time, rough=rough), implicit=True)
     return IntegrationSteps(
         substeps(robot, sample_time, friction, fast=fast, curved=curved, rough=rough), implicit=False
     )
@@ -128,11 +128,9 @@ def _dies_out(rate: complex) -> bool:
     return abs(rate.imag) < -rate.real
 
 
-def _implicit_substeps(robot: Robot, sample_time: float, *, fast: bool = False, rough: bool = False) -> int:
+def _implicit_substeps(robot: Robot, sample_time: float, *, rough: bool = False) -> int:
     """Return the implicit steps per sample; servos follow jumps of their commands, torques of a log are held."""
-    step = min(sample_time / (FAST if fast else ROUGH), LONGEST)
-    if robot.commands == "position":
-        step = min(sample_time / FAST, LONGEST_IMPLICIT)
+    step = min(sample_time / FAST, LONGEST_IMPLICIT if robot.commands == "position" else LONGEST)
     step = max(SHORTEST, sample_time / ROUGH if rough else step)
     return max(1, int(np.ceil(sample_time / step - 1e-9)))
 
