@@ -81,11 +81,9 @@ def next_experiment(
         The experiment; None where there are fewer than two explanations, or no experiment can be run.
     """
     model = robot if isinstance(robot, RobotWithEffects) else RobotWithEffects(robot, ())
-    name = name or file_or_name(model.robot)
-    slower, period = {}, min(sample_time, SLOWEST)
-    if period > model.robot.sample_time:
-        slower = {"sample_time": period}
-        model = replace(model, robot=model.robot.with_values(slower))
+    name, period = name or file_or_name(model.robot), min(sample_time, SLOWEST)
+    slower = {"sample_time": period} if period > model.robot.sample_time else {}
+    model = replace(model, robot=model.robot.with_values(slower))
     settings = settings or DiagnosisSettings()
     choice = settings.next_experiment or NextExperimentSettings()
     explained = [

@@ -43,9 +43,13 @@ def with_other_scales(search: Search, chosen: CandidateFit, fits: list[Candidate
         chosen: The explanation, at its end.
         fits: All fits so far; new ones are appended.
     """
+    if search.data.record.command is None:
+        return chosen
     removed = search.settings.search.removed_of_all
-    chosen = _without_pairs(search, _without_gains(search, chosen, fits), fits)
-    while search.data.record.command is not None and not search.deadline.stops():
+    chosen = _without_gains(search, chosen, fits)
+    while not search.deadline.stops() and (smaller := _without_pair(search, chosen, fits)) is not None:
+        chosen = smaller
+    while not search.deadline.stops():
         rivals = _rivals(search, chosen)
         fits += rivals
         near = [one for one in rivals if _as_good(search, one, chosen)]
@@ -66,7 +70,7 @@ def _without_gains(search: Search, chosen: CandidateFit, fits: list[CandidateFit
     """
     removed = search.settings.search.removed_of_all
     for gain in [one for one in chosen.hypothesis if one.effect is TorqueGainError]:
-        if search.data.record.command is None or search.deadline.stops() or len(chosen.hypothesis) == 1:
+        if search.deadline.stops() or len(chosen.hypothesis) == 1:
             break
         fits.append(search.without(_in_proportion(chosen, gain), gain.name))
         if not worth(search, compared(search, [fits[-1], chosen]), fits[-1], chosen, removed):
@@ -89,31 +93,24 @@ def _in_proportion(fit: CandidateFit, gain: Candidate) -> CandidateFit:
     return replace(fit, theta=theta)
 
 
-def _without_pairs(search: Search, chosen: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
-    """Leave out two numbers of a servo that are worth their parameters beside each other alone.
+def _without_pair(search: Search, chosen: CandidateFit, fits: list[CandidateFit]) -> CandidateFit | None:
+    """Leave out two numbers of a servo that are worth their parameters beside each other alone; None without such.
 
     A wrong gain of both stiffness and damping, and viscous friction that undoes the latter, are nothing more than a
     wrong stiffness; without either of the two the other one is far off.
     """
-    removed = search.settings.search.removed_of_all
-    while search.data.record.command is not None and not search.deadline.stops():
-        pairs = [
-            (one.name, other.name)
-            for one, other in combinations(chosen.hypothesis, 2)
-            if one.location == other.location
-        ]
-        around = search.surroundings(chosen)
-        rises = [rest.least - around.least for rest in search.removals_together(chosen, around, pairs)]
-        for rise, pair in sorted(zip(rises, pairs, strict=True)):
-            if rise > DOUBTFUL:
-                return chosen
-            fits.append(search.without(chosen, *pair))
-            if not worth(search, compared(search, [fits[-1], chosen]), fits[-1], chosen, removed):
-                chosen = fits[-1]
-                break
-        else:
-            return chosen
-    return chosen
+    each = combinations(chosen.hypothesis, 2)
+    pairs = [(one.name, other.name) for one, other in each if one.location == other.location]
+    around, removed = search.surroundings(chosen), search.settings.search.removed_of_all
+    rests = search.removals_together(chosen, around, pairs)
+    rises = sorted((rest.least - around.least, pair) for rest, pair in zip(rests, pairs, strict=True))
+    for rise, pair in rises:
+        if rise > DOUBTFUL or search.deadline.stops():
+            break
+        fits.append(search.without(chosen, *pair))
+        if not worth(search, compared(search, [fits[-1], chosen]), fits[-1], chosen, removed):
+            return fits[-1]
+    return None
 
 
 def _rivals(search: Search, chosen: CandidateFit) -> list[CandidateFit]:

@@ -24,7 +24,7 @@ LANES = 8
 class BodyTorque:
     """tau = H(q, q', q'') pi without rotors and friction of motors (Moberg 2007, eq. 4.11), pi of any bodies.
 
-    It takes a hundredth of the time of the regressor H, which has a column of every parameter.
+    The regressor H, which has a column of every parameter, takes far longer.
 
     Args:
         robot: The robot; its gears and elastic directions count as locked.

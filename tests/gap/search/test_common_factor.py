@@ -76,6 +76,8 @@ def test_two_numbers_that_stand_for_nothing_together_are_left_out(
     """Either of them alone is needed beside the other; torques of a log would tell them apart."""
     monkeypatch.setattr(common_factor, "compared", lambda *_: None)
     monkeypatch.setattr(common_factor, "worth", lambda search, how, rest, fit, share: rest.chi2 > fit.chi2 + 10)
+    monkeypatch.setattr(common_factor, "_without_gains", lambda search, chosen, fits: chosen)
+    monkeypatch.setattr(common_factor, "_rivals", lambda search, chosen: [])
     chosen, fits = _fit(max(LEFT, key=len)), list[Any]()
     search: Any = SimpleNamespace(
         settings=DiagnosisSettings(),
@@ -85,7 +87,7 @@ def test_two_numbers_that_stand_for_nothing_together_are_left_out(
         removals_together=lambda fit, around, sets: [SimpleNamespace(least=LEFT[fit.names - {*one}]) for one in sets],
         without=lambda fit, *names: _fit(fit.names - {*names}),
     )
-    found = common_factor._without_pairs(search, chosen, fits)
+    found = common_factor.with_other_scales(search, chosen, fits)
     assert found.names == ({STIFFNESS, ELSEWHERE} if commanded else chosen.names)
     assert len(fits) == commanded
 
