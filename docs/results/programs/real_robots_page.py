@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 from real_robots_case import KINDS, NUMBERS
@@ -71,12 +72,19 @@ def page(found: Mapping[str, Found]) -> str:
     """
     done = [(case, found[case.name]) for case in CASES if "diagnosis" in found.get(case.name, {})]
     missing = [case.title for case in CASES if "diagnosis" not in found.get(case.name, {})]
-    parts = [HEAD, SUMMARY, *_overview(done)]
+    parts = [HEAD, SUMMARY, *_overview(done), _commits(done)]
     if missing:
         parts.append(f"\nNot run: {', '.join(missing)}.\n")
     for case, content in done:
         parts += _section(case, content)
     return "".join(parts)
+
+
+def _commits(done: Sequence[tuple[Case, Found]]) -> str:
+    """Tell by which commit each case was run."""
+    counts = Counter(content.get("versions", {}).get("code", "unknown") for _, content in done)
+    cases = ", ".join(f"{code} {number}" for code, number in counts.most_common())
+    return f"\nNumber of cases by the commit that ran them, which each JSON file names: {cases}.\n"
 
 
 def agreement(case: Case, diagnosis: Found) -> list[tuple[Known, float | None, float | None, bool]]:
