@@ -27,6 +27,7 @@ from flexros.gap.noise.autoregression import autoregressive_spectrum
 from flexros.gap.noise.weights import measurement_in
 from flexros.gap.prediction.driven_model import driven_model
 from flexros.gap.progress import Stages
+from flexros.gap.residuals.fit_samples import at_rate_of_fits, part_of_fits
 from flexros.gap.residuals.prepare_fit_data import fit_data, with_tool_frame_of
 from flexros.gap.search.forward_selection import explain
 from flexros.gap.search.looser import found_looser, looser_null
@@ -37,7 +38,6 @@ from flexros.gap.settings import DiagnosisSettings
 from flexros.gap.where.find import where
 from flexros.identify.rigid.torque_timing import in_time
 from flexros.logs.reader import give_memory_back
-from flexros.record.most_informative import most_informative
 from flexros.record.prescribed_motion import with_prescribed_motion
 from flexros.record.resampled import may_be_resampled, resampled
 from flexros.record.shifted_torque import shifted
@@ -100,6 +100,7 @@ def diagnose(
     settings = with_torque_tolerance(settings or DiagnosisSettings(), tolerance)
     given = robot if isinstance(robot, RobotWithEffects) else RobotWithEffects(robot, ())
     competitors(driven_model(given, record).robot, settings.search, record.prescribed)  # refuses names before the work
+    record = at_rate_of_fits(record, given.robot, settings)
     in_closed_loop = log if record.command is None else None
     notes = () if in_closed_loop is None else why_not_simulated(in_closed_loop)
     stages, deadline = Stages(progress), Deadline(settings.time_limit, interrupted)
@@ -187,7 +188,7 @@ class _Task:
         _check_alike(fitted, held)
         fitted = with_torque_in_time_behind_springs(fitted, model.robot, settings)
         held = resampled(shifted(held, fitted.torque_shift), fitted.sample_time)
-        fitted, held = (most_informative(one, settings.most_values) for one in (fitted, held))
+        fitted, held = (part_of_fits(one, model.robot, settings) for one in (fitted, held))
         stated = tolerance_of(model.robot, self.tolerance, fitted.prescribed)
         unknown = unknown_numbers(fitted, model, stated, settings.torque_start)
         fitted = replace(fitted, warnings=(*fitted.warnings, *unknown.warnings, *self.notes))

@@ -17,11 +17,11 @@ from flexros.gap.held_out.gap_floor import over_expected_floor, tolerance_floor,
 from flexros.gap.held_out.gap_numbers import gap_numbers, settled
 from flexros.gap.prediction.driven_model import driven_model
 from flexros.gap.progress import Stages
+from flexros.gap.residuals.fit_samples import at_rate_of_fits, part_of_fits
 from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.search.model_probability import allowing_for_doubt, compare
 from flexros.gap.settings import DiagnosisSettings
 from flexros.identify.rigid.torque_timing import in_time
-from flexros.record.most_informative import most_informative
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -105,9 +105,10 @@ def measure_gap(
     settings = with_torque_tolerance(settings or DiagnosisSettings(), tolerance)
     stages, deadline = Stages(progress), Deadline(settings.time_limit)
     stages.begin("nominal model", 1.0 if repaired is None else 0.5)
+    record = at_rate_of_fits(record, model.robot, settings)
     model = driven_model(model, record)
     record = with_torque_in_time_behind_springs(record, model.robot, settings)
-    record = most_informative(record, settings.most_values)
+    record = part_of_fits(record, model.robot, settings)
     record = with_likely_gains(record, model, repaired, settings)
     stated = tolerance_of(model.robot, tolerance or {}, record.prescribed)
     unknown = unknown_numbers(record, model, stated, settings.torque_start, as_stated=True)

@@ -26,8 +26,8 @@ STABLE = 2.5
 LONGEST_IMPLICIT = 1e-3
 """Longest implicit step of servos [s] (chosen): a tenth of the time in which a stiff one brings a joint to its
 command."""
-ROUGH = 2
-"""Implicit steps per sample where only the change of a prediction counts (chosen)."""
+HELD, ROUGH = 3, 2
+"""Implicit steps per sample under torques that are held, and where only the change of a prediction counts (chosen)."""
 MOST = 64
 """Most steps per sample (chosen), for joints with much damping and little inertia."""
 TURN, TURN_OF_MANY = 0.2, 0.4
@@ -130,7 +130,7 @@ def _dies_out(rate: complex) -> bool:
 
 def _implicit_substeps(robot: Robot, sample_time: float, *, rough: bool = False) -> int:
     """Return the implicit steps per sample; servos follow jumps of their commands, torques of a log are held."""
-    step = min(sample_time / FAST, LONGEST_IMPLICIT if robot.commands == "position" else LONGEST)
+    step = min(sample_time / FAST, LONGEST_IMPLICIT) if robot.commands == "position" else sample_time / HELD
     step = max(SHORTEST, sample_time / ROUGH if rough else step)
     return max(1, int(np.ceil(sample_time / step - 1e-9)))
 

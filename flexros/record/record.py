@@ -53,7 +53,9 @@ class Record:
         tool: Positions seen by a tool tracker; None without one.
         sensors: Further sensors: link-side encoders, joint torque sensors, accelerometer and gyroscope of the tool.
         measured_torque: Whether the torques were measured at the motor, behind the delay of the command.
-        torque_shift: Samples from the stamp of a noted torque to the middle of the time in which it counts [1].
+        torque_shift: Samples of the recorder from the stamp of a noted torque to the middle of the time in which it
+            counts [1].
+        recorder_samples: Samples of the recorder in each sample [1]; more than 1 where the rate was lowered.
         simulated: Whether the provenance names a scenario of this program.
         imported: Whether the log was imported from files of a real machine, whose model is never exact.
         command: Commanded positions of servos, each held to the next sample [rad or m], shape (n, M), for a log without
@@ -86,6 +88,7 @@ class Record:
     sensors: tuple[SensorRecord, ...] = ()
     measured_torque: bool = False
     torque_shift: float = 0.0
+    recorder_samples: float = 1.0
     simulated: bool = False
     imported: bool = False
     command: FloatArray | None = None

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import ceil
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flexros.record.local_cubic import local_cubic
+from flexros.record.missing_samples import MOST_BRIDGED
+from flexros.record.shifted_torque import moved_later
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -40,6 +43,19 @@ def at_usual_rate(record: Record) -> Record:
     return resampled(record, round(rate / USUAL) * record.sample_time, "which suffices for a robot arm")
 
 
+def with_fewer_samples(record: Record, plenty: int, lowest_rate: float, reason: str) -> Record:
+    """Lower the rate of a record with more samples than are needed by a whole factor.
+
+    Args:
+        record: The record.
+        plenty: Samples of all motors together that are enough.
+        lowest_rate: Lowest rate [Hz].
+        reason: Why fewer samples are enough, for the warning.
+    """
+    factor = min(int((1 + SAME_RATE) / (record.sample_time * lowest_rate)), ceil(record.position.size / plenty))
+    return record if factor <= 1 else resampled(record, factor * record.sample_time, reason)
+
+
 def may_be_resampled(record: Record, sample_time: float) -> bool:
     """Whether a record holds enough samples for another sample time.
 
@@ -53,9 +69,9 @@ def may_be_resampled(record: Record, sample_time: float) -> bool:
 def resampled(record: Record, sample_time: float, reason: str = "the rate of the fitted log") -> Record:
     """Resample a record.
 
-    Positions are interpolated by cubics, torques and commanded positions averaged over each new sample, and other
-    signals interpolated linearly. Noted torques keep their shift in samples, so each moves by what the sample time
-    changes of it. A new sample is valid where the old ones beside it are.
+    Positions are interpolated by cubics, in long holes and other signals linearly; torques and commanded positions are
+    averaged over each new sample, and noted torques over as long a time around its stamp. A new sample is valid where
+    the old ones beside it are.
 
     Args:
         record: The record.
@@ -75,10 +91,8 @@ def resampled(record: Record, sample_time: float, reason: str = "the rate of the
     left = np.clip(np.floor(at / old + 1e-9).astype(np.int64), 0, record.n_samples - 1)
     right = np.minimum(left + (at > before[left] + 1e-9 * old), record.n_samples - 1)
 
-    def linear(values: FloatArray | None, shift: float = 0.0) -> FloatArray | None:
-        if values is None:
-            return None
-        return np.column_stack([np.interp(at + shift * sample_time, before + shift * old, one) for one in values.T])
+    def linear(values: FloatArray) -> FloatArray:
+        return np.column_stack([np.interp(at, before, one) for one in values.T])
 
     edges, ends = np.append(at, at[-1] + sample_time), np.append(before, before[-1] + old)
     spans = np.diff(np.minimum(edges, ends[-1]))
@@ -88,7 +102,11 @@ def resampled(record: Record, sample_time: float, reason: str = "the rate of the
         sums = np.column_stack([np.interp(edges, ends, column) for column in integral.T])
         return np.asarray(np.diff(sums, axis=0) / spans[:, None])
 
-    position = local_cubic(before[record.valid], record.position[record.valid], at)
+    measured, position = before[record.valid], linear(record.position)
+    among = np.searchsorted(measured, at, side="right")
+    hole = np.diff(measured, prepend=-np.inf, append=np.inf)[among]
+    near = hole <= (MOST_BRIDGED + 1 + 1e-9) * old
+    position[near] = local_cubic(measured, record.position[record.valid], at[near])
     text = f"{record.name} has {1 / old:.6g} samples per second; it was resampled to {1 / sample_time:.6g}, {reason}"
     return replace(
         record,
@@ -96,15 +114,16 @@ def resampled(record: Record, sample_time: float, reason: str = "the rate of the
         position=position,
         torque=mean(record.torque),
         command=None if record.command is None else mean(record.command),
-        command_rate=linear(record.command_rate),
+        command_rate=None if record.command_rate is None else linear(record.command_rate),
         valid=record.valid[left] & record.valid[right],
         jumps=None
         if record.jumps is None
         else np.diff(np.cumsum(record.jumps)[right], prepend=0.0) * old / sample_time,
         late=None if record.late is None else record.late[left] | record.late[right],
-        velocity=linear(record.velocity),
-        noted=linear(record.noted, record.torque_shift),
-        reference=linear(record.reference),
+        velocity=None if record.velocity is None else linear(record.velocity),
+        noted=None if record.noted is None else mean(moved_later(record.noted, (sample_time / old - 1) / 2)),
+        recorder_samples=record.recorder_samples * sample_time / old,
+        reference=None if record.reference is None else linear(record.reference),
         parts=(),
         first=round(record.first * old / sample_time),
         warnings=(*record.warnings, text),

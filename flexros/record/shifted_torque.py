@@ -33,11 +33,13 @@ def shifted(record: Record, shift: float) -> Record:
 
     Args:
         record: The log.
-        shift: Samples from the stamp of a torque to the middle of the time in which it acts, a multiple of a half.
+        shift: Samples of the recorder from the stamp of a torque to the middle of the time in which it acts, a multiple
+            of a half.
     """
     if record.noted is None or record.torque_shift == shift:
         return record
-    torque = np.where(record.predicted, moved_later(record.noted, shift - HELD), record.torque)
+    later = shift / record.recorder_samples - 0.5
+    torque = np.where(record.predicted, moved_later(record.noted, later), record.torque)
     return replace(record, torque=torque, torque_shift=shift)
 
 

@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flexros.identify.rigid.record import torque_at_samples
 from flexros.record.record import Record
-from flexros.record.resampled import at_usual_rate, may_be_resampled, resampled
-from flexros.record.shifted_torque import moved_later
+from flexros.record.resampled import at_usual_rate, may_be_resampled, resampled, with_fewer_samples
+from flexros.record.shifted_torque import HELD, shifted
 
 N = 2000
 OLD = 1 / 100.235
@@ -67,6 +68,29 @@ def test_measured_torques_act_when_they_acted_before() -> None:
     ramp = np.arange(N, dtype=float)[:, None]
     held = replace(fast, imported=True, measured_torque=True, noted=ramp, torque_shift=0.5)
     slow = at_usual_rate(held)
-    assert slow.noted is not None
-    acting = moved_later(slow.noted, slow.torque_shift)[1:-1]
-    np.testing.assert_allclose(acting, 4 * np.arange(1, slow.n_samples - 1)[:, None] - 0.5)
+    assert slow.recorder_samples == pytest.approx(4.0)
+    np.testing.assert_allclose(torque_at_samples(slow)[2:-1, 0], 4 * np.arange(2, slow.n_samples - 1) - 0.5)
+
+
+def test_noted_torques_shift_by_samples_of_their_recorder() -> None:
+    fast = record_of(1 / 4000)
+    held = replace(fast, imported=True, noted=fast.torque, torque_shift=HELD)
+    slow = shifted(at_usual_rate(held), -HELD)
+    earlier = shifted(held, -HELD).torque.reshape(-1, 4).mean(axis=1)
+    np.testing.assert_allclose(slow.torque[1:-1, 0], earlier[1:-1], atol=2e-5)
+
+
+def test_positions_stay_near_those_of_the_record_where_none_were_measured() -> None:
+    record = record_of(1e-3)
+    valid = record.valid.copy()
+    valid[:400], valid[-300:] = False, False
+    slow = resampled(replace(record, valid=valid), 5e-3)
+    np.testing.assert_allclose(slow.position, record.position[::5], atol=1e-6)
+
+
+def test_fewer_samples_are_taken_down_to_the_lowest_rate() -> None:
+    record = record_of(1e-3)
+    assert with_fewer_samples(record, N, 100.0, "a test") is record
+    assert with_fewer_samples(record, N // 2, 100.0, "a test").sample_time == pytest.approx(2e-3)
+    assert with_fewer_samples(record, N // 100, 100.0, "a test").sample_time == pytest.approx(10e-3)
+    assert with_fewer_samples(record, 1, 600.0, "a test") is record

@@ -36,7 +36,7 @@ class ViscousFriction(AbstractMotorTorque):
     fingerprint: ClassVar[str] = "a disturbance torque against the motion, proportional to the speed of the motor"
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {
-            "coefficient": Range("torque/speed", 1e-6, 1.0, starts=5),
+            "coefficient": Range("torque/speed", 1e-6, 1.0, starts=5, widest=10.0),
             "asymmetry": Range("relative", 0.05, 2.0, starts=1, signed=True),
         }
     )

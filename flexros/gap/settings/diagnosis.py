@@ -13,7 +13,7 @@ from flexros.gap.settings.answer import (
     RankingSettings,
     SensitivitySettings,
 )
-from flexros.gap.settings.log import NoiseSettings, ResidualSettings, WhereSettings
+from flexros.gap.settings.log import NoiseSettings, ResidualSettings, RigidArmSettings, WhereSettings
 from flexros.gap.settings.search import BristleSettings, FitSettings, SearchSettings
 from flexros.gap.settings.start import ServoStartSettings, TorqueStartSettings
 
@@ -32,6 +32,9 @@ class DiagnosisSettings(Settings):
         ge=1000,
         description="most samples of all motors together that are fitted or held out; of a longer log the most "
         "informative part, so that memory stays below 1.5 GB",
+    )
+    rigid_arm: RigidArmSettings = Field(
+        default=RigidArmSettings(), description="how much is taken of the log of an arm without springs"
     )
     time_limit: float | None = Field(
         default=None,

@@ -61,6 +61,24 @@ class NoiseSettings(Settings):
     )
 
 
+class RigidArmSettings(Settings):
+    """Settings of how much is taken of a real machine's log of torques where the model has no springs."""
+
+    plenty: int = Field(
+        default=36_000,
+        ge=1000,
+        description="samples of all motors together above which the rate is lowered by a whole factor: the mean torque "
+        "of a sample moves a rigid arm as its course does",
+    )
+    lowest_rate: float = Field(default=200.0, gt=0, description="lowest rate [Hz] (chosen)")
+    most_values: int = Field(
+        default=120_000,
+        ge=1000,
+        description="most samples of all motors together that are fitted or held out then; of a longer log the most "
+        "informative part",
+    )
+
+
 class ResidualSettings(Settings):
     """Settings of the weighted prediction errors."""
 

@@ -24,7 +24,7 @@ def torque_at_samples(record: Record) -> FloatArray:
         The measured torque when it acted, bridged where it is missing, or the command [Nm or N], shape (n, M).
     """
     if record.noted is not None and (record.measured_torque or record.torque_shift != HELD):
-        return moved_later(bridged(record.noted, record.valid), record.torque_shift)
+        return moved_later(bridged(record.noted, record.valid), record.torque_shift / record.recorder_samples)
     return record.torque
 
 

@@ -195,7 +195,7 @@ def test_the_load_of_a_light_wrist_may_be_many_times_its_mass() -> None:
     wide = among["payload_error@tool"].widened("relative")
     assert wide is not None
     assert wide.free[0].high == pytest.approx(10 * among["payload_error@tool"].free[0].high)
-    assert among["viscous_friction@motor_1"].widened("coefficient") is None
+    assert among["coulomb_friction@motor_1"].widened("level") is None
     assert among["coulomb_friction@motor_1"].widened("level") is None
 
 

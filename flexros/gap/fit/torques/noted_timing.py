@@ -98,7 +98,7 @@ def shift_of_noted(found: CandidateFit, null: NullFit, settings: DiagnosisSettin
         settings: Settings of the diagnosis.
 
     Returns:
-        Samples from the stamp of a torque to the middle of the time in which it acts.
+        Samples of the recorder from the stamp of a torque to the middle of the time in which it acts.
     """
     tried, record = _Shifts(found, null, settings or DiagnosisSettings()), null.data.record
     delays = {candidate.name for candidate in found.hypothesis if candidate.effect.delays_commands}
@@ -188,5 +188,5 @@ def _without_each(fit: CandidateFit) -> dict[str, float]:
 def _moved(data: FitData, shift: float) -> FitData:
     """Return a log whose torques acted elsewhere in their sample."""
     record, torques = shifted(data.record, shift), data.torques
-    later = (shift - data.record.torque_shift) * record.sample_time
+    later = (shift - data.record.torque_shift) * record.sample_time / record.recorder_samples
     return replace(data, record=record, torques=None if torques is None else torques.acting_later(later))

@@ -1,0 +1,43 @@
+"""Samples of a log that are fitted: of a long one fewer, at a lower rate or of its most informative part."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from flexros.record.most_informative import most_informative
+from flexros.record.resampled import with_fewer_samples
+
+if TYPE_CHECKING:
+    from flexros.gap.settings import DiagnosisSettings
+    from flexros.record.record import Record
+    from flexros.robot import Robot
+
+
+def at_rate_of_fits(record: Record, robot: Robot, settings: DiagnosisSettings) -> Record:
+    """Lower the rate of a real machine's long log of torques where the model has no springs; else return it as it is.
+
+    Args:
+        record: The log.
+        robot: The nominal robot.
+        settings: Settings of the diagnosis.
+    """
+    if not _rigid(record, robot):
+        return record
+    rigid = settings.rigid_arm
+    return with_fewer_samples(record, rigid.plenty, rigid.lowest_rate, "which suffices for an arm without springs")
+
+
+def part_of_fits(record: Record, robot: Robot, settings: DiagnosisSettings) -> Record:
+    """Cut the most informative part out of a longer log than is fitted.
+
+    Args:
+        record: The log, fitted or held out.
+        robot: The nominal robot.
+        settings: Settings of the diagnosis.
+    """
+    return most_informative(record, settings.rigid_arm.most_values if _rigid(record, robot) else settings.most_values)
+
+
+def _rigid(record: Record, robot: Robot) -> bool:
+    """Return whether a log is of a real machine that torques move, and its model a rigid arm."""
+    return record.imported and record.command is None and robot.n_coordinates == robot.n_motors

@@ -1,0 +1,49 @@
+"""How many samples of a log are fitted."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexros.gap.residuals.fit_samples import at_rate_of_fits, part_of_fits
+from flexros.gap.settings import DiagnosisSettings
+from flexros.record.record import Record
+from flexros.robot import load_robot
+from tests.gap.rigid_arm import arm
+
+T = 1e-3
+N = 100_000
+SETTINGS = DiagnosisSettings()
+
+
+def imported() -> Record:
+    time = T * np.arange(N)
+    position = np.stack([np.sin(4 * time), np.cos(5 * time)], axis=-1)
+    valid = np.ones(N, dtype=bool)
+    return Record(name="log", sample_time=T, position=position, torque=0 * position, valid=valid, imported=True)
+
+
+def test_a_long_log_of_a_rigid_arm_has_a_lower_rate() -> None:
+    record = at_rate_of_fits(imported(), arm(), SETTINGS)
+    assert 1 / record.sample_time >= SETTINGS.rigid_arm.lowest_rate
+    assert record.sample_time == pytest.approx(5 * T)
+    assert "suffices for an arm without springs" in record.warnings[-1]
+
+
+@pytest.mark.parametrize("other", ["ours", "positions are commanded", "springs"])
+def test_other_logs_keep_their_rate(other: str) -> None:
+    record, robot = imported(), arm()
+    if other == "ours":
+        record = replace(record, imported=False)
+    elif other == "springs":
+        robot = load_robot("elbow")
+    else:
+        record = replace(record, command=record.position)
+    assert at_rate_of_fits(record, robot, SETTINGS) is record
+
+
+def test_a_part_of_a_very_long_log_is_taken_the_shorter_for_a_rigid_arm() -> None:
+    assert part_of_fits(imported(), arm(), SETTINGS).n_samples == SETTINGS.rigid_arm.most_values // 2
+    assert part_of_fits(imported(), load_robot("elbow"), SETTINGS).n_samples == N
