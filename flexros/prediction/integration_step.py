@@ -108,7 +108,7 @@ def integration_steps(
         rough: Whether the difference of two predictions with these steps is all that counts.
     """
     if may_be_implicit and _is_stiff(robot, sample_time, friction):
-        return IntegrationSteps(_implicit_substeps(robot, sample_time, rough=rough), implicit=True)
+        return IntegrationSteps(_implicit_substeps(robot, sample_time, fast=fast, rough=rough), implicit=True)
     return IntegrationSteps(
         substeps(robot, sample_time, friction, fast=fast, curved=curved, rough=rough), implicit=False
     )
@@ -128,9 +128,12 @@ def _dies_out(rate: complex) -> bool:
     return abs(rate.imag) < -rate.real
 
 
-def _implicit_substeps(robot: Robot, sample_time: float, *, rough: bool = False) -> int:
+def _implicit_substeps(robot: Robot, sample_time: float, *, fast: bool = False, rough: bool = False) -> int:
     """Return the implicit steps per sample; servos follow jumps of their commands, torques of a log are held."""
-    step = min(sample_time / FAST, LONGEST_IMPLICIT) if robot.commands == "position" else sample_time / HELD
+    if robot.commands == "position":
+        step = min(sample_time / FAST, LONGEST_IMPLICIT)
+    else:
+        step = min(sample_time / (FAST if fast else HELD), LONGEST)
     step = max(SHORTEST, sample_time / ROUGH if rough else step)
     return max(1, int(np.ceil(sample_time / step - 1e-9)))
 

@@ -39,5 +39,6 @@ def part_of_fits(record: Record, robot: Robot, settings: DiagnosisSettings) -> R
 
 
 def _rigid(record: Record, robot: Robot) -> bool:
-    """Return whether a log is of a real machine that torques move, and its model a rigid arm."""
-    return record.imported and record.command is None and robot.n_coordinates == robot.n_motors
+    """Return whether torques move a rigid arm, and tolerances make the floor, which more samples do not lower."""
+    rigid = record.command is None and robot.n_coordinates == robot.n_motors
+    return rigid and not record.premises.floor_is_noise
