@@ -43,13 +43,13 @@ class ObserverModel:
         steps = integration_steps(
             model.robot,
             sample_time,
-            may_be_implicit=self._plant.is_rigid,
+            may_be_implicit=model.robot.is_rigid,
             fast=any(law.effect.n_driven_states for law in felt),
             curved=self._plant.friction_follows_speed,
         )
         self._loop = PredictionLoop(
             self._plant.functions(
-                feed_through(model.robot.n_motors), implicit=steps.implicit, placed=self._plant.is_rigid
+                feed_through(model.robot.n_motors), implicit=steps.implicit, placed=model.robot.is_rigid
             ),
             sample_time=sample_time,
             delay=self._plant.delay,

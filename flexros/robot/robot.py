@@ -81,6 +81,11 @@ class Robot:
         """Number of coordinates q = [q_a, q_m]; a motor behind a rigid gear has none of its own."""
         return self.n_arm + self.chain.n_motor_coordinates
 
+    @property
+    def is_rigid(self) -> bool:
+        """Whether every coordinate has a motor of its own, without a spring between."""
+        return self.n_coordinates == self.n_motors
+
     @cached_property
     def motors(self) -> tuple[RobotMotor, ...]:
         """The motors, in order."""

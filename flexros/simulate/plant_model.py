@@ -256,11 +256,6 @@ class PlantModel:
         """Whether the plant has dry friction that depends on the speed."""
         return any(effect.depends_on_speed for _, effect in self._plant.laws.frictions)
 
-    @property
-    def is_rigid(self) -> bool:
-        """Whether every coordinate has a motor of its own, so that steps may be implicit."""
-        return self._plant.is_rigid
-
     def functions(self, controller: ca.Function, *, implicit: bool = False, placed: bool = False) -> LoopFunctions:
         """Return the functions of the loop.
 

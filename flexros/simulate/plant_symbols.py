@@ -81,11 +81,6 @@ class PlantSymbols:
         self._free = {name: self.p[index] for index, name in enumerate(names)}
 
     @property
-    def is_rigid(self) -> bool:
-        """Whether every coordinate has a motor of its own, without a spring between."""
-        return self.model.n_coordinates == self.robot.n_motors
-
-    @property
     def q(self) -> ca.SX:
         """Coordinates."""
         return self.x[: self.model.n_coordinates]

@@ -210,7 +210,7 @@ def _explicit_motion(plant: PlantSymbols, x: ca.SX, motors: list[int], step: ca.
         return ca.substitute(value, own, x[plant.own_rows]) if own.numel() else value
 
     driven = passed + smooth_torque(plant, passed)
-    if plant.is_rigid and is_long(plant.model.acceleration):
+    if plant.robot.is_rigid and is_long(plant.model.acceleration):
         force = plant.added_force()
         added = ca.SX.zeros(plant.model.n_coordinates) if force is None else force
         now = [plant.q, plant.v, driven, plant.w, added, plant.robot_parameters]
@@ -224,7 +224,7 @@ def _explicit_motion(plant: PlantSymbols, x: ca.SX, motors: list[int], step: ca.
     mobility = ca.jacobian(free, torque)[:, motors]
     free = ca.substitute(free, torque, driven)
     corners = plant.laws.gears or plant.laws.arms  # where a derivative would depend on round-off
-    if corners or plant.is_rigid:  # and that of a rigid arm is longer than the accelerations
+    if corners or plant.robot.is_rigid:  # and that of a rigid arm is longer than the accelerations
         slope = (ca.substitute(free[rows], ca.vertcat(plant.q, own), moved) - free[rows]) / ahead
     else:
         slope = ca.jtimes(free[rows], plant.q, plant.v)

@@ -95,7 +95,7 @@ class CompiledPlant:
                 self.robot,
                 sample_time,
                 most_friction(model, candidates),
-                may_be_implicit=self.model.is_rigid,
+                may_be_implicit=self.robot.is_rigid,
                 fast=fast,
                 curved=self.model.friction_follows_speed,
                 rough=rough,
@@ -106,7 +106,7 @@ class CompiledPlant:
         self.steps = replace(steps, number=of_part * self.parts)
         self.loop = PredictionLoop(
             self.model.functions(
-                feed_through(self.robot.n_motors), implicit=steps.implicit, placed=self.model.is_rigid
+                feed_through(self.robot.n_motors), implicit=steps.implicit, placed=self.robot.is_rigid
             ),
             sample_time=sample_time / self.parts,
             delay=self.delay if self.parts == 1 else 0.0,  # else the halves are those of the whole delay

@@ -40,5 +40,4 @@ def part_of_fits(record: Record, robot: Robot, settings: DiagnosisSettings) -> R
 
 def _rigid(record: Record, robot: Robot) -> bool:
     """Return whether torques move a rigid arm, and tolerances make the floor, which more samples do not lower."""
-    rigid = record.command is None and robot.n_coordinates == robot.n_motors
-    return rigid and not record.premises.floor_is_noise
+    return robot.is_rigid and record.command is None and not record.premises.floor_is_noise
