@@ -156,3 +156,26 @@ def test_drawn_cases_differ_by_their_seed_alone(tmp_path: Path) -> None:
     assert truths.drawn_truth(one, "torque", 7) == truths.drawn_truth(two, "torque", 7)
     assert arms.drawn_arm(8, tmp_path / "three").base.read_text() != one.base.read_text()
     np.testing.assert_array_equal(truths.reference(one, 3, 2.0), truths.reference(two, 3, 2.0))
+
+
+def test_a_rotor_has_the_inertia_of_the_truth_beside_damping(tmp_path: Path) -> None:
+    """v = torque / D (1 - exp(-D t / J)); a step implicit in the damping alone would have half of it times D more."""
+    import mujoco
+
+    damping, torque = 2.0, 0.1
+    arm = program("arms").arm_of_urdf(PROGRAMS.parents[2] / "examples" / "ur5e.urdf", tmp_path)
+    rotors = {f"motor_{k}": 1e6 for k in range(1, 6)} | {"motor_6": 0.05}
+
+    def pushed(causes: dict[tuple[str, str], float]) -> tuple[Any, Any]:
+        model = program("truth").true_model(arm, program("truth").Truth(causes, rotors))
+        model.opt.gravity[:], data = 0.0, mujoco.MjData(model)
+        data.qfrc_applied[5] = torque
+        mujoco.mj_forward(model, data)
+        return model, data
+
+    _, free = pushed({})
+    J = torque / free.qacc[5]
+    model, data = pushed({("viscous_friction", "motor_6"): damping})
+    mujoco.mj_step(model, data, round(J / damping / model.opt.timestep))
+    expected = torque / damping * -np.expm1(-damping * data.time / J)
+    assert data.qvel[5] == pytest.approx(expected, rel=3e-4)

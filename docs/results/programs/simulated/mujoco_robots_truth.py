@@ -151,6 +151,10 @@ def true_model(arm: Arm, truth: Truth) -> Any:
     for (effect, place), size in truth.causes.items():
         if effect in CHANGED:
             _change(model, effect, place, size)
+    # a step that is implicit in the damping adds half of its length times the damping to the inertia of a joint
+    of_rotors = [model.joint(motor).dofadr[0] for motor in truth.rotors]
+    rotors = model.dof_armature[of_rotors] - STEP / 2 * model.dof_damping[of_rotors]
+    model.dof_armature[of_rotors] = np.maximum(rotors, 0.0)
     return model
 
 
