@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from flexros.identify.log_record import log_record
@@ -14,6 +15,12 @@ if TYPE_CHECKING:
     from flexros.record.record import Record
     from flexros.record.topic_reader import TorqueSource
     from flexros.robot import Robot
+
+UNKNOWN_ORIGIN = (
+    "nothing says where the log comes from, so that it counts as that of a simulation, whose torques are exact; import "
+    "that of a real machine (flexros import), which states what is assumed of it"
+)
+"""Warning for a log with neither a scenario of this program nor an import in its provenance."""
 
 
 def checked_log(
@@ -53,4 +60,6 @@ def checked_log(
         prescribed=prescribed,
         standing_counts=held_out,
     )
+    if not record.imported and not record.simulated:
+        record = replace(record, warnings=(*record.warnings, UNKNOWN_ORIGIN))
     return with_recorded_parts(record, log)

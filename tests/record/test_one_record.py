@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from flexros.gap.checked_log import checked_log
+from flexros.gap.checked_log import UNKNOWN_ORIGIN, checked_log
 from flexros.identify.axis.record import axis_record
 from flexros.identify.log_record import log_record
 from flexros.identify.rigid.base_parameters import base_parameters
@@ -168,3 +168,12 @@ def test_measured_torque_is_the_same_for_diagnosis_and_identification(log: Log) 
     identified = of_rigid(changed, SLOW.model_copy(update={"torque": "measured"}))
     assert diagnosed.measured_torque
     np.testing.assert_array_equal(identified.torque, diagnosed.torque)
+
+
+def test_a_log_of_unknown_origin_is_said_to_count_as_simulated(log: Log) -> None:
+    def told(provenance: dict[str, object]) -> bool:
+        return UNKNOWN_ORIGIN in checked_log(replace(log, provenance=provenance), E12, name="log").warnings
+
+    assert UNKNOWN_ORIGIN not in diagnosed_in(as_recorded).warnings
+    assert told({})
+    assert not told({"import": {"mapping": "log_mapping.yaml"}})
