@@ -36,7 +36,6 @@ from flexros.provenance import versions
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flexros.effects import PlacedEffect
     from flexros.gap.answer.decision import Findings
     from flexros.gap.deadline import Deadline
     from flexros.gap.fit.candidate_fit import CandidateFit
@@ -152,17 +151,12 @@ def _explanation(fit: CandidateFit, findings: Findings, fitted: PredictedLog | N
 
 def _held_out_errors(findings: Findings) -> HeldOutErrors:
     """Predict the held-out log with each model that the answer compares, once."""
-    explanations, held = findings.explanations, findings.held
-    null, rival = findings.as_given.nominal, best_rival(explanations)
+    explanations, held, given = findings.explanations, findings.held, findings.as_given
+    null, rival = given.nominal, best_rival(explanations)
     rival = null if rival is explanations.null else rival
     repaired = explanations.detected or bool(findings.quantizations)
-    compared = (
-        (explanations.chosen, *rivals_of(explanations, findings.settings, findings.elsewhere))
-        if explanations.detected
-        else ()
-    )
+    compared = _compared(findings) if explanations.detected else ()
     singles = {next(iter(fit.names)): fit for fit in reversed(explanations.rivals) if len(fit.hypothesis) == 1}
-    given = findings.as_given
     before = given.fitted(given.kept) if explanations.detected else null
     alone = {name: singles[name] for fit in compared for name in fit.names if name in singles and before is null}
     fits = dict.fromkeys([null, before, findings.repaired, *([] if rival is None else [rival]), *alone.values()])
@@ -333,11 +327,7 @@ def _next(findings: Findings, verdict: Verdict, stages: Stages, deadline: Deadli
     torques = findings.model.robot.commands == "torque"  # which the experiments command
     if verdict != "ambiguous" or not torques or deadline.stops():
         return None
-    explanations = findings.explanations
-    survivors: list[tuple[PlacedEffect, ...]] = [
-        placed_effects(fit)
-        for fit in (explanations.chosen, *rivals_of(explanations, findings.settings, findings.elsewhere))
-    ]
+    survivors = [placed_effects(fit) for fit in _compared(findings)]
     model, noise = findings.model, findings.data.measurement.deviation
     if not np.all(model.robot.encoder_noise > 0):  # the experiments have the noise of the log
         model = replace(model, robot=model.robot.with_values({"encoder_noise": float(np.median(noise))}))

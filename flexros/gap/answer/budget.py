@@ -88,7 +88,7 @@ def budget_of(findings: Findings, before: AheadErrors, after: AheadErrors) -> Bu
     gap = before.mean - 1.0
     rest = unexplained(findings, before, after)
     if gap <= 0 or not chosen.hypothesis:
-        return Budget(unexplained=rest, model_numbers=tuple(_estimated(findings)))
+        return Budget(unexplained=rest, model_numbers=_model_numbers(findings))
     repairs = PartialRepairs(findings, before, after)
     rows = _members([effect_location(name) for name in _in_order(repairs)], findings.model.robot)
     own = [_names(members) for _, members in rows]

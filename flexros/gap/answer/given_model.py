@@ -11,10 +11,9 @@ import numpy as np
 from flexros.effects.left_out.rotor_inertia import RotorInertia
 from flexros.effects.left_out.tool_load import ToolLoad
 from flexros.gap.fit.least_squares import chi2_of, fit
-from flexros.gap.fit.null_fit import predicting_best
+from flexros.gap.fit.null_fit import predicting_best, predictor_for
 from flexros.gap.held_out.errors_ahead import HORIZON, errors_ahead
 from flexros.gap.prediction.driven_model import driven_model
-from flexros.gap.prediction.predictor import Predictor
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -26,6 +25,7 @@ if TYPE_CHECKING:
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.held_out.errors_ahead import AheadErrors
     from flexros.gap.prediction.compiled_plant import CompiledPlant
+    from flexros.gap.prediction.predictor import Predictor
     from flexros.gap.residuals.fit_data import FitData
 
 
@@ -61,7 +61,7 @@ class GivenModel:
     @cached_property
     def nominal(self) -> CandidateFit:
         """The model with all these numbers and without any effect, as it predicts best."""
-        return predicting_best(self.findings.explanations.null, self.findings.data)
+        return predicting_best(self.findings.explanations.null, self.findings.data, self.findings.stop)
 
     def model(self, numbers: Collection[str]) -> RobotWithEffects:
         """Return it with some of these numbers."""
@@ -76,18 +76,11 @@ class GivenModel:
 
         Rotors are parameters of the compiled plant, whose steps are short enough for the joints without any.
         """
-        record, tolerance = self.findings.data.record, self.findings.explanations.null.predictor.tolerance
+        data, tolerance = self.findings.data, self.findings.explanations.null.predictor.tolerance
         key = hypothesis, f"{ToolLoad.name}@tool" in numbers
 
         def of(model: RobotWithEffects) -> Predictor:
-            return Predictor(
-                model,
-                hypothesis,
-                tolerance,
-                record.sample_time,
-                measured_torque=record.measured_torque,
-                plant=self._plants.get(key),
-            )
+            return predictor_for(data, model, hypothesis, tolerance, self._plants.get(key))
 
         if key not in self._plants:
             bare = {name for name in numbers if not name.startswith(f"{RotorInertia.name}@")}

@@ -62,10 +62,17 @@ def _effect_of(parameter: str) -> tuple[str, str]:
 
 def _on_file(parameters: Mapping[str, CauseParameter], factor: float) -> dict[str, CauseParameter]:
     """Return the size of an error of a gain relative to that of the file."""
-    return {
-        name: one.model_copy(update={"value": factor * (1.0 + one.value) - 1.0, "std": factor * one.std})
-        for name, one in parameters.items()
-    }
+    restated = {}
+    for name, one in parameters.items():
+        value, std = factor * (1.0 + one.value) - 1.0, factor * one.std
+        restated[name] = one.model_copy(update={"value": value, "std": std, "determined": std <= abs(value)})
+    return restated
+
+
+def _cause_on_file(cause: Cause, factor: float) -> Cause:
+    """Return a cause whose size is relative to the gain of the file."""
+    own = _on_file(cause.parameters, factor)
+    return cause.model_copy(update={"parameters": own, "determined": any(one.determined for one in own.values())})
 
 
 def _ranked(one: RankedCandidate, factors: Factors) -> RankedCandidate:
@@ -93,7 +100,7 @@ def _restated(diagnosis: Diagnosis, factors: Factors, given: RobotWithEffects) -
     """Restate what is written into diagnosis.json."""
     verdict = "explained" if diagnosis.verdict == "no_gap" else diagnosis.verdict
     causes = [
-        one if factor is None else one.model_copy(update={"parameters": _on_file(one.parameters, factor)})
+        one if factor is None else _cause_on_file(one, factor)
         for one in diagnosis.causes
         for factor in [factors.get((one.effect, one.location))]
     ]
@@ -135,8 +142,7 @@ def _numbers(diagnosis: Diagnosis, factors: Factors, given: RobotWithEffects) ->
     """List the wrong numbers of the file, its gains among them."""
     gains = _gains(factors, given)
     numbers = [
-        one if one.name not in gains else one.model_copy(update={"nominal": gains[one.name][0]})
-        for one in diagnosis.model_numbers
+        _number_on_file(one, gains[one.name][0]) if one.name in gains else one for one in diagnosis.model_numbers
     ]
     listed = {one.name for one in numbers}
     return numbers + [
@@ -151,6 +157,11 @@ def _numbers(diagnosis: Diagnosis, factors: Factors, given: RobotWithEffects) ->
         for name, (nominal, value) in gains.items()
         if name not in listed and nominal > 0
     ]
+
+
+def _number_on_file(number: ModelNumber, nominal: float) -> ModelNumber:
+    """Return a wrong gain beside that of the file."""
+    return number.model_copy(update={"nominal": nominal, "determined": number.std <= abs(number.value - nominal)})
 
 
 def _warning(factors: Factors, given: RobotWithEffects) -> str:

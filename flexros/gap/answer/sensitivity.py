@@ -11,7 +11,7 @@ from scipy.optimize import lsq_linear
 from flexros.gap.answer.decision import effect_location
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.least_squares import fit as fit_again
-from flexros.gap.prediction.predictor import Predictor
+from flexros.gap.fit.null_fit import predictor_for
 from flexros.gap.schema import ToleranceSensitivity
 
 if TYPE_CHECKING:
@@ -145,7 +145,7 @@ class _Scaled:
             probabilities = self._probabilities(fits)
             first = explanations.rivals[int(np.argmax(probabilities))]
             new = {first, stated} - again
-            if first.names == stated.names or not new or len(again) > refitted or stop():
+            if first.names == stated.names or not new or not refitted or len(again) > refitted or stop():
                 return probabilities, first
             for fit in new:
                 fits[fit] = replace(fit, chi2=self._fitted(fit))
@@ -190,16 +190,9 @@ class _Scaled:
 
     def _fitted(self, fit: CandidateFit) -> float:
         """Fit again at these tolerances and return the sum of squares [1]."""
-        predictor, record, settings = fit.predictor, self.data.record, self.data.settings.fit
+        predictor, settings = fit.predictor, self.data.settings.fit
         tolerance, units = self._scaled(predictor.tolerance)
-        other = Predictor(
-            self.model,
-            predictor.hypothesis,
-            tolerance,
-            record.sample_time,
-            measured_torque=record.measured_torque,
-            plant=predictor.plant,
-        )
+        other = predictor_for(self.data, self.model, predictor.hypothesis, tolerance, predictor.plant)
         start = np.concatenate([fit.theta[: predictor.n_effect], units @ fit.deviations])
         enough = max(settings.exactly, self.data.negligible)
         return fit_again(other, self.data, start, settings.joint_iterations, enough=enough, settings=settings).chi2

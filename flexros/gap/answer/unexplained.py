@@ -81,7 +81,7 @@ class _Spectra:
         self._present = np.zeros(len(self._ends))
         self._present[rows] = 1.0
         self._errors = np.zeros((len(self._ends), ahead.errors.shape[1]))
-        self._errors[rows] = ahead.errors
+        self._errors[rows] = ahead.limited
         self._octaves = OctaveBands.of(len(self._ends), step * sample_time, LOWEST)
 
     @property

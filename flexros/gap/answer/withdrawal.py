@@ -15,6 +15,7 @@ from flexros.gap.search.worth import compared
 
 if TYPE_CHECKING:
     from flexros.gap.fit.candidate_fit import CandidateFit
+    from flexros.gap.held_out.errors_ahead import AheadErrors
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.search.fits.candidate_fits import Search
     from flexros.gap.search.forward_selection import Explanations
@@ -44,8 +45,12 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> tupl
         return explanations_of(search, explanations.comparison, explanations.null, detected=False), ()
     chosen, fits = explanations.chosen, list(explanations.comparison.fits)
     withdrawn: list[str] = []
+    before: AheadErrors | None = None
     while len(chosen.hypothesis) > 1 and not (search.premises.library_is_complete or search.deadline.stops()):
-        better = _better_without(search, chosen, explanations.null, held)
+        if before is None:
+            stop = search.deadline.of_fit(finishing=True)
+            before = errors_ahead(predicting_best(explanations.null, search.data, stop), held)
+        better = _better_without(search, chosen, before, held)
         if better is None:
             break
         withdrawn += chosen.names - better.names
@@ -69,10 +74,9 @@ def _of_chance(search: Search, explanations: Explanations, held: FitData) -> boo
     return on_held_out(chosen, held).chi2 >= without.chi2 or errors_ahead(chosen, held).mean > before
 
 
-def _better_without(search: Search, chosen: CandidateFit, null: CandidateFit, held: FitData) -> CandidateFit | None:
+def _better_without(search: Search, chosen: CandidateFit, before: AheadErrors, held: FitData) -> CandidateFit | None:
     """Fit an explanation without the effect that spoils the predictions of the held-out log most; None without one."""
     sample_time, after = held.record.sample_time, errors_ahead(chosen, held)
-    before = errors_ahead(predicting_best(null, search.data), held)
     without = search.parallel("effects on held-out data", partial(search.without, chosen), sorted(chosen.names))
     squares, best, least = on_held_out(chosen, held).chi2, None, -search.settings.ranking.withdrawn
     for fit in without:

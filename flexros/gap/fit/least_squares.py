@@ -63,17 +63,16 @@ def chi2_of(predictor: Predictor, data: FitData, thetas: FloatArray) -> FloatArr
     return sums
 
 
-def initial_values(predictor: Predictor, most: int = FIT.most_starts) -> FloatArray:
+def initial_values(predictor: Predictor) -> FloatArray:
     """List initial values of a hypothesis.
 
     Args:
         predictor: Predictor of the hypothesis.
-        most: Largest number of combinations.
 
     Returns:
         Parameters in the units of the fit, tolerated deviations zero, shape (n_fitted, n_combinations).
     """
-    values = starts_of(predictor.hypothesis, most)
+    values = starts_of(predictor.hypothesis)
     return np.vstack([values, np.zeros((predictor.tolerance.n_free, values.shape[1]))])
 
 

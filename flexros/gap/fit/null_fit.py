@@ -47,7 +47,7 @@ class NullFit:
             hypothesis: The hypothesis.
             plant: A plant that may hold its laws already.
         """
-        return _predictor(self.data, self.model, hypothesis, self.fit.predictor.tolerance, plant)
+        return predictor_for(self.data, self.model, hypothesis, self.fit.predictor.tolerance, plant)
 
     def plant(
         self, candidates: Sequence[Candidate], *, rough: bool = False, steps: IntegrationSteps | None = None
@@ -92,14 +92,14 @@ def fit_null(
         start: Tolerated deviations of the parameters to begin with [1], shape (n_names,); default: none.
         stop: Asked after each iteration; True ends the fit where it is.
     """
-    predictor = _predictor(data, model, (), tolerance)
+    predictor = predictor_for(data, model, (), tolerance)
     enough, most = max(settings.enough, data.negligible), settings.null_iterations
     share = settings.enough_of_rest if data.record.premises.floor_is_noise else 0.0
     first = np.zeros(predictor.n_fitted) if start is None else start
     if len(tolerance.names) >= LANES:
         slopes = linearise(predictor, data, first).slopes
         tolerance = tolerance.informed(slopes.T @ slopes / data.misfit)
-        predictor, first = _predictor(data, model, (), tolerance), tolerance.along(first)
+        predictor, first = predictor_for(data, model, (), tolerance), tolerance.along(first)
     null = fit(predictor, data, first, most, enough=enough, share=share, settings=settings, stop=stop)
     if data.tool is not None and predictor.n_fitted:
         data = with_tool_frame_of(data, predictor, null.theta)
@@ -107,7 +107,7 @@ def fit_null(
     return NullFit(model, data, null)
 
 
-def predicting_best(null: CandidateFit, data: FitData) -> CandidateFit:
+def predicting_best(null: CandidateFit, data: FitData, stop: Callable[[], bool] | None = None) -> CandidateFit:
     """Fit the tolerated deviations of the nominal model to predicted positions alone, whatever torques that takes.
 
     The gap before a repair is that of the nominal model at its best, as `flexros gap` measures it. Where errors of the
@@ -116,21 +116,32 @@ def predicting_best(null: CandidateFit, data: FitData) -> CandidateFit:
     Args:
         null: The nominal model, fitted to all errors.
         data: Log and weights.
+        stop: Asked after each iteration; True ends the fit where it is.
     """
     if data.torques is None:
         return null
     settings, data = data.settings.fit, replace(data, torques=None)
     enough = max(settings.enough, data.negligible)
-    return fit(null.predictor, data, null.theta, settings.final_iterations, enough=enough, settings=settings)
+    most = settings.final_iterations
+    return fit(null.predictor, data, null.theta, most, enough=enough, settings=settings, stop=stop)
 
 
-def _predictor(
+def predictor_for(
     data: FitData,
     model: RobotWithEffects,
     hypothesis: Hypothesis,
     tolerance: Tolerance,
     plant: CompiledPlant | None = None,
 ) -> Predictor:
+    """Build the predictor of a log under a hypothesis.
+
+    Args:
+        data: The log.
+        model: The nominal model.
+        hypothesis: Effects in addition to it.
+        tolerance: Parameters of the robot that may deviate.
+        plant: The same model compiled with more candidates; it is used where it covers the hypothesis.
+    """
     record = data.record
     return Predictor(
         model, hypothesis, tolerance, record.sample_time, measured_torque=record.measured_torque, plant=plant

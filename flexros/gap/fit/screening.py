@@ -79,7 +79,7 @@ def directions_of(
     usable = np.zeros(starts.shape[1], dtype=bool)
     for begin in range(0, starts.shape[1], LANES):
         if begin and stop():
-            starts, changes, usable = starts[:, :begin], changes[:, :begin], usable[:begin]
+            own, changes, usable = own[:, :begin], changes[:, :begin], usable[:begin]
             break
         group = slice(begin, min(begin + LANES, starts.shape[1]))
         change = data.residuals(predictor, starts[:, group])[rows] - residual[rows, None]
@@ -138,9 +138,7 @@ class Surroundings:
             Indices of the selected directions, in their order.
         """
         changes = changes.astype(float)
-        slope = self._slope(changes)
-        shared = self.weight * self.slopes.T @ changes
-        curvature = self.weight * changes.T @ changes - shared.T @ self._refitted(shared)
+        slope, curvature = self._slope(changes), self._curvature(changes)
         own = np.maximum(np.diag(curvature), 1e-300)
         selected: list[int] = []
         for index in np.flatnonzero(slope > 0):
@@ -168,9 +166,7 @@ class Surroundings:
             Indices of the directions of each set, the smallest set first.
         """
         changes = changes.astype(float)
-        slope = self._slope(changes)
-        shared = self.weight * self.slopes.T @ changes
-        curvature = self.weight * changes.T @ changes - shared.T @ self._refitted(shared)
+        slope, curvature = self._slope(changes), self._curvature(changes)
         raw = self.weight * np.einsum("ij,ij->j", changes, changes)
         seen = np.diag(curvature) > IMITATED * raw
         scale = np.sqrt(np.where(seen, np.diag(curvature), 1.0))
@@ -266,6 +262,11 @@ class Surroundings:
     @property
     def _information(self) -> FloatArray:
         return np.asarray(self.weight * self.slopes.T @ self.slopes + np.diag(self.prior), dtype=float)
+
+    def _curvature(self, changes: FloatArray) -> FloatArray:
+        """Return the curvature of the sum of squares along directions, all parameters free, shape (k, k)."""
+        shared = self.weight * self.slopes.T @ changes
+        return np.asarray(self.weight * changes.T @ changes - shared.T @ self._refitted(shared), dtype=float)
 
     def _refitted(self, gradient: FloatArray) -> FloatArray:
         return np.asarray(np.linalg.lstsq(self._information, gradient, rcond=1e-12)[0], dtype=float)

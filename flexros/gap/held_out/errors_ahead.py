@@ -98,9 +98,14 @@ class SignedErrors:
     sensors: tuple[SensorRecord, ...] = ()
 
     @property
+    def limited(self) -> FloatArray:
+        """The errors, those of a diverged prediction at a limit, as those of a sensor without a value there."""
+        return np.asarray(np.where(np.abs(self.errors) < RUN_AWAY, self.errors, RUN_AWAY))
+
+    @property
     def squares(self) -> FloatArray:
         """Squared errors, those of a diverged prediction limited; of a sensor without a value there, their mean."""
-        squares = np.where(np.abs(self.errors) < RUN_AWAY, self.errors, RUN_AWAY) ** 2
+        squares = self.limited**2
         for column in range(squares.shape[1] - len(self.sensors), squares.shape[1]):
             lost = np.isnan(self.errors[:, column])
             squares[lost, column] = squares[~lost, column].mean()

@@ -64,7 +64,8 @@ def sensor_errors(fit: CandidateFit, data: FitData) -> tuple[SensorErrors, ...]:
     sensors = data.sensors
     if sensors is None:
         return ()
-    residual = fit.residual(data)[-sensors.size :]
+    begin = data.spread.size + (0 if data.tool is None else data.tool.position.size)
+    residual = fit.residual(data)[begin : begin + sensors.size]  # errors of torques come after them
     parts = np.split(residual, np.cumsum([len(one.measured) for one in sensors.channels])[:-1])
     return tuple(SensorErrors(one.sensor, part, one.used) for one, part in zip(sensors.channels, parts, strict=True))
 

@@ -72,6 +72,8 @@ def _without_gains(search: Search, chosen: CandidateFit, fits: list[CandidateFit
     for gain in [one for one in chosen.hypothesis if one.effect is TorqueGainError]:
         if search.deadline.stops() or len(chosen.hypothesis) == 1:
             break
+        if gain not in chosen.hypothesis:  # it went together with another one
+            continue
         fits.append(search.without(_in_proportion(chosen, gain), gain.name))
         if not worth(search, compared(search, [fits[-1], chosen]), fits[-1], chosen, removed):
             chosen = reduced(search, fits[-1], fits, removed)
@@ -130,9 +132,8 @@ def _rivals(search: Search, chosen: CandidateFit) -> list[CandidateFit]:
         new = [trial for names, trial in trials.items() if names not in known]
         known |= trials.keys()
         found = search.parallel("other scales", partial(_exchanged, search, around), new)
-        fits += found
-        places = [addition.candidate.location for _, addition in new]
-        begun += [(one, place) for one, place in zip(found, places, strict=True) if _as_good(search, one, chosen)]
+        fits += [one for one, _ in found]
+        begun += [(one, place) for one, place in found if _as_good(search, one, chosen)]
     return fits
 
 
@@ -159,9 +160,13 @@ def _exchanges(search: Search, chosen: CandidateFit) -> list[tuple[str, Addition
     return exchanges
 
 
-def _exchanged(search: Search, chosen: CandidateFit, trial: tuple[str, Addition]) -> CandidateFit:
-    """Fit an explanation with another effect in place of one of its own, to the end where it comes near."""
+def _exchanged(search: Search, chosen: CandidateFit, trial: tuple[str, Addition]) -> tuple[CandidateFit, str]:
+    """Fit an explanation with another effect in place of one of its own, to the end where it comes near.
+
+    Returns:
+        The fit, and the motor of the effect.
+    """
     name, addition = trial
     found = search.together(chosen, [addition], without=(name,), rival=chosen.chi2)
     near = found.chi2 - chosen.chi2 < search.settings.search.little * search.data.n_values
-    return search.completed(found) if near else found
+    return search.completed(found) if near else found, addition.candidate.location

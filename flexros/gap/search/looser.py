@@ -61,7 +61,7 @@ def looser_null(
         tolerance of its torques says.
     """
     data, fit = null.data, null.fit if around is None else around
-    if not data.least_level < data.level or data.line is not None:
+    if not data.least_level < data.level:
         return None
     weigh = partial(fit_data, record, null.model, settings, data.measurement, around=(fit.predictor, fit.theta))
     again = weigh()
@@ -91,7 +91,7 @@ def found_looser(
     Returns:
         The last search whose explanation leaves noise, or the given one, and what it found.
     """
-    while not explanations.comparison.significant(explanations.chosen):
+    while explanations.beside is None and not explanations.comparison.significant(explanations.chosen):
         further = _looser_search(search, explanations.chosen, record, tolerance)
         if further is None:
             break

@@ -21,6 +21,7 @@ from flexros.gap.fit.torques.delay import torque_delay
 from flexros.gap.fit.torques.encoder_zeros import with_zeros
 from flexros.gap.fit.torques.regression import only_coulomb, regress_torque
 from flexros.gap.fit.torques.rough_bodies import is_inertial, with_rough_bodies
+from flexros.gap.fit.torques.solution import is_silent, rest_of
 from flexros.gap.residuals.torque_errors import torque_errors
 from flexros.gap.search.model_probability import compare
 
@@ -172,8 +173,8 @@ def _servo_start(
         delay = samples * record.sample_time
         found = regress_torque(record, model, tolerance, delay=delay, settings=settings)
         if found is None:
-            return None
-        left = float(np.log(np.maximum(found.rest, 1e-300)).sum())
+            break
+        left = rest_of(found)
         if best is not None and left > best[0]:
             break
         best = left, TorqueStart(found, model, record, delay)
@@ -193,7 +194,8 @@ def with_torques(data: FitData, start: TorqueStart | None) -> FitData:
     if start is None or not record.premises.torques_tell or record.command is not None or start.robot.flexible_motors:
         return data
     least = data.settings.torque_start.least_rest * data.measurement.tolerated_torque(record)
-    deviation = np.where(record.predicted, np.maximum(start.regression.rest, least), np.inf)
+    rest = np.where(record.predicted, np.maximum(start.regression.rest, least), 0.0)
+    deviation = np.where(is_silent(rest), np.inf, rest)
     return replace(data, torques=torque_errors(record, start.model, start.delay, deviation))
 
 

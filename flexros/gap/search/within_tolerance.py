@@ -15,6 +15,7 @@ from flexros.gap.fit.tolerance_takeover import takeover
 from flexros.gap.search.fits.additions import Addition
 from flexros.gap.search.model_probability import compare
 from flexros.gap.search.worth import FAR, compared, worth
+from flexros.record.missing_samples import bridged_motion
 from flexros.record.smoothing import motion_cutoff, smooth_motion
 
 if TYPE_CHECKING:
@@ -82,7 +83,8 @@ def _is_slight_friction(search: Search, one: Candidate, sizes: Mapping[str, floa
         return False
     data, motor = search.data, search.null.model.robot.joint_names.index(one.location)
     record = data.record
-    speed = smooth_motion(record.position[:, [motor]], record.sample_time, motion_cutoff(record.sample_time))[1]
+    position = bridged_motion(record.position[:, [motor]], record.valid)
+    speed = smooth_motion(position, record.sample_time, motion_cutoff(record.sample_time))[1]
     usual = 1.0 if one.effect is CoulombFriction else float(np.sqrt(np.mean(speed**2)))
     least = search.settings.search.least_of_tolerance * float(data.measurement.tolerated_torque(record)[motor])
     return abs(sizes[one.free[0].name]) * usual < least

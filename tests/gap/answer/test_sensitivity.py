@@ -8,7 +8,7 @@ import pytest
 
 from flexros.gap.diagnose import diagnose
 from flexros.gap.schema import Diagnosis
-from flexros.gap.settings import DiagnosisSettings
+from flexros.gap.settings import DiagnosisSettings, SensitivitySettings
 from flexros.record.record import Record
 from tests.gap.diagnosis_logs import ROBOT, record_of, settings_of
 
@@ -89,3 +89,9 @@ def test_exact_models_and_simulated_logs_have_no_guesses() -> None:
 
 def test_it_can_be_left_out() -> None:
     assert diagnosed(STATED, SETTINGS.model_copy(update={"sensitivity": None})).tolerance_sensitivity == ()
+
+
+def test_no_explanation_is_fitted_again_where_none_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("flexros.gap.answer.sensitivity.fit_again", lambda *_, **__: pytest.fail("it was fitted again"))
+    settings = SETTINGS.model_copy(update={"sensitivity": SensitivitySettings(refitted=0)})
+    assert diagnosed(STATED, settings).tolerance_sensitivity

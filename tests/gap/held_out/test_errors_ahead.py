@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from flexros.gap.fit.candidate_fit import CandidateFit
-from flexros.gap.held_out.errors_ahead import errors_ahead
+from flexros.gap.held_out.errors_ahead import SignedErrors, errors_ahead
 from tests.gap.diagnosis_logs import ROBOT, data_of, predictor_of
 from tests.gap.held_out.made_errors import ahead, synthetic
 
@@ -36,3 +36,10 @@ def test_errors_over_another_floor() -> None:
     found = synthetic(4.0).over(np.array([2e-4]))
     assert found.mean == pytest.approx(synthetic(4.0).mean / 4)
     assert found.floor[0] == 2e-4
+
+
+def test_errors_of_a_diverged_prediction_are_limited() -> None:
+    errors = SignedErrors(np.array([[np.inf], [-np.inf], [np.nan], [2.0]]), np.arange(4), np.ones(1))
+    assert np.isfinite(errors.limited).all()
+    assert errors.limited[3] == 2.0
+    assert np.isfinite(errors.squares).all()

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 
 from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.fit.estimates import placed_effects
-from flexros.gap.held_out.predictions import prediction_of, signature_evidence, tool_errors
+from flexros.gap.held_out.predictions import prediction_of, sensor_errors, signature_evidence, tool_errors
 from flexros.gap.result import Explanation
 from tests.gap.diagnosis_logs import MODEL, ROBOT, candidates_of, data_of, encoded, predictor_of
 
@@ -64,3 +67,12 @@ def test_error_of_the_tool_is_what_the_model_lacks_beyond_noise_and_the_frame_of
     sizes = [float(np.sqrt(np.mean(np.sum(one**2, axis=1)))) for _, one in (still, soft)]
     assert sizes[0] < 2.5 * ROBOT.tool_noise
     assert sizes[1] > sizes[0]
+
+
+def test_errors_of_sensors_stand_before_those_of_torques() -> None:
+    positions, sensors, torques = np.zeros(6), np.full(4, 2.0), np.full(9, 7.0)
+    fit: Any = SimpleNamespace(residual=lambda data: np.concatenate([positions, sensors, torques]))
+    channel = SimpleNamespace(measured=np.zeros(4), sensor="sensor", used=None)
+    data: Any = SimpleNamespace(spread=np.ones((3, 2)), tool=None, sensors=SimpleNamespace(size=4, channels=[channel]))
+    (found,) = sensor_errors(fit, data)
+    np.testing.assert_array_equal(found.errors, sensors)

@@ -141,3 +141,29 @@ def test_a_gain_is_left_out_where_other_friction_explains_as_much(alike: bool, m
         without=lambda fit, name: rest,
     )
     assert common_factor._without_gains(search, chosen, []) is (rest if alike else chosen)
+
+
+def test_of_two_gains_the_second_may_go_with_the_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    first = candidates_of()["torque_gain_error@motor_1"]
+    second, other = replace(first, location="motor_2"), candidates_of()["coulomb_friction@motor_1"]
+    chosen: Any = SimpleNamespace(hypothesis=(first, second, other), chi2=1000.0)
+    rest: Any = SimpleNamespace(hypothesis=(second, other), chi2=1001.0)
+    least: Any = SimpleNamespace(hypothesis=(other, replace(other, location="motor_2")), chi2=1002.0)
+    monkeypatch.setattr(common_factor, "compared", lambda *_: None)
+    monkeypatch.setattr(common_factor, "_in_proportion", lambda fit, gain: fit.hypothesis.index(gain))
+    monkeypatch.setattr(common_factor, "reduced", lambda search, fit, fits, removed: least)
+    monkeypatch.setattr(common_factor, "worth", lambda *_: False)
+    search: Any = SimpleNamespace(
+        settings=DiagnosisSettings(), deadline=SimpleNamespace(stops=lambda: False), without=lambda fit, name: rest
+    )
+    assert common_factor._without_gains(search, chosen, []) is least
+
+
+def test_exchanges_that_the_time_leaves_out_are_no_rivals(monkeypatch: pytest.MonkeyPatch) -> None:
+    addition = SimpleNamespace(candidate=candidates_of()["coulomb_friction@motor_1"])
+    monkeypatch.setattr(common_factor, "_exchanges", lambda search, chosen: [("torque_gain_error@motor_1", addition)])
+    search: Any = SimpleNamespace(
+        deadline=SimpleNamespace(stops=lambda: False), parallel=lambda step, work, items, needed=0: []
+    )
+    chosen: Any = SimpleNamespace(names=frozenset({"torque_gain_error@motor_1"}), chi2=1.0)
+    assert common_factor._rivals(search, chosen) == []

@@ -93,3 +93,11 @@ def test_a_small_effect_beside_one_that_is_far_off_is_named() -> None:
     found = {cause.effect: cause for cause in causes if cause.probability > 0.5}
     assert found.keys() == {"coulomb_friction", "viscous_friction"}
     assert found["viscous_friction"].parameters["coefficient"].value == pytest.approx(5e-5, rel=0.3)
+
+
+def test_an_explanation_beside_a_line_stays(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The search that found it knew the log without the line; this one would find the line again."""
+    search, first = first_search()
+    monkeypatch.setattr("flexros.gap.search.looser._looser_search", lambda *_: pytest.fail("it was searched again"))
+    beside = replace(first, beside=search.data)
+    assert found_looser(search, beside, record_of(LARGE, SMALL), Tolerance()) == (search, beside)

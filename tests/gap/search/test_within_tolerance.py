@@ -124,9 +124,14 @@ def test_an_error_that_the_tolerance_takes_up_at_the_final_misfit_is_none(
     ("viscous_friction", 0.008, False), ("viscous_friction", 0.011, True),
 ])  # fmt: skip
 def test_friction_far_within_the_tolerance_of_torques_is_none(effect: str, size: float, kept: bool) -> None:
-    """A fifth of 0.1 Nm, for viscous friction by the rms speed of 2.1 rad/s; not where its directions differ."""
+    """A fifth of 0.1 Nm, for viscous friction by the rms speed of 2.1 rad/s; not where its directions differ.
+
+    Samples that were not measured, and the jump after them, are no speed.
+    """
     time = 0.01 * np.arange(630)
-    record = SimpleNamespace(position=np.sin(3.0 * time)[:, None], sample_time=0.01, command=None)
+    position, valid = np.sin(3.0 * time)[:, None], np.ones(630, dtype=bool)
+    valid[100:104], position[100:104] = False, 50.0
+    record = SimpleNamespace(position=position, valid=valid, sample_time=0.01, command=None)
     rest = fit(1001.0, 1.0)
     search: Any = Search(rest)
     measurement = SimpleNamespace(tolerated_torque=lambda _: np.array([0.1]))

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.gap.fit.null_fit import predictor_for
 from flexros.gap.prediction.compiled_plant import LANES
-from flexros.gap.prediction.predictor import Predictor
 from flexros.prediction.observer import observer_gain
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def arm_torque(data: FitData, model: RobotWithEffects, tolerance: Tolerance) -> 
         return None
     level, noise = data.settings.residuals.starting_level, data.measurement.deviation
     held = replace(data, gain=observer_gain(robot, record.sample_time, level, noise, data.pose))
-    predictor = Predictor(model, (), tolerance, record.sample_time, measured_torque=record.measured_torque)
+    predictor = predictor_for(data, model, (), tolerance)
     force = robot.symbolic(tolerance.names).motor_force
     nominal = np.array([robot.parameters[name].value for name in tolerance.names])
     k, N, n = len(tolerance.names), robot.n_arm, robot.n_coordinates

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.fit.torques.regression import regress_torque
+from flexros.gap.fit.torques.solution import rest_of
 from flexros.gap.settings import TorqueStartSettings
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ def torque_delay(
         found = regress_torque(record, model, tolerance, delay=samples * record.sample_time, settings=settings)
         if found is None:
             break
-        left.append(float(np.log(np.maximum(found.rest, 1e-300)).sum()))
+        left.append(rest_of(found))
         if left[-1] > min(left):
             break
     best = int(np.argmin(left)) if left else 0

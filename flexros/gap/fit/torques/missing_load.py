@@ -11,6 +11,7 @@ from flexros.effects.left_out.tool_load import ToolLoad, last_moved
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.torques.position_torque import PositionTorque
 from flexros.gap.fit.torques.rough_bodies import with_rough_bodies
+from flexros.gap.fit.torques.solution import rest_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -186,8 +187,3 @@ def lowered(before: TorqueRegression, after: TorqueRegression, settings: TorqueS
     """
     factors = np.minimum(before.left / np.maximum(after.left, 1e-300), settings.explained_by_load)
     return float(np.prod(factors))
-
-
-def rest_of(regression: TorqueRegression) -> float:
-    """Return the sum of the logarithms of what is left at the motors [1]."""
-    return float(np.log(np.maximum(regression.rest, 1e-300)).sum())

@@ -20,6 +20,7 @@ from flexros.gap.fit.least_squares import fit
 from flexros.gap.fit.pruning import own_information
 from flexros.gap.fit.torques.arm_torque import arm_torque
 from flexros.gap.fit.torques.regression import regress_torque
+from flexros.gap.fit.torques.solution import rest_of
 from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.settings import DiagnosisSettings
 from flexros.identify.rigid.torque_timing import CLEAR, in_time
@@ -74,7 +75,7 @@ def with_torque_in_time_behind_springs(
         part = shifted(data.record, shift)
         arm = arm_torque(replace(data, record=part), model, tolerance)
         found = regress_torque(part, model, tolerance, arm, settings=settings.torque_start)
-        return np.inf if found is None else float(np.log(np.maximum(found.rest, 1e-300)).sum())
+        return np.inf if found is None else rest_of(found)
 
     usual, half = left(0.0), {shift: left(shift) for shift in (-0.5, 0.5)}
     best = min(half, key=half.__getitem__)
@@ -108,7 +109,8 @@ def shift_of_noted(found: CandidateFit, null: NullFit, settings: DiagnosisSettin
     fits = {shift: tried.fitted(shift, delays) for shift in ((0.0, -HELD) if commands else (-HELD, HELD))}
     best = min(fits, key=lambda shift: fits[shift].chi2)
     least = fits[best].chi2
-    if least >= found.chi2 or least >= tried.fitted(best + (HELD if best > 0 else -HELD), delays).chi2:
+    beyond = best + (HELD if best > 0 else -HELD)
+    if least >= found.chi2 or least >= (fits.get(beyond) or tried.fitted(beyond, delays)).chi2:
         return None
     if delays:
         return best

@@ -18,7 +18,7 @@ import numpy as np
 from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.effects.left_out.tool_load import ENTRIES, last_moved
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.fit.torques.solution import KINDS, LOAD, ROUNDS, Sought, solve
+from flexros.gap.fit.torques.solution import KINDS, LOAD, ROUNDS, Sought, is_silent, solve
 from flexros.gap.residuals.torque_rows import acting_torque, torque_rows
 from flexros.gap.settings import TorqueStartSettings
 from flexros.identify.rigid.standard_parameters import standard_parameters
@@ -109,6 +109,8 @@ def regress_torque(
     A[:, ~record.predicted], b[:, ~record.predicted] = 0.0, 0.0  # a prescribed motion says nothing of its torque
     if not (np.isfinite(A).all() and np.isfinite(b).all()):  # the arm behind its springs ran away from the log
         return None
+    silent = is_silent(np.sqrt(np.mean(b**2, axis=0)))
+    A[:, silent], b[:, silent] = 0.0, 0.0
     return _with_point(A, b, sought, settings) if load == "point" else solve(A, b, sought, settings)
 
 

@@ -26,6 +26,8 @@ ROUNDS = 8
 """Rounds in which each motor is weighted by what is left of its torque (chosen; few are needed)."""
 UNSEEN = 1e-9
 """Norm of a column, over the largest one, below which rounding alone is left of it [1]."""
+SILENT = 1e-9
+"""Torque of a motor, over the largest one, up to which rounding alone is left of it [1] (chosen)."""
 KINDS = ("inertia", "viscous_friction", "coulomb_friction", "torque_offset")
 """Columns of every motor."""
 Load = Literal["none", "body", "point"]
@@ -210,6 +212,22 @@ def solve(A: FloatArray, b: FloatArray, sought: Sought, settings: TorqueStartSet
         },
         inertia_deviation=_deviation(A, b, sought, found)[sought.of_kind("inertia")],
     )
+
+
+def rest_of(regression: TorqueRegression) -> float:
+    """Return the sum of the logarithms of what is left at the motors [1]."""
+    return float(np.log(np.maximum(regression.rest, 1e-300)).sum())
+
+
+def is_silent(torques: FloatArray) -> BoolArray:
+    """Return at which motors nothing but rounding is left of the torques: resting ones, whose model has what they need.
+
+    Weighed by what is left, they would hide all others.
+
+    Args:
+        torques: Rms of what is left [Nm or N], shape (M,); where it is zero at all motors, none hides another.
+    """
+    return np.asarray((torques <= SILENT * torques.max()) & (torques.max() > 0))
 
 
 def _with_sizes(torques: tuple[PositionTorque, ...], sizes: FloatArray) -> tuple[PositionTorque, ...]:

@@ -16,10 +16,11 @@ from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.torques.balanced import regress_balanced
 from flexros.gap.fit.torques.delay import torque_delay
 from flexros.gap.fit.torques.encoder_zeros import with_zeros
-from flexros.gap.fit.torques.missing_load import bodies_are_off, clear_load, load_before_bodies, may_carry, rest_of
+from flexros.gap.fit.torques.missing_load import bodies_are_off, clear_load, load_before_bodies, may_carry
 from flexros.gap.fit.torques.missing_rotors import least_rotors, stops_at_once
 from flexros.gap.fit.torques.regression import at_zeros, only_coulomb, regress_torque
 from flexros.gap.fit.torques.rough_bodies import CENTER, fitted_bodies, is_inertial, with_rough_bodies
+from flexros.gap.fit.torques.solution import rest_of
 from flexros.gap.settings import TorqueStartSettings
 
 if TYPE_CHECKING:
@@ -87,8 +88,7 @@ class UnknownNumbers:
         bare = self.load is not None and parameters[f"{last_moved(model.robot)}.mass"].value == self.bare
         repaired = {law.location for law in model.laws if isinstance(law.effect, ViscousFriction)}
         placeholders = {name: value for name, value in self.placeholders.items() if name not in repaired}
-        load = self.load if bare else None
-        return UnknownNumbers(lacked, load, self.bare, placeholders)
+        return replace(self, inertias=lacked, load=self.load if bare else None, placeholders=placeholders)
 
     def given_to(self, model: RobotWithEffects) -> RobotWithEffects:
         """Return a model that lacks these numbers with them."""

@@ -296,11 +296,7 @@ class Search(Refits):
         known = next((one for one in self._linearised if one.surroundings is surroundings), None)
         if known is not None and known.removals:
             return known.removals
-        changes = switched_off(fit, self.data, fit.residual(self.data), self.rows)
-        removals = [
-            surroundings.without(fit.columns((candidate.name,)), change)
-            for candidate, change in zip(fit.hypothesis, changes.T, strict=True)
-        ]
+        removals = self.removals_together(fit, surroundings, [(one.name,) for one in fit.hypothesis])
         if known is not None:
             known.removals[:] = removals
         return removals

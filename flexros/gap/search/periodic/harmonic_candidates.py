@@ -37,8 +37,7 @@ def harmonic_candidates(
     data: FitData,
     residual: FloatArray,
     states: FloatArray,
-    settings: SearchSettings = SEARCH,
-    starts: int = LANES,
+    settings: SearchSettings,
 ) -> tuple[Candidate, ...]:
     """List the effects with a harmonic at every motor, with the orders that fit best.
 
@@ -51,14 +50,13 @@ def harmonic_candidates(
         residual: Weighted prediction errors that are to be explained, shape (n_values,).
         states: Predicted states [q, v], shape (n, n_states).
         settings: Settings of the search for orders.
-        starts: Initial values per candidate.
 
     Returns:
         Candidates with an initial value per harmonic.
     """
     search = OrderSearch(robot, data, residual, states, data.pose, settings)
     every = [(effect, way) for effect in effects().values() for way in effect.harmonics]
-    own = starts - len(every) + 1
+    own = LANES - len(every) + 1
     candidates: list[Candidate] = []
     for motor, location in enumerate(robot.joint_names):
         here = [(effect, way) for effect, way in every if location in effect().locations(robot)]

@@ -50,7 +50,8 @@ def beside_line(search: Search, chosen: CandidateFit, *others: CandidateFit) -> 
     start, every = tolerance.by_name(null.fit.deviations), replace(tolerance, directions=None)
     told = f"something acts at {line.frequency:.4g} Hz all the time, which no effect does; causes were sought beside it"
     record = replace(data.record, warnings=(*data.record.warnings, told))
-    again = fit_null(replace(data, record=record, line=line), null.model, every, settings.fit, start)
+    beside, stop = replace(data, record=record, line=line), search.deadline.of_fit()
+    again = fit_null(beside, null.model, every, settings.fit, start, stop)
     return prepare_search(again, settings, search.progress, search.deadline)
 
 

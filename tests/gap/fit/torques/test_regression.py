@@ -17,6 +17,7 @@ from flexros.gap.fit.torques.regression import regress_torque
 from flexros.gap.fit.torques.unknown_numbers import UNCERTAIN, UNCERTAIN_LOAD, unknown_numbers
 from flexros.gap.settings import TorqueStartSettings
 from flexros.record.record import Record
+from flexros.robot import robot_from_data
 from tests.gap.rigid_arm import COULOMB, INERTIA, VISCOUS, T, arm, motion, record_of_arm
 from tests.ur5e import ur5e, ur5e_record
 
@@ -218,3 +219,30 @@ def test_load_is_sought_beside_a_counterbalance_that_relieves_its_motor_by_itsel
     for needed, found in ((0.9 * factor, True), (1.1 * factor, False)):
         settings = TorqueStartSettings(relieved=needed)
         assert (unknown_numbers(record, model, tolerance_of(arm(), {}), settings).load is not None) is found
+
+
+def test_a_motor_at_rest_without_load_hides_no_other() -> None:
+    """A gantry: nothing but rounding is left of the force of one axis, which would weigh more than the other axis."""
+    axis = {"spring": "rigid", "damper": 0, "motor": {"inertia": 0}}
+    data = {
+        "name": "gantry",
+        "bodies": [{"mass": 5, "directions": {"tx": axis}}, {"mass": 2, "directions": {"ty": axis}}],
+        "outputs": {"joints": {"coordinates": ["body_1.tx", "body_2.ty"]}},
+        "controlled": "joints",
+    }
+    robot, (q, v, a) = robot_from_data(data, "gantry.yaml"), motion()
+    force = 2 * a[:, 1] + 4 * v[:, 1] + 6 * np.sign(v[:, 1])
+    record = Record(
+        "log",
+        T,
+        np.stack([np.zeros(len(q)), q[:, 1]], axis=-1),
+        np.stack([np.full(len(q), 1e-12), force], axis=-1),
+        np.ones(len(q), dtype=bool),
+        measured_torque=True,
+        imported=True,
+    )
+    found = regress_torque(record, RobotWithEffects(robot, ()), Tolerance())
+    assert found is not None
+    assert found.viscous_friction[1] == pytest.approx(4.0, rel=0.03)
+    assert found.coulomb_friction[1] == pytest.approx(6.0, rel=0.03)
+    assert found.coulomb_friction[0] == 0.0
