@@ -62,10 +62,10 @@ class GapMonitorNode(FlexrosNode):
         self._used = 0.0
         self._skipped = 0
         self._waiting: dict[str, list[bytes]] = {}
-        self._readers = {}
+        self._readers: dict[str, JointMessages] = {}
         for name, field in (("joint_states", "position"), ("joint_commands", "effort")):
             self._waiting[name] = []
-            self._readers[name] = JointMessages(model.base, name, field)
+            self._readers[name] = JointMessages(model.base, name, field, self._readers.get("joint_states"))
             self._subscribe(name)
 
     def _subscribe(self, name: str) -> None:

@@ -26,17 +26,22 @@ class JointMessages:
         robot: The robot whose motors are wanted.
         topic: Name of the topic.
         field: "position" or "effort".
+        states: Reader of the joint states, whose order of foreign names counts for this topic too; None for none.
 
     Attributes:
+        ordered: Joint names of the topic in the order of the motors; empty before the first message.
         unusable: Number of messages that could not be used.
         problem: Reason for the last of them; empty where all could be used.
     """
 
-    def __init__(self, robot: Robot, topic: str, field: str) -> None:
+    def __init__(self, robot: Robot, topic: str, field: str, states: JointMessages | None = None) -> None:
         self._robot, self._topic, self._span = robot, topic, FIELDS.index(field)
         self._field = field
         self._layout: JointStateLayout | None = None
         self._columns: list[int] = []
+        self._states = states
+        self._known: tuple[str, ...] = ()
+        self.ordered: tuple[str, ...] = ()
         self.unusable = 0
         self.problem = ""
 
@@ -49,6 +54,8 @@ class JointMessages:
         Returns:
             Stamps [ns], shape (n,), and values of the field in the order of the motors, shape (n, M).
         """
+        if self._states is not None and self._states.ordered != self._known:
+            self._layout, self._known = None, self._states.ordered
         decoded_messages = self._at_once(messages) or [
             decoded for message in messages for decoded in self._one(message)
         ]
@@ -76,12 +83,13 @@ class JointMessages:
             layout = read_joint_state_layout(message)
             if not layout.message.spans[self._span].size:
                 raise InputError(f"{self._topic} has no {self._field}")
+            owner = f"robot {self._robot.name}"
             self._columns = motor_columns(
-                layout.names, self._robot.joint_names, self._topic, [], owner=f"robot {self._robot.name}"
+                layout.names, self._robot.joint_names, self._topic, [], owner=owner, states=self._known
             )
         except (MessageError, InputError) as error:
             self.unusable += 1
             self.problem = str(error)
             return []
-        self._layout = layout
+        self._layout, self.ordered = layout, tuple(layout.names[column] for column in self._columns)
         return self._at_once([message])

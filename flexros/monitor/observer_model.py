@@ -64,7 +64,7 @@ class ObserverModel:
         Args:
             window: First window.
         """
-        count = max(round(LOOK / self._sample_time), 4)
+        count = min(max(round(LOOK / self._sample_time), 4), len(window.position))
         time = (np.arange(count) - (count - 1) / 2) * self._sample_time
         position = window.position[:count]
         speed = time @ position / (time @ time)

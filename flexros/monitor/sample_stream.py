@@ -183,7 +183,8 @@ class SampleStream:
         measured = np.zeros(n, dtype=bool)
         measured[numbers] = True
         self.counts.missing += int(np.count_nonzero(~measured))
-        torque = None if longest_run(~measured) > MOST_BRIDGED else self._torque(end)
+        lost = not measured.any() or longest_run(~measured) > MOST_BRIDGED
+        torque = None if lost else self._torque(end)
         window = None
         if torque is None:
             self.counts.lost_windows += 1
@@ -213,7 +214,7 @@ class SampleStream:
         numbers = np.clip(np.rint(stamp[rows]).astype(np.int64), 0, n - 1)
         known = np.zeros(n, dtype=bool)
         known[numbers] = True
-        if longest_run(~known) > MOST_BRIDGED:
+        if not known.any() or longest_run(~known) > MOST_BRIDGED:
             return None
         torque = np.empty((n, self.motors))
         torque[numbers] = values[rows]

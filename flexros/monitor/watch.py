@@ -159,11 +159,11 @@ class Watch:
 
     def _motion(self, window: Window) -> FloatArray:
         """Return the mean squares of torques, speeds and accelerations, shape (3 M,)."""
-        parts = np.array_split(window.position, PARTS)
-        step = self.sample_time * self._samples / PARTS
-        position = np.array([part.mean(axis=0) for part in parts])
+        number = min(PARTS, len(window.position))
+        step = self.sample_time * self._samples / number
+        position = np.array([part.mean(axis=0) for part in np.array_split(window.position, number)])
         rates = [np.diff(position, order, axis=0) / step**order for order in (1, 2)]
-        return np.concatenate([np.mean(signal**2, axis=0) for signal in (window.torque, *rates)])
+        return np.concatenate([(signal**2).sum(axis=0) / max(len(signal), 1) for signal in (window.torque, *rates)])
 
     def _result(self, window: Window, innovations: FloatArray, torque: FloatArray) -> WindowResult:
         design = self._here.design

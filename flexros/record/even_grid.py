@@ -29,6 +29,9 @@ MOST_SKIPPED = 0.01
 """Share of messages before which an even grid skips a slot although the one before is near, above which sampling is
 irregular (chosen)."""
 
+MOST_EMPTY = 10_000_000
+"""Most slots without a message [1] (chosen): hours at 1 kHz. Each has a row in every signal."""
+
 _HOLE = 1.9  # intervals of irregular sampling from which messages are missing, over the mean one
 _ALONE = 0.75  # distance from the nearest message, in samples, from which an instant was not measured
 _FIRST = 32  # messages at the beginning of the search for the sample time
@@ -159,6 +162,12 @@ def even_grid(stamp: IntArray, nominal: float, topic: str) -> EvenGrid:
             "the one nearest to the instant was kept"
         )
     numbers = numbers[rows]
+    if numbers[-1] - numbers[0] + 1 - len(rows) > MOST_EMPTY:
+        at = int(np.argmax(np.diff(numbers)))
+        raise InputError(
+            f"{topic}: the stamps jump by {time[rows][at + 1] - time[rows][at]:.4g} s behind message {rows[at] + 1}, "
+            "as where a clock was set or two recordings are in one file; cut the log there"
+        )
     start, numbers = start + sample_time * int(numbers[0]), numbers - numbers[0]
     deviation = time[rows] - start - sample_time * numbers
     return EvenGrid(int(stamp[0]), start, sample_time, rows, numbers, deviation, tuple(warnings), irregular)

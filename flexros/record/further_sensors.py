@@ -149,9 +149,17 @@ def further_sensors(
         ).part(0.0, (rows.stop - 1 - rows.start) * grid.sample_time)
         if len(sensor.time) < FEWEST:
             warnings.append(f"{sensor.name}: {len(sensor.time)} values are within the log, {FEWEST} are needed")
+        elif _is_copy(sensor):
+            warnings.append(f"{sensor.name} is the position of its motor, not a measurement; it is not used")
         elif np.ptp(sensor.values) > 0:
             found.append(sensor)
     return tuple(found)
+
+
+def _is_copy(sensor: SensorRecord) -> bool:
+    """Return whether a link moves exactly as its motor does, as no two encoders see it."""
+    moved = np.ptp(sensor.values)
+    return sensor.motor is not None and bool(np.abs(sensor.values - sensor.motor).max() <= 1e-9 * moved and moved > 0)
 
 
 def _of_joints(

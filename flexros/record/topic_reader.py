@@ -233,7 +233,7 @@ class TopicReader:
 
     def _is_copy(self, values: FloatArray, held: HeldTorque, grid: EvenGrid) -> bool:
         """Detect whether measured torques are the commands of the same sample or of the one before."""
-        effort, command = values[:, self.columns][grid.rows], held.torque[grid.numbers]
+        effort, command = self._of_motors(values, self.columns)[grid.rows], held.torque[grid.numbers]
         both = np.all(np.isfinite(effort), axis=1) & np.all(np.isfinite(command), axis=1) & held.known[grid.numbers]
         scale = float(np.abs(command[both]).max(initial=0.0))
         for shift in (0, 1):

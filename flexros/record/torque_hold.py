@@ -104,6 +104,9 @@ def held_torque(
     between = len(stamp) > 1 and float(np.median(np.diff(stamp))) * 1e-9 < _DENSE * grid.sample_time
     if shared.mean() > _SHARED and not true_instants and not between:
         return _slot_by_slot(stamp, effort, grid, states)
+    usable = np.all(np.isfinite(effort), axis=1)
+    if usable.any():  # a command that is no number was lost: the one before is held
+        stamp, effort = stamp[usable], effort[usable]
     time = (stamp - grid.origin) * 1e-9
     begin = grid.instants
     T = grid.sample_time

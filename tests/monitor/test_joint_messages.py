@@ -49,3 +49,15 @@ def test_what_cannot_be_used_is_counted_and_said(reader: JointMessages) -> None:
 
 def test_nothing_gives_nothing(reader: JointMessages) -> None:
     assert reader.take([])[1].shape == (0, 2)
+
+
+@pytest.mark.parametrize("first", ["states", "commands"])
+def test_foreign_names_of_commands_are_matched_to_those_of_the_states(first: str) -> None:
+    robot = load_robot("elbow")
+    of_states = JointMessages(robot, "joint_states", "position")
+    of_commands = JointMessages(robot, "joint_commands", "effort", of_states)
+    command = JointStateTemplate(("elbow", "shoulder"), effort=True).fill(10**9, effort=(20.0, 10.0))
+    if first == "commands":
+        of_commands.take([command])
+    of_states.take(states(("shoulder", "elbow"), [(1.0, 2.0)]))
+    np.testing.assert_array_equal(of_commands.take([command])[1], [[10.0, 20.0]])

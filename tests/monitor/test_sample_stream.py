@@ -184,3 +184,13 @@ def test_a_topic_without_the_other_one_does_not_pile_up() -> None:
         one.add_states(stamp, y)
         assert list(one.windows()) == []
     assert len(one._states.stamp) <= 21 * 2000
+
+
+@pytest.mark.parametrize("rate", [20, 50])
+def test_a_window_without_any_command_is_lost(rate: int) -> None:
+    stamp, y, u = messages(400, 1 / rate)
+    n = rate // 10
+    kept = np.delete(np.arange(400), range(20 * n, 21 * n))
+    one = SampleStream(1 / rate, 1)
+    windows(one, (stamp, y), (stamp[kept], u[kept]))
+    assert one.counts.lost_windows == 1

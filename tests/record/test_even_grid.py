@@ -118,3 +118,10 @@ def test_holes_between_irregular_stamps_are_seen() -> None:
 @pytest.mark.parametrize("rate", [20.0, 50.0])
 def test_servo_rates_are_read(rate: float) -> None:
     assert even_grid(stamps(1 / rate), 5e-4, "x").sample_time == pytest.approx(1 / rate)
+
+
+def test_a_clock_that_was_set_during_the_recording_is_refused() -> None:
+    stamp = stamps(2e-3)
+    stamp[N // 2 :] += 10**18
+    with pytest.raises(InputError, match=r"the stamps jump by 1e\+09 s behind message 2000"):
+        even_grid(stamp, 2e-3, "log: joint_states")

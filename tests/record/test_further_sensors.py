@@ -63,11 +63,11 @@ def test_values_keep_the_times_of_their_own_clock() -> None:
 
 
 def test_a_part_of_a_record_has_a_part_of_its_sensors() -> None:
-    link = JointSeries(STAMP, NAMES, position=VALUES)
+    link = JointSeries(STAMP, NAMES, position=VALUES + 0.1)
     part = record_of(link_states=link).part(500, 800)
     sensor = part.sensors[0]
     np.testing.assert_allclose(sensor.time, np.arange(300) * T, atol=1e-9)
-    np.testing.assert_array_equal(sensor.values, VALUES[500:800, 0])
+    np.testing.assert_array_equal(sensor.values, VALUES[500:800, 0] + 0.1)
     assert sensor.motor is not None
     assert len(sensor.motor) == 300
 
@@ -110,9 +110,15 @@ def test_a_link_position_without_that_of_its_motor_is_left_out() -> None:
     position = VALUES.copy()
     position[7, 0] = np.nan
     states = JointSeries(STAMP, NAMES, position=position)
-    link = JointSeries(STAMP, ("motor_1",), position=VALUES[:, :1])
+    link = JointSeries(STAMP, ("motor_1",), position=VALUES[:, :1] + 0.1)
     log = Log(states, JointSeries(STAMP, NAMES, effort=VALUES), other_series={"link_states": link})
     (sensor,) = read_record(log, load_robot("elbow"), name="log").sensors
     assert sensor.motor is not None
     assert len(sensor.values) == len(sensor.motor) == N - 1
     assert np.isfinite(sensor.motor).all()
+
+
+def test_a_copy_of_the_position_of_a_motor_is_no_sensor_of_its_link() -> None:
+    record = record_of(link_states=JointSeries(STAMP, ("motor_1",), position=VALUES[:, :1]))
+    assert record.sensors == ()
+    assert any("is the position of its motor" in text for text in record.warnings)

@@ -11,7 +11,14 @@ import flexros.gap
 from flexros.record.premises import MEASURED, SIMULATED
 from flexros.record.record import Record
 
-OF_THE_RECORDER = {"candidate_fits.py", "encoder_noise.py", "estimates.py", "limits.py", "warnings.py"}
+OF_THE_RECORDER = {
+    "candidate_fits.py",
+    "checked_log.py",
+    "encoder_noise.py",
+    "estimates.py",
+    "limits.py",
+    "warnings.py",
+}
 """Files that ask where a log comes from for what its recorder does: stamps, units, noise, effects of machines."""
 
 

@@ -142,6 +142,25 @@ def test_copy_of_the_command_is_no_measurement(emps: Robot, torque: TorqueSource
     assert any("is a copy of the commands" in text for text in record.warnings)
 
 
+def test_a_copy_of_the_commands_is_none_where_a_motor_is_prescribed() -> None:
+    log = log_of_two()
+    log = replace(log, joint_states=replace(log.joint_states, effort=two_columns(2)))
+    record = read_record(log, load_robot("elbow"), name="log", torque="measured", prescribed=("motor_2",))
+    assert not record.measured_torque
+
+
+@pytest.mark.parametrize("lost", [slice(1500, 1501), slice(0, 4)])
+def test_a_command_that_is_no_number_is_a_lost_one(emps: Robot, lost: slice) -> None:
+    """Commands have stamps of their own: one that is lost must not spoil all later ones."""
+    log = make_log()
+    assert log.joint_commands is not None
+    commands = replace(log.joint_commands, stamp=log.joint_commands.stamp + 100_000, effort=column(2))
+    commands.effort[lost] = np.nan
+    record = read(replace(log, joint_commands=commands), emps)
+    assert np.isfinite(record.torque).all()
+    assert np.count_nonzero(record.valid) > N - 10
+
+
 def test_measured_speeds_are_read_beside_the_positions(emps: Robot) -> None:
     log, speed = make_log(), column(5)
     speed[7] = np.nan

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from flexros.effects import effects
 from flexros.errors import InputError, argument_named, unknown_name
-from flexros.gap.candidates.candidate import distinct_locations
 from flexros.robot.exchange.joint_names import tagged
 
 if TYPE_CHECKING:
@@ -65,7 +64,7 @@ def competitors(robot: Robot, settings: SearchSettings, prescribed: Sequence[int
     if competing.locations is not None and not any(
         location in competing.locations - without
         for name in competing.effects
-        for location in distinct_locations(known[name], robot)
+        for location in known[name]().locations(robot)
     ):
         raise InputError(
             f"none of the effects {', '.join(sorted(competing.effects))} can act at {', '.join(settings.joints)}: give "

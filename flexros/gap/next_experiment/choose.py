@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flexros.effects import RobotWithEffects
-from flexros.errors import RunError
+from flexros.errors import InputError, RunError
 from flexros.gap.next_experiment.catalogue import CATALOGUE
 from flexros.gap.next_experiment.separation import Explained, separation, trial
 from flexros.gap.schema import EffectLocation, NextExperiment
@@ -137,19 +137,20 @@ def separated(
         stop: Asked between simulations; True ends the comparison without a result.
 
     Returns:
-        The separation of the two closest; None where a run would be aborted, or the comparison was ended.
+        The separation of the two closest; None where a run would be aborted or is not possible with this robot, or the
+        comparison was ended.
     """
-    keys = entry.keys(survivors[0].model.robot, length)
-    known = {key.removeprefix("model.values."): value for key, value in keys.items() if key.startswith("model.values.")}
-    keys = {key: value for key, value in keys.items() if not key.startswith("model.values.")}
-    explained = [one.with_values(known) for one in survivors]
-    trials = []
+    trials, of_model = [], "model.values."
     try:
+        keys = entry.keys(survivors[0].model.robot, length)
+        known = {key.removeprefix(of_model): value for key, value in keys.items() if key.startswith(of_model)}
+        keys = {key: value for key, value in keys.items() if not key.startswith(of_model)}
+        explained = [one.with_values(known) for one in survivors]
         for truth in explained:
             if stop():
                 return None
             trials.append(trial(truth, keys, seed, tool=entry.tool))
-    except RunError:
+    except (RunError, InputError):  # such as weight beyond the torque limits at its pose
         return None
     gains = {}
     for i, j in combinations(range(len(explained)), 2):

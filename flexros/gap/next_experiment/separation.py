@@ -67,7 +67,7 @@ class Explained:
     @property
     def hypothesis(self) -> Hypothesis:
         """Its effects with free parameters about the fitted values."""
-        return tuple(_candidate(placed) for placed in self.placed)
+        return tuple(_candidate(placed, self.model) for placed in self.placed)
 
     def shared_with(self, other: Explained) -> Explained:
         """Keep only the effects that another explanation has as well."""
@@ -175,21 +175,30 @@ def predictor_of(explained: Explained, sample_time: float) -> tuple[Predictor, F
     return Predictor(explained.model, hypothesis, tolerance, sample_time), np.array(theta, dtype=float)
 
 
-def _candidate(placed: PlacedEffect) -> Candidate:
+def _candidate(placed: PlacedEffect, model: RobotWithEffects) -> Candidate:
     """Free the parameters of an effect that have a range, about their values."""
     values = placed.effect.model_dump()
+    there = [law.effect for law in model.laws if law.location == placed.location]
+    nominal = placed.effect.reductions(model.robot, placed.location, there)
     free = tuple(
-        _free(name, float(values[name]), allowed) for name, allowed in placed.effect.ranges.items() if values.get(name)
+        _free(name, float(values[name]), allowed, nominal.get(name, 0.0))
+        for name, allowed in placed.effect.ranges.items()
+        if values.get(name)
     )
     fixed = tuple((name, value) for name, value in values.items() if name not in {one.name for one in free})
     return Candidate(type(placed.effect), placed.location, free, fixed)
 
 
-def _free(name: str, value: float, allowed: Range) -> FreeParameter:
-    """Free a parameter about its value, within its range where that does not depend on the log."""
-    size = abs(value)
+def _free(name: str, value: float, allowed: Range, nominal: float) -> FreeParameter:
+    """Free a parameter about its value, within its range where that does not depend on the log.
+
+    One that takes from a nominal number of the robot takes no more than that.
+    """
+    size, reduces = abs(value), value < 0.0 and not allowed.signed
     low, high, negative = size / ROOM, size * ROOM, None
     if allowed.scale in WITHOUT_LOG:
         low, high = max(low, min(allowed.low, size)), min(high, max(allowed.high, size))
         negative = None if allowed.negative is None else min(high, max(allowed.negative, -value))
-    return FreeParameter(name, low, high, allowed.signed, (value,), negative, vanishes=allowed.vanishes)
+    if reduces:
+        negative = min(high, max(nominal, size))
+    return FreeParameter(name, low, high, allowed.signed or reduces, (value,), negative, vanishes=allowed.vanishes)

@@ -96,6 +96,9 @@ def measurement_of(record: Record, robot: Robot, settings: DiagnosisSettings) ->
     quantizations = tuple(one for one in encoder_quantization(record, robot, numbers.coarse_step) if stated[one.motor])
     autoregression = np.zeros((robot.n_motors, max(1, noise.autoregression.shape[1])))
     autoregression[:, : noise.autoregression.shape[1]] = noise.autoregression
+    unseen = ~record.predicted & ~(declared > 0)  # its motion drives the model, and no error of it counts
+    if np.any(declared > 0):
+        declared = np.where(unseen, declared.max(), declared)
     if not np.all((declared > 0) & ((noise.standard_deviation > 0) | ~stated)):
         raise InputError(
             f"{record.name}: robot {robot.name} declares encoder noise of {robot.encoder_noise.tolist()} rad or m and "

@@ -187,7 +187,8 @@ def _interpolated(record: Record, lost: BoolArray) -> Record:
         return np.stack([np.interp(samples, samples[own], column[own]) for column in values.T], axis=1)
 
     command = None if record.command is None else over(record.command)
-    return replace(record, torque=over(record.torque), command=command)
+    noted = None if record.noted is None else over(record.noted)
+    return replace(record, torque=over(record.torque), command=command, noted=noted)
 
 
 def _better_interpolated(

@@ -36,6 +36,10 @@ TOOL_FRAME = "tool"
 _FIELDS_OF_TOOL = {"linear_acceleration": "acceleration", "angular_velocity": "turning_rate"}
 """Fields of the series of an Imu message."""
 
+HOLE = 6.5
+"""Interval of a signal, over its usual one, from which nothing is known within it [1] (chosen): up to five lost samples
+are bridged, as in a log."""
+
 _PART = 2**20
 """Bytes of a file that are read at once [byte]."""
 
@@ -240,6 +244,8 @@ def _common_times(signals: list[_Mapped], warnings: list[str]) -> tuple[FloatArr
     moved = [signal for signal in signals if not np.array_equal(signal.time, base.time)]
     inside = np.ones(len(base.time), bool)
     for signal in moved:
+        if not len(signal.time):
+            raise InputError(f"{base.column} and {signal.column} have no time in common; correct the clocks")
         inside &= (base.time >= signal.time[0]) & (base.time <= signal.time[-1])
     time = base.time[inside]
     warnings += [
@@ -249,10 +255,20 @@ def _common_times(signals: list[_Mapped], warnings: list[str]) -> tuple[FloatArr
         if not np.isin(time, signal.time).all()
     ]
     if len(time) < FEWEST:
-        raise InputError(f"{base.column} and {moved[0].column} have no time in common; correct the clocks")
-    return time, [
-        np.interp(time, signal.time, signal.values) if signal in moved else signal.values[inside] for signal in signals
-    ]
+        other = moved[0].column if moved else "the position of its motor"
+        raise InputError(f"{base.column} and {other} have no time in common; correct the clocks")
+    return time, [_between(time, signal) if signal in moved else signal.values[inside] for signal in signals]
+
+
+def _between(time: FloatArray, signal: _Mapped) -> FloatArray:
+    """Interpolate linearly; NaN in long holes, in which nothing is known."""
+    values, apart = np.interp(time, signal.time, signal.values), np.diff(signal.time)
+    if not len(apart):
+        return values
+    before = np.clip(np.searchsorted(signal.time, time, side="right") - 1, 0, len(apart) - 1)
+    hole = apart[before] > HOLE * np.median(apart)
+    inside = hole & (time > signal.time[before]) & (time < signal.time[before + 1])
+    return np.where(inside, np.nan, values)
 
 
 def _stamps(time: FloatArray, zero: float) -> IntArray:

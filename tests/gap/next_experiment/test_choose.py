@@ -11,7 +11,7 @@ import pytest
 
 from flexros.cli.commands.run import changed_scenario
 from flexros.effects import PlacedEffect, RobotWithEffects, parse_effect
-from flexros.errors import RunError
+from flexros.errors import InputError, RunError
 from flexros.gap.next_experiment import choose as module
 from flexros.gap.next_experiment.catalogue import CATALOGUE, CatalogueEntry
 from flexros.gap.next_experiment.choose import SLOWEST, SLOWEST_RIGID, Separated, command_of, next_experiment, separated
@@ -192,6 +192,15 @@ def test_every_command_can_be_run(entry: CatalogueEntry) -> None:
     assert set(words[7::2]) == {"--set"}
     scenario = changed_scenario("diagnosis", name, words[8::2], None, 7)
     assert 15.0 < Experiment.prepare(scenario).duration < 45.0
+
+
+def test_an_experiment_that_is_not_possible_with_the_robot_is_skipped(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refused(*_: object, **__: object) -> None:
+        raise InputError("motor_1 needs more than its limit to hold the initial pose")
+
+    monkeypatch.setattr(module, "trial", refused)
+    survivors = [placed("delay@all:time=0.001"), placed("delay@all:time=0.002")]
+    assert next_experiment(load_robot("e12"), survivors) is None
 
 
 def test_names_of_experiments_are_given_once() -> None:

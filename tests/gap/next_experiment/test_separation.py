@@ -127,6 +127,19 @@ def test_what_lies_within_the_tolerance_of_the_model_is_not_separated() -> None:
 
 def test_an_effect_far_above_its_range_does_not_change_its_sign_beyond_it() -> None:
     """Less than nothing is left of an inertia below -1."""
-    free = _free("relative", 4.8, MotorInertiaError.ranges["relative"])
+    free = _free("relative", 4.8, MotorInertiaError.ranges["relative"], 0.0)
     assert free.decode(np.array(free.bounds)) == pytest.approx([-0.9, 9.0])
-    assert _free("relative", -0.95, MotorInertiaError.ranges["relative"]).negative == pytest.approx(0.95)
+    assert _free("relative", -0.95, MotorInertiaError.ranges["relative"], 0.0).negative == pytest.approx(0.95)
+
+
+def test_an_effect_that_takes_from_a_nominal_number_keeps_its_sign() -> None:
+    """The viscous friction of emps is 203 N s/m, of which a log may show less."""
+    less = Explained(
+        RobotWithEffects(load_robot("emps"), ()), (parse_effect("viscous_friction@motor_1:coefficient=-50", "test"),)
+    )
+    predictor, theta = predictor_of(less, 1e-3)
+    low, high = predictor.bounds
+    assert predictor.values(theta)[0]["coefficient"] == pytest.approx(-50)
+    assert np.all((low < theta) & (theta < high))
+    nominal = less.model.robot.parameters["motor_1.viscous_friction"].value
+    assert predictor.hypothesis[0].free[0].decode(low)[0] == pytest.approx(-nominal)

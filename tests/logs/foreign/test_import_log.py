@@ -400,3 +400,18 @@ def test_a_file_with_the_same_times_is_not_said_to_be_interpolated(mapping_of, w
     log = import_log(mapping_of(Q, {**effort, "time": {"column": "t"}}), files)
     np.testing.assert_array_equal(log.joint_states.effort[:, 0], 3 * t[:-1])
     assert log.warnings == ()
+
+
+def test_nothing_is_known_in_a_long_hole_of_a_signal_of_another_file(mapping_of, write_csv, tmp_path: Path) -> None:
+    time = np.arange(400) * 0.01
+    kept = (time < 1.0) | (time > 2.0)
+    one = write_csv(tmp_path / "a.csv", {"t": time, "q": np.sin(time)})
+    two = write_csv(tmp_path / "b.csv", {"t": time[kept] + 0.003, "u": np.cos(time[kept])})
+    files = {"q": "a.csv", "u": "b.csv"}
+    entry = {"column": "u", "quantity": "measured_torque", "unit": "Nm", "file": files["u"]}
+    log = import_log(mapping_of({**Q, "file": files["q"]}, entry), [one, two])
+    at, torque = (log.joint_states.stamp - log.joint_states.stamp[0]) * 1e-9, log.joint_states.effort[:, 0]
+    lost = np.isnan(torque)
+    assert at[lost].min() == pytest.approx(1.0, abs=0.03)
+    assert at[lost].max() == pytest.approx(2.0, abs=0.03)
+    assert lost.sum() == pytest.approx(100, abs=3)

@@ -58,7 +58,8 @@ class SensorBands(AbstractBands):
             bands = OctaveBands.of(fast_length(len(time)), sample_time, errors.settings.lowest_hz)
             n, kept = motors[0].bands.n_samples, slice(-bands.n_samples, None)
             rows = np.clip(np.round(time[kept] / record.sample_time).astype(int) - (record.n_samples - n), 0, n - 1)
-            own = motors if one.sensor.of_tool else motors[one.sensor.index : one.sensor.index + 1]
+            own = [channel for channel in motors if channel.joint == one.sensor.place]
+            own = own or list(motors)  # a sensor of the tool, or of a joint whose motion is prescribed
             masks = {}
             for name in REGIMES_OF_TOOL:
                 of_motors = [channel.masks[channel.regimes.index(name)][rows] > 0 for channel in own]
