@@ -171,6 +171,7 @@ class PlantModel:
             extended[self._plant.integral_rows] = self._integral_at_start(state, np.asarray(torque), values)[
                 integrating
             ]
+        extended[self._plant.led_rows] = np.asarray(torque)[list(self._plant.leading)]
         if self._plant.own_states.numel():
             extended[self._plant.own_rows] = self._own_at_start(extended, torque, values).full().ravel()
         if holds_input:

@@ -65,7 +65,8 @@ def rates_beside_motion(plant: PlantSymbols) -> ca.SX:
     still = ca.SX.zeros(len(plant.sticking_motors))
     held = ca.SX.zeros(plant.input_rows.stop - plant.input_rows.start)
     own = own_rates(plant, plant.torques(plant.u))
-    return ca.vertcat(still, own, plant.integral_rates(plant.followed(plant.u)), held)
+    led = ca.SX.zeros(len(plant.leading))
+    return ca.vertcat(still, own, plant.integral_rates(plant.followed(plant.u)), led, held)
 
 
 def dynamics(plant: PlantSymbols, torque: ca.SX) -> tuple[ca.Function, list[ca.SX]]:

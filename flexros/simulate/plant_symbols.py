@@ -26,6 +26,9 @@ if TYPE_CHECKING:
     from flexros.robot.symbolic.kinematics import Value
     from flexros.robot.symbolic.model import SymbolicModel
 
+LEAD = ("feedforward", "damping", "stiffness")
+"""Numbers of a servo that make its lead."""
+
 
 class PlantSymbols:
     """Symbols of a plant: its state is [q, v], friction torques of motors with dry friction, own states of the laws.
@@ -73,7 +76,9 @@ class PlantSymbols:
         self.own_rows = slice(self.friction_end, end)
         self.integrating = tuple(motor.index for motor in robot.motors if self._integrates(motor.name, names))
         self.integral_rows = slice(end, end + len(self.integrating))
-        end = self.integral_rows.stop
+        self.leading = tuple(index for index in self.integrating if self._leads(robot.joint_names[index], names))
+        self.led_rows = slice(self.integral_rows.stop, self.integral_rows.stop + len(self.leading))
+        end = self.led_rows.stop
         self.input_rows = slice(end, end + (robot.n_motors + WRENCH_SIZE if holds_input else 0))
         self.x = ca.SX.sym("x", self.input_rows.stop)
         self.u, self.w = ca.SX.sym("u", robot.n_motors), ca.SX.sym("w", WRENCH_SIZE)
@@ -146,7 +151,9 @@ class PlantSymbols:
         rates = []
         for index in self.integrating:
             motor = self.robot.motors[index]
-            error, limit = commands[index] - self.q[motor.row], motor.torque_limit
+            led = index in self.leading  # commands come with the lead of the feedforward, which no error is
+            wanted = self.x[self.led_rows.start + self.leading.index(index)] if led else commands[index]
+            error, limit = wanted - self.q[motor.row], motor.torque_limit
             rate = self.robot_value(f"{motor.name}.{SERVO}integral") * error
             if math.isfinite(limit):
                 torque = self._unlimited(index, commands)
@@ -160,6 +167,21 @@ class PlantSymbols:
             return False
         name = f"{motor}.{SERVO}integral"
         return name in names or self.robot.parameters[name].value != 0
+
+    def _leads(self, motor: str, names: Sequence[str]) -> bool:
+        """Return whether the servo of a motor follows the rate of its command, or may do so by a free parameter."""
+        name = f"{motor}.{SERVO}feedforward"
+        return name in names or self.robot.parameters[name].value != 0
+
+    def without_lead(self, commands: ca.SX, step: ca.SX) -> ca.SX:
+        """Return the positions of leading servos after a step, of which the commands are that plus lead times rate."""
+        found = []
+        for row, index in enumerate(self.leading):
+            gains = {kind: self.robot_value(f"{self.robot.joint_names[index]}.{SERVO}{kind}") for kind in LEAD}
+            lead = gains["feedforward"] * gains["damping"] / gains["stiffness"]
+            before, command = self.x[self.led_rows.start + row], commands[index]
+            found.append(command + (before - command) * ca.exp(-step / ca.fmax(lead, 1e-12)))
+        return ca.vertcat(ca.SX(0, 1), *found)
 
     def _unlimited(self, index: int, commands: ca.SX) -> ca.SX:
         """Return the torque of a servo without its limit."""

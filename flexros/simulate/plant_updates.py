@@ -46,6 +46,8 @@ def step_updates(
         rows = _stepwise(plant, law)
         before[rows] = effect.before_step(plant.gear(law), plant.values(law), step)
         after[rows] = effect.after_step(plant.gear(law), plant.values(law), step)
+    if plant.leading:
+        after[plant.led_rows] = plant.without_lead(plant.followed(plant.u), step)
     arguments = [plant.x, plant.u, plant.w, plant.p, step]
     stages = Stages(arguments)
     _update_friction(plant, before, step, stages, implicit=implicit, placed=placed)

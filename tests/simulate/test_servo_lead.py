@@ -26,3 +26,14 @@ def test_plant_follows_the_rate_of_the_command_by_its_damping() -> None:
             plant.advance([k * T * 0.5])
         # the command is held through a sample, on average half a sample behind
         assert abs(behind - lag - 0.5 * T * 0.5) < 1e-4
+
+
+def test_integral_of_a_servo_sees_the_command_without_its_lead() -> None:
+    """A joint that follows a ramp without error has nothing to integrate."""
+    still = {"gravity.z": 0.0, "motor_1.viscous_friction": 0.0, "motor_1.servo_integral": 200.0}
+    robot = servo_robot(1.0).with_values(still).commanded_by("position")
+    plant = Plant(robot, T, np.zeros(4), substeps=8)
+    for k in range(1000):
+        behind = k * T * 0.5 - plant.measure()[0]
+        plant.advance([k * T * 0.5])
+    assert abs(behind - 0.5 * T * 0.5) < 3e-4

@@ -141,6 +141,15 @@ def _write_import(imported: ImportedRobot, out: Path, patch: Path | None) -> tup
     from flexros.effects.patching.patch import name_from
 
     second = patch or out.with_name(f"{out.stem}_patch.yaml")
+    for path, argument in ((out, "out"), (second, "patch")):
+        if path.suffix not in (".yaml", ".yml"):
+            raise InputError(
+                f"'{path}' does not end in .yaml, as robot files and patches do; give another name", argument
+            )
+        if not path.parent.is_dir():
+            raise InputError(f"the folder '{path.parent}' of '{path}' does not exist; make it", argument)
+    if second.resolve() == out.resolve():
+        raise InputError(f"'{second}' is the robot file itself; give another name", "patch")
     made = patch_of_import(imported, name_from(str(out), second.parent))
     for path in (out, second) if made else (out,):
         _refuse_existing(path)

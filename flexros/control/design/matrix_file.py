@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import zipfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -40,6 +39,8 @@ def read_matrices(file: str | Path) -> dict[str, Any]:
     settings: dict[str, Any] = {}
     for name in (*REQUIRED, *(name for name in ("anti_windup",) if name in content)):
         try:
+            if np.iscomplexobj(content[name]) and np.any(np.imag(content[name])):
+                raise ValueError("it has complex numbers; bring the system to a real form")
             settings[name] = np.atleast_2d(np.asarray(content[name], dtype=float)).tolist()
         except (TypeError, ValueError) as error:
             raise InputError(f"{path}: {name} is not a matrix of numbers ({error}); correct it") from error
@@ -48,7 +49,10 @@ def read_matrices(file: str | Path) -> dict[str, Any]:
         settings |= {"A": [], "B": [], "C": [[]] * motors}
     time = next((content[name] for name in _TIMES if name in content), None)
     if time is not None:
-        settings["matrices_sample_time"] = float(np.ravel(time)[0])
+        try:
+            (settings["matrices_sample_time"],) = np.ravel(np.asarray(time, dtype=float)).tolist()
+        except (TypeError, ValueError) as error:
+            raise InputError(f"{path}: the sample time is {time!r}, but must be one number [s]; correct it") from error
     if "inputs" in content:
         settings["inputs"] = [str(name).strip() for name in np.ravel(content["inputs"])]
     return settings
@@ -82,6 +86,6 @@ def _content(path: Path) -> Mapping[str, Any]:
 
             content: Mapping[str, Any] = loadmat(path)
             return content
-    except (OSError, ValueError, NotImplementedError, zipfile.BadZipFile) as error:
+    except Exception as error:  # readers of damaged files fail in many ways: EOFError, zlib.error, MatReadError
         raise InputError(f"'{path}' cannot be read as matrices ({error}); write it again") from error
     return read_yaml(path)  # JSON is YAML

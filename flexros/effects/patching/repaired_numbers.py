@@ -227,6 +227,11 @@ def _of_robot(robot: Robot, scale: float) -> list[NotHeld]:
             written = spring.at_zero / scale**2
             reason = f"its stiffness at zero deflection is written, on the joint side {written:.6g}"
             found.append(NotHeld(joint.name, "nonlinear spring", size, reason))
+        zero = joint.direction.zero
+        if zero is not None and zero.value:
+            size = f"{zero.value:.6g} {unit_of('position', joint.rotary)}"
+            reason = "the geometry is written without it: add it to the positions, or turn the origin of the joint"
+            found.append(NotHeld(joint.name, "zero", size, reason))
     for motor in robot.motors:
         servo = motor.specification.servo
         if servo is not None and servo.feedforward.value:

@@ -123,6 +123,11 @@ def axis_record(record: Record, motor: int, output: OutputQuantity, delay: float
             f"{record.name} has {n} samples in a row with position and torque, at least {_SHORTEST} are needed; give "
             "a longer log"
         )
+    if np.ptp(bridged_motion(record.position[rows, motor : motor + 1], record.valid[rows])) == 0:
+        raise InputError(
+            f"{record.name}: motor_{motor + 1} stands still, so nothing shows its masses and friction; name the joint "
+            "that moves, or give a log in which this one does"
+        )
     warnings = record.warnings
     if n < record.n_samples:
         warnings += (

@@ -102,6 +102,8 @@ def fit_law(law: FrictionLaw, points: FrictionPoints, seed: int = 1) -> Friction
             f"{n} constant speeds were measured, but the law '{law.name}' has {number} parameters; measure more speeds"
         )
     fastest, strongest = float(np.abs(points.speed).max()), float(np.abs(points.torque).max())
+    if strongest == 0:
+        raise InputError("the torques at all constant speeds are zero, so there is no friction to fit; record torques")
     scales = {"f_v": strongest / fastest, "f_c": strongest, "f_s_less_f_c": strongest, "v_s": fastest, "mu_k": 1.0}
     scale = np.array([scales.get(name, 1.0 / fastest) for name in law.parameters])
     widest = np.array([{"mu_k": 1.0}.get(name, {"beta": 1e3, "alpha": 1e5}.get(name, 1e2)) for name in law.parameters])

@@ -84,10 +84,13 @@ def _phases(log: Log, joint: str) -> list[tuple[float, float, float]]:
         raise InputError(
             "a log has no reference velocity or no torque command; record joint_reference and joint_commands"
         )
-    if joint not in reference.names:
-        raise unknown_name("joint", joint, reference.names)
-    column = reference.names.index(joint)
-    wanted, time = reference.velocity[:, column], 1e-9 * (reference.stamp - reference.stamp[0])
+    for series, topic in ((reference, "joint_reference"), (command, "joint_commands")):
+        if joint not in series.names:
+            raise unknown_name("joint", joint, series.names, topic)
+    wanted = reference.velocity[:, reference.names.index(joint)]
+    given = command.effort[:, command.names.index(joint)]
+    known = np.isfinite(given)
+    time = 1e-9 * (reference.stamp - reference.stamp[0])
     fastest = float(np.abs(wanted).max())
     if fastest == 0.0:
         return []
@@ -98,7 +101,7 @@ def _phases(log: Log, joint: str) -> list[tuple[float, float, float]]:
         if time[stop] - time[first] < SHORTEST:
             continue
         begin = time[first] + SETTLING * (time[stop] - time[first])
-        torque = _between(command.stamp, command.effort[:, column], reference.stamp[0], begin, time[stop])
+        torque = _between(command.stamp[known], given[known], reference.stamp[0], begin, time[stop])
         speed = wanted[first + 1 : stop + 1]
         if len(torque) and np.ptp(speed) <= CONSTANT * abs(float(speed.mean())):
             found.append((float(speed.mean()), float(torque.mean()), float(torque.std())))

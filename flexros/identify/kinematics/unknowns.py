@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.config.settings import validate
+from flexros.errors import InputError
 from flexros.robot.robot import robot_of
 from flexros.robot.specification import RobotSpecification
 
@@ -88,6 +89,11 @@ def unknowns(robot: Robot, prior: KinematicPrior | None = None) -> Unknowns:
             found.append((name, False, prior.angle))
         elif name.endswith(".stiffness") and prior.compliance > 0:
             found.append((name, True, prior.compliance))
+    if not found:
+        raise InputError(
+            f"nothing of robot {robot.name} is unknown with deviations of {prior.length:g} m, {prior.angle:g} rad and "
+            f"{prior.compliance:g}; give one above zero of something that the robot has"
+        )
     names = tuple(name for name, *_ in found)
     frame = [prior.frame_position] * 3 + [prior.frame_angle] * 3
     return Unknowns(

@@ -13,6 +13,9 @@ if TYPE_CHECKING:
 LEAST = 1e-9
 """Mass and inertia of bodies that have none, which simulators refuse or replace by 1 [kg, kg m2] (chosen)."""
 
+THINNEST = 1e-6
+"""Least second moment of a body over its largest [1] (chosen): those of plates and rods are rounded to less."""
+
 
 def possible_tensor(robot: Robot, tensor: FloatArray) -> FloatArray:
     """Fill moments that a planar robot file omits: those about axes that no joint turns about.
@@ -31,4 +34,11 @@ def possible_tensor(robot: Robot, tensor: FloatArray) -> FloatArray:
         moments = np.linalg.eigvalsh(tensor)
         if moments[0] <= 0 or moments[2] > moments[0] + moments[1]:
             full = np.eye(3) * max(kept, LEAST)
-    return full if np.any(full) else np.eye(3) * LEAST
+    if not np.any(full):
+        return np.eye(3) * LEAST
+    second, turn = np.linalg.eigh(np.trace(full) / 2 * np.eye(3) - full)  # second moments of its mass
+    least = THINNEST * second[-1]
+    if second[0] >= 0 and np.linalg.eigvalsh(full)[0] > 0:
+        return full
+    second = np.maximum(second, least)
+    return np.asarray(turn @ np.diag(second.sum() - second) @ turn.T)

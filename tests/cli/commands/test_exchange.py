@@ -121,6 +121,22 @@ def test_import_urdf_without_dry_friction_writes_no_patch(flexros: Flexros, urdf
     assert not (tmp_path / "a_patch.yaml").exists()
 
 
+@pytest.mark.parametrize(
+    ("out", "patch", "told"),
+    [
+        ("ur5e", "p.yaml", "does not end in .yaml"),
+        ("a.yaml", "a.yaml", "is the robot file itself"),
+        ("a.yaml", "no/p.yaml", "does not exist"),
+    ],
+)
+def test_import_urdf_writes_nothing_that_could_not_be_used(
+    flexros: Flexros, urdf: Path, tmp_path: Path, out: str, patch: str, told: str
+) -> None:
+    ended = flexros("import-urdf", str(urdf), "--out", str(tmp_path / out), "--patch", str(tmp_path / patch))
+    assert (ended.code, told in ended.err) == (2, True)
+    assert [file.name for file in tmp_path.iterdir()] == ["a.urdf"]
+
+
 def test_import_urdf_refuses_to_overwrite(flexros: Flexros, urdf: Path, tmp_path: Path) -> None:
     out = tmp_path / "a.yaml"
     assert flexros("import-urdf", str(urdf), "--out", str(out)).code == 0

@@ -84,3 +84,10 @@ def test_few_samples_in_a_row_are_rejected(given: Log) -> None:
 def test_speed_that_was_not_recorded_is_named() -> None:
     with pytest.raises(InputError, match="joint_states has no velocity of motor_1, which is to be predicted"):
         axis_of(log(), "velocity")
+
+
+def test_a_joint_that_stands_still_is_refused() -> None:
+    given = log()
+    still = replace(given.joint_states, position=np.full((300, 1), 0.3))
+    with pytest.raises(InputError, match="motor_1 stands still"):
+        axis_of(replace(given, joint_states=still))

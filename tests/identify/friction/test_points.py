@@ -8,7 +8,8 @@ import pytest
 from flexros.errors import InputError
 from flexros.identify.friction.laws import LAWS, fit_law
 from flexros.identify.friction.points import constant_speed_points
-from flexros.logs.time_series import Log
+from flexros.logs.stamps import stamps_ns
+from flexros.logs.time_series import JointSeries, Log
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import load_scenario
@@ -43,3 +44,14 @@ def test_unknown_joint_and_missing_phase_are_refused(logs: list[Log]) -> None:
     at_rest = closed_loop(Experiment.prepare(load_scenario("two_mass_step")))
     with pytest.raises(InputError, match="no phase of at least"):
         constant_speed_points([at_rest], "motor_1")
+
+
+def test_torques_are_those_of_the_joint_in_whatever_order_the_commands_have() -> None:
+    stamp, speed = stamps_ns(8000, 1e-3), np.repeat([1.0, -1.0], 4000)
+    own, other = 5.0 * np.sign(speed), np.full(8000, 8.0)
+    own[3000] = np.nan
+    states = JointSeries(stamp, ("motor_1", "motor_2"), position=np.zeros((8000, 2)))
+    reference = JointSeries(stamp, ("motor_1", "motor_2"), velocity=np.stack([speed, 0 * speed], axis=-1))
+    commands = JointSeries(stamp, ("motor_2", "motor_1"), effort=np.stack([other, own], axis=-1))
+    points = constant_speed_points([Log(states, commands, reference)], "motor_1")
+    np.testing.assert_allclose(points.torque, 5.0 * np.sign(points.speed))

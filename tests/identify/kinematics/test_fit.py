@@ -138,3 +138,8 @@ def test_model_without_geometry_is_refused() -> None:
 def test_too_few_poses_are_refused(six_axis: Unknowns) -> None:
     with pytest.raises(InputError, match="at least 4"):
         fit_kinematics(six_axis, candidate_poses(six_axis, LOADS, 3))
+
+
+def test_nothing_that_is_unknown_is_refused() -> None:
+    with pytest.raises(InputError, match="nothing of robot elbow is unknown"):
+        unknowns(load_robot("elbow"), KinematicPrior(length=0, angle=0, compliance=0))

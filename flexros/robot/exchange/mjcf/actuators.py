@@ -72,7 +72,11 @@ def joint_actuator(model: Any, joint: int) -> JointActuator | None:
         gain=float(gains[0]) * gear,
         kp=-float(biases[1]) * gear**2 if servo else 0.0,
         kv=-float(biases[2]) * gear**2 if servo else 0.0,
-        follows=servo and biases[1] < 0 and biases[0] == 0 and bool(np.isclose(gains[0], -biases[1], rtol=1e-9)),
+        follows=servo
+        and int(model.actuator_dyntype[first]) in {int(enums.mjtDyn.mjDYN_NONE), *lags}
+        and biases[1] < 0
+        and biases[0] == 0
+        and bool(np.isclose(gains[0], -biases[1], rtol=1e-9)),
         delay=float(np.max(getattr(model, "actuator_delay", np.zeros(model.nu))[found])),
         time_constant=float(model.actuator_dynprm[first, 0]) if int(model.actuator_dyntype[first]) in lags else 0.0,
     )

@@ -96,12 +96,14 @@ def find_arm(model: Any, source: str, end: str = "") -> MjcfArm:
     for k, j in enumerate(indices):
         joints.append(_arm_joint(model, data, frame, own, j, np.flatnonzero(owner == k).tolist()))
         own = joints[-1].frame
+    weightless = int(model.opt.disableflags) & int(mujoco.mjtDisableBit.mjDSBL_GRAVITY)
+    gravity = np.zeros(3) if weightless else frame @ np.array(model.opt.gravity)
     carried = [body for joint in joints for body in joint.bodies]
     frozen = [j for body in carried for j in _joints_of(model, body) if j not in indices]
     return MjcfArm(
         tuple(joints),
         frame,
-        frame @ np.array(model.opt.gravity),
+        gravity,
         frame @ data.xpos[last],
         tuple(_joint_name(model, j) for j in frozen),
     )

@@ -8,10 +8,14 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from flexros.errors import InputError
+from flexros.robot.body_placement import BodyPlacements
 from flexros.robot.exchange.joint_names import motor_joints
+from flexros.robot.exchange.link_inertia import LEAST
 from flexros.robot.exchange.number_text import number
 from flexros.robot.exchange.numbers import REWRITTEN, Export, NotHeld, Written, same
 from flexros.robot.exchange.urdf.link_load import add_load
+from flexros.robot.exchange.urdf.robot_import import turned_base
+from flexros.robot.exchange.urdf.tree import NO_LIMIT, read_tree
 from flexros.robot.exchange.xml_text import XmlElement, XmlText
 from flexros.robot.quantity import unit_of
 from flexros.robot.spring import Spring
@@ -19,6 +23,7 @@ from flexros.robot.spring import Spring
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from flexros.arrays import FloatArray
     from flexros.robot import Robot
     from flexros.robot.exchange.numbers import BodyNumbers, JointNumbers, LoadNumbers, RepairedNumbers
 
@@ -65,7 +70,7 @@ def repair_description(
         raise InputError(
             f"{source} starts with <{document.root.tag}>, but a {kind.upper()} starts with <{expected}>", "base"
         )
-    repair = _Repair(document, kind, numbers, new)
+    repair = _Repair(document, kind, numbers, new, robot)
     names = motor_joints(robot, list(repair.joints), joints, source)
     for joint in numbers.joints:
         repair.joint(joint, names[joint.motor])
@@ -78,15 +83,41 @@ def repair_description(
 class _Repair:
     """The changes of one file."""
 
-    def __init__(self, document: XmlText, kind: Description, numbers: RepairedNumbers, new: bool) -> None:
+    def __init__(self, document: XmlText, kind: Description, numbers: RepairedNumbers, new: bool, robot: Robot) -> None:
         self.root, self.kind, self.new, self.source = document.root, kind, new, document.source
+        self.robot, self.text = robot, document.text()
         self.written: list[Written] = []
         self.not_held = list(numbers.not_held)
-        self.joints = {
-            joint.attributes.get("name", ""): joint
-            for joint in self.root.iter("joint")
-            if joint.attributes.get("type") in MOVABLE
-        }
+        bodies = enumerate(robot.spec.bodies, 1)
+        self.bodies = {name for k, body in bodies for name in (body.label, f"body_{k}")}
+        every = [joint for joint in self.root.iter("joint") if self._end(joint, "child")]
+        self.above = {self._end(joint, "child"): self._end(joint, "parent") for joint in every}
+        movable = [joint for joint in every if joint.attributes.get("type") in MOVABLE]
+        movable.sort(key=lambda joint: len(self._way(self._end(joint, "parent"))))  # in the order of the chain
+        self.joints = {joint.attributes.get("name", ""): joint for joint in movable}
+
+    def _end(self, joint: XmlElement, tag: str) -> str:
+        """Return the link before (parent) or behind (child) a joint, empty for an element that is none."""
+        end = joint.find(tag)
+        return "" if end is None else (end.attributes.get("link", "") or end.content.strip())
+
+    def _way(self, link: str) -> list[str]:
+        """Return the links before a link, from it to the base."""
+        way: list[str] = []
+        while link in self.above and link not in way:
+            way.append(link)
+            link = self.above[link]
+        return way
+
+    def _carried(self, link: str) -> list[XmlElement]:
+        """Return a link, and all behind it that are no body of their own, such as a tool that is fixed to it."""
+        found = []
+        for each in self.root.iter("link"):
+            way = self._way(each.attributes.get("name", ""))
+            before = way[: way.index(link)] if link in way else None
+            if each.attributes.get("name") == link or (before is not None and not self.bodies.intersection(before)):
+                found.append(each)
+        return found
 
     def joint(self, joint: JointNumbers, name: str) -> None:
         """Write friction and torque limit of a motor, and list the rest."""
@@ -139,8 +170,19 @@ class _Repair:
         if body.load is not None:
             self._load(link, body.body, body.load)
             return
+        for each in self._carried(link.attributes["name"]):
+            self._scale(each, body)
+
+    def _scale(self, link: XmlElement, body: BodyNumbers) -> None:
+        """Scale mass and inertia of a link; one without a mass, or with that of a placeholder, stays."""
+        inertial = link.find("inertial")
+        mass = None if inertial is None else inertial.find("mass")
+        if inertial is None or mass is None:
+            return
         place = f"link {link.attributes['name']} inertial"
         before = self._float(mass.attributes.get("value") or mass.content, f"{place} mass")
+        if before <= LEAST:
+            return
         self._write(mass, "value", body.mass_factor * before)
         inertia = inertial.find("inertia")
         for entry in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz") if inertia else ():
@@ -156,9 +198,16 @@ class _Repair:
             reason = "the links of an SDF have frames of their own: add it there"
             self.not_held.append(NotHeld(body, "load", load.words, reason))
             return
-        before, after = add_load(self.root, link, load, self.source)
+        before, after = add_load(self.root, link, load, self.source, self._turn(link.attributes["name"], body))
         place = f"link {link.attributes['name']} inertial"
         self.written.append(Written(body, f"load of {load.words}: mass", place, before, after, "kg"))
+
+    def _turn(self, link: str, body: str) -> FloatArray:
+        """Return the rotation from the frame of a body to the base of the URDF, all joints at zero, shape (3, 3)."""
+        _, at_zero = BodyPlacements(self.robot).at(np.zeros((1, self.robot.n_arm)))
+        own = any(self.robot.joints[0].orientation)  # then its base is that of the URDF
+        base = np.eye(3) if own else turned_base(read_tree(self.text, self.source).chain(link))
+        return np.asarray(base.T @ at_zero[0, int(body.removeprefix("body_")) - 1])
 
     def springs(self, robot: Robot) -> None:
         """List the elastic directions."""
@@ -189,6 +238,8 @@ class _Repair:
                 missing[key] = number(each.value)
             self.written.append(each if self.new else replace(each, before=before))
         if missing and self.kind == "urdf":
+            if tag == "limit" and element is None:  # urdfdom refuses a limit without a velocity
+                missing["velocity"] = number(NO_LIMIT)
             home.add(tag, missing)
         elif missing:
             home.add(tag, {}, missing)

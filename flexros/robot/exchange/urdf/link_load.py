@@ -18,14 +18,17 @@ if TYPE_CHECKING:
 _ENTRIES = {"ixx": (0, 0), "iyy": (1, 1), "izz": (2, 2), "ixy": (0, 1), "ixz": (0, 2), "iyz": (1, 2)}
 
 
-def add_load(root: XmlElement, link: XmlElement, load: LoadNumbers, source: str) -> tuple[float, float]:
+def add_load(
+    root: XmlElement, link: XmlElement, load: LoadNumbers, source: str, turn: FloatArray
+) -> tuple[float, float]:
     """Write mass, centre of mass and inertia of a link with a point mass on it.
 
     Args:
         root: The URDF.
         link: The link, which has a mass.
-        load: The point mass; its place is along the axes of the base at zero pose.
+        load: The point mass; its place is in the frame of its body.
         source: The file, for error messages.
+        turn: Rotation from that frame to the base of the URDF with all joints at zero, shape (3, 3).
 
     Returns:
         Mass before and after [kg].
@@ -40,14 +43,14 @@ def add_load(root: XmlElement, link: XmlElement, load: LoadNumbers, source: str)
     place = f"{source}: link {link.attributes['name']}"
     own = _numbers(mass, "value", 1, place)[0]
     center = _numbers(origin, "xyz", 3, place)
-    turn = Rotation.from_euler("xyz", _numbers(origin, "rpy", 3, place)).as_matrix()
+    own_turn = Rotation.from_euler("xyz", _numbers(origin, "rpy", 3, place)).as_matrix()
     J = np.zeros((3, 3))
     for name, (row, column) in _ENTRIES.items():
         J[row, column] = J[column, row] = _numbers(inertia, name, 1, place)[0]
-    at = _rotation(root, link.attributes["name"], source).T @ np.array(load.place)
+    at = _rotation(root, link.attributes["name"], source).T @ turn @ np.array(load.place)
     whole = own + load.mass
     common = (own * center + load.mass * at) / whole
-    J = turn @ J @ turn.T + _about(own, center - common) + _about(load.mass, at - common)
+    J = own_turn @ J @ own_turn.T + _about(own, center - common) + _about(load.mass, at - common)
     mass.set("value", number(whole))
     texts = {"xyz": " ".join(map(number, common.tolist())), "rpy": "0 0 0"}
     entries = {name: number(float(J[index])) for name, index in _ENTRIES.items()}

@@ -84,6 +84,7 @@ def _robot(text: str, file: str, tip: str, drawing: str = "") -> ImportedRobot:
     joints = tree.chain(tip)
     if not any(joint.kind in MOVABLE for joint in joints):
         raise InputError(f"{file}: no revolute, continuous or prismatic joint was found; give the URDF of a robot arm")
+    _refuse_joints(joints, file)
     bodies = CommentedSeq()
     outputs: list[str] = []
     effects: list[ImportedEffect] = []
@@ -131,6 +132,21 @@ def _robot(text: str, file: str, tip: str, drawing: str = "") -> ImportedRobot:
     if drawing and any(link.find("visual") is not None for link in tree.links.values()):
         head["drawing"] = drawing
     return ImportedRobot(_text(head, bodies, outputs, tags), tuple(effects), tuple(imported), ())
+
+
+def _refuse_joints(joints: Sequence[UrdfJoint], file: str) -> None:
+    """Refuse joints of the chain that a robot file cannot hold: other types, and those that follow another joint."""
+    for joint in joints:
+        if joint.kind in ("floating", "planar"):
+            raise InputError(
+                f"{file}: joint '{joint.name}' is {joint.kind}, but a robot here has a fixed base and joints with one "
+                "axis; make it fixed, or remove it from the chain"
+            )
+        if joint.kind in MOVABLE and joint.mimics:
+            raise InputError(
+                f"{file}: joint '{joint.name}' mimics {joint.mimics}, but a robot here is one open chain of "
+                "joints that move on their own; give as tip a link before it, or leave out <mimic> where it has a motor"
+            )
 
 
 def turned_base(joints: Sequence[UrdfJoint]) -> FloatArray:

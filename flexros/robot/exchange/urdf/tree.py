@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 
 MOVABLE = ("revolute", "continuous", "prismatic")
 
+KINDS = (*MOVABLE, "fixed", "floating", "planar")
+"""Types of joints of a URDF."""
+
 NO_LIMIT = 1e6
 """Value of limits that a URDF requires and a robot file does not have [rad/s, m/s, m, Nm or N] (chosen)."""
 
@@ -37,6 +40,7 @@ class UrdfJoint:
         velocity: Limit of its speed [rad/s or m/s]; 0 without one.
         damping: Viscous friction [Nm s/rad or N s/m].
         friction: Dry friction [Nm or N].
+        mimics: Joint that it follows; empty for none.
     """
 
     name: str
@@ -50,6 +54,7 @@ class UrdfJoint:
     velocity: float
     damping: float
     friction: float
+    mimics: str = ""
 
 
 @dataclass(frozen=True)
@@ -286,10 +291,13 @@ def _joint(element: ElementTree.Element, links: Mapping[str, ElementTree.Element
             raise InputError(
                 f"{place} names the {end} link '{ends[end]}', but the links are {', '.join(links)}; correct the URDF"
             )
-    origin = element.find("origin")
+    origin, mimic = element.find("origin"), element.find("mimic")
+    kind = element.get("type", "")
+    if kind not in KINDS:
+        raise InputError(f"{place} has the type '{kind}', allowed are {', '.join(KINDS)}; correct the URDF")
     return UrdfJoint(
         name=element.get("name", ""),
-        kind=element.get("type", "fixed"),
+        kind=kind,
         parent=ends["parent"],
         child=ends["child"],
         origin=_vector(origin, "xyz", "0 0 0", place),
@@ -299,6 +307,7 @@ def _joint(element: ElementTree.Element, links: Mapping[str, ElementTree.Element
         velocity=_scalar(element.find("limit"), "velocity", place),
         damping=_scalar(element.find("dynamics"), "damping", place),
         friction=_scalar(element.find("dynamics"), "friction", place),
+        mimics="" if mimic is None else mimic.get("joint", "another one"),
     )
 
 

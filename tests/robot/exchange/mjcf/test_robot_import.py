@@ -248,3 +248,14 @@ def test_an_exported_robot_comes_back_with_its_elastic_gears(name: str, tmp_path
             for each in (before.base, robot)
         )
         np.testing.assert_allclose(theirs, ours, rtol=0, atol=1e-8 * np.abs(ours).max())
+
+
+def test_gravity_that_is_switched_off_is_none(tmp_path: Path) -> None:
+    text = one_link().replace("<mujoco>", '<mujoco><option><flag gravity="disable"/></option>')
+    robot = load_robot(written(tmp_path, robot_from_mjcf(written(tmp_path, text)).text, "imported.yaml"))
+    assert robot.parameters["gravity.z"].value == 0.0
+
+
+def test_an_actuator_that_integrates_a_speed_is_no_servo(tmp_path: Path) -> None:
+    text = one_link(after='<actuator><intvelocity joint="j" kp="5" actrange="-3 3"/></actuator>')
+    assert "servo:" not in robot_from_mjcf(written(tmp_path, text)).text

@@ -117,3 +117,56 @@ def test_a_number_that_is_none_is_named(patched: PatchedRobot, tmp_path: Path) -
     text = export_model(load_patched("elbow"), "urdf").text.replace('damping="60"', 'damping="much"')
     with pytest.raises(InputError, match="joint motor_1 dynamics damping is 'much'"):
         export_model(patched, "urdf", base_file(tmp_path, "urdf", text))
+
+
+INERTIA = '<inertia ixx=".1" iyy=".1" izz=".1" ixy="0" ixz="0" iyz="0"/>'
+
+
+def link(name: str, mass: float) -> str:
+    return f'<link name="{name}"><inertial><mass value="{mass}"/>{INERTIA}</inertial></link>'
+
+
+def joint(name: str, parent: str, child: str, kind: str = "continuous") -> str:
+    ends = f'<parent link="{parent}"/><child link="{child}"/><axis xyz="0 1 0"/>'
+    return f'<joint name="{name}" type="{kind}">{ends}</joint>'
+
+
+def test_what_is_fixed_to_a_body_is_scaled_with_it(tmp_path: Path) -> None:
+    urdf, model, file = tmp_path / "r.urdf", tmp_path / "r.yaml", tmp_path / "p.yaml"
+    parts = (link("l1", 1), link("tool", 2), joint("j1", "base", "l1"), joint("f", "l1", "tool", "fixed"))
+    urdf.write_text(f'<robot name="r"><link name="base"/>{"".join(parts)}</robot>')
+    model.write_text(skeleton_from_urdf(urdf, tip="l1"))
+    file.write_text(
+        f"robot: {model}\neffects:\n  - {{effect: payload_error, location: tool, parameters: {{relative: 0.5}}}}\n"
+    )
+    root = ElementTree.fromstring(export_model(load_patched(file), "urdf", urdf).text)
+    assert sum(float(mass.get("value", "0")) for mass in root.iter("mass")) == pytest.approx(4.5)
+
+
+SHOULDER, ELBOW = joint("shoulder", "base", "l1"), joint("elbow", "l1", "l2")
+
+
+def of_two(*joints: str) -> str:
+    return f'<robot name="r"><link name="base"/>{joints[0]}{link("l1", 1)}{link("l2", 1)}{joints[1]}</robot>'
+
+
+@pytest.mark.parametrize("joints", [(SHOULDER, ELBOW), (ELBOW, SHOULDER)])
+def test_joints_are_those_in_the_order_of_the_chain_not_of_the_file(
+    joints: tuple[str, str], patched: PatchedRobot, tmp_path: Path
+) -> None:
+    exported = export_model(patched, "urdf", base_file(tmp_path, "urdf", of_two(*joints)))
+    assert value(exported, "urdf", "shoulder", "friction") == 12
+    assert float(value(exported, "urdf", "elbow", "damping")) > 0
+
+
+def test_a_new_limit_has_a_velocity_which_readers_require(tmp_path: Path) -> None:
+    file = tmp_path / "p.yaml"
+    file.write_text(
+        "robot: elbow\neffects:\n  - {effect: torque_saturation, location: motor_1, parameters: {limit: 5}}\n"
+    )
+    text = of_two(SHOULDER, ELBOW)
+    root = ElementTree.fromstring(export_model(load_patched(file), "urdf", base_file(tmp_path, "urdf", text)).text)
+    limit = next(each for each in root.iter("joint") if each.get("name") == "shoulder").find("limit")
+    assert limit is not None
+    assert float(limit.get("effort", "")) == 5
+    assert float(limit.get("velocity", "")) > 0
