@@ -112,5 +112,5 @@ def unknown_name(kind: str, given: str, allowed: Iterable[str], source: str = ""
         near = get_close_matches(given, names, n=_NEAR, cutoff=0.0)
         listed = f"the nearest of {len(names)} are {', '.join(near)}"
     else:
-        listed = f"allowed are {', '.join(names)}"
+        listed = f"allowed are {', '.join(names)}" if names else "there is none"
     return InputError(f"unknown {kind} '{given}'{origin}: {hint}{listed}{other and ' ' + other}")

@@ -43,9 +43,8 @@ class PayloadError(AbstractRelativeError):
     )
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
-        """Return the tool, the only location of the load."""
-        del robot
-        return ("tool",)
+        """Return the tool, the only location of the load; none where the last body is a frame without mass."""
+        return ("tool",) if any(robot.parameters[name].value for name in self.numbers(robot, "tool")) else ()
 
     def numbers(self, robot: Robot, location: str) -> tuple[str, ...]:
         """Return mass and inertia of the last body."""
