@@ -25,10 +25,9 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 
-SLOWEST, SLOWEST_RIGID = 2e-3, 5e-3
-"""Longest time between two samples of an experiment, in general and without springs in the robot [s] (chosen): its
-controller, which has the same rate, needs a few samples in the period of a vibration. At 0.5 ms experiments of seven
-axes took most of a diagnosis."""
+SLOWEST = 2e-3
+"""Longest time between two samples of an experiment [s] (chosen): its controller, which has the same rate, needs a few
+samples in the period of a vibration. At 0.5 ms experiments of seven axes took most of a diagnosis."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +67,7 @@ def next_experiment(
         survivors: Remaining explanations with their fitted parameters, the most probable one first.
         name: Robot name or file for the command; default: where it was loaded from.
         sample_time: Time between two samples of the log that was diagnosed [s]. Where its recorder is slower than the
-            robot file says, so are the experiments, up to `SLOWEST` or `SLOWEST_RIGID`.
+            robot file says, so are the experiments, up to `SLOWEST`.
         tool_measured: Whether the log has tool positions already.
         tolerance: Relative tolerance of stiffness, inertia and damping [1]; default: those of the robot file.
         prescribed: Motors of endless inertia in the model, as their motion was prescribed.
@@ -83,7 +82,7 @@ def next_experiment(
     """
     model = robot if isinstance(robot, RobotWithEffects) else RobotWithEffects(robot, ())
     name = name or file_or_name(model.robot)
-    period = min(sample_time, SLOWEST_RIGID if model.robot.is_rigid else SLOWEST)
+    period = min(sample_time, SLOWEST)
     slower = {"sample_time": period} if period > model.robot.sample_time else {}
     model = replace(model, robot=model.robot.with_values(slower))
     settings = settings or DiagnosisSettings()

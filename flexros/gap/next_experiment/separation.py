@@ -180,8 +180,10 @@ def _candidate(placed: PlacedEffect, model: RobotWithEffects) -> Candidate:
     values = placed.effect.model_dump()
     there = [law.effect for law in model.laws if law.location == placed.location]
     nominal = placed.effect.reductions(model.robot, placed.location, there)
+    ways = [way for way in placed.effect.harmonics if all(values[name] == value for name, value in way.fixed)]
+    largest = min((way.largest for way in ways), default=np.inf)
     free = tuple(
-        _free(name, float(values[name]), allowed, nominal.get(name, 0.0))
+        _free(name, float(values[name]), allowed, nominal.get(name, 0.0), largest if name == "amplitude" else np.inf)
         for name, allowed in placed.effect.ranges.items()
         if values.get(name)
     )
@@ -189,13 +191,13 @@ def _candidate(placed: PlacedEffect, model: RobotWithEffects) -> Candidate:
     return Candidate(type(placed.effect), placed.location, free, fixed)
 
 
-def _free(name: str, value: float, allowed: Range, nominal: float) -> FreeParameter:
+def _free(name: str, value: float, allowed: Range, nominal: float = 0.0, largest: float = np.inf) -> FreeParameter:
     """Free a parameter about its value, within its range where that does not depend on the log.
 
-    One that takes from a nominal number of the robot takes no more than that.
+    One that takes from a nominal number of the robot takes no more than that, and one may have a largest value.
     """
     size, reduces = abs(value), value < 0.0 and not allowed.signed
-    low, high, negative = size / ROOM, size * ROOM, None
+    low, high, negative = size / ROOM, min(size * ROOM, max(largest, size)), None
     if allowed.scale in WITHOUT_LOG:
         low, high = max(low, min(allowed.low, size)), min(high, max(allowed.high, size))
         negative = None if allowed.negative is None else min(high, max(allowed.negative, -value))

@@ -127,9 +127,9 @@ def test_what_lies_within_the_tolerance_of_the_model_is_not_separated() -> None:
 
 def test_an_effect_far_above_its_range_does_not_change_its_sign_beyond_it() -> None:
     """Less than nothing is left of an inertia below -1."""
-    free = _free("relative", 4.8, MotorInertiaError.ranges["relative"], 0.0)
+    free = _free("relative", 4.8, MotorInertiaError.ranges["relative"])
     assert free.decode(np.array(free.bounds)) == pytest.approx([-0.9, 9.0])
-    assert _free("relative", -0.95, MotorInertiaError.ranges["relative"], 0.0).negative == pytest.approx(0.95)
+    assert _free("relative", -0.95, MotorInertiaError.ranges["relative"]).negative == pytest.approx(0.95)
 
 
 def test_an_effect_that_takes_from_a_nominal_number_keeps_its_sign() -> None:
@@ -143,3 +143,12 @@ def test_an_effect_that_takes_from_a_nominal_number_keeps_its_sign() -> None:
     assert np.all((low < theta) & (theta < high))
     nominal = less.model.robot.parameters["motor_1.viscous_friction"].value
     assert predictor.hypothesis[0].free[0].decode(low)[0] == pytest.approx(-nominal)
+
+
+def test_a_ripple_in_proportion_to_the_torque_stays_below_it() -> None:
+    """A fit that went beyond ended a whole diagnosis."""
+    ripple = explained("torque_ripple@motor_1:amplitude=0.4,order=6,proportional=true")
+    predictor, theta = predictor_of(ripple, SAMPLE_TIME)
+    _, high = predictor.bounds
+    assert predictor.hypothesis[0].placed(predictor.values(high)[0]).effect.amplitude == pytest.approx(0.99)  # type: ignore[attr-defined]
+    assert predictor.values(theta)[0]["amplitude"] == pytest.approx(0.4)
