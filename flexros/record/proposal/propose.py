@@ -15,6 +15,7 @@ from flexros.logs.foreign.mapping import Clock, LogMapping, MappedColumn, Scale
 from flexros.logs.foreign.quantities import TIME_UNITS
 from flexros.logs.foreign.signal_source import Signal, open_source
 from flexros.logs.foreign.sources.ros_bag import RosBag
+from flexros.logs.foreign.usable_rows import FEWEST
 from flexros.record.proposal.assumption import Assumption
 from flexros.record.proposal.columns import clock_of_column, table_signals
 from flexros.record.proposal.effort_unit import effort_unit
@@ -156,6 +157,8 @@ class _Proposer:
         """Return the mapping, with the log that it makes."""
         first = self._values("position", self.matches[0]).time
         assert first is not None
+        if len(first) < FEWEST or not first[-1] > first[0]:
+            raise InputError(f"{self.bag} has fewer than {FEWEST} positions with increasing times; give a longer log")
         self.assumptions += about_topics(self.topics, self.quantities, [match.joint for match in self.matches])
         self.assumptions.append(about_rate(first, self.clock))
         self.assumptions += about_joints(self.robot, self.matches)

@@ -76,6 +76,13 @@ def test_existing_folder_is_kept(flexros, files, tmp_path: Path) -> None:
 STAMP = 1_790_000_000 * 10**9
 
 
+def test_a_table_of_a_single_row_is_refused(flexros, tmp_path: Path) -> None:
+    table = tmp_path / "one.csv"
+    table.write_text("time,q1,tau1\n0,1,2\n")
+    ended = flexros("import", str(table), "--model", "emps", "--out", str(tmp_path / "log"))
+    assert (ended.code, "fewer than 2 positions" in ended.err) == (2, True)
+
+
 @pytest.fixture
 def bag(tmp_path: Path) -> str:
     """Write a bag of a robot with one joint and a gripper, without a URDF."""
