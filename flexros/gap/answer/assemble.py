@@ -280,7 +280,7 @@ def _rounding(name: str, findings: Findings, errors: HeldOutErrors) -> Cause:
 
 
 def _ranking(findings: Findings, verdict: Verdict) -> tuple[RankedCandidate, ...]:
-    """List every effect in its best explanation, the first few with their gain in the held-out log."""
+    """List every effect in its explanation, the first few with their gain in the held-out log."""
     ranked = sorted(
         _candidates(findings, verdict),
         key=lambda pair: rank_key(f"{pair[0].effect}@{pair[0].location}", findings, verdict),
@@ -294,10 +294,11 @@ def _ranking(findings: Findings, verdict: Verdict) -> tuple[RankedCandidate, ...
 
 
 def _candidates(findings: Findings, verdict: Verdict) -> list[tuple[RankedCandidate, CandidateFit]]:
-    """List every effect with its best explanation."""
+    """List every effect with its explanation: the chosen one, whose sizes the patch has, else the most probable one."""
     explanations, comparison = findings.explanations, findings.explanations.comparison
     best: dict[str, tuple[RankedCandidate, CandidateFit]] = {}
-    for fit, probability in zip(explanations.rivals, explanations.probabilities):
+    explained = zip(explanations.rivals, explanations.probabilities)
+    for fit, probability in sorted(explained, key=lambda pair: pair[0] is not explanations.chosen):
         if fit.names <= best.keys():
             continue
         exact = probability > findings.settings.likely

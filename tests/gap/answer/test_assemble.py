@@ -48,6 +48,7 @@ def answered(
     settings: DiagnosisSettings = SETTINGS,
     detected: bool = True,
     elsewhere: tuple[CandidateFit, ...] = (),
+    by_probability: bool = False,
 ) -> DiagnosisResult:
     """The answer to a log with friction."""
     data, held = data or data_of(TRUTH), data_of(TRUTH, seed=2)
@@ -56,7 +57,11 @@ def answered(
     null = chosen if not detected else fitted(50.0)
     fits = (chosen, *rivals) if detected else ()
     comparison = ModelComparison(null, fits, data.n_values)
-    explanations = Explanations(comparison, chosen, (*fits, null), np.array([*probabilities, 0.0]), detected)
+    order = np.argsort([-one for one in probabilities], kind="stable") if by_probability else range(len(fits))
+    rivals = (*(fits[k] for k in order), null)
+    explanations = Explanations(
+        comparison, chosen, rivals, np.array([*(probabilities[k] for k in order), 0.0]), detected
+    )
     found = findings_of(
         MODEL, data, held, explanations, tolerance=TOLERANCE, settings=settings.ranking, elsewhere=elsewhere
     )
@@ -81,6 +86,14 @@ def test_all_that_was_tried_is_ranked_with_what_it_leaves(result: DiagnosisResul
     assert [one.remainder for one in result.ranking] == [0.0, pytest.approx(19 / 49)]
     assert result.ranking[0].gain > result.ranking[1].gain
     assert result.null_probability == 0.0
+
+
+def test_effects_of_the_chosen_explanation_have_its_sizes_in_the_ranking_too() -> None:
+    """A rival may be more probable, as the mean over tolerances is; the patch holds the chosen one."""
+    chosen, rival = fitted(1.0, COULOMB, SMALL[0]), fitted(1.0, COULOMB, SMALL[1])
+    ranking = answered(chosen, rival, probabilities=(0.4, 0.6), by_probability=True).ranking
+    friction = next(one for one in ranking if one.effect == "coulomb_friction")
+    assert [one.effect for one in friction.together_with] == ["motor_inertia_error"]
 
 
 def test_the_first_of_the_ranking_have_their_gain_in_the_held_out_log(result: DiagnosisResult) -> None:
