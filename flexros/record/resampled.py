@@ -13,7 +13,7 @@ from flexros.record.missing_samples import MOST_BRIDGED
 from flexros.record.shifted_torque import moved_later
 
 if TYPE_CHECKING:
-    from flexros.arrays import FloatArray
+    from flexros.arrays import BoolArray, FloatArray, IntArray
     from flexros.record.record import Record
 
 SAME_RATE = 1e-3
@@ -71,7 +71,7 @@ def resampled(record: Record, sample_time: float, reason: str = "the rate of the
 
     Positions are interpolated by cubics, in long holes and other signals linearly; torques and commanded positions are
     averaged over each new sample, and noted torques over as long a time around its stamp. A new sample is valid where
-    the old ones beside it are.
+    the old ones beside it are, and late where any within it is.
 
     Args:
         record: The record.
@@ -102,16 +102,11 @@ def resampled(record: Record, sample_time: float, reason: str = "the rate of the
         sums = np.column_stack([np.interp(edges, ends, column) for column in integral.T])
         return np.asarray(np.diff(sums, axis=0) / spans[:, None])
 
-    measured, position = before[record.valid], linear(record.position)
-    among = np.searchsorted(measured, at, side="right")
-    hole = np.diff(measured, prepend=-np.inf, append=np.inf)[among]
-    near = hole <= (MOST_BRIDGED + 1 + 1e-9) * old
-    position[near] = local_cubic(measured, record.position[record.valid], at[near])
     text = f"{record.name} has {1 / old:.6g} samples per second; it was resampled to {1 / sample_time:.6g}, {reason}"
     return replace(
         record,
         sample_time=sample_time,
-        position=position,
+        position=_positions(record, at),
         torque=mean(record.torque),
         command=None if record.command is None else mean(record.command),
         command_rate=None if record.command_rate is None else linear(record.command_rate),
@@ -119,7 +114,7 @@ def resampled(record: Record, sample_time: float, reason: str = "the rate of the
         jumps=None
         if record.jumps is None
         else np.diff(np.cumsum(record.jumps)[right], prepend=0.0) * old / sample_time,
-        late=None if record.late is None else record.late[left] | record.late[right],
+        late=None if record.late is None else _any_within(record.late, left, right),
         velocity=None if record.velocity is None else linear(record.velocity),
         noted=None if record.noted is None else mean(moved_later(record.noted, (sample_time / old - 1) / 2)),
         recorder_samples=record.recorder_samples * sample_time / old,
@@ -128,3 +123,21 @@ def resampled(record: Record, sample_time: float, reason: str = "the rate of the
         first=round(record.first * old / sample_time),
         warnings=(*record.warnings, text),
     )
+
+
+def _positions(record: Record, at: FloatArray) -> FloatArray:
+    """Interpolate positions at instants of a record [s]: by cubics, linearly in long holes and beyond their ends."""
+    time: FloatArray = np.arange(record.n_samples, dtype=np.float64) * record.sample_time
+    measured = time[record.valid]
+    position = np.column_stack([np.interp(at, time, one) for one in record.position.T])
+    hole = np.diff(measured, prepend=-np.inf, append=np.inf)[np.searchsorted(measured, at, side="right")]
+    near = hole <= (MOST_BRIDGED + 1 + 1e-9) * record.sample_time
+    position[near] = local_cubic(measured, record.position[record.valid], at[near])
+    return position
+
+
+def _any_within(marked: BoolArray, left: IntArray, right: IntArray) -> BoolArray:
+    """Return whether any old sample is marked from the one before a new sample to the one before the next."""
+    count = np.append(0, np.cumsum(marked))
+    end = np.maximum(np.append(left[1:], len(marked)), right + 1)
+    return np.asarray(count[end] > count[left])

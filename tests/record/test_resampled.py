@@ -94,3 +94,12 @@ def test_fewer_samples_are_taken_down_to_the_lowest_rate() -> None:
     assert with_fewer_samples(record, N // 2, 100.0, "a test").sample_time == pytest.approx(2e-3)
     assert with_fewer_samples(record, N // 100, 100.0, "a test").sample_time == pytest.approx(10e-3)
     assert with_fewer_samples(record, 1, 600.0, "a test") is record
+
+
+@pytest.mark.parametrize("lost", [0, 500, 502, 504, N - 1])
+def test_a_sample_is_late_where_any_within_it_is(lost: int) -> None:
+    late = np.zeros(N, dtype=bool)
+    late[lost] = True
+    slow = resampled(replace(record_of(1e-3), late=late), 5e-3)
+    assert slow.late is not None
+    np.testing.assert_array_equal(np.flatnonzero(slow.late), [lost // 5])

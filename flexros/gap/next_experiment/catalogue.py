@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from flexros.effects.payload_error import PayloadError
+from flexros.errors import InputError
 from flexros.identify.design.default_controller import default_controller
 
 if TYPE_CHECKING:
@@ -61,6 +62,8 @@ def _each(gain: float | tuple[float, ...], divisor: float) -> list[float]:
 
 
 def _loaded(robot: Robot) -> Mapping[str, Any]:
+    if not PayloadError().locations(robot):
+        raise InputError(f"the last body of robot {robot.name} has no mass, of which a load could be half")
     added = PayloadError(relative=ADDED_LOAD).values(robot, "tool")
     return {f"model.values.{name}": float(f"{value:.6g}") for name, value in added.items() if value}
 

@@ -19,6 +19,7 @@ from flexros.gap.next_experiment.separation import Explained, separation, trial
 from flexros.robot import load_robot
 from flexros.robot.robot import LIBRARY
 from flexros.scenario.experiment import Experiment
+from tests.ur5e import ur5e
 
 ENTRIES = {entry.name: entry for entry in CATALOGUE}
 
@@ -200,6 +201,12 @@ def test_an_experiment_that_is_not_possible_with_the_robot_is_skipped(monkeypatc
     monkeypatch.setattr(module, "trial", refused)
     survivors = [placed("delay@all:time=0.001"), placed("delay@all:time=0.002")]
     assert next_experiment(load_robot("e12"), survivors) is None
+
+
+def test_a_known_load_needs_a_last_body_with_a_mass() -> None:
+    assert ENTRIES["known_payload"].keys(load_robot("elbow"), 10.0)["model.values.body_2.mass"] == pytest.approx(67.5)
+    with pytest.raises(InputError, match="the last body of robot ur5e has no mass"):
+        ENTRIES["known_payload"].keys(ur5e(), 10.0)
 
 
 def test_names_of_experiments_are_given_once() -> None:
