@@ -7,6 +7,7 @@ candidate alone.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
@@ -118,8 +119,10 @@ class Surroundings:
         Returns:
             With the best length of each direction, and with the length that it has, shape (k,) each.
         """
-        slope, curvature = self._slope(changes), self._own_curvature(changes)
+        shared = self._shared(changes)
         raw = self.weight * np.einsum("ij,ij->j", changes, changes, dtype=float)
+        slope = self._slope(changes, shared)
+        curvature = np.asarray(raw - np.einsum("ij,ij->j", shared, self._refitted(shared)), dtype=float)
         scaled = np.where(slope > 0, slope**2 / np.maximum(curvature, IMITATED * raw + 1e-300), 0.0)
         return scaled, 2 * slope - curvature
 
@@ -138,7 +141,7 @@ class Surroundings:
             Indices of the selected directions, in their order.
         """
         changes = changes.astype(float)
-        slope, curvature = self._slope(changes), self._curvature(changes)
+        slope, curvature = self._slopes_and_curvatures(changes)
         own = np.maximum(np.diag(curvature), 1e-300)
         selected: list[int] = []
         for index in np.flatnonzero(slope > 0):
@@ -166,7 +169,7 @@ class Surroundings:
             Indices of the directions of each set, the smallest set first.
         """
         changes = changes.astype(float)
-        slope, curvature = self._slope(changes), self._curvature(changes)
+        slope, curvature = self._slopes_and_curvatures(changes)
         raw = self.weight * np.einsum("ij,ij->j", changes, changes)
         seen = np.diag(curvature) > IMITATED * raw
         scale = np.sqrt(np.where(seen, np.diag(curvature), 1.0))
@@ -195,9 +198,11 @@ class Surroundings:
             change: Change of the prediction errors when they are switched off, shape (n_rows,).
         """
         kept = ~columns
-        return Surroundings(
+        rest = Surroundings(
             self.residual + change, self.slopes[:, kept], self.prior[kept], self.pulled[kept], self.weight
         )
+        vars(rest)["_information"] = self._information[np.ix_(kept, kept)]  # else a product of all rows for each effect
+        return rest
 
     def left(self, changes: NDArray[Any]) -> float:
         """Estimate the sum of squares when directions and all parameters are fitted together [1].
@@ -233,13 +238,13 @@ class Surroundings:
         """Sum of squares when all parameters are fitted again, by linear theory [1]."""
         return self.weight * float(self.residual @ self.residual) - self.fall
 
-    @property
+    @cached_property
     def fall(self) -> float:
         """Fall of the sum of squares when all parameters are fitted again, by linear theory [1]."""
         gradient = self._gradient
         return float(gradient @ self._refitted(gradient))
 
-    @property
+    @cached_property
     def _gradient(self) -> FloatArray:
         return np.asarray(self.weight * self.slopes.T @ self.residual + self.pulled, dtype=float)
 
@@ -249,24 +254,24 @@ class Surroundings:
         prior, pulled = np.append(self.prior, nothing), np.append(self.pulled, nothing)
         return Surroundings(self.residual, slopes, prior, pulled, self.weight)
 
-    def _slope(self, changes: NDArray[Any]) -> FloatArray:
-        shared = self.weight * self.slopes.T @ changes
+    def _shared(self, changes: NDArray[Any]) -> FloatArray:
+        """Return the curvature of the sum of squares along a parameter and a direction, shape (n_fitted, k)."""
+        return np.asarray(self.weight * self.slopes.T @ changes, dtype=float)
+
+    def _slope(self, changes: NDArray[Any], shared: FloatArray) -> FloatArray:
+        """Return the fall of the sum of squares along directions, all parameters free, shape (k,)."""
         slope: FloatArray = -(self.weight * self.residual @ changes - self._refitted(self._gradient) @ shared)
         return slope
 
-    def _own_curvature(self, changes: NDArray[Any]) -> FloatArray:
-        shared = self.weight * self.slopes.T @ changes
-        own = self.weight * np.einsum("ij,ij->j", changes, changes, dtype=float)
-        return np.asarray(own - np.einsum("ij,ij->j", shared, self._refitted(shared)), dtype=float)
+    def _slopes_and_curvatures(self, changes: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return slopes and curvatures along directions, all parameters free, shapes (k,) and (k, k)."""
+        shared = self._shared(changes)
+        curvature = self.weight * changes.T @ changes - shared.T @ self._refitted(shared)
+        return self._slope(changes, shared), np.asarray(curvature, dtype=float)
 
-    @property
+    @cached_property
     def _information(self) -> FloatArray:
         return np.asarray(self.weight * self.slopes.T @ self.slopes + np.diag(self.prior), dtype=float)
-
-    def _curvature(self, changes: FloatArray) -> FloatArray:
-        """Return the curvature of the sum of squares along directions, all parameters free, shape (k, k)."""
-        shared = self.weight * self.slopes.T @ changes
-        return np.asarray(self.weight * changes.T @ changes - shared.T @ self._refitted(shared), dtype=float)
 
     def _refitted(self, gradient: FloatArray) -> FloatArray:
         return np.asarray(np.linalg.lstsq(self._information, gradient, rcond=1e-12)[0], dtype=float)

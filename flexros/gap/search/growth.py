@@ -201,6 +201,7 @@ def with_more(
     directions: Sequence[Directions],
     fits: list[CandidateFit],
     further: float = 0.0,
+    known: Sequence[CandidateFit] = (),
 ) -> CandidateFit | None:
     """Add candidates to a fit: several whose gains add up, or one of the best.
 
@@ -215,6 +216,7 @@ def with_more(
         directions: All candidates but those of harmonics, which follow from the fit.
         fits: All fits so far; new ones are appended.
         further: Share of what is left that the candidates must remove together after those that torques show [1].
+        known: Earlier fits, of which one with the same effects is taken in place of a new one of several candidates.
 
     Returns:
         The best of the new fits; None where no candidate is left.
@@ -238,12 +240,19 @@ def with_more(
     if len(group) > 1 and not search.torques_decide:
         sizes = surroundings.sizes(np.stack([addition.change for addition in group], axis=-1))
         group = [addition.sized(size) for addition, size in zip(group, sizes, strict=True)]
-    grown = _fitted(search, fit, [group], fits) if len(group) > 1 else None
+    grown = (_known(fit, group, known) or _fitted(search, fit, [group], fits)) if len(group) > 1 else None
     least = fit.chi2 - _removed(search, fit, settings.removed_by_step) * max(fit.chi2 - search.data.n_values, 0.0)
     if grown is None or (grown.chi2 > least and not search.torques_decide and not search.deadline.stops()):
         alone = _fitted(search, fit, [[addition] for addition in additions[: settings.added]], fits)
         grown = min((one for one in (grown, alone) if one is not None), key=lambda one: one.chi2, default=None)
     return grown
+
+
+def _known(fit: CandidateFit, group: Sequence[Addition], known: Sequence[CandidateFit]) -> CandidateFit | None:
+    """Return the best of some fits that have the effects of a fit and of a group of candidates; None without one."""
+    names = fit.names | {addition.candidate.name for addition in group}
+    alike = [one for one in known if one.names == names and one.chi2 < fit.chi2]
+    return min(alike, key=lambda one: one.chi2, default=None)
 
 
 def _from_nominal_numbers(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit | None:

@@ -51,7 +51,7 @@ def grown_within_floor(
     for _ in range(settings.rounds_within_floor):
         if search.deadline.stops() or len(trial.hypothesis) >= settings.most_effects:
             break
-        grown = with_more(search, trial, directions, tried)
+        grown = with_more(search, trial, directions, tried, known=fits)
         if grown is None:
             break
         grown = search.completed(grown)  # slopes of the base lead numbers of the model astray where effects are many

@@ -11,7 +11,7 @@ from flexros.feedforward.rigid_arm import rigid_arm
 from flexros.record.smoothing import smooth_motion
 
 if TYPE_CHECKING:
-    from flexros.arrays import ComplexArray, FloatArray
+    from flexros.arrays import ComplexArray, FloatArray, IntArray
     from flexros.robot import Robot
     from flexros.robot.linear.positions import LinearisedPositions
 
@@ -79,6 +79,49 @@ class ElasticInverseDynamics:
         return np.asarray(reduced)
 
 
+@dataclass(frozen=True, eq=False)
+class SlowMotion:
+    """A motion below a frequency, at as few samples as it needs.
+
+    Attributes:
+        samples: The samples, the first and the last one among them, shape (k,).
+        motion: Motor positions, speeds and accelerations there, shape (3, k, M).
+        n_samples: How many samples the motion has.
+    """
+
+    samples: IntArray
+    motion: FloatArray
+    n_samples: int
+
+    @classmethod
+    def of(cls, position: FloatArray, sample_time: float, highest: float) -> SlowMotion:
+        """Smooth a motion.
+
+        Args:
+            position: Motor positions without holes [rad or m], shape (n, M).
+            sample_time: Time between two samples [s].
+            highest: Frequency up to which the torque is required [Hz].
+        """
+        n = len(position)
+        factor = max(1, int(1 / (sample_time * _PER_PERIOD * 2.5 * highest)))
+        samples = np.arange(0, n, factor)
+        samples = samples if samples[-1] == n - 1 else np.append(samples, n - 1)
+        cutoff = min(2.5 * highest, 0.2 / sample_time)
+        motions = [smooth_motion(column[:, None], sample_time, cutoff)[:, samples] for column in position.T]
+        return cls(samples, np.concatenate(motions, axis=2), n)
+
+    def torque(self, robot: Robot, offset: FloatArray | float = 0.0) -> FloatArray:
+        """Evaluate the inverse dynamics of the rigid arm at all samples [Nm or N], shape (n, M).
+
+        Args:
+            robot: The robot.
+            offset: What is added to the positions [rad or m], shape (M,).
+        """
+        position, *derivatives = self.motion
+        torque = rigid_arm(robot).inverse_dynamics(np.stack([position + offset, *derivatives])).torque
+        return np.column_stack([np.interp(np.arange(self.n_samples), self.samples, column) for column in torque.T])
+
+
 def rigid_inverse_dynamics(robot: Robot, position: FloatArray, sample_time: float, highest: float) -> FloatArray:
     """Evaluate the inverse dynamics of the rigid arm along a motion, below a frequency.
 
@@ -91,11 +134,4 @@ def rigid_inverse_dynamics(robot: Robot, position: FloatArray, sample_time: floa
     Returns:
         Torques [Nm or N], shape (n, M).
     """
-    n = len(position)
-    factor = max(1, int(1 / (sample_time * _PER_PERIOD * 2.5 * highest)))
-    samples = np.arange(0, n, factor)
-    samples = samples if samples[-1] == n - 1 else np.append(samples, n - 1)
-    cutoff = min(2.5 * highest, 0.2 / sample_time)
-    motions = [smooth_motion(column[:, None], sample_time, cutoff)[:, samples] for column in position.T]
-    torque = rigid_arm(robot).inverse_dynamics(np.concatenate(motions, axis=2)).torque
-    return np.column_stack([np.interp(np.arange(n), samples, column) for column in torque.T])
+    return SlowMotion.of(position, sample_time, highest).torque(robot)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.record.balance.inverse_dynamics import rigid_inverse_dynamics
+from flexros.record.balance.inverse_dynamics import SlowMotion
 from flexros.record.balance.regression import coefficients
 
 if TYPE_CHECKING:
@@ -117,8 +117,13 @@ class Motion:
 
     def arm(self, gravity: FloatArray, turned: FloatArray) -> FloatArray:
         """Torque of the bodies at the valid samples [Nm or N], shape (n, M), with positions turned by angles [deg]."""
-        robot, position = self._under(tuple(gravity.tolist())), self.position + np.radians(turned)
-        return rigid_inverse_dynamics(robot, position, self.record.sample_time, self.highest)[self.record.valid]
+        robot = self._under(tuple(gravity.tolist()))
+        return self._slow.torque(robot, np.radians(turned))[self.record.valid]
+
+    @cached_property
+    def _slow(self) -> SlowMotion:
+        """The motion that all postures share but for constant angles."""
+        return SlowMotion.of(self.position, self.record.sample_time, self.highest)
 
     @cached_property
     def _under(self) -> Callable[[tuple[float, ...]], Robot]:
@@ -142,7 +147,7 @@ def postures(motion: Motion) -> tuple[Posture, ...]:
     """
     stated = np.array(motion.robot.spec.gravity.value, dtype=float)
     size = float(np.linalg.norm(stated)) or STANDARD
-    as_is = _Weights.of(motion, np.zeros(len(motion.moves)))
+    as_is = _Weights.of(motion, np.zeros(len(motion.moves)), np.eye(3))
     if as_is is None:
         return ()
     others = [_mounted_otherwise(as_is, size)]
@@ -180,12 +185,13 @@ def _counted_otherwise(motion: Motion, as_is: _Weights) -> Posture | None:
     """Turn the zero of one joint after the other by right angles, each time that of the joint that improves most."""
     rotary = [k for k, motor in enumerate(motion.robot.motors) if motor.position_unit == "rad"]
     turned, reached, best = np.zeros(len(as_is.moves)), np.inf, None
+    along = as_is.stated[None] / np.linalg.norm(as_is.stated)
     while True:
         trials = []
         for joint in (k for k in rotary if turned[k] == 0):
             for angle in RIGHT_ANGLES:
                 trial = np.where(np.arange(len(turned)) == joint, angle, turned)
-                weights = _Weights.of(motion, trial)
+                weights = _Weights.of(motion, trial, along)
                 if weights is None:
                     continue
                 trials.append((weights.left(as_is.stated), joint, angle, weights))
@@ -204,7 +210,8 @@ class _Weights:
 
     Attributes:
         rest: Torques without those of the weightless bodies [1], shape (K, n).
-        weight: Torques of the weight by gravity along each axis [s2/m], shape (K, n, 3).
+        weight: Torques of the weight by gravity along each axis [s2/m], shape (K, n, 3);
+            directions that were not tried add nothing.
         moves: Motors that move, shape (M,).
         stated: Gravity in the robot file [m/s2], shape (3,).
     """
@@ -215,10 +222,19 @@ class _Weights:
     stated: FloatArray
 
     @classmethod
-    def of(cls, motion: Motion, turned: FloatArray) -> _Weights | None:
-        """Compare torques with those of the bodies, positions turned by angles [deg]; None where nothing moves."""
+    def of(cls, motion: Motion, turned: FloatArray, directions: FloatArray) -> _Weights | None:
+        """Compare torques with those of the bodies.
+
+        Args:
+            motion: The record.
+            turned: Angles by which its positions are turned [deg], shape (M,).
+            directions: Directions in which gravity is tried, orthogonal, of length one, shape (k, 3).
+
+        Returns:
+            The torques; None where nothing moves.
+        """
         bodies = motion.arm(np.zeros(3), turned)
-        weight = np.stack([motion.arm(axis, turned) - bodies for axis in np.eye(3)], axis=2)
+        weight = np.stack([motion.arm(axis, turned) - bodies for axis in directions], axis=2) @ directions
         given = motion.record.torque[motion.record.valid]
         rests, weights = [], []
         for motor in np.flatnonzero(motion.moves):

@@ -60,14 +60,18 @@ class Addition:
 
 def best_starts(direction: Directions, surroundings: Surroundings, most: int = 2) -> IntArray:
     """Return the indices of the initial values that lower the sum of squares most, without scaling."""
-    lowered = np.where(direction.usable, surroundings.gains(direction.changes)[1], -np.inf)
-    return np.argsort(-lowered)[:most]
+    return _best_first(direction, surroundings.gains(direction.changes)[1])[:most]
 
 
 def addition_of(direction: Directions, fit: CandidateFit, surroundings: Surroundings) -> Addition:
     """Prepare the addition of a candidate to a fit, in place of tolerated deviations where that gains more."""
-    best = int(best_starts(direction, surroundings, 1)[0])
-    gain = float(surroundings.gains(direction.changes)[0].max())
+    gains, unscaled = surroundings.gains(direction.changes)
+    best, gain = int(_best_first(direction, unscaled)[0]), float(gains.max())
     misfit = float(surroundings.prior.max(initial=1.0))
     takeover = with_takeover(direction.candidate, fit, gain, direction.starts[:, best], misfit)
     return Addition(direction.candidate, takeover.gain, takeover.start, takeover.replaced, direction.changes[:, best])
+
+
+def _best_first(direction: Directions, lowered: FloatArray) -> IntArray:
+    """Sort the initial values that can be used by how much they lower the sum of squares."""
+    return np.argsort(-np.where(direction.usable, lowered, -np.inf))
