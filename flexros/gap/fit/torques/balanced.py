@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flexros.effects.counterbalance import Counterbalance
 from flexros.gap.fit.torques.position_torque import PositionTorque, curve_of
-from flexros.gap.fit.torques.regression import regress_torque
+from flexros.gap.fit.torques.regression import prepared_regression
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from flexros.effects import RobotWithEffects
     from flexros.gap.candidates.tolerance import Tolerance
     from flexros.gap.fit.torques.arm_torque import ArmTorque
+    from flexros.gap.fit.torques.regression import PreparedRegression
     from flexros.gap.fit.torques.solution import TorqueRegression
     from flexros.gap.settings import TorqueStartSettings
     from flexros.record.record import Record
@@ -47,10 +45,10 @@ def regress_balanced(
     Returns:
         The regression; None where there is none without these.
     """
-    regress = partial(regress_torque, record, model, tolerance, arm, delay=delay, settings=settings)
-    found = regress()
-    while found is not None:
-        better = _with_another(found, regress, record, model, settings)
+    prepared = prepared_regression(record, model, tolerance, arm, delay=delay, settings=settings)
+    found = None if prepared is None else prepared.solved()
+    while prepared is not None and found is not None:
+        better = _with_another(found, prepared, record, model, settings)
         if better is None:
             break
         found = better
@@ -59,7 +57,7 @@ def regress_balanced(
 
 def _with_another(
     before: TorqueRegression,
-    regress: Callable[..., TorqueRegression | None],
+    prepared: PreparedRegression,
     record: Record,
     model: RobotWithEffects,
     settings: TorqueStartSettings,
@@ -75,7 +73,7 @@ def _with_another(
             continue
         left, carried = before.rest[motor], settings.carried * np.nanmax(np.abs(record.torque[:, motor]))
         for torque in (*([PositionTorque(motor)] if name in turning else []), curve_of(record, motor)):
-            found = regress(position_torques=(*known, torque))
+            found = prepared.solved((*known, torque))
             if found is None:
                 continue
             lowered, left = left > settings.balanced * found.rest[motor], min(left, found.rest[motor])

@@ -9,7 +9,7 @@ that the model lacks.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -81,6 +81,65 @@ def regress_torque(
         The regression; None for a log in which no motor moves, or that is too short, for links that bend, and where
         the motion of the arm behind its springs ran away from that of the motors.
     """
+    prepared = prepared_regression(
+        record, model, tolerance, arm, load=load, delay=delay, zeros=zeros, settings=settings
+    )
+    return None if prepared is None else prepared.solved(position_torques, uneven=uneven)
+
+
+@dataclass(frozen=True, eq=False)
+class PreparedRegression:
+    """Rows of a regression of the torques, to be solved with several sets of torques over position.
+
+    Attributes:
+        rows: The log.
+        acting: The torques that act in it.
+        sought: What is sought, without torques over position.
+        slopes: Slopes of the torques, shape (n, M, k).
+        torque: Torques beyond those of the nominal model [Nm or N], shape (n, M).
+        settings: Settings of the regression.
+    """
+
+    rows: RegressionRows
+    acting: ActingTorque
+    sought: Sought
+    slopes: FloatArray
+    torque: FloatArray
+    settings: TorqueStartSettings
+
+    def solved(
+        self, position_torques: tuple[PositionTorque, ...] = (), *, uneven: bool = False
+    ) -> TorqueRegression | None:
+        """Solve the regression; arguments and result as of `regress_torque`."""
+        rows, sought = self.rows, replace(self.sought, position_torques=position_torques)
+        own, others = np.split(self.slopes, [sought.of_motors.stop], axis=-1)
+        own = _identifiable(own, rows, sought, uneven=uneven)
+        b = self.torque - own[..., sought.of_kind("coulomb_friction")] @ sought.known
+        further = (_of_position(rows, position_torques), _of_zeros(rows, sought), _of_servos(rows, self.acting, sought))
+        A = np.concatenate([own, *further, others], axis=-1)
+        silenced = ~rows.record.predicted  # a prescribed motion says nothing of its torque
+        A[:, silenced], b[:, silenced] = 0.0, 0.0
+        if not (np.isfinite(A).all() and np.isfinite(b).all()):  # the arm behind its springs ran away from the log
+            return None
+        silent = is_silent(np.sqrt(np.mean(b**2, axis=0)))
+        A[:, silent], b[:, silent] = 0.0, 0.0
+        return (
+            _with_point(A, b, sought, self.settings) if sought.load == "point" else solve(A, b, sought, self.settings)
+        )
+
+
+def prepared_regression(
+    record: Record,
+    model: RobotWithEffects,
+    tolerance: Tolerance,
+    arm: ArmTorque | None = None,
+    *,
+    load: Load = "none",
+    delay: float = 0.0,
+    zeros: Mapping[int, float] = MappingProxyType({}),
+    settings: TorqueStartSettings | None = None,
+) -> PreparedRegression | None:
+    """Set up the rows of `regress_torque`, whose arguments these are; None for a log that gives none."""
     settings, robot = settings or TorqueStartSettings(), model.robot
     acting = acting_torque(record, model, delay)
     zeros = dict(zeros) if arm is None else dict.fromkeys(zeros, 0.0)
@@ -92,7 +151,7 @@ def regress_torque(
         robot=robot,
         known=_known_friction(model),
         moving=rows.motion.moving,
-        position_torques=position_torques,
+        position_torques=(),
         load=load,
         servos=record.command is not None,
         tolerated=len(tolerance.names),
@@ -101,17 +160,7 @@ def regress_torque(
     A, b = _linear(rows, sought, tolerance, rigid=arm is None or load != "none")
     if arm is not None:
         A, b = _behind_springs(A, b, rows, arm)
-    own, others = np.split(A, [sought.of_motors.stop], axis=-1)
-    own = _identifiable(own, rows, sought, uneven=uneven)
-    b = b - own[..., sought.of_kind("coulomb_friction")] @ sought.known
-    further = (_of_position(rows, position_torques), _of_zeros(rows, sought), _of_servos(rows, acting, sought))
-    A = np.concatenate([own, *further, others], axis=-1)
-    A[:, ~record.predicted], b[:, ~record.predicted] = 0.0, 0.0  # a prescribed motion says nothing of its torque
-    if not (np.isfinite(A).all() and np.isfinite(b).all()):  # the arm behind its springs ran away from the log
-        return None
-    silent = is_silent(np.sqrt(np.mean(b**2, axis=0)))
-    A[:, silent], b[:, silent] = 0.0, 0.0
-    return _with_point(A, b, sought, settings) if load == "point" else solve(A, b, sought, settings)
+    return PreparedRegression(rows, acting, sought, A, b, settings)
 
 
 def at_zeros(record: Record, zeros: Mapping[int, float]) -> Record:
