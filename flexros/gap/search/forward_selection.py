@@ -17,6 +17,7 @@ from flexros.gap.search.exchange import one_delay
 from flexros.gap.search.fits.refits import at_limits
 from flexros.gap.search.growth import extended, in_vain, resumed, tidied, with_more
 from flexros.gap.search.periodic.lines import beside_line
+from flexros.gap.search.richer_laws import with_richer_laws
 from flexros.gap.search.within_floor import grown_within_floor
 from flexros.gap.search.within_tolerance import with_far_numbers, without_slight_friction, without_tolerated
 from flexros.gap.search.worth import compared, simplest, worth
@@ -118,6 +119,7 @@ def explain(search: Search) -> Explanations:
         chosen = search.completed(chosen)
         fits.append(chosen)
     chosen = one_delay(search, chosen, fits)
+    chosen = with_richer_laws(search, chosen, fits)
     curved = with_curves(search, chosen, directions, fits)
     if curved is not chosen:
         chosen = _beside_curves(search, first, curved, directions, fits)
@@ -252,7 +254,8 @@ def explanations_of(
         if at_limits(fit) and not at_limits(chosen):
             return False  # the chosen one was taken in its place, as what ended at a limit is no finding
         fewer = len(fit.hypothesis) < len(chosen.hypothesis)
-        if most > PAIR and fewer and worth(search, comparison, fit, chosen, removed):
+        beaten = fewer or not search.premises.floor_is_noise
+        if most > PAIR and beaten and worth(search, comparison, fit, chosen, removed):
             return False  # the form error of the large effects of a crowd is no doubt about the small ones
         if most > PAIR and not fewer and _left_behind(search, comparison, fit, chosen):
             return False

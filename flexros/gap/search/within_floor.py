@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from flexros.gap.fit.candidate_fit import first_parameters
 from flexros.gap.search.elimination import one_by_one
 from flexros.gap.search.growth import with_more
+from flexros.gap.search.richer_laws import best_richer
 from flexros.gap.search.worth import compared
 
 if TYPE_CHECKING:
@@ -51,11 +52,15 @@ def grown_within_floor(
     for _ in range(settings.rounds_within_floor):
         if search.deadline.stops() or len(trial.hypothesis) >= settings.most_effects:
             break
-        grown = with_more(search, trial, directions, tried, known=fits)
-        if grown is None:
-            break
-        grown = search.completed(grown)  # slopes of the base lead numbers of the model astray where effects are many
-        if not _beyond_noise(search, grown) < (1 - settings.removed) * _beyond_noise(search, trial):
+        enough = (1 - settings.removed) * _beyond_noise(search, trial)
+        grown = best_richer(search, trial, tried)
+        if grown is None or not _beyond_noise(search, grown) < enough:
+            grown = with_more(search, trial, directions, tried, known=fits)
+            if grown is None:
+                break
+            # slopes of the base lead numbers of the model astray where effects are many
+            grown = search.completed(grown)
+        if not _beyond_noise(search, grown) < enough:
             break
         trial = grown
     most = settings.within_floor * _beyond_noise(search, begin)

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.gap.fit.least_squares import chi2_of, starts_of
 from flexros.gap.fit.pruning import without_least_parameter
+from flexros.gap.prediction.compiled_plant import LANES
 from flexros.gap.search.fits.log_fits import LogFits
 
 if TYPE_CHECKING:
@@ -17,6 +19,9 @@ if TYPE_CHECKING:
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.prediction.compiled_plant import CompiledPlant
     from flexros.gap.search.fits.additions import Addition
+
+RICH_STARTS = 6 * LANES
+"""Most initial values of the further parameters of a rich law (chosen)."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -77,6 +82,35 @@ class Refits(LogFits):
         ]
         predictor = self.null.predictor(hypothesis, fit.predictor.plant)
         return self._joint(predictor, np.concatenate([sizes, fit.deviations]))
+
+    def enriched(self, fit: CandidateFit, one: Candidate, rich: Candidate, least: float) -> CandidateFit | None:
+        """Fit an explanation with a rich law in place of one that it contains, begun with the values of that.
+
+        Args:
+            fit: The explanation.
+            one: The law that is replaced.
+            rich: The law that contains it.
+            least: Fall of the sum of squares that an initial value of the further parameters must bring at once [1].
+
+        Returns:
+            A fit that is not carried to its end; None where no initial value does.
+        """
+        laws = zip(fit.hypothesis, fit.predictor.values(fit.theta), strict=True)
+        values = next(values for law, values in laws if law is one)
+        shared = rich.effect.extends[one.effect.name]
+        own = starts_of((rich,), RICH_STARTS)
+        for index, free in enumerate(rich.free):
+            if free.name in shared:
+                own[index] = free.encode(values[shared[free.name]])
+        own = np.unique(own, axis=1)
+        before, n_effect = fit.columns((one.name,)), fit.predictor.n_effect
+        others, deviations = np.split(np.repeat(fit.theta[:, None], own.shape[1], axis=1), [n_effect])
+        starts = np.vstack([others[~before[:n_effect]], own, deviations])
+        predictor = self.null.predictor((*(law for law in fit.hypothesis if law is not one), rich))
+        groups = [starts[:, first : first + LANES] for first in range(0, starts.shape[1], LANES)]
+        sums = np.concatenate([chi2_of(predictor, self.data, group) for group in groups])
+        best = int(np.argmin(sums))
+        return self._joint(predictor, starts[:, best]) if sums[best] < fit.chi2 - least else None
 
     def pruned(self, fit: CandidateFit) -> CandidateFit:
         """Leave out the parameters of a fit that the information criterion rejects (Schwarz 1978).

@@ -1,0 +1,53 @@
+"""Laws of a measured log that go over into richer ones which contain them, such as friction that yields at first."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from flexros.gap.candidates.candidate import simpler
+from flexros.gap.search.worth import compared, worth
+
+if TYPE_CHECKING:
+    from flexros.gap.fit.candidate_fit import CandidateFit
+    from flexros.gap.search.fits.candidate_fits import Search
+
+
+def best_richer(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit | None:
+    """Fit an explanation with one of its laws in a richer form that contains it, begun with what is known of it.
+
+    Simple laws at all joints come first on a real machine, and a rich one that does little more than a simple one does
+    alone is not looked at. Of the whole gap that is little; of what an explanation leaves it may be most: Coulomb
+    friction did 97 % of what friction that bends by 1 mrad before it slides did, and no delay showed beside it.
+
+    Args:
+        search: The search.
+        fit: The explanation.
+        fits: All fits so far; new ones are appended.
+
+    Returns:
+        The best of the new fits; None for a simulated log, whose search looks at all laws, and where no further
+        parameter makes an explanation better at once.
+    """
+    if search.premises.library_is_complete or search.deadline.stops():
+        return None
+    pairs = [
+        (one, rich)
+        for rich in search.candidates()
+        for one in fit.hypothesis
+        if one.name in simpler(rich) and rich.name not in fit.names
+    ]
+    least = compared(search, [fit]).threshold
+    begun = search.parallel("richer effects", lambda pair: search.enriched(fit, *pair, least), pairs)
+    found = [search.completed(one) for one in begun if one is not None]
+    fits += found
+    return min(found, key=lambda one: one.chi2, default=None)
+
+
+def with_richer_laws(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
+    """Take richer laws in place of those of an explanation for as long as one is worth it; arguments as before."""
+    removed = search.settings.search.removed_of_all
+    while (richer := best_richer(search, fit, fits)) is not None:
+        if not worth(search, compared(search, [fit, richer]), fit, richer, removed):
+            break
+        fit = richer
+    return fit
