@@ -254,8 +254,8 @@ def explanations_of(
         if at_limits(fit) and not at_limits(chosen):
             return False  # the chosen one was taken in its place, as what ended at a limit is no finding
         fewer = len(fit.hypothesis) < len(chosen.hypothesis)
-        beaten = fewer or not search.premises.floor_is_noise
-        if most > PAIR and beaten and worth(search, comparison, fit, chosen, removed):
+        doubtless = (most > PAIR and fewer) or not search.premises.floor_is_noise
+        if doubtless and worth(search, comparison, fit, chosen, removed):
             return False  # the form error of the large effects of a crowd is no doubt about the small ones
         if most > PAIR and not fewer and _left_behind(search, comparison, fit, chosen):
             return False

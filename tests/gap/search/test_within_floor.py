@@ -37,12 +37,13 @@ def levels(monkeypatch: pytest.MonkeyPatch) -> dict[str, float]:
     )
     monkeypatch.setattr(within_floor, "compared", lambda *_: comparison)
 
-    def with_more(_search: Any, one: Any, *_: Any) -> Any:
+    def with_more(_search: Any, one: Any, *_: Any, **_known: Any) -> Any:
         names = order[: len(one.hypothesis) + 1]
         level = known.get("+".join(names))
         return None if level is None else fit(*names, level=level)
 
     monkeypatch.setattr(within_floor, "with_more", with_more)
+    monkeypatch.setattr(within_floor, "best_richer", lambda *_: None)
     monkeypatch.setattr(within_floor, "one_by_one", lambda _search, one, _fits: one)
     monkeypatch.setattr(within_floor, "first_parameters", lambda one: dict.fromkeys(one.names, 1.0))
     return known
@@ -68,6 +69,27 @@ def test_effects_that_leave_little_together_are_kept(levels: dict[str, float]) -
     assert found.names == {"base", "one", "two"}
     assert begin in fits
     assert found in fits
+
+
+@pytest.mark.parametrize(("level", "found"), [(1.4, {"richer", "one"}), (1.899, {"base", "one", "two"})])
+def test_a_richer_law_that_leaves_less_comes_before_further_effects(
+    levels: dict[str, float], level: float, found: set[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    levels["richer+one"] = 0.81
+    order = {"base": ("base", "one", "two"), "richer": ("richer", "one")}
+
+    def with_more(_search: Any, one: Any, *_: Any, **_known: Any) -> Any:
+        names = order[one.hypothesis[0]][: len(one.hypothesis) + 1]
+        known = levels.get("+".join(names))
+        return None if known is None or len(names) == len(one.hypothesis) else fit(*names, level=known)
+
+    def best_richer(_search: Any, one: Any, _fits: Any) -> Any:
+        return fit("richer", level=level) if one.hypothesis == ("base",) else None
+
+    monkeypatch.setattr(within_floor, "with_more", with_more)
+    monkeypatch.setattr(within_floor, "best_richer", best_richer)
+    begin = fit("base", level=levels["base"])
+    assert within_floor.grown_within_floor(search(), begin, [], []).names == found
 
 
 def test_effects_that_leave_much_are_none(levels: dict[str, float]) -> None:
