@@ -16,8 +16,8 @@ def best_richer(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> 
     """Fit an explanation with one of its laws in a richer form that contains it, begun with what is known of it.
 
     Simple laws at all joints come first on a real machine, and a rich one that does little more than a simple one does
-    alone is not looked at. Of the whole gap that is little; of what an explanation leaves it may be most: Coulomb
-    friction did 97 % of what friction that bends by 1 mrad before it slides did, and no delay showed beside it.
+    alone is not looked at. Of the whole gap that is little; of what an explanation leaves it may be most. Coulomb
+    friction did nearly all that friction which bends before it slides did, and beside it no delay was found.
 
     Args:
         search: The search.

@@ -69,7 +69,7 @@ def test_friction_that_drowned_in_a_wrong_spring_is_found_beside_it(effect: str,
 
 
 def test_friction_that_yields_before_it_slides_is_not_taken_for_a_rigid_one() -> None:
-    """It bends by 1 mrad. Rigid friction does 97 % of that, and no law comes in its place for the rest alone."""
+    """It bends by 1 mrad. Rigid friction does most of that, so that no other law comes in its place at first."""
     yields = "presliding_friction@motor_1:level=20,stiffness=2e4,damping=6"
     found = diagnose(record_of(yields, FRICTION[1]), RobotWithEffects(load_robot("two_mass"), ()), settings=SETTINGS)
     causes = {f"{one.effect}@{one.location}": one for one in found.diagnosis.causes}
