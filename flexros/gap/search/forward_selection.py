@@ -119,12 +119,12 @@ def explain(search: Search) -> Explanations:
         chosen = search.completed(chosen)
         fits.append(chosen)
     chosen = one_delay(search, chosen, fits)
-    chosen = with_richer_laws(search, chosen, fits)
+    chosen, richer = with_richer_laws(search, chosen, fits)
     curved = with_curves(search, chosen, directions, fits)
     if curved is not chosen:
         chosen = _beside_curves(search, first, curved, directions, fits)
     else:  # what no law explains would be imitated there
-        grown = grown_within_floor(search, chosen, directions, fits)
+        grown = grown_within_floor(search, chosen, directions, fits, richer)
         chosen = chosen if grown is chosen else tidied(search, grown, directions, fits)
     for step in (without_tolerated, with_far_numbers, without_slight_friction, without_unclear, with_other_scales):
         chosen = step(search, chosen, fits)

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from flexros.gap.candidates.candidate import simpler
 from flexros.gap.search.worth import compared, worth
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
+    from flexros.gap.prediction.compiled_plant import CompiledPlant
     from flexros.gap.search.fits.candidate_fits import Search
 
 
@@ -37,17 +42,36 @@ def best_richer(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> 
         if one.name in simpler(rich) and rich.name not in fit.names
     ]
     least = compared(search, [fit]).threshold
-    begun = search.parallel("richer effects", lambda pair: search.enriched(fit, *pair, least), pairs)
-    found = [search.completed(one) for one in begun if one is not None]
+    plants = search.plants(fit, [rich for _, rich in pairs])
+    work = partial(_enriched, search, fit, plants, least)
+    begun = search.parallel("richer effects", work, pairs)
+    found = search.visible([search.completed(one) for one in begun if one is not None])
     fits += found
     return min(found, key=lambda one: one.chi2, default=None)
 
 
-def with_richer_laws(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
-    """Take richer laws in place of those of an explanation for as long as one is worth it; arguments as before."""
+def _enriched(
+    search: Search,
+    fit: CandidateFit,
+    plants: Mapping[Candidate, CompiledPlant],
+    least: float,
+    pair: tuple[Candidate, Candidate],
+) -> CandidateFit | None:
+    one, rich = pair
+    return search.enriched(fit, one, rich, plants[rich], least)
+
+
+def with_richer_laws(
+    search: Search, fit: CandidateFit, fits: list[CandidateFit]
+) -> tuple[CandidateFit, CandidateFit | None]:
+    """Take richer laws in place of those of an explanation for as long as one is worth it; arguments as before.
+
+    Returns:
+        The explanation, and the best one with a further richer law, which is not worth it; None without one.
+    """
     removed = search.settings.search.removed_of_all
     while (richer := best_richer(search, fit, fits)) is not None:
         if not worth(search, compared(search, [fit, richer]), fit, richer, removed):
             break
         fit = richer
-    return fit
+    return fit, richer

@@ -22,7 +22,11 @@ RESIZED = 0.5
 
 
 def grown_within_floor(
-    search: Search, chosen: CandidateFit, directions: Sequence[Directions], fits: list[CandidateFit]
+    search: Search,
+    chosen: CandidateFit,
+    directions: Sequence[Directions],
+    fits: list[CandidateFit],
+    richer: CandidateFit | None = None,
 ) -> CandidateFit:
     """Add effects on trial within the floor of a measured log, and keep those that are worth it in the end.
 
@@ -39,6 +43,7 @@ def grown_within_floor(
         chosen: The explanation.
         directions: All candidates but those of harmonics.
         fits: All fits so far; new ones are appended.
+        richer: The best explanation with a richer law in place of one of its own, see `best_richer`; None without one.
     """
     settings, ranking = search.settings.search, search.settings.ranking
     if search.premises.floor_is_noise or search.deadline.stops():
@@ -53,7 +58,7 @@ def grown_within_floor(
         if search.deadline.stops() or len(trial.hypothesis) >= settings.most_effects:
             break
         enough = (1 - settings.removed) * _beyond_noise(search, trial)
-        grown = best_richer(search, trial, tried)
+        grown = richer if trial is begin else best_richer(search, trial, tried)
         if grown is None or not _beyond_noise(search, grown) < enough:
             grown = with_more(search, trial, directions, tried, known=fits)
             if grown is None:

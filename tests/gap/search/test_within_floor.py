@@ -83,13 +83,9 @@ def test_a_richer_law_that_leaves_less_comes_before_further_effects(
         known = levels.get("+".join(names))
         return None if known is None or len(names) == len(one.hypothesis) else fit(*names, level=known)
 
-    def best_richer(_search: Any, one: Any, _fits: Any) -> Any:
-        return fit("richer", level=level) if one.hypothesis == ("base",) else None
-
     monkeypatch.setattr(within_floor, "with_more", with_more)
-    monkeypatch.setattr(within_floor, "best_richer", best_richer)
-    begin = fit("base", level=levels["base"])
-    assert within_floor.grown_within_floor(search(), begin, [], []).names == found
+    begin, richer = fit("base", level=levels["base"]), fit("richer", level=level)
+    assert within_floor.grown_within_floor(search(), begin, [], [], richer).names == found
 
 
 def test_effects_that_leave_much_are_none(levels: dict[str, float]) -> None:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from flexros.arrays import FloatArray, IntArray
+    from flexros.effects.kinds.base import PlacedEffect
     from flexros.gap.fit.null_fit import NullFit
     from flexros.gap.prediction.predictor import Predictor
     from flexros.gap.residuals.fit_data import FitData
@@ -129,11 +130,14 @@ class LogFits:
 
     def _invisible(self, fit: CandidateFit) -> list[str]:
         """List the rich effects of a fit that are no more than a simpler one."""
-        robot = self.null.model.robot
-        noise = dict(zip(robot.joint_names, robot.encoder_noise))
-        least = float(robot.encoder_noise.min())
         pairs = zip(fit.hypothesis, placed_effects(fit), strict=True)
-        return [one.name for one, placed in pairs if not placed.effect.visible(noise.get(placed.location, least))]
+        return [one.name for one, placed in pairs if not self.shows(placed)]
+
+    def shows(self, placed: PlacedEffect) -> bool:
+        """Return whether the encoder of a motor, or the best one, shows what a rich effect adds to a simpler one."""
+        robot = self.null.model.robot
+        noise = dict(zip(robot.joint_names, robot.encoder_noise, strict=True))
+        return placed.effect.visible(noise.get(placed.location, float(robot.encoder_noise.min())))
 
     def _finished(self, fits: Sequence[CandidateFit]) -> list[CandidateFit]:
         """Carry the best fits to their end, those after the first one as long as they may still come near it.

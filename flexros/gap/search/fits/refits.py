@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from flexros.gap.prediction.compiled_plant import CompiledPlant
     from flexros.gap.search.fits.additions import Addition
 
-RICH_STARTS = 6 * LANES
+RICH_STARTS = 2 * LANES
 """Most initial values of the further parameters of a rich law (chosen)."""
 
 
@@ -83,17 +83,20 @@ class Refits(LogFits):
         predictor = self.null.predictor(hypothesis, fit.predictor.plant)
         return self._joint(predictor, np.concatenate([sizes, fit.deviations]))
 
-    def enriched(self, fit: CandidateFit, one: Candidate, rich: Candidate, least: float) -> CandidateFit | None:
+    def enriched(
+        self, fit: CandidateFit, one: Candidate, rich: Candidate, plant: CompiledPlant, least: float
+    ) -> CandidateFit | None:
         """Fit an explanation with a rich law in place of one that it contains, begun with the values of that.
 
         Args:
             fit: The explanation.
             one: The law that is replaced.
             rich: The law that contains it.
+            plant: A plant that holds all laws.
             least: Fall of the sum of squares that an initial value of the further parameters must bring at once [1].
 
         Returns:
-            A fit that is not carried to its end; None where no initial value does.
+            A fit that is not carried to its end; None where no initial value does that the encoder shows.
         """
         laws = zip(fit.hypothesis, fit.predictor.values(fit.theta), strict=True)
         values = next(values for law, values in laws if law is one)
@@ -106,7 +109,11 @@ class Refits(LogFits):
         before, n_effect = fit.columns((one.name,)), fit.predictor.n_effect
         others, deviations = np.split(np.repeat(fit.theta[:, None], own.shape[1], axis=1), [n_effect])
         starts = np.vstack([others[~before[:n_effect]], own, deviations])
-        predictor = self.null.predictor((*(law for law in fit.hypothesis if law is not one), rich))
+        predictor = self.null.predictor((*(law for law in fit.hypothesis if law is not one), rich), plant)
+        shown = [self.shows(rich.placed(predictor.values(column)[-1])) for column in starts.T]
+        starts = starts[:, shown]
+        if not starts.size:
+            return None
         groups = [starts[:, first : first + LANES] for first in range(0, starts.shape[1], LANES)]
         sums = np.concatenate([chi2_of(predictor, self.data, group) for group in groups])
         best = int(np.argmin(sums))
