@@ -256,7 +256,9 @@ def explanations_of(
         fewer = len(fit.hypothesis) < len(chosen.hypothesis)
         doubtless = (most > PAIR and fewer) or not search.premises.floor_is_noise
         if doubtless and worth(search, comparison, fit, chosen, removed):
-            return False  # the form error of the large effects of a crowd is no doubt about the small ones
+            # the form error of the large effects of a crowd is no doubt about the small ones, nor is the floor of a
+            # real machine one about what is worth it within
+            return False
         if most > PAIR and not fewer and _left_behind(search, comparison, fit, chosen):
             return False
         return simplest(search, comparison, fit, small) is fit

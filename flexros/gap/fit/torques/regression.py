@@ -123,9 +123,8 @@ class PreparedRegression:
             return None
         silent = is_silent(np.sqrt(np.mean(b**2, axis=0)))
         A[:, silent], b[:, silent] = 0.0, 0.0
-        return (
-            _with_point(A, b, sought, self.settings) if sought.load == "point" else solve(A, b, sought, self.settings)
-        )
+        solution = _with_point if sought.load == "point" else solve
+        return solution(A, b, sought, self.settings)
 
 
 def prepared_regression(

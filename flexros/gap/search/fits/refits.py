@@ -96,15 +96,18 @@ class Refits(LogFits):
             least: Fall of the sum of squares that an initial value of the further parameters must bring at once [1].
 
         Returns:
-            A fit that is not carried to its end; None where no initial value does that the encoder shows.
+            A fit that is not carried to its end; None where no initial value does that the encoder shows, and for a law
+            that takes away what the model has.
         """
         laws = zip(fit.hypothesis, fit.predictor.values(fit.theta), strict=True)
         values = next(values for law, values in laws if law is one)
-        shared = rich.effect.extends[one.effect.name]
+        known = {name: values[simple] for name, simple in rich.effect.extends[one.effect.name].items()}
+        if any(known.get(free.name, 0.0) < 0 for free in rich.free if not free.signed):
+            return None
         own = starts_of((rich,), RICH_STARTS)
         for index, free in enumerate(rich.free):
-            if free.name in shared:
-                own[index] = free.encode(values[shared[free.name]])
+            if free.name in known:
+                own[index] = free.encode(known[free.name])
         own = np.unique(own, axis=1)
         before, n_effect = fit.columns((one.name,)), fit.predictor.n_effect
         others, deviations = np.split(np.repeat(fit.theta[:, None], own.shape[1], axis=1), [n_effect])

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -242,3 +244,14 @@ def test_a_relative_error_that_replaces_one_that_torques_show_is_shown_as_well(
         return CandidateFit(predictor, np.zeros(predictor.n_effect + len(search.null.fit.deviations)), 0.0)
 
     assert replace(search, base=fit("motor_inertia_error@motor_1")).shown_by_torques(fit(*named)) == shown
+
+
+def test_friction_that_takes_away_that_of_the_model_has_no_richer_form() -> None:
+    search = search_of()
+    candidates = {one.name: one for one in search.candidates()}
+    simple, rich = (candidates[f"{name}@motor_1"] for name in ("coulomb_friction", "presliding_friction"))
+    less = SimpleNamespace(
+        hypothesis=(simple,), theta=np.zeros(1), predictor=SimpleNamespace(values=lambda _: [{"level": -0.1}])
+    )
+    plant = search.null.fit.predictor.plant
+    assert search.enriched(cast("CandidateFit", less), simple, rich, plant, 0.0) is None
