@@ -128,3 +128,14 @@ def test_initial_values_that_were_not_predicted_are_left_out() -> None:
     assert found.starts.shape == (1, LANES)
     assert found.changes.shape == (5, LANES)
     assert found.usable.shape == (LANES,)
+
+
+def test_a_fit_without_some_parameters_is_that_of_the_others() -> None:
+    rng = np.random.default_rng(5)
+    slopes, residual, change = rng.normal(size=(400, 3)), rng.normal(size=400), rng.normal(size=400)
+    prior, pulled = np.array([0.0, 2.0, 5.0]), np.array([0.0, 1.0, -1.0])
+    rest = Surroundings(residual, slopes, prior, pulled, 1.5).without(np.array([True, False, False]), change)
+    alone = Surroundings(residual + change, slopes[:, 1:], prior[1:], pulled[1:], 1.5)
+    changes = rng.normal(size=(400, 4))
+    np.testing.assert_allclose(rest.gains(changes), alone.gains(changes))
+    assert rest.least == pytest.approx(alone.least)
