@@ -8,8 +8,9 @@ import pytest
 
 CHECKOUT = Path(__file__).parents[3]
 ROOMS = sorted(path.name for path in (CHECKOUT / "flexros").iterdir() if any(path.glob("[!_]*.py")))
-NOT_ROOMS = {"contracts", "golden", "bench", "oracles", "fuzz", "soak", "nodes", "validation"}
-"""Folders of tests in addition to rooms: contracts, stored results, benchmarks, oracles, damaged input."""
+NOT_ROOMS = {"contracts", "golden", "bench", "oracles", "fuzz", "soak", "nodes", "validation", "results"}
+"""Folders of tests in addition to rooms: contracts, stored results, benchmarks, oracles, damaged input, and programs of
+pages of results."""
 MOST_FILES = 21
 """Files in one folder: about 20, and `__init__.py`."""
 LISTS = {
