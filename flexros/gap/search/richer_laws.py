@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     from flexros.gap.prediction.compiled_plant import CompiledPlant
     from flexros.gap.search.fits.candidate_fits import Search
 
+PROMISES = 0.02
+"""Least fall of the sum of squares at the best of some initial values, over the sum, from which a richer law is fitted
+[1] (chosen)."""
+
 
 def best_richer(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit | None:
     """Fit an explanation with one of its laws in a richer form that contains it, begun with what is known of it.
@@ -31,7 +35,7 @@ def best_richer(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> 
 
     Returns:
         The best of the new fits; None for a simulated log, whose search looks at all laws, and where no further
-        parameter makes an explanation better at once.
+        parameter makes an explanation clearly better at once.
     """
     if search.premises.library_is_complete or search.deadline.stops():
         return None
@@ -41,7 +45,7 @@ def best_richer(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> 
         for one in fit.hypothesis
         if one.name in simpler(rich) and rich.name not in fit.names
     ]
-    least = compared(search, [fit]).threshold
+    least = max(compared(search, [fit]).threshold, PROMISES * fit.chi2)
     plants = search.plants(fit, [rich for _, rich in pairs])
     work = partial(_enriched, search, fit, plants, least)
     begun = search.parallel("richer effects", work, pairs)
