@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import TYPE_CHECKING
 
 from flexros.gap.candidates.candidate import simpler
 from flexros.gap.search.worth import compared, worth
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
-    from flexros.gap.prediction.compiled_plant import CompiledPlant
     from flexros.gap.search.fits.candidate_fits import Search
 
 PROMISES = 0.02
@@ -25,8 +20,8 @@ def best_richer(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> 
     """Fit an explanation with one of its laws in a richer form that contains it, begun with what is known of it.
 
     Simple laws at all joints come first on a real machine, and a rich one that does little more than a simple one does
-    alone is not looked at. Of the whole gap that is little; of what an explanation leaves it may be most. Coulomb
-    friction did nearly all that friction which bends before it slides did, and beside it no delay was found.
+    alone is not looked at. Of the whole gap that is little; of what an explanation leaves it may be most: Coulomb
+    friction does most of what friction which bends before it slides does.
 
     Args:
         search: The search.
@@ -47,22 +42,10 @@ def best_richer(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> 
     ]
     least = max(compared(search, [fit]).threshold, PROMISES * fit.chi2)
     plants = search.plants(fit, [rich for _, rich in pairs])
-    work = partial(_enriched, search, fit, plants, least)
-    begun = search.parallel("richer effects", work, pairs)
+    begun = search.parallel("richer effects", lambda pair: search.enriched(fit, *pair, plants[pair[1]], least), pairs)
     found = search.visible([search.completed(one) for one in begun if one is not None])
     fits += found
     return min(found, key=lambda one: one.chi2, default=None)
-
-
-def _enriched(
-    search: Search,
-    fit: CandidateFit,
-    plants: Mapping[Candidate, CompiledPlant],
-    least: float,
-    pair: tuple[Candidate, Candidate],
-) -> CandidateFit | None:
-    one, rich = pair
-    return search.enriched(fit, one, rich, plants[rich], least)
 
 
 def with_richer_laws(
