@@ -11,6 +11,7 @@ import numpy as np
 from flexros.effects import PlacedEffect, effects
 from flexros.effects.kinds.command_law import AbstractCommandLaw
 from flexros.effects.kinds.curve import AbstractCurve
+from flexros.effects.kinds.law import AbstractLaw
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -164,6 +165,21 @@ class Candidate:
         usual = sorted(free.starts)[len(free.starts) // 2]
         others = tuple(other for other in self.free if other is not free)
         return replace(self, free=others, fixed=(*self.fixed, (name, usual)), together=False)
+
+    def without_part(self, name: str) -> Candidate | None:
+        """Return the candidate without a parameter beside its size, nor those that shape nothing else.
+
+        Args:
+            name: Name of a free parameter.
+
+        Returns:
+            The candidate; None for its size, and for what is no law or a curve.
+        """
+        if not issubclass(self.effect, AbstractLaw) or issubclass(self.effect, AbstractCurve):
+            return None
+        part = next((set(shared) for shared in self.effect.extends.values() if name in shared), {name})
+        rest = replace(self, free=tuple(free for free in self.free if free.name not in part), together=False)
+        return None if self.effect.size in part or not rest.free else rest
 
     def placed(self, values: Mapping[str, float]) -> PlacedEffect:
         """Make the effect with values of the free parameters by name [their units]."""

@@ -12,12 +12,13 @@ from flexros.gap.fit.candidate_fit import best_of_each
 from flexros.gap.search.common_factor import with_other_scales
 from flexros.gap.search.curve_candidates import within_motion
 from flexros.gap.search.curves import curves_of, in_place_of_laws, with_curves
-from flexros.gap.search.elimination import reduced, with_asymmetry, with_dropped, without_unclear
-from flexros.gap.search.exchange import one_delay
+from flexros.gap.search.elimination import one_by_one, reduced, with_asymmetry, with_dropped, without_unclear
+from flexros.gap.search.exchange import exchanged, one_delay
 from flexros.gap.search.fits.refits import at_limits
 from flexros.gap.search.growth import extended, in_vain, resumed, tidied, with_more
 from flexros.gap.search.periodic.lines import beside_line
-from flexros.gap.search.richer_laws import with_richer_laws
+from flexros.gap.search.regrouping import with_gains
+from flexros.gap.search.richer_laws import with_richer_laws, with_simpler_numbers
 from flexros.gap.search.within_floor import grown_within_floor
 from flexros.gap.search.within_tolerance import with_far_numbers, without_slight_friction, without_tolerated
 from flexros.gap.search.worth import compared, simplest, worth
@@ -118,15 +119,24 @@ def explain(search: Search) -> Explanations:
     elif search.deadline.over:
         chosen = search.completed(chosen)
         fits.append(chosen)
-    chosen = one_delay(search, chosen, fits)
+    chosen = one_delay(search, with_gains(search, chosen, fits), fits)
     chosen, richer = with_richer_laws(search, chosen, fits)
     curved = with_curves(search, chosen, directions, fits)
     if curved is not chosen:
         chosen = _beside_curves(search, first, curved, directions, fits)
     else:  # what no law explains would be imitated there
         grown = grown_within_floor(search, chosen, directions, fits, richer)
-        chosen = chosen if grown is chosen else tidied(search, grown, directions, fits)
-    for step in (without_tolerated, with_far_numbers, without_slight_friction, without_unclear, with_other_scales):
+        if grown is not chosen:
+            chosen = exchanged(search, grown, directions, fits)
+            chosen = chosen if chosen is grown else one_by_one(search, chosen, fits)
+    for step in (
+        with_simpler_numbers,
+        without_tolerated,
+        with_far_numbers,
+        without_slight_friction,
+        without_unclear,
+        with_other_scales,
+    ):
         chosen = step(search, chosen, fits)
     comparison = compared(search, best_of_each(fits))
     (chosen,) = (fit for fit in comparison.fits if fit.names == chosen.names)

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flexros.gap.fit.candidate_fit import best_of_each
-from flexros.gap.fit.least_squares import chi2_of
 from flexros.gap.search.bristles import with_bristles
 from flexros.gap.search.elimination import reduced
 from flexros.gap.search.exchange import corrected, exchanged
@@ -273,9 +271,7 @@ def _from_nominal_numbers(search: Search, fit: CandidateFit, fits: list[Candidat
     strained = compared(search, [fit]).beyond_tolerance(fit)
     if not (search.premises.library_is_complete and strained) or search.deadline.stops():
         return None
-    theta = fit.theta.copy()
-    theta[fit.predictor.n_effect :] = 0.0
-    nominal = replace(fit, theta=theta, chi2=float(chi2_of(fit.predictor, search.data, theta[:, None])[0]))
+    nominal = search.with_nominal_numbers(fit)
     directions = search.directions(search.candidates(), nominal)
     additions = search.additions(directions, nominal, search.surroundings(nominal))
     return _fitted(search, nominal, [[one] for one in additions[: search.settings.search.added]], fits)

@@ -1,4 +1,4 @@
-"""Regrouping: several small changes that stand for fewer others, which no exchange of one effect for one finds."""
+"""Regrouping: several changes that stand for fewer others, which no exchange of one effect for one finds."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.effects.torque_gain_error import TorqueGainError
 from flexros.gap.fit.screening import changes_of
+from flexros.gap.search.elimination import one_by_one
 from flexros.gap.search.fits.additions import Addition
 from flexros.gap.search.worth import compared
 
@@ -76,6 +78,38 @@ def regrouped(
     score = compared(search, [fit, *better]).score
     best = max(better, key=score, default=fit)
     return best if score(best) > score(fit) else fit
+
+
+def with_gains(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
+    """Free the gains of all torques beside an explanation of a measured log, and leave out what they stand for.
+
+    A gain that is too large makes all numbers of a model look too small by the same factor: those of the rotor that
+    torques show, and those within their tolerances. Beside these the gain promises little, and no exchange of one
+    effect for one comes to it: gains that were 13 and 16 % off at both joints of an arm became a gain of 5 %, a rotor,
+    viscous friction at both joints, and masses that were 3 tolerances too small.
+
+    Args:
+        search: The search.
+        fit: The explanation.
+        fits: All fits so far; new ones are appended.
+
+    Returns:
+        An explanation with no more effects that leaves less, or the same.
+    """
+    gains = [one for one in search.candidates() if one.effect is TorqueGainError and one.name not in fit.names]
+    if search.premises.library_is_complete or not gains or search.deadline.stops():
+        return fit
+    nominal = search.with_nominal_numbers(fit)
+    around = search.surroundings(nominal)
+    additions = search.additions(search.directions(gains, nominal), nominal, around)
+    sizes = around.sizes(np.stack([one.change for one in additions], axis=-1))
+    sized = [one.sized(size) for one, size in zip(additions, sizes, strict=True)]
+    tried = [search.completed(search.together(nominal, sized))]
+    small = search.completed(one_by_one(search, tried[0], tried))
+    if small.names == fit.names or len(small.hypothesis) > len(fit.hypothesis) or small.chi2 > fit.chi2:
+        return fit
+    fits += [*tried, small]
+    return small
 
 
 def in_proportion(candidate: Candidate) -> bool:

@@ -1,10 +1,13 @@
-"""Laws of a measured log that go over into richer ones which contain them, such as friction that yields at first."""
+"""Laws of a measured log that go over into richer ones which contain them, and rich ones that a number replaces."""
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from flexros.gap.candidates.candidate import simpler
+from flexros.gap.search.exchange import RICH
+from flexros.gap.search.regrouping import in_proportion
 from flexros.gap.search.worth import compared, worth
 
 if TYPE_CHECKING:
@@ -62,3 +65,37 @@ def with_richer_laws(
             break
         fit = richer
     return fit, richer
+
+
+def with_simpler_numbers(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
+    """Take a wrong number of the model in place of a rich law that is not worth more than it.
+
+    An exchange is tried where linear theory sees what is lost without a law, which is far too much for a large one that
+    tolerated numbers stand for in part: hysteresis of a gear that bends by much more than the gear does is a spring
+    that is too stiff. So an explanation is fitted without each rich law, and candidates are screened beside that.
+
+    Args:
+        search: The search.
+        fit: The explanation of a measured log.
+        fits: All fits so far; new ones are appended.
+    """
+    settings = search.settings.search
+    rich = [one for one in fit.hypothesis if len(one.free) >= RICH and one.name not in search.of_torques]
+    if search.premises.library_is_complete or not rich:
+        return fit
+    numbers = [one for one in search.candidates() if in_proportion(one)]
+    for law in rich:
+        if search.deadline.stops():
+            break
+        rest = search.completed(search.without(fit, law.name))
+        additions = search.additions(search.directions(numbers, rest), rest, search.surroundings(rest))
+        promising = [one for one in additions if one.gain > settings.regained * (rest.chi2 - fit.chi2)]
+        trials = [[one] for one in promising[: settings.added]]
+        found = search.parallel("simpler effects", partial(search.together, rest), trials)
+        if not found:
+            continue
+        simple = search.completed(min(found, key=lambda one: one.chi2))
+        if not worth(search, compared(search, [simple, fit]), simple, fit, settings.removed_of_all):
+            fits += [rest, *found, simple]
+            fit = simple
+    return fit

@@ -143,6 +143,21 @@ def test_a_parameter_of_the_shape_is_fixed_and_one_of_the_size_is_not() -> None:
     assert stribeck.with_usual("extra") is None
 
 
+@pytest.mark.parametrize(("effect", "part", "left"), [
+    ("presliding_friction", "extra", {"level", "stiffness", "damping"}),
+    ("presliding_friction", "damping", {"level", "extra", "velocity", "exponent", "stiffness"}),
+    ("presliding_friction", "level", None),
+    ("stribeck_friction", "extra", None),
+    ("motor_inertia_error", "relative", None),
+])  # fmt: skip
+def test_a_part_of_a_law_goes_with_what_shapes_it_but_its_size_stays(
+    effect: str, part: str, left: set[str] | None
+) -> None:
+    among = {one.name: one for one in list_candidates(load_robot("elbow"), Scales({}))}
+    rest = among[f"{effect}@motor_1"].without_part(part)
+    assert (None if rest is None else {free.name for free in rest.free}) == left
+
+
 def test_a_saturation_vanishes_at_its_highest_limit() -> None:
     saturation = next(
         one for one in list_candidates(load_robot("elbow"), Scales({})) if one.effect.name == "torque_saturation"

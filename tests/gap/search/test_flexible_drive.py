@@ -1,19 +1,32 @@
-"""A measured drive with friction beside a wrong spring, or that yields: each hides behind another effect at first."""
+"""A measured drive with a spring: effects that hide behind others, and others that stand for them."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 
 from flexros.effects import RobotWithEffects, parse_effect, place_effects
+from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.diagnose import diagnose
+from flexros.gap.fit.null_fit import fit_null
+from flexros.gap.residuals.prepare_fit_data import fit_data
+from flexros.gap.search.fits.refits import at_limits
+from flexros.gap.search.prepare import prepare_search
+from flexros.gap.search.regrouping import with_gains
+from flexros.gap.search.richer_laws import with_simpler_numbers
 from flexros.gap.settings import DiagnosisSettings, SearchSettings
 from flexros.random_streams import generator
 from flexros.record.record import Record
 from flexros.robot import load_robot
 from flexros.simulate.plant import Plant
+
+if TYPE_CHECKING:
+    from flexros.gap.fit.candidate_fit import CandidateFit
+    from flexros.gap.search.fits.candidate_fits import Search
 
 pytestmark = pytest.mark.slow
 
@@ -48,6 +61,20 @@ def record_of(*effects: str) -> Record:
     return Record("log", T, position, torque, np.ones(N, dtype=bool), imported=True)
 
 
+def search_and_fit(truth: tuple[str, ...], found: tuple[str, ...]) -> tuple[Search, CandidateFit]:
+    """Prepare a search in such a log with numbers of the model known to 3 %, and fit some effects to it."""
+    robot = load_robot("two_mass")
+    model = RobotWithEffects(robot, ())
+    data = fit_data(record_of(*truth), model, SETTINGS)
+    among = dict.fromkeys(("inertia", "stiffness", "damping"), 0.03)
+    search = prepare_search(fit_null(data, model, tolerance_of(robot, among)), SETTINGS)
+    known = {one.name: one for one in search.candidates()}
+    additions = search.additions(
+        search.directions([known[name] for name in found]), search.null.fit, search.surroundings(search.null.fit)
+    )
+    return search, search.completed(search.together(search.null.fit, additions))
+
+
 @pytest.mark.parametrize(
     ("effect", "size"),
     [
@@ -77,3 +104,47 @@ def test_friction_that_yields_before_it_slides_is_not_taken_for_a_rigid_one() ->
     friction = causes["presliding_friction@motor_1"].parameters
     assert friction["level"].value == pytest.approx(20, rel=0.05)
     assert friction["stiffness"].value == pytest.approx(2e4, rel=0.1)
+
+
+def test_a_gain_takes_the_place_of_a_rotor_and_a_load_that_stand_for_it() -> None:
+    search, wrong = search_and_fit(
+        ("torque_gain_error@motor_1:relative=0.2", FRICTION[1]),
+        ("motor_inertia_error@motor_1", "payload_error@tool", "viscous_friction@motor_1"),
+    )
+    right = with_gains(search, wrong, [])
+    assert right.names == {"torque_gain_error@motor_1", "viscous_friction@motor_1"}
+    assert right.chi2 < wrong.chi2
+    sizes = dict(zip((one.name for one in right.hypothesis), right.predictor.values(right.theta), strict=True))
+    assert sizes["torque_gain_error@motor_1"]["relative"] == pytest.approx(0.2, rel=0.1)
+
+
+def test_numbers_that_a_gain_does_not_stand_for_stay() -> None:
+    truth = ("motor_inertia_error@motor_1:relative=0.2", "stiffness_error@body_1.rz:relative=-0.3", FRICTION[1])
+    search, right = search_and_fit(truth, tuple(one.partition(":")[0] for one in truth))
+    assert with_gains(search, right, []) is right
+
+
+def test_a_stiff_spring_takes_the_place_of_hysteresis_that_bends_by_more_than_the_gear() -> None:
+    truth = ("stiffness_error@body_1.rz:relative=0.4", FRICTION[1])
+    search, wrong = search_and_fit(truth, ("hysteresis@motor_1", "viscous_friction@motor_1"))
+    right = with_simpler_numbers(search, wrong, [])
+    assert right.names == {"stiffness_error@body_1.rz", "viscous_friction@motor_1"}
+
+
+def test_hysteresis_that_no_number_stands_for_stays() -> None:
+    truth = ("hysteresis@motor_1:level=20,angle=1e-3", FRICTION[1])
+    search, right = search_and_fit(truth, ("hysteresis@motor_1", "viscous_friction@motor_1"))
+    assert with_simpler_numbers(search, right, []) is right
+
+
+def test_friction_that_yields_stays_without_a_hump_that_ended_at_a_limit() -> None:
+    yields = "presliding_friction@motor_1:level=20,stiffness=2e4,damping=6"
+    search, found = search_and_fit((yields, FRICTION[1]), ("presliding_friction@motor_1", "viscous_friction@motor_1"))
+    theta = found.theta.copy()
+    for column, free in enumerate(free for one in found.hypothesis for free in one.free):
+        if free.name in ("extra", "velocity"):  # a high hump that is too narrow to be seen
+            theta[column] = free.bounds[free.name == "extra"]
+    right = search.within_limits(replace(found, theta=theta))
+    assert right.names == found.names
+    assert not at_limits(right)
+    assert right.chi2 == pytest.approx(found.chi2, rel=0.02)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -65,6 +65,12 @@ class Refits(LogFits):
         rest = tuple(candidate for candidate in fit.hypothesis if candidate.name not in names)
         predictor = self.null.predictor(rest, fit.predictor.plant)
         return self._joint(predictor, fit.theta[~fit.columns(names)], finishing=True)
+
+    def with_nominal_numbers(self, fit: CandidateFit) -> CandidateFit:
+        """Return a fit with the tolerated numbers of the model at their nominal values, not fitted again."""
+        theta = fit.theta.copy()
+        theta[fit.predictor.n_effect :] = 0.0
+        return replace(fit, theta=theta, chi2=float(chi2_of(fit.predictor, self.data, theta[:, None])[0]))
 
     def reshaped(self, fit: CandidateFit, hypothesis: Hypothesis) -> CandidateFit:
         """Fit the effects of an explanation with other parameters free, from its values.
@@ -143,8 +149,9 @@ class Refits(LogFits):
     def within_limits(self, fit: CandidateFit) -> CandidateFit:
         """Fit again without parameters that ended at a limit of their search, which are no findings.
 
-        The search is widened where its range goes on. A parameter that shapes an effect is set to its usual value. An
-        effect whose size is at a limit nevertheless is left out.
+        The search is widened where its range goes on. A parameter that shapes an effect is set to its usual value. A
+        part of a law whose size is at a limit nevertheless is left out, as a hump of friction so narrow that only its
+        bristles are left; so is an effect of that part alone.
 
         Args:
             fit: The fit.
@@ -161,14 +168,18 @@ class Refits(LogFits):
             if factor:
                 fit = self.without(fit, factor)
                 continue
-            wide, shaped = candidate.widened(name), candidate.with_usual(name)
+            wide, shaped = candidate.widened(name), candidate.with_usual(name) or candidate.without_part(name)
             if wide is not None:
                 fit = self.reshaped(fit, tuple(wide if one is candidate else one for one in fit.hypothesis))
             elif shaped is None:
                 fit = self.without(fit, candidate.name)
             else:
                 changed = tuple(shaped if one is candidate else one for one in fit.hypothesis)
-                kept = [one is not candidate or free.name != name for one in fit.hypothesis for free in one.free]
+                kept = [
+                    one is not candidate or free.name in {other.name for other in shaped.free}
+                    for one in fit.hypothesis
+                    for free in one.free
+                ]
                 theta = fit.theta[np.array([*kept, *([True] * len(fit.deviations))], dtype=bool)]
                 fit = self._final(self.null.predictor(changed, fit.predictor.plant), theta)
         return fit
