@@ -99,10 +99,16 @@ def with_gains(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> C
     gains = [one for one in search.candidates() if one.effect is TorqueGainError and one.name not in fit.names]
     if search.premises.library_is_complete or not gains or search.deadline.stops():
         return fit
+    comparison = compared(search, [fit])
+    if comparison.level(fit) > search.settings.ranking.floors:  # what is missing would be in the gains
+        return fit
     nominal = search.with_nominal_numbers(fit)
     around = search.surroundings(nominal)
     additions = search.additions(search.directions(gains, nominal), nominal, around)
-    sizes = around.sizes(np.stack([one.change for one in additions], axis=-1))
+    changes = np.stack([one.change for one in additions], axis=-1)
+    if around.least - around.left(changes) < comparison.threshold:
+        return fit
+    sizes = around.sizes(changes)
     sized = [one.sized(size) for one, size in zip(additions, sizes, strict=True)]
     tried = [search.completed(search.together(nominal, sized))]
     small = search.completed(one_by_one(search, tried[0], tried))

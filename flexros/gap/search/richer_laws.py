@@ -68,7 +68,7 @@ def with_richer_laws(
 
 
 def with_simpler_numbers(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
-    """Take a wrong number of the model in place of a rich law that is not worth more than it.
+    """Take a wrong number of the model in place of a rich law that leaves no less than it.
 
     An exchange is tried where linear theory sees what is lost without a law, which is far too much for a large one that
     tolerated numbers stand for in part: hysteresis of a gear that bends by much more than the gear does is a spring
@@ -95,7 +95,7 @@ def with_simpler_numbers(search: Search, fit: CandidateFit, fits: list[Candidate
         if not found:
             continue
         simple = search.completed(min(found, key=lambda one: one.chi2))
-        if not worth(search, compared(search, [simple, fit]), simple, fit, settings.removed_of_all):
+        if simple.chi2 <= fit.chi2:
             fits += [rest, *found, simple]
             fit = simple
     return fit
