@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -24,8 +25,12 @@ from flexros.cli.progress import progress_shown
 from flexros.errors import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
     from flexros.effects import RobotWithEffects
     from flexros.gap.measure_gap import MeasuredGap
+    from flexros.record.record import Record
+    from flexros.robot import Robot
 
 
 def gap(
@@ -55,8 +60,10 @@ def gap(
     with progress_shown() as show:
         show("reading", 0.0)
         log = read_log(bag, namespace=namespace or None)
-        known = nominal if repaired is None else repaired  # a load that the model lacks looks like a wrong unit
-        record = checked_log(log, known.robot, name=bag.name, torque=source, prescribed=names_in(prescribed))
+        models = (nominal,) if repaired is None else (repaired, nominal)
+        record = _checked(
+            models, partial(checked_log, log, name=bag.name, torque=source, prescribed=names_in(prescribed))
+        )
         measured = measure_gap(
             record, nominal, repaired=repaired, tolerance=tolerances, settings=settings, progress=show
         )
@@ -67,6 +74,26 @@ def gap(
         for text in measured.warnings:
             say(f"warning: {text}")
     return GAP_FOUND if measured.significant else 0
+
+
+def _checked(models: Sequence[RobotWithEffects], check: Callable[[Robot], Record]) -> Record:
+    """Check a log with the first of some models that does not refuse it.
+
+    A load that the nominal model lacks looks like a wrong unit, and so does friction of a patch where another model of
+    that robot, too rough to tell, raises no doubt.
+
+    Args:
+        models: The models.
+        check: Reads the log for a robot, and raises `InputError` where it refuses it.
+    """
+    refused: InputError | None = None
+    for model in models:
+        try:
+            return check(model.robot)
+        except InputError as error:
+            refused = refused or error
+    assert refused is not None
+    raise refused
 
 
 def _repaired(patch: Path, model: str) -> RobotWithEffects:

@@ -14,6 +14,7 @@ from flexros.gap.report.words import (
     closed_words,
     effect_words,
     first_few,
+    gap_words,
     listed,
     location_words,
     parameter_words,
@@ -22,7 +23,6 @@ from flexros.gap.report.words import (
 )
 from flexros.gap.schema import CauseParameter
 from flexros.report.base import Block, Heading, Paragraph, Picture, TextTable
-from flexros.report.number_text import number
 from flexros.report.origin import folded_origin
 from flexros.report.page import Chapter, page_html
 from flexros.report.theme import run_colour, stacked
@@ -54,9 +54,9 @@ def overview(comparison: DiagnosisComparison) -> TextTable:
 def _overview_row(name: str, diagnosis: Diagnosis) -> tuple[str, ...]:
     gap = diagnosis.gap
     closed = _NONE if gap.closed_fraction is None or not shows(gap) else closed_words(gap.closed_fraction)
-    after = _NONE if gap.after is None else number(gap.after, 3)
+    after = _NONE if gap.after is None else gap_words(gap.after)
     log = str(diagnosis.provenance.get("log", ""))
-    return name, log, diagnosis.verdict.replace("_", " "), number(gap.before, 3), after, closed
+    return name, log, diagnosis.verdict.replace("_", " "), gap_words(gap.before), after, closed
 
 
 def values_table(comparison: DiagnosisComparison, rows: tuple[ComparedValue, ...], caption: str) -> TextTable:

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, ClassVar
 
 from flexros.gap.report.innovations import innovation_picture
-from flexros.gap.report.words import closed_words, interval_words, shows
+from flexros.gap.report.words import closed_words, gap_words, interval_words, shows
 from flexros.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
 from flexros.report.colours import FLOOR, NOMINAL, REPAIRED, RIVAL
 from flexros.report.number_text import number
@@ -116,7 +116,7 @@ def _whisker(gap: GapNumbers) -> go.Scatter | None:
 
 
 def _label(name: str, value: float) -> str:
-    return f"{name}: {number(value, 3)}"
+    return f"{name}: {gap_words(value)}"
 
 
 def _table(signals: tuple[SignalGap, ...]) -> TextTable:

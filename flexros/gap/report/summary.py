@@ -9,6 +9,7 @@ from flexros.gap.report.words import (
     capital,
     closed_words,
     floors_words,
+    gap_words,
     named,
     p_value_words,
     share_words,
@@ -50,9 +51,9 @@ def _tiles(result: DiagnosisResult) -> list[tuple[str, str, str, str]]:
     unit = "" if gap.unit == "1" else gap.unit
     floor = floors_words(gap)
     if gap.closed_fraction is None or gap.after is None or not shows(gap):
-        tiles.append(("Gap", number(gap.before, 3), unit, floor))
+        tiles.append(("Gap", gap_words(gap.before), unit, floor))
     else:
-        sizes = f"{number(gap.before, 3)} before, {number(gap.after, 3)} after, {floor}"
+        sizes = f"{gap_words(gap.before)} before, {gap_words(gap.after)} after, {floor}"
         tiles.append(("Gap closed, held-out data", closed_words(gap.closed_fraction).removesuffix(" %"), "%", sizes))
     closed_loop = next((signal for signal in result.signals if "closed loop" in signal.signal), None)
     if closed_loop is not None:

@@ -16,6 +16,7 @@ from flexros.gap.report.words import (
     closed_words,
     first_few,
     floors_words,
+    gap_words,
     interval_words,
     named,
     p_value_words,
@@ -105,11 +106,11 @@ def _share(share: float | None) -> str:
 def gap_line(gap: GapNumbers) -> str:
     """Return the gap in one line."""
     unit = "" if gap.unit in ("", "1") else f" {gap.unit}"
-    parts = [f"{number(gap.before, 4)}{unit} before", floors_words(gap)]
+    parts = [f"{gap_words(gap.before, 4)}{unit} before", floors_words(gap)]
     if gap.after is not None:
-        parts.insert(1, f"{number(gap.after, 4)} after")
+        parts.insert(1, f"{gap_words(gap.after, 4)} after")
     if gap.best_rival is not None:
-        parts.append(f"best rival {number(gap.best_rival, 4)}")
+        parts.append(f"best rival {gap_words(gap.best_rival, 4)}")
     if gap.closed_fraction is not None and shows(gap):
         parts.append(f"{closed_words(gap.closed_fraction)} closed{interval_words(gap.interval)}")
     return f"Gap ({gap.metric}): {', '.join(parts)}"

@@ -12,6 +12,7 @@ from flexros.gap.report.words import (
     causes_words,
     closed_words,
     first_few,
+    gap_words,
     interval_words,
     listed,
     named,
@@ -186,10 +187,10 @@ def _closed(gap: GapNumbers) -> str:
     if gap.after is None:
         return ""
     sizes = (
-        f"{_size(gap, gap.before)} before, {number(gap.after, 3)} after, {number(gap.noise_floor, 3)} without any gap"
+        f"{_size(gap, gap.before)} before, {gap_words(gap.after)} after, {number(gap.noise_floor, 3)} without any gap"
     )
     if gap.tolerance_floor is not None:
-        sizes += f", {number(gap.tolerance_floor, 3)} with torques off by their tolerance"
+        sizes += f", {gap_words(gap.tolerance_floor)} with torques off by their tolerance"
     if gap.closed_fraction is None or not shows(gap):
         return f"It is too small to show in predictions of held-out data: {sizes}."
     if gap.closed_fraction <= 0:
@@ -201,7 +202,7 @@ def _closed(gap: GapNumbers) -> str:
 
 
 def _size(gap: GapNumbers, value: float) -> str:
-    return f"{number(value, 3)}{'' if gap.unit in ('', '1') else ' ' + gap.unit}"
+    return f"{gap_words(value)}{'' if gap.unit in ('', '1') else ' ' + gap.unit}"
 
 
 def _where(diagnosis: Diagnosis) -> str:

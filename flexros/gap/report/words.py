@@ -32,6 +32,8 @@ UNKNOWN_RATE = 1e-12
 """Sample time [s] that means not known: no band then reaches the Nyquist frequency."""
 NOT_DETERMINED = "not determined"
 """A number whose standard deviation is above its size."""
+DIVERGED = 1e24
+"""Size of a gap from which predictions ran away within the horizon [1] (chosen)."""
 MOST_SHARE = 10.0
 """Share that is written as a number at most [1] (chosen)."""
 _MOST_CAUSES, _MOST_PARTNERS = 4, 3
@@ -276,7 +278,17 @@ def whole_percent(share: float) -> str:
 def floors_words(gap: GapNumbers) -> str:
     """Write the floor of a gap, and with torques off by their tolerance, e.g. "floor 1, 24.9 with tolerance"."""
     floor = f"floor {number(gap.noise_floor, 4)}"
-    return floor if gap.tolerance_floor is None else f"{floor}, {number(gap.tolerance_floor, 3)} with tolerance"
+    return floor if gap.tolerance_floor is None else f"{floor}, {gap_words(gap.tolerance_floor)} with tolerance"
+
+
+def gap_words(size: float, digits: int = 3) -> str:
+    """Write the size of a gap; one so large that predictions ran away within the horizon says nothing but that.
+
+    Args:
+        size: Mean squared prediction error over its floor [1].
+        digits: Significant digits.
+    """
+    return "divergence" if size > DIVERGED else number(size, digits)
 
 
 def shows(gap: GapNumbers) -> bool:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import InputError
+from flexros.identify.rigid.motion_estimate import lowest_cutoff
 from flexros.identify.rigid.record import torque_as_it_acts
 from flexros.identify.rigid.regression_rows import RegressionRows
 from flexros.identify.rigid.regressor import RigidRegressor
@@ -59,7 +60,7 @@ def acting_torque(record: Record, model: RobotWithEffects, delay: float) -> Acti
 
 
 def torque_rows(record: Record, robot: Robot, acting: ActingTorque) -> RegressionRows | None:
-    """Filter and decimate a log.
+    """Filter and decimate a log; the corner of the low-pass is higher in one that is short for its rate.
 
     Args:
         record: The log.
@@ -73,9 +74,8 @@ def torque_rows(record: Record, robot: Robot, acting: ActingTorque) -> Regressio
     try:
         regressor = RigidRegressor(robot)
         part, every = record.part(begin, record.n_samples), tuple(range(len(regressor.parameters)))
-        rows = RegressionRows.of_record(
-            part, acting.torque[begin:], motion_cutoff(record.sample_time), regressor, every
-        )
+        cutoff = max(motion_cutoff(record.sample_time), lowest_cutoff(part.n_samples, record.sample_time))
+        rows = RegressionRows.of_record(part, acting.torque[begin:], cutoff, regressor, every)
     except InputError:
         return None
     return rows if len(rows.torque) >= FEWEST and rows.motion.moving.any() else None

@@ -23,6 +23,9 @@ _ORDER = 4
 _LENGTH = 20
 """Length of the low-pass before decimation, in decimated samples (usual for a finite response)."""
 
+_WINDOWS = 2
+"""Such lengths that a log must have (chosen)."""
+
 _PASS = 0.9
 """Its corner, relative to half the decimated rate (chosen)."""
 
@@ -76,7 +79,7 @@ def estimate_motion(position: FloatArray, sample_time: float, cutoff: float) -> 
             f"{rate:.6g} Hz",
             "cutoff",
         )
-    least = 2 * decimation(sample_time, cutoff) * _LENGTH
+    least = _WINDOWS * decimation(sample_time, cutoff) * _LENGTH
     if len(position) < least:
         raise InputError(
             f"the log has {len(position)} samples, but a cut-off of {cutoff:.6g} Hz needs at least {least} at "
@@ -92,6 +95,16 @@ def estimate_motion(position: FloatArray, sample_time: float, cutoff: float) -> 
     return MotionEstimate(
         np.where(moving, filtered, filtered.mean(axis=0)), velocity * moving, acceleration * moving, moving
     )
+
+
+def lowest_cutoff(samples: int, sample_time: float) -> float:
+    """Return the lowest corner of `estimate_motion` that a log is long enough for [Hz].
+
+    Args:
+        samples: Length of the log.
+        sample_time: Interval [s].
+    """
+    return 1 / (sample_time * max(1, samples // (_WINDOWS * _LENGTH)))
 
 
 def _in_words(rate: float) -> str:

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 SHORTEST = 2.0
 """Shortest record [s] (chosen)."""
 
-FEWEST = 400
+FEWEST = 200
 """Fewest measured samples (chosen)."""
 
 SHORT = 10.0

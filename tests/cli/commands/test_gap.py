@@ -5,9 +5,12 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
+from flexros.cli.commands import gap
+from flexros.errors import InputError
 from flexros.logs.write_log import write_log
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
@@ -92,6 +95,19 @@ def test_the_source_of_the_torque_is_chosen(flexros, bags: dict[str, str]) -> No
         for source in ("command", "measured")
     )
     assert (command, measured) == (0, 1)
+
+
+def test_a_log_that_one_of_two_models_accepts_is_not_refused() -> None:
+    models = [SimpleNamespace(robot=name) for name in ("repaired", "nominal", "other")]
+
+    def check(robot: str) -> str:
+        if robot != "nominal":
+            raise InputError(f"refused for {robot}")
+        return "record"
+
+    assert gap._checked(models, check) == "record"
+    with pytest.raises(InputError, match="refused for repaired"):
+        gap._checked(models[::2], check)
 
 
 def test_unknown_source_of_the_torque_is_bad_input(flexros, bags: dict[str, str]) -> None:

@@ -11,6 +11,7 @@ from flexros.gap.report.words import (
     closed_words,
     effect_words,
     first_few,
+    gap_words,
     listed,
     location_words,
     p_value_words,
@@ -107,6 +108,10 @@ def test_shares_of_a_fit_that_strays_are_no_rows_of_digits() -> None:
     assert share_interval_words((1.9e28, 3.5e28)) == ""
     assert share_interval_words((0.5, 4e24)) == " (50 % to over +1000 %)"
     assert share_interval_words((-0.02, 1.2)) == " (\u22122 % to 120 %)"
+
+
+def test_a_gap_of_predictions_that_ran_away_has_no_size() -> None:
+    assert [gap_words(size) for size in (1.234, 51234567.8, 5.3e28)] == ["1.23", "5.12e+07", "divergence"]
 
 
 def test_lists_read_as_sentences() -> None:

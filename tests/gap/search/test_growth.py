@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -244,6 +244,10 @@ class Screened:
     def candidates(self) -> list[str]:
         return ["gain"]
 
+    def with_nominal_numbers(self, fit: Strained) -> Strained:
+        theta = np.where(np.arange(len(fit.theta)) < fit.predictor.n_effect, fit.theta, 0.0)
+        return replace(fit, theta=theta, chi2=900.0)
+
     def directions(self, candidates: Any, fit: Strained) -> Any:
         self.around.append(fit.theta.tolist())
         return candidates
@@ -261,7 +265,6 @@ def test_beside_numbers_out_of_tolerance_candidates_are_tried_from_the_nominal_n
 ) -> None:
     begun: list[Any] = []
     monkeypatch.setattr(growth, "compared", lambda *_: SimpleNamespace(beyond_tolerance=lambda _: strained))
-    monkeypatch.setattr(growth, "chi2_of", lambda *_: np.array([900.0]))
     monkeypatch.setattr(growth, "_fitted", lambda _search, one, trials, _fits: begun.append((one, trials)))
     search: Any = Screened()
     fit: Any = Strained(SimpleNamespace(n_effect=1), np.array([0.3, 4.0, -5.0, 2.0]), 100.0)

@@ -13,6 +13,7 @@ from flexros.identify.rigid.motion_estimate import (
     decimation,
     edge,
     estimate_motion,
+    lowest_cutoff,
 )
 
 T = 1e-3
@@ -87,6 +88,16 @@ def test_record_shorter_than_its_filter() -> None:
         InputError, match="the log has 300 samples, but a cut-off of 50 Hz needs at least 800 at 1 kHz; give"
     ):
         estimate_motion(np.zeros((300, 1)), T, 50.0)
+
+
+@pytest.mark.parametrize("samples", [160, 332, 5000])
+def test_the_lowest_cutoff_is_the_lowest_that_a_log_is_long_enough_for(samples: int) -> None:
+    slow = 0.04
+    cutoff = lowest_cutoff(samples, slow)
+    estimate_motion(np.zeros((samples, 1)), slow, cutoff)
+    longer = 1 / (slow * (decimation(slow, cutoff) + 1))
+    with pytest.raises(InputError, match="needs at least"):
+        estimate_motion(np.zeros((samples, 1)), slow, longer)
 
 
 def test_rate_of_a_wrong_time_unit_is_doubted() -> None:

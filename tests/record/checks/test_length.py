@@ -6,7 +6,7 @@ from __future__ import annotations
 def test_short_record_is_refused(found, healthy) -> None:
     (finding,) = found("emps", healthy("emps").part(0, 1500))
     assert finding.hopeless
-    assert "too short: it has 1.5 s with 1500 measured samples, at least 2 s and 400 samples" in finding.text
+    assert "too short: it has 1.5 s with 1500 measured samples, at least 2 s and 200 samples" in finding.text
 
 
 def test_record_of_some_seconds_is_reported(found, healthy) -> None:

@@ -131,6 +131,8 @@ class Refits(LogFits):
     def pruned(self, fit: CandidateFit) -> CandidateFit:
         """Leave out the parameters of a fit that the information criterion rejects (Schwarz 1978).
 
+        So it does with parts of a law that extends others, such as a hump of friction that yields.
+
         Args:
             fit: The fit.
 
@@ -144,6 +146,15 @@ class Refits(LogFits):
             if not n * np.log(pruned.chi2 / fit.chi2) < np.log(n):
                 break
             fit = pruned
+        parts = [(law, next(iter(part))) for law in fit.hypothesis for part in law.effect.extends.values()]
+        for law, part in parts:
+            rest = None if self.deadline.stops_finishing() else law.without_part(part)
+            saved = 0 if rest is None else len(law.free) - len(rest.free)
+            if rest is None or not saved:
+                continue
+            pruned = self._with_fewer(fit, law, rest)
+            if n * np.log(pruned.chi2 / fit.chi2) < saved * np.log(n):
+                fit = pruned
         return fit
 
     def within_limits(self, fit: CandidateFit) -> CandidateFit:
@@ -174,15 +185,16 @@ class Refits(LogFits):
             elif shaped is None:
                 fit = self.without(fit, candidate.name)
             else:
-                changed = tuple(shaped if one is candidate else one for one in fit.hypothesis)
-                kept = [
-                    one is not candidate or free.name in {other.name for other in shaped.free}
-                    for one in fit.hypothesis
-                    for free in one.free
-                ]
-                theta = fit.theta[np.array([*kept, *([True] * len(fit.deviations))], dtype=bool)]
-                fit = self._final(self.null.predictor(changed, fit.predictor.plant), theta)
+                fit = self._with_fewer(fit, candidate, shaped)
         return fit
+
+    def _with_fewer(self, fit: CandidateFit, candidate: Candidate, fewer: Candidate) -> CandidateFit:
+        """Fit an explanation to the end with one of its candidates replaced by the same with fewer free parameters."""
+        names = {free.name for free in fewer.free}
+        kept = [one is not candidate or free.name in names for one in fit.hypothesis for free in one.free]
+        theta = fit.theta[np.array([*kept, *([True] * len(fit.deviations))], dtype=bool)]
+        changed = tuple(fewer if one is candidate else one for one in fit.hypothesis)
+        return self._final(self.null.predictor(changed, fit.predictor.plant), theta)
 
 
 def at_limits(fit: CandidateFit) -> list[tuple[Candidate, str]]:

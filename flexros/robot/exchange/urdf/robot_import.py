@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from flexros.robot.exchange.urdf.tree import Inertial, UrdfJoint
 
 ALUMINIUM = 2700.0
-"""Density of links whose inertia was rounded to zero, as URDFs of light last links have it [kg/m3] (chosen)."""
+"""Density of links whose inertia is rounded to zero, as of light last links, or a placeholder [kg/m3] (chosen)."""
 
 
 def robot_from_urdf(file: Path, tip: str = "", folder: Path | None = None) -> ImportedRobot:
@@ -224,7 +224,7 @@ def _possible(inertia: FloatArray, mass: float) -> tuple[FloatArray, str]:
     """
     if mass > 0 and not np.any(np.abs(inertia) > 1e-12):
         sphere = 0.4 * mass * (3 * mass / (4 * np.pi * ALUMINIUM)) ** (2 / 3)
-        return sphere * np.eye(3), "zero in the URDF, so that of a solid ball of aluminium of this mass"
+        return sphere * np.eye(3), "zero or a placeholder in the URDF, so that of a ball of aluminium of this mass"
     moments, axes = np.linalg.eigh(np.trace(inertia) / 2 * np.eye(3) - inertia)
     if 2 * moments[0] >= -ROUNDED * np.linalg.eigvalsh(inertia)[-1]:
         return inertia, ""

@@ -23,6 +23,9 @@ KINDS = (*MOVABLE, "fixed", "floating", "planar")
 NO_LIMIT = 1e6
 """Value of limits that a URDF requires and a robot file does not have [rad/s, m/s, m, Nm or N] (chosen)."""
 
+FARTHEST_MASS = 10.0
+"""Radius of gyration of a link from which its inertia is a placeholder, and not used [m] (chosen)."""
+
 
 @dataclass(frozen=True)
 class UrdfJoint:
@@ -345,8 +348,10 @@ def _inertial(link: ElementTree.Element, place: str) -> Inertial | None:
     xx, yy, zz, xy, xz, yz = (0.0 if tensor is None else _scalar(tensor, f"i{key}", place) for key in keys)
     J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     turn = _rotation(origin, place)
-    center = _vector(origin, "xyz", "0 0 0", place)
-    return Inertial(_scalar(element.find("mass"), "value", place), center, turn @ J @ turn.T)
+    center, mass = _vector(origin, "xyz", "0 0 0", place), _scalar(element.find("mass"), "value", place)
+    if mass > 0 and np.max(np.abs(J)) > FARTHEST_MASS**2 * mass:
+        J = np.zeros((3, 3))  # a placeholder, as 1 kg m2 of a frame of 1 mg
+    return Inertial(mass, center, turn @ J @ turn.T)
 
 
 def _together(parts: Sequence[Inertial]) -> Inertial | None:

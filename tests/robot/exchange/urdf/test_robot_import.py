@@ -276,9 +276,12 @@ def test_inertia_that_no_body_has_is_replaced_by_the_nearest(urdf: Path, tmp_pat
     np.testing.assert_allclose(moments, [0.2, 0.5, 0.7])
 
 
-def test_inertia_that_was_rounded_to_zero_is_that_of_a_ball(urdf: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("moment", ["0.000", "1000"])
+def test_inertia_that_was_rounded_to_zero_or_is_a_placeholder_is_that_of_a_ball(
+    moment: str, urdf: Path, tmp_path: Path
+) -> None:
     old = '<inertia ixx="0.01" iyy="0.02" izz="0.02" ixy="0" ixz="0" iyz="0"/>'
-    urdf.write_text(URDF.replace(old, old.replace("0.02", "0.000").replace("0.01", "0.000")))
+    urdf.write_text(URDF.replace(old, old.replace("0.02", moment).replace("0.01", moment)))
     (tmp_path / "robot.yaml").write_text(skeleton_from_urdf(urdf))
     radius = (3 * 2 / (4 * np.pi * 2700)) ** (1 / 3)
     inertia = load_robot(tmp_path / "robot.yaml").spec.bodies[2].inertia.matrix()
