@@ -103,7 +103,10 @@ def _repaired(patch: Path, model: str) -> RobotWithEffects:
     nominal, patched = load_patched(model), load_patched(patch)
     below = len(nominal.placed)
     if patched.base.model_hash != nominal.base.model_hash or patched.placed[:below] != nominal.placed:
-        raise InputError(f"--patch {patch} is on top of {patched.base.name}, not of --model {model}; give that model")
+        other = "another " if patched.base.name == nominal.base.name else ""
+        raise InputError(
+            f"--patch {patch} is on top of {other}{patched.base.name}, not of --model {model}; give that model"
+        )
     return patched.model
 
 

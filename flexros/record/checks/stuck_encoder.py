@@ -98,6 +98,6 @@ def _constant(name: str, torque: FloatArray, still: bool) -> list[Finding]:
         return [Finding(f"the position of {name} never changes; nothing about it is identifiable", hopeless=False)]
     text = (
         f"the position of {name} never changes although its torque does: its encoder is stuck, or its brake is closed; "
-        "check the encoder, or release the brake"
+        "check the encoder, release the brake, or name it as prescribed where it was held"
     )
     return [Finding(text, hopeless=True)]

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 DEGREES = float(np.degrees(1.0))
 """Degrees in a radian."""
+TURNS_PER_MINUTE = {"rad": 2 * np.pi / 60, "deg": 6.0}
+"""A turn per minute, in the unit of the positions per second."""
 NEAR = 1.25
 """Factor within which a velocity is the derivative of a position (chosen)."""
 ALIKE = 0.8
@@ -63,7 +65,9 @@ def in_degrees(positions: Sequence[FloatArray]) -> bool:
 
 
 def unit_ratio(factors: Sequence[float]) -> float:
-    """Return the unit of the velocities over that of the positions: 1, 57.3 or 1/57.3; NaN where none fits.
+    """Return the unit of the velocities over that of the positions per second; NaN where none fits.
+
+    It is 1, 57.3 or 1/57.3, or that of turns per minute.
 
     Args:
         factors: Derivative of the position over the velocity of every joint [1].
@@ -72,5 +76,5 @@ def unit_ratio(factors: Sequence[float]) -> float:
     if not known:
         return float("nan")
     middle = float(np.median(known))
-    ratios = (1.0, DEGREES, 1 / DEGREES)
+    ratios = (1.0, DEGREES, 1 / DEGREES, *TURNS_PER_MINUTE.values())
     return next((ratio for ratio in ratios if 1 / NEAR < middle / ratio < NEAR), float("nan"))

@@ -20,7 +20,13 @@ from flexros.record.proposal.assumption import Assumption
 from flexros.record.proposal.columns import clock_of_column, table_signals
 from flexros.record.proposal.effort_unit import effort_unit
 from flexros.record.proposal.joints import match_joints
-from flexros.record.proposal.motion_units import DEGREES, compare_velocity, in_degrees, unit_ratio
+from flexros.record.proposal.motion_units import (
+    DEGREES,
+    TURNS_PER_MINUTE,
+    compare_velocity,
+    in_degrees,
+    unit_ratio,
+)
 from flexros.record.proposal.topics import bag_topics
 from flexros.record.proposal.words import about_effort, about_joints, about_rate, about_topics
 from flexros.record.read import MOST_LOST, read_record
@@ -254,6 +260,9 @@ class _Proposer:
             self.units["velocity"] = "deg/s" if ratio < 1 else "rad/s"
             if ratio > 1 and not degrees:  # velocities of rad/s beside positions 57.3 times as large
                 self.units["position"] = "deg"
+        for unit, minute in TURNS_PER_MINUTE.items():
+            if ratio == minute:
+                self.units |= {"position": unit, "velocity": "rpm"}
         opposite = [motor for (quantity, motor), sign in self.signs.items() if quantity == "velocity" and sign < 0]
         ground = "derivative of the positions over the velocities: "
         ground += f"{float(np.nanmedian(compared)):.3g}" if np.any(np.isfinite(compared)) else "not alike"
@@ -307,5 +316,5 @@ class _Proposer:
         return LogMapping(name=self.bag.stem, description=text, time=self.clock, columns=tuple(columns))
 
 
-_SLIDING = {"rad": "m", "deg": "m", "rad/s": "m/s", "deg/s": "m/s", "Nm": "N", "mNm": "N", "kNm": "kN"}
+_SLIDING = {"rad": "m", "deg": "m", "rad/s": "m/s", "deg/s": "m/s", "rpm": "m/s", "Nm": "N", "mNm": "N", "kNm": "kN"}
 """Units of prismatic joints."""

@@ -13,7 +13,8 @@ RATE = 3 * np.cos(3 * TIME)
 
 
 @pytest.mark.parametrize(
-    ("position", "velocity", "ratio"), [(1, 1, 1), (57.3, 57.3, 1), (57.3, 1, 57.3), (1, 57.3, 1 / 57.3)]
+    ("position", "velocity", "ratio"),
+    [(1, 1, 1), (57.3, 57.3, 1), (57.3, 1, 57.3), (1, 57.3, 1 / 57.3), (1, 9.55, 0.1047), (57.3, 9.55, 6)],
 )
 def test_ratio_of_units(position: float, velocity: float, ratio: float) -> None:
     found = compare_velocity(TIME, position * ANGLE, velocity * RATE)

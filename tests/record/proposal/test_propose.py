@@ -68,6 +68,16 @@ def test_opposite_efforts_are_turned_round(written, ur5e) -> None:
     assert (signs["motor_2"], signs["motor_3"], signs["motor_5"]) == (-1, -1, 1)  # motor_5 counts against its joint
 
 
+@pytest.mark.parametrize(("size", "unit"), [(1.0, "rad"), (57.3, "deg")])
+def test_turns_per_minute_are_seen(size: float, unit: str, tmp_path) -> None:
+    time = np.arange(600) / 100
+    table = np.column_stack([time, size * 2 * np.sin(time), 60 / (2 * np.pi) * 2 * np.cos(time), np.cos(time)])
+    np.savetxt(tmp_path / "log.csv", table, delimiter=",", header="time,q1,dq1,tau1", comments="")
+    found = propose_mapping(tmp_path / "log.csv", None)
+    units = {one.quantity: one.unit for one in found.mapping.columns}
+    assert (units["position"], units["velocity"]) == (unit, "rpm")
+
+
 def test_degrees_are_seen(written, ur5e, measured) -> None:
     found = propose_mapping(written(position=np.degrees(1.0)), ur5e)
     assert {e.unit for e in found.mapping.columns if e.quantity == "position"} == {"deg"}

@@ -28,7 +28,7 @@ from flexros.logs.foreign.import_log import import_log
 from flexros.logs.foreign.mapping import load_mapping
 
 LIBRARY = Path(robots.__file__).parent / "library"
-EVALUATION = tuple(range(201, 217))
+EVALUATION = tuple(range(301, 317))
 LOGS = {"fitted": 14.5, "held": 7.5, "other": 6.5}
 """Durations of the logs [s]."""
 PEAK = (1500.0, 500.0)
