@@ -40,6 +40,8 @@ _FILLING = {
 """Words of a name that say neither quantity nor joint."""
 _STATES = {"enable", "enabled", "limit", "limits", "error", "errors", "err", "mode", "status", "flag"}
 """Words of a name that make its column no signal of the quantity: torque_enable, current_limit, position_error."""
+_OF_TOOL = {"ee", "eef", "tcp", "flange", "cartesian", "pose"}
+"""Words of a name that make it one of the tool, and of no joint: ee_pos, tcp_speed."""
 _FASTEST, _SLOWEST = 50_000.0, 2.0
 """Rates between which a log is expected, by which the unit of its times is told [Hz] (chosen)."""
 
@@ -106,6 +108,8 @@ def _meaning(words: Sequence[str]) -> tuple[str | None, str]:
         return None, "its name says no quantity"
     if states := [word for word in words if word in _STATES]:
         return None, f"a state of the drive or a limit by its word {states[0]}"
+    if words_of_tool := [word for word in words if word in _OF_TOOL]:
+        return None, f"of the tool, by its word {words_of_tool[0]}: map it by hand"
     kind, wanted = kinds[0], bool(_WANTED & set(words))
     if kind == "position" and "dot" in words:
         kind = "velocity"

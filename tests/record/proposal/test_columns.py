@@ -64,6 +64,12 @@ def test_states_of_a_drive_are_no_signals() -> None:
     assert (found.joints, list(found.ignored)) == (("1",), names[3:])
 
 
+def test_what_is_of_the_tool_is_of_no_joint() -> None:
+    names = ["t", "q[0]", "q[1]", "ee_pos[0]", "ee_pos[1]", "tcp_speed"]
+    found = table_signals(names, "log.csv")
+    assert (found.joints, list(found.ignored)) == (("0", "1"), names[3:])
+
+
 @pytest.mark.parametrize(("names", "lacking"), [(["t", "a", "b"], "position"), (["q1", "tau1"], "time")])
 def test_a_table_whose_names_tell_nothing_is_refused(names: list[str], lacking: str) -> None:
     with pytest.raises(InputError, match=rf"^log.csv has no column whose name says that it is a {lacking}"):
