@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from functools import partial
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.effects.friction.viscous_friction import ViscousFriction
+from flexros.effects.motor_inertia_error import MotorInertiaError
 from flexros.effects.torque_gain_error import TorqueGainError
 from flexros.gap.fit.screening import changes_of
 from flexros.gap.search.elimination import one_by_one
@@ -14,8 +17,9 @@ from flexros.gap.search.fits.additions import Addition
 from flexros.gap.search.worth import compared
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
+    from flexros.effects import AbstractEffect
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.fit.screening import Directions
@@ -25,6 +29,10 @@ FEWEST = 2
 """Changes of an explanation from which others may stand for all of them [1]."""
 TRIED = 2
 """Sets that are fitted, the smallest ones that linear theory finds good enough (chosen)."""
+OF_MOTORS: Mapping[type[AbstractEffect], str] = MappingProxyType(
+    {MotorInertiaError: "inertia", ViscousFriction: "viscous_friction"}
+)
+"""Numbers of a motor that a gain of its torque scales, by the effects that are errors of them."""
 SLACK = 10.0
 """Rise of the score that linear theory may miss by, over the penalty of the parameters that are saved [1] (chosen)."""
 
@@ -81,12 +89,13 @@ def regrouped(
 
 
 def with_gains(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
-    """Free the gains of all torques beside an explanation of a measured log, and leave out what they stand for.
+    """Free gains of torques beside an explanation of a measured log, and leave out the numbers that stand for them.
 
     A gain that is too large makes all numbers of a model look too small by the same factor: those of the rotor that
     torques show, and those within their tolerances. Beside these the gain promises little, and no exchange of one
     effect for one comes to it: gains that were 13 and 16 % off at both joints of an arm became a gain of 5 %, a rotor,
-    viscous friction at both joints, and masses that were 3 tolerances too small.
+    viscous friction at both joints, and masses that were 3 tolerances too small. It is tried at motors of which a
+    number is wrong.
 
     Args:
         search: The search.
@@ -96,7 +105,13 @@ def with_gains(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> C
     Returns:
         An explanation with no more effects that leaves less, or the same.
     """
-    gains = [one for one in search.candidates() if one.effect is TorqueGainError and one.name not in fit.names]
+    robot = search.null.model.robot
+    wrong = {
+        f"{one.location}.{OF_MOTORS[one.effect]}": one.location for one in fit.hypothesis if one.effect in OF_MOTORS
+    }
+    off = {motor for number, motor in wrong.items() if robot.parameters[number].value > 0}
+    every = (one for one in search.candidates() if one.effect is TorqueGainError)
+    gains = [one for one in every if one.location in off and one.name not in fit.names]
     if search.premises.library_is_complete or not gains or search.deadline.stops():
         return fit
     comparison = compared(search, [fit])
