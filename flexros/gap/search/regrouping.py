@@ -106,10 +106,8 @@ def with_gains(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> C
         An explanation with no more effects that leaves less, or the same.
     """
     robot = search.null.model.robot
-    wrong = {
-        f"{one.location}.{OF_MOTORS[one.effect]}": one.location for one in fit.hypothesis if one.effect in OF_MOTORS
-    }
-    off = {motor for number, motor in wrong.items() if robot.parameters[number].value > 0}
+    wrong = [one for one in fit.hypothesis if one.effect in OF_MOTORS]
+    off = {one.location for one in wrong if robot.parameters[f"{one.location}.{OF_MOTORS[one.effect]}"].value > 0}
     every = (one for one in search.candidates() if one.effect is TorqueGainError)
     gains = [one for one in every if one.location in off and one.name not in fit.names]
     if search.premises.library_is_complete or not gains or search.deadline.stops():
