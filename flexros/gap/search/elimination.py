@@ -130,7 +130,7 @@ def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit
         fits.append(search.without(fit, *tried))
         further = set(tried) - search.shown_by_torques(fit)
         measured = search.from_torques
-        if further and measured and strains(search, compared(search, [fits[-1]]), fit, fits[-1]):
+        if further and measured and _needed(search, fit, fits[-1], removed):
             # linear theory does not see what numbers of the model take over far from their tolerance, nor without which
             kept |= further if len(further) == 1 else set()
             alone = len(further) > 1 or alone
@@ -169,6 +169,11 @@ def one_by_one(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> C
             fits.append(search.completed(fits[-1]))
         fit = fits[-1]
     return fit
+
+
+def _needed(search: Search, fit: CandidateFit, rest: CandidateFit, removed: float) -> bool:
+    """Return whether effects are worth more than linear theory sees, or keep numbers of the model within tolerance."""
+    return strains(search, compared(search, [rest]), fit, rest) or _missed(search, fit, rest, removed)
 
 
 def _missed(search: Search, fit: CandidateFit, rest: CandidateFit, removed: float) -> bool:

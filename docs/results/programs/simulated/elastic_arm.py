@@ -28,7 +28,7 @@ from flexros.logs.foreign.import_log import import_log
 from flexros.logs.foreign.mapping import load_mapping
 
 LIBRARY = Path(robots.__file__).parent / "library"
-EVALUATION = tuple(range(301, 317))
+EVALUATION = tuple(range(401, 417))
 LOGS = {"fitted": 14.5, "held": 7.5, "other": 6.5}
 """Durations of the logs [s]."""
 PEAK = (1500.0, 500.0)
@@ -171,7 +171,7 @@ def page(cases: dict[str, Any]) -> str:
         false = [name for name in case["named"] if name not in names.values()]
         counts["false"] += len(false)
         gap = case["gap"]
-        gaps.append(gap["closed_fraction"])
+        gaps += [] if gap["closed_fraction"] is None else [gap["closed_fraction"]]  # there may be no gap to close
         others = ", ".join(f"`{name}`" for name in false) or "-"
         cells = (f"{seed} | {'; '.join(told)}", others, case["verdict"], f"{gap['before']:.3g}", f"{gap['after']:.3g}")
         rows.append(f"| {' | '.join(cells)} | {case['seconds']:.0f} s |")
