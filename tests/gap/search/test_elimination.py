@@ -247,6 +247,14 @@ def test_a_needed_effect_does_not_keep_a_needless_one_that_was_left_out_with_it(
     assert found.names == {COULOMB, STIFFNESS}
 
 
+def test_a_further_effect_without_which_a_fit_leaves_much_stays_whatever_linear_theory_says() -> None:
+    without = {frozenset({COULOMB}): 2e5, frozenset({COULOMB, STIFFNESS}): 2000.0, frozenset({COULOMB, BIAS}): 2e5}
+    search: Any = Search(without, {COULOMB: 900.0, STIFFNESS: 20.0, BIAS: 10.0}, (COULOMB,))
+    search.null.model.robot.n_coordinates = 4
+    found = elimination.reduced(search, Fit((COULOMB, STIFFNESS, BIAS), 2000.0), [], 0.2)  # type: ignore[arg-type]
+    assert found.names == {COULOMB, STIFFNESS}
+
+
 def test_effects_within_the_floor_are_left_out_one_by_one_after_a_fit(monkeypatch: pytest.MonkeyPatch) -> None:
     """Linear theory takes two for needless; without the second one far more is left, and it stays."""
     chi2 = {

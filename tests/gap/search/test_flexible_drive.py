@@ -140,6 +140,9 @@ def test_hysteresis_that_no_number_stands_for_stays() -> None:
 def test_friction_that_yields_stays_without_a_hump_that_ended_at_a_limit() -> None:
     yields = "presliding_friction@motor_1:level=20,stiffness=2e4,damping=6"
     search, found = search_and_fit((yields, FRICTION[1]), ("presliding_friction@motor_1", "viscous_friction@motor_1"))
+    pruned = search.pruned(found)
+    (law,) = (one for one in pruned.hypothesis if one.name == "presliding_friction@motor_1")
+    assert {free.name for free in law.free} <= {"level", "stiffness", "damping"}  # there is no hump
     theta = found.theta.copy()
     for column, free in enumerate(free for one in found.hypothesis for free in one.free):
         if free.name in ("extra", "velocity"):  # a high hump that is too narrow to be seen
