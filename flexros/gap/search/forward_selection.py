@@ -202,7 +202,7 @@ def _pruned(search: Search, explanations: Explanations) -> Explanations:
     chosen = search.within_limits(pruned[explanations.chosen])
     fits = [pruned.get(fit, fit) for fit in explanations.comparison.fits if fit is not explanations.chosen]
     if chosen.predictor.n_effect < explanations.chosen.predictor.n_effect:  # without a parameter one may be needless
-        chosen = _best_within_limits(search, _without_needless(search, chosen, fits), fits)
+        chosen = _best_within_limits(search, _reduced_at_end(search, chosen, fits), fits)
         chosen = search.within_limits(chosen)  # what was left out may have kept another one from its limit
     if not chosen.hypothesis:
         return explanations_of(search, compared(search, fits), search.null.fit, detected=False)
@@ -228,10 +228,10 @@ def _best_within_limits(search: Search, chosen: CandidateFit, fits: list[Candida
     best = min(earlier, key=lambda fit: fit.chi2)
     if not worth(search, compared(search, [chosen, best]), chosen, best, removed):
         return chosen
-    return _without_needless(search, search.within_limits(search.pruned(best)), fits)
+    return _reduced_at_end(search, search.within_limits(search.pruned(best)), fits)
 
 
-def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
+def _reduced_at_end(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
     """Leave out needless effects at the end of a search: of a measured log each after a fit without it."""
     if search.torques_decide:
         return one_by_one(search, fit, fits)

@@ -105,15 +105,15 @@ def with_gains(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> C
     Returns:
         An explanation with no more effects that leaves less, or the same.
     """
+    if search.premises.library_is_complete or search.deadline.stops():
+        return fit
     robot = search.null.model.robot
     wrong = [one for one in fit.hypothesis if one.effect in OF_MOTORS]
     off = {one.location for one in wrong if robot.parameters[f"{one.location}.{OF_MOTORS[one.effect]}"].value > 0}
     every = (one for one in search.candidates() if one.effect is TorqueGainError)
     gains = [one for one in every if one.location in off and one.name not in fit.names]
-    if search.premises.library_is_complete or not gains or search.deadline.stops():
-        return fit
     comparison = compared(search, [fit])
-    if comparison.level(fit) > search.settings.ranking.floors:  # what is missing would be in the gains
+    if not gains or comparison.level(fit) > search.settings.ranking.floors:  # what is missing would be in the gains
         return fit
     nominal = search.with_nominal_numbers(fit)
     around = search.surroundings(nominal)
