@@ -42,6 +42,9 @@ _STATES = {"enable", "enabled", "limit", "limits", "error", "errors", "err", "mo
 """Words of a name that make its column no signal of the quantity: torque_enable, current_limit, position_error."""
 _OF_TOOL = {"ee", "eef", "tcp", "flange", "cartesian", "pose"}
 """Words of a name that make it one of the tool, and of no joint: ee_pos, tcp_speed."""
+_TORQUES = {"measured_torque", "torque_command"}
+_OF_CURRENT = {"measured_current": "measured_torque", "current_command": "torque_command"}
+"""What currents are mapped to, where a table has no torques."""
 _FASTEST, _SLOWEST = 50_000.0, 2.0
 """Rates between which a log is expected, by which the unit of its times is told [Hz] (chosen)."""
 
@@ -80,10 +83,20 @@ def table_signals(names: Sequence[str], file: str, *, timed: bool = True) -> Fou
         if lacking == "time":
             raise InputError(f"{text}give the rows per second, or rename them", "rate")
         raise InputError(f"{text}rename them, or write a mapping file and give it with its files")
-    if "reference_position" in signals and not {"measured_torque", "torque_command"} & signals.keys():
+    driven, currents = _TORQUES & signals.keys(), set[str]()
+    for current, torque in _OF_CURRENT.items():
+        own = signals.pop(current, {})
+        if driven:
+            ignored |= dict.fromkeys(own.values(), "a current, but torques are there")
+        elif own:
+            signals[torque] = own
+            currents.add(torque)
+    if "reference_position" in signals and not _TORQUES & signals.keys():
         signals["position_command"] = signals.pop("reference_position")  # nothing else drives the robot
     ordered = {quantity: dict(sorted(own.items(), key=_place)) for quantity, own in signals.items() if own}
-    return FoundSignals(file, ordered, ignored, of_table=True, time=times[0] if timed else "")
+    return FoundSignals(
+        file, ordered, ignored, of_table=True, time=times[0] if timed else "", currents=frozenset(currents)
+    )
 
 
 def _words(name: str) -> list[str]:
@@ -104,6 +117,7 @@ def _group(names: Sequence[str]) -> str:
 def _meaning(words: Sequence[str]) -> tuple[str | None, str]:
     """Return quantity and joint by the words of a name, or None and why there is none."""
     kinds = [_KIND[word] for word in words if word in _KIND]
+    kinds = [kind for kind in kinds if kind != "current"] or kinds  # the present one, as in current_position
     if not kinds:
         return None, "its name says no quantity"
     if states := [word for word in words if word in _STATES]:
@@ -116,12 +130,12 @@ def _meaning(words: Sequence[str]) -> tuple[str | None, str]:
     left = [word for word in words if word not in _WANTED | _KIND.keys() | {"dot"}]
     own = [word for word in left if word not in _FILLING]
     joint = "_".join(left if any(word.isalpha() for word in own) else own)
-    if kind == "current":
-        return None, "a current needs a torque constant: map it by hand"
     if kind == "acceleration":
         return None, "not needed"
     if kind == "torque":
         return "torque_command" if wanted or "u" in words else "measured_torque", joint
+    if kind == "current":
+        return "current_command" if wanted else "measured_current", joint
     return f"reference_{kind}" if wanted else kind, joint
 
 

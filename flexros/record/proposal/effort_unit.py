@@ -65,7 +65,7 @@ class _Comparison:
     power: float
 
 
-def effort_unit(record: Record, robot: Robot) -> EffortUnit:
+def effort_unit(record: Record, robot: Robot, *, current: bool = False) -> EffortUnit:
     """Compare the effort, read as a torque [Nm], with the inverse-dynamics torque of the model.
 
     The effort of every motor is regressed on the torque of the model, its speed and the sign of it, its acceleration
@@ -75,6 +75,7 @@ def effort_unit(record: Record, robot: Robot) -> EffortUnit:
     Args:
         record: The log, its torques those of the effort.
         robot: The model.
+        current: Whether it is known to be a current, whatever its size.
     """
     compared = _compare(record, robot)
     signs = tuple(-1 if each.correlation < -CLEAR else 1 for each in compared)
@@ -86,10 +87,10 @@ def effort_unit(record: Record, robot: Robot) -> EffortUnit:
     names = {robot.joint_names[k]: each.factor for k, each in clear.items()}
     factors = {k: abs(each.factor) for k, each in clear.items()}
     level = float(np.exp(np.average(np.log(list(factors.values())), weights=[each.power for each in clear.values()])))
-    if 1 / TORQUE < level < TORQUE:
+    if 1 / TORQUE < level < TORQUE and not current:
         return EffortUnit("Nm", (), signs, names, level)
     for unit, size in (("mNm", 1e3), ("kNm", 1e-3)):
-        if 1 / LIKE < level / size < LIKE:
+        if 1 / LIKE < level / size < LIKE and not current:
             return EffortUnit(unit, (), signs, names, level)
     return EffortUnit("A", _scales(factors, level, robot), signs, names, level)
 

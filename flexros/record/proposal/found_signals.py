@@ -20,6 +20,7 @@ class FoundSignals:
         of_table: Whether they are columns of a table.
         time: Column of the times of a table; empty for a bag, whose messages have stamps, and for a table whose rate is
             known.
+        currents: Quantities of torques whose signals are currents, by their names.
     """
 
     states: str
@@ -27,6 +28,7 @@ class FoundSignals:
     ignored: Mapping[str, str] = field(default_factory=dict)
     of_table: bool = False
     time: str = ""
+    currents: frozenset[str] = frozenset()
 
     @property
     def joints(self) -> tuple[str, ...]:

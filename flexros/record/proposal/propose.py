@@ -48,7 +48,6 @@ DESCRIPTION = "robot_description"
 """Topic on which the URDF of a robot is published."""
 TORQUES = ("measured_torque", "torque_command")
 POSITIONS = ("position", "reference_position", "position_command")
-VELOCITIES = ("velocity", "reference_velocity")
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,15 +176,12 @@ class _Proposer:
                     if joint not in self.topics.joints:
                         self.left_out[column] = f"no column is the position of {joint or 'the only joint'}"
         self._about_motion()
-        mapping = self._mapping()
         self.say("comparing with the model")
-        log = import_log(mapping, [self.bag])
-        if torques := [name for name in TORQUES if name in self.quantities]:
-            changed = self._about_effort(log, torques)
-            if changed:
-                mapping = self._mapping()
-                log = import_log(mapping, [self.bag])
-        else:
+        log = import_log(self._mapping(), [self.bag])
+        torques = [name for name in TORQUES if name in self.quantities]
+        if torques and self._about_effort(log, torques):
+            log = import_log(self._mapping(), [self.bag])
+        if not any(name in self.quantities for name in TORQUES):
             text = "no torque: gap and diagnosis need one, or position commands of servos"
             if "position_command" in self.quantities:
                 text = "no torque: the position commands drive the servos of the robot file"
@@ -231,22 +227,29 @@ class _Proposer:
         turning = [p.values for p, rotary in zip(positions, self.rotary, strict=True) if rotary]
         degrees = bool(turning) and in_degrees(turning)
         span = max((float(np.abs(values).max()) for values in turning), default=0.0)
-        for quantity in POSITIONS:
-            self.units[quantity] = "deg" if degrees else "rad"
-        word = "more than" if degrees else "within"
-        self.endless = "; a joint that turns round and round would do so in rad" if degrees else ""
-        self.assumptions.append(
-            Assumption(
-                "position",
-                f"in {self.units['position']}",
-                f"the largest is {span:.3g}, {word} two turns in rad{self.endless}",
-                degrees or self.robot is not None,
-            )
-        )
-        for quantity in VELOCITIES:
-            self.units[quantity] = f"{self.units['position']}/s"
+        compared = self._compare_velocities(positions) if "velocity" in self.quantities else []
+        ratio = unit_ratio(compared)
+        by_range = "deg" if degrees else "rad"
+        unit, of_velocity = _UNITS_BY_RATIO.get(ratio, (by_range, f"{by_range}/s"))
+        self.units |= dict.fromkeys(POSITIONS, unit)
+        self.units |= {"velocity": of_velocity, "reference_velocity": f"{unit}/s"}
+        ground = f"the largest is {span:.3g}, {'more than' if degrees else 'within'} two turns in rad"
+        if unit != by_range:
+            ground += f", but {unit} by the velocities"
+        elif degrees and of_velocity != "rpm":
+            self.endless = "; a joint that turns round and round would do so in rad"
+        checked = degrees or self.robot is not None
+        self.assumptions.append(Assumption("position", f"in {unit}", f"{ground}{self.endless}", checked))
         if "velocity" not in self.quantities:
             return
+        opposite = [motor for (quantity, motor), sign in self.signs.items() if quantity == "velocity" and sign < 0]
+        ground = "derivative of the positions over the velocities: "
+        ground += f"{float(np.nanmedian(compared)):.3g}" if np.any(np.isfinite(compared)) else "not alike"
+        taken = f"in {of_velocity}" + (f", opposite at {', '.join(opposite)}" if opposite else "")
+        self.assumptions.append(Assumption("velocity", taken, ground, bool(np.isfinite(ratio))))
+
+    def _compare_velocities(self, positions: Sequence[Signal]) -> list[float]:
+        """Return derivatives of the positions over the velocities, and note their signs."""
         compared = []
         for match, position in zip(self.matches, positions, strict=True):
             velocity = self._values("velocity", match)
@@ -255,22 +258,14 @@ class _Proposer:
                 result = compare_velocity(position.time, position.values, velocity.values)
                 compared.append(result.factor)
                 self.signs["velocity", match.motor] = -1 if result.sign < 0 else 1
-        ratio = unit_ratio(compared)
-        if ratio in (DEGREES, 1 / DEGREES):
-            self.units["velocity"] = "deg/s" if ratio < 1 else "rad/s"
-            if ratio > 1 and not degrees:  # velocities of rad/s beside positions 57.3 times as large
-                self.units["position"] = "deg"
-        for unit, minute in TURNS_PER_MINUTE.items():
-            if ratio == minute:
-                self.units |= {"position": unit, "velocity": "rpm"}
-        opposite = [motor for (quantity, motor), sign in self.signs.items() if quantity == "velocity" and sign < 0]
-        ground = "derivative of the positions over the velocities: "
-        ground += f"{float(np.nanmedian(compared)):.3g}" if np.any(np.isfinite(compared)) else "not alike"
-        taken = f"in {self.units['velocity']}" + (f", opposite at {', '.join(opposite)}" if opposite else "")
-        self.assumptions.append(Assumption("velocity", taken, ground, bool(np.isfinite(ratio))))
+        return compared
 
     def _about_effort(self, log: Log, torques: Sequence[str]) -> bool:
         """Find what the efforts are; returns whether that changes the mapping."""
+        if self.robot is None and self.topics.currents:
+            for quantity in torques:
+                self._leave_out(quantity, "a current needs a torque constant: give a model, or map it by hand")
+            return True
         if self.robot is None:
             ground = f"{self._said}; without a model nothing shows it: some drivers fill in currents"
             self.assumptions.append(Assumption("effort", "torques in Nm", ground, False))
@@ -280,7 +275,12 @@ class _Proposer:
             name = self.topics.signals[quantity][self.matches[0].joint].split(".")[0]
             kind: TorqueSource = "measured" if quantity == "measured_torque" else "command"
             record = read_record(log, self.robot, name=str(self.bag), torque=kind)
-            found = effort_unit(record, self.robot)
+            current = quantity in self.topics.currents
+            found = effort_unit(record, self.robot, current=current)
+            if current and not found.compared:
+                self._leave_out(quantity, "a current whose torque constant no weight shows: map it by hand")
+                changed = True
+                continue
             self.units[quantity] = found.unit
             for motor, sign in zip(self.robot.joint_names, found.signs, strict=True):
                 self.signs[quantity, motor] = -1 if sign < 0 else 1
@@ -290,6 +290,11 @@ class _Proposer:
             changed |= found.unit != "Nm" or min(found.signs) < 0
             self.agrees |= bool(found.compared) and found.unit == "Nm"
         return changed
+
+    def _leave_out(self, quantity: str, why: str) -> None:
+        """Leave out the signals of a quantity."""
+        self.quantities.remove(quantity)
+        self.left_out |= dict.fromkeys((self.topics.signals[quantity][m.joint] for m in self.matches), why)
 
     def _mapping(self) -> LogMapping:
         columns = []
@@ -316,5 +321,9 @@ class _Proposer:
         return LogMapping(name=self.bag.stem, description=text, time=self.clock, columns=tuple(columns))
 
 
+_UNITS_BY_RATIO = {DEGREES: ("deg", "rad/s"), 1 / DEGREES: ("rad", "deg/s")} | {
+    minute: (unit, "rpm") for unit, minute in TURNS_PER_MINUTE.items()
+}
+"""Units of positions and velocities by the derivative of the former over the latter, where they are not alike."""
 _SLIDING = {"rad": "m", "deg": "m", "rad/s": "m/s", "deg/s": "m/s", "rpm": "m/s", "Nm": "N", "mNm": "N", "kNm": "kN"}
 """Units of prismatic joints."""

@@ -94,7 +94,7 @@ def about_effort(topic: str, found: EffortUnit, robot: Robot, said: str) -> Assu
     """State what an effort is taken for.
 
     Args:
-        topic: Its topic.
+        topic: Its topic, or its first column.
         found: What the comparison with the model shows.
         robot: The model.
         said: What says that efforts are torques in Nm.

@@ -48,10 +48,21 @@ def test_named_joints_keep_their_names() -> None:
 
 
 def test_what_is_left_out_has_a_reason() -> None:
-    found = table_signals(["t", "q1", "q1_filtered", "current1", "ddq1", "temperature"], "log.csv")
+    found = table_signals(["t", "q1", "q1_filtered", "tau1", "current1", "ddq1", "temperature"], "log.csv")
     assert {name: reason.split()[0] for name, reason in found.ignored.items()} == {
         "q1_filtered": "q1", "current1": "a", "ddq1": "not", "temperature": "its"
     }  # fmt: skip
+
+
+def test_currents_stand_for_torques_where_there_are_none() -> None:
+    found = table_signals(["t", "q1", "q2", "i1", "i2", "target_current1", "target_current2"], "log.csv")
+    assert found.currents == {"measured_torque", "torque_command"}
+    assert found.signals["measured_torque"] == {"1": "i1", "2": "i2"}
+
+
+def test_current_may_mean_present() -> None:
+    found = table_signals(["t", "current_position1", "current_torque1"], "log.csv")
+    assert (set(found.signals), found.currents) == ({"position", "measured_torque"}, set())
 
 
 def test_names_of_one_quantity_under_one_name_keep_it() -> None:

@@ -62,6 +62,30 @@ def test_effort_is_a_current_where_the_weights_say_so(written, ur5e) -> None:
     assert not effort.checked
 
 
+@pytest.fixture
+def table_of_currents(measured, tmp_path: Path) -> Path:
+    """The positions of the UR5e with currents of 1 Nm/A at all motors."""
+    q, torque = (one * [1, 1, 1, 1, -1, 1] for one in measured)
+    names = ",".join(["t", *(f"q{k}" for k in range(6)), *(f"current{k}" for k in range(6))])
+    time = np.arange(len(q)) / 500
+    np.savetxt(tmp_path / "run.csv", np.column_stack([time, q, torque]), delimiter=",", header=names, comments="")
+    return tmp_path / "run.csv"
+
+
+def test_currents_of_a_table_get_constants_that_make_the_weights_true(table_of_currents: Path, ur5e) -> None:
+    found = propose_mapping(table_of_currents, ur5e)
+    of_torque = [one for one in found.mapping.columns if one.quantity == "measured_torque"]
+    assert [one.column for one in of_torque] == [f"current{k}" for k in range(6)]
+    assert of_torque[1].scale.value == pytest.approx(1 / 1.3, rel=0.15)  # with the unknown load, as above
+    assert "a current in A" in about(found, "effort")[0].taken
+
+
+def test_currents_without_a_model_are_left_out(table_of_currents: Path) -> None:
+    found = propose_mapping(table_of_currents, None)
+    assert {one.quantity for one in found.mapping.columns} == {"position"}
+    assert "current0 (a current needs a torque constant: give a model" in about(found, "others")[0].taken
+
+
 def test_opposite_efforts_are_turned_round(written, ur5e) -> None:
     found = propose_mapping(written(torque=-1.0), ur5e)
     signs = {e.joint: e.sign for e in found.mapping.columns if e.quantity == "measured_torque"}
@@ -76,6 +100,7 @@ def test_turns_per_minute_are_seen(size: float, unit: str, tmp_path) -> None:
     found = propose_mapping(tmp_path / "log.csv", None)
     units = {one.quantity: one.unit for one in found.mapping.columns}
     assert (units["position"], units["velocity"]) == (unit, "rpm")
+    assert about(found, "position")[0].taken == f"in {unit}"
 
 
 def test_degrees_are_seen(written, ur5e, measured) -> None:
