@@ -130,6 +130,7 @@ def _of_motor(
         here = (*place, "servo")
         for key in ("stiffness", "damping", "integral"):
             gain = getattr(motor.servo, key).model_copy(update={"unit": unit_of(key, rotary)})
+            gain = gain.model_copy(update={"tolerance": 0.0}) if motor.servo.known else gain
             yield f"{name}.{SERVO}{key}", (*here, key), gain, 0
         exact = motor.servo.feedforward.model_copy(update={"tolerance": motor.servo.feedforward.tolerance or 0.0})
         yield f"{name}.{SERVO}feedforward", (*here, "feedforward"), exact, 0

@@ -64,13 +64,19 @@ class Servo(Settings):
         default_factory=lambda: _zero(""),
         description="torque per integral of the position error [Nm/(rad s), or N/(m s)]",
     )
+    known: bool = Field(
+        False,
+        description="whether the drive computes its torque by these gains, so that no errors of them are sought",
+    )
 
     @model_serializer(mode="wrap")
-    def _without_absent_integral(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Leave out an integral of zero, so that fingerprints of robots without it remain."""
+    def _without_absent_keys(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Leave out an integral of zero and gains that are not known, so that fingerprints of robots remain."""
         data: dict[str, Any] = handler(self)
         if self.integral.value == 0:
             data.pop("integral", None)
+        if not self.known:
+            data.pop("known", None)
         return data
 
     def check_units(self, rotary: bool, key: str) -> None:

@@ -31,12 +31,14 @@ def servo_robot(
     integral: float = 0.0,
     mass: float = 1.5,
     tolerance: float = 0.0,
+    known: bool = False,
 ) -> Robot:
     """A joint with a link under gravity; stiffness 60 Nm/rad, damping 2 Nm s/rad, both with a tolerance."""
     motor = {"inertia": 0.05, "viscous_friction": 0.3, "torque_limit": limit}
     if servo:
         stiffness, damping = ({"value": value, "tolerance": tolerance} for value in (60.0, 2.0))
-        motor["servo"] = {"stiffness": stiffness, "damping": damping, "feedforward": feedforward, "integral": integral}  # type: ignore[assignment]
+        gains = {"stiffness": stiffness, "damping": damping, "feedforward": feedforward, "integral": integral}
+        motor["servo"] = gains | {"known": known}  # type: ignore[assignment]
     link = {
         "mass": mass,
         "center_of_mass": [0, 0, 0.2],

@@ -16,6 +16,12 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 
+def gains_are_known(robot: Robot, motor: str) -> bool:
+    """Return whether the robot file says that the gains of a motor's servo are known."""
+    servo = robot.motors[robot.joint_names.index(motor)].specification.servo
+    return servo is not None and servo.known
+
+
 class AbstractServoNumber(AbstractChangedValues):
     """A number of a servo beyond that of the robot file, from which it takes away at most what is there.
 
@@ -38,9 +44,8 @@ class AbstractServoNumber(AbstractChangedValues):
         return tuple(name for name in robot.joint_names if f"{name}.{SERVO}stiffness" in robot.parameters)
 
     def sought(self, robot: Robot, location: str) -> bool:
-        """Return whether the robot is commanded by positions."""
-        del location
-        return robot.commands == "position"
+        """Return whether the robot is commanded by positions and the gains are not known."""
+        return robot.commands == "position" and not gains_are_known(robot, location)
 
     def reductions(self, robot: Robot, location: str, known: Sequence[AbstractEffect] = ()) -> Mapping[str, float]:
         """Return the number in the robot file, which is all that can be taken away."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from flexros.effects.kinds.relative_error import AbstractRelativeError
+from flexros.effects.kinds.servo_number import gains_are_known
 from flexros.robot.parameters import SERVO
 
 if TYPE_CHECKING:
@@ -32,8 +33,10 @@ class ServoDampingError(AbstractRelativeError):
         return tuple(name for name, gain in names.items() if gain is not None and gain.value > 0)
 
     def sought(self, robot: Robot, location: str) -> bool:
-        """Return whether the robot is commanded by positions whose rate the servo follows."""
-        return robot.commands == "position" and robot.parameters[f"{location}.{SERVO}feedforward"].value > 0
+        """Return whether the robot is commanded by positions whose rate an uncertain servo follows."""
+        if robot.commands != "position" or gains_are_known(robot, location):
+            return False
+        return robot.parameters[f"{location}.{SERVO}feedforward"].value > 0
 
     def numbers(self, robot: Robot, location: str) -> tuple[str, ...]:
         """Return the damping of the servo."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from flexros.effects.kinds.relative_error import AbstractRelativeError
+from flexros.effects.kinds.servo_number import gains_are_known
 from flexros.robot.parameters import SERVO
 
 if TYPE_CHECKING:
@@ -34,9 +35,8 @@ class ServoStiffnessError(AbstractRelativeError):
         return tuple(name for name in robot.joint_names if f"{name}.{SERVO}stiffness" in robot.parameters)
 
     def sought(self, robot: Robot, location: str) -> bool:
-        """Return whether the robot is commanded by positions."""
-        del location
-        return robot.commands == "position"
+        """Return whether the robot is commanded by positions and the gains are not known."""
+        return robot.commands == "position" and not gains_are_known(robot, location)
 
     def numbers(self, robot: Robot, location: str) -> tuple[str, ...]:
         """Return the stiffness of the servo."""

@@ -12,6 +12,7 @@ import numpy as np
 from flexros.effects.delay import Delay
 from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.effects.friction.viscous_friction import ViscousFriction
+from flexros.effects.kinds.servo_number import gains_are_known
 from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_moved
 from flexros.effects.motor_inertia_error import MotorInertiaError
 from flexros.effects.servos import ServoCommandLag, ServoDampingError, ServoStiffnessError
@@ -306,12 +307,14 @@ def _at_limit(
     values: list[tuple[type[AbstractEffect], float]] = [
         (CoulombFriction, settings.friction * limit),
         (ViscousFriction, settings.braking * limit / max(fastest, 1e-9)),
-        (ServoStiffnessError, 0.0),
         (TorqueGainError, 0.0),
     ]
+    known = gains_are_known(robot, name)
+    if not known:
+        values.append((ServoStiffnessError, 0.0))
     if robot.parameters[f"{name}.inertia"].value > 0:
         values.append((MotorInertiaError, 0.0))
-    if robot.parameters[f"{name}.{SERVO}damping"].value > 0:
+    if not known and robot.parameters[f"{name}.{SERVO}damping"].value > 0:
         values.append((ServoDampingError, 0.0))
     return [(effect, name, value) for effect, value in values]
 

@@ -14,6 +14,8 @@ from flexros.robot import load_robot
 from flexros.simulate.plant import Plant
 from tests.gap.servo_logs import T, servo_robot
 
+GAINS = {"servo_stiffness_error", "servo_damping_error", "servo_feedforward_error", "servo_integral"}
+
 
 def test_stiffness_is_scaled() -> None:
     placed = place_effects(servo_robot(), [parse_effect("servo_stiffness_error@motor_1:relative=-0.25", "test")])
@@ -37,6 +39,15 @@ def test_it_takes_the_place_of_the_torque_gain(commands: str, sought: str, left_
     assert sought in names
     assert left_out not in names
     assert {ServoStiffnessError.name, TorqueGainError.name} == {sought, left_out}
+
+
+def test_gains_that_are_known_have_no_errors_and_no_tolerance() -> None:
+    robot = servo_robot(0.5, tolerance=0.1, known=True).commanded_by("position")
+    assert not any(one.effect.name in GAINS for one in list_candidates(robot, Scales({}), measured=True))
+    assert robot.parameters["motor_1.servo_stiffness"].tolerance == 0.0
+    uncertain = servo_robot(0.5, tolerance=0.1).commanded_by("position")
+    assert {one.effect.name for one in list_candidates(uncertain, Scales({}), measured=True)} >= GAINS
+    assert uncertain.parameters["motor_1.servo_stiffness"].tolerance == 0.1
 
 
 @pytest.mark.parametrize("text", ["servo_stiffness_error@motor_1:relative=0.5", "coulomb_friction@motor_1:level=0.2"])

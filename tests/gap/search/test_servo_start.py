@@ -139,6 +139,15 @@ def test_noise_that_biases_a_regression_leaves_gains_and_damping_right() -> None
     assert sizes["viscous_friction"] == pytest.approx(-0.25, abs=0.04)
 
 
+def test_the_regression_of_a_servo_of_known_gains_leaves_them() -> None:
+    robot = servo_robot(known=True)
+    record = checked_log(servo_log("coulomb_friction@motor_1:level=0.25", noise=2e-2, duration=12.0), robot, name="log")
+    model = RobotWithEffects(robot.commanded_by("position"), ())
+    regression = regress_torque(replace(record, imported=True), model, tolerance_of(model.robot, {}))
+    assert regression is not None
+    assert regression.servo_stiffness[0] == 0.0
+
+
 @pytest.mark.parametrize(
     ("late", "other"),
     [("servo_command_lag@motor_1:time_constant=0.03", "delay"), ("delay@all:time=0.014", "servo_command_lag")],

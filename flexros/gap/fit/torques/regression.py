@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects.friction.coulomb_friction import CoulombFriction
+from flexros.effects.kinds.servo_number import gains_are_known
 from flexros.effects.left_out.tool_load import ENTRIES, last_moved
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.torques.solution import KINDS, LOAD, ROUNDS, Sought, is_silent, solve
@@ -152,7 +153,7 @@ def prepared_regression(
         moving=rows.motion.moving,
         position_torques=(),
         load=load,
-        servos=record.command is not None,
+        servos=record.command is not None and not all(gains_are_known(robot, name) for name in robot.joint_names),
         tolerated=len(tolerance.names),
         zeros=zeros,
     )

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects import PlacedEffect
+from flexros.effects.kinds.servo_number import gains_are_known
 from flexros.effects.servos import ServoDampingError, ServoStiffnessError
 from flexros.errors import InputError
 from flexros.gap.fit.torques.regression import only_coulomb
@@ -49,8 +50,9 @@ def rough_gains(record: Record, model: RobotWithEffects, settings: ServoStartSet
         settings: Settings of the starts of servos.
 
     Returns:
-        An error of stiffness, and of damping where there is any, of every servo; none where the gains of the file are
-        near those of the log, where no servo carries weight, behind springs, and in a simulated log.
+        An error of stiffness, and of damping where there is any, of every servo whose gains are not known; none where
+        the gains of the file are near those of the log, where no servo carries weight, behind springs, and in a
+        simulated log.
     """
     robot = model.robot
     if record.command is None or record.simulated or robot.flexible_motors or not only_coulomb(model):
@@ -64,6 +66,7 @@ def rough_gains(record: Record, model: RobotWithEffects, settings: ServoStartSet
     most = ServoStiffnessError.ranges["relative"].high  # what is beyond is left to the search
     relative = np.minimum(np.where(known, factors, typical) - 1.0, most)
     errors = dict(zip(robot.joint_names, relative.tolist(), strict=True))
+    errors = {name: error for name, error in errors.items() if not gains_are_known(robot, name)}
     damped = [name for name in errors if robot.parameters[f"{name}.{SERVO}damping"].value > 0]
     return (
         *(PlacedEffect(ServoStiffnessError(relative=error), name) for name, error in errors.items()),

@@ -83,7 +83,7 @@ class Sought:
         moving: Motors that move, shape (M,).
         position_torques: Torques of motors over their own positions.
         load: Load that the last body that moves may carry.
-        servos: Whether the torques are those of servos.
+        servos: Whether the torques are those of servos, not all of which have known gains.
         tolerated: Number of tolerated parameters.
         zeros: Offsets around which those of encoders are sought, by the index of their motor [rad or m].
     """
