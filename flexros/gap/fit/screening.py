@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
+from math import comb
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
 
 IMITATED = 1e-6
 """Share of a direction, in single precision, that rounding leaves where the fitted parameters imitate it [1]."""
+MOST_PARTS = 2000
+"""Parts of one size of a known set that are compared; of more there are none but by growth [1] (chosen)."""
 BEAM = 30
 """Sets of directions of each size that grow further (chosen)."""
 HUGE = 1e15
@@ -184,7 +187,8 @@ class Surroundings:
         before: list[tuple[int, ...]] = [()]
         for size in range(1, min(most, len(every)) + 1):
             sets = {tuple(sorted((*one, other))) for one in before for other in every if other not in one}
-            sets |= set(combinations(sorted(set(known) & set(every)), size))
+            own = sorted(set(known) & set(every))
+            sets |= set(combinations(own, size)) if comb(len(own), size) < MOST_PARTS else set()
             ranked = sorted(sets, key=lambda one: -gain(one))
             before = ranked if size == 1 else ranked[:BEAM]
             found.append(ranked[0])

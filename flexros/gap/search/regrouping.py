@@ -4,25 +4,27 @@ from __future__ import annotations
 
 from functools import partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.motor_inertia_error import MotorInertiaError
 from flexros.effects.torque_gain_error import TorqueGainError
-from flexros.gap.fit.screening import changes_of
+from flexros.gap.fit.screening import Directions, changes_of
 from flexros.gap.search.elimination import one_by_one
 from flexros.gap.search.fits.additions import Addition
-from flexros.gap.search.worth import compared
+from flexros.gap.search.worth import compared, worth
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from numpy.typing import NDArray
+
     from flexros.effects import AbstractEffect
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
-    from flexros.gap.fit.screening import Directions
+    from flexros.gap.fit.screening import Surroundings
     from flexros.gap.search.fits.candidate_fits import Search
 
 FEWEST = 2
@@ -33,6 +35,8 @@ OF_MOTORS: Mapping[type[AbstractEffect], str] = MappingProxyType(
     {MotorInertiaError: "inertia", ViscousFriction: "viscous_friction"}
 )
 """Numbers of a motor that a gain of its torque scales, by the effects that are errors of them."""
+ALIKE = 0.02
+"""Share of what changes do that fewer ones may leave of it by linear theory, in a measured log [1] (chosen)."""
 SLACK = 10.0
 """Rise of the score that linear theory may miss by, over the penalty of the parameters that are saved [1] (chosen)."""
 
@@ -45,21 +49,21 @@ def regrouped(
     Numbers of the model, gains and offsets act in proportion to their size. What one of them does, several others do
     together, and forward selection, which adds one after the other, may end there: a gain and a load of a thousandth
     became two inertias, a spring, a gain and an offset. Without any of them linear theory tells how much every set of
-    them leaves. The smallest good ones are fitted, and taken where their score is better.
+    them leaves. The smallest good ones are fitted, and taken where their score is better; for a measured log where what
+    the others do beyond is not worth them: the load of a gantry became three rotors and a constant force.
 
     Args:
         search: The search.
-        fit: The explanation of a simulated log.
+        fit: The explanation.
         directions: All candidates but those of harmonics.
         fits: All fits so far; new ones are appended.
     """
     own = [one for one in fit.hypothesis if in_proportion(one)]
-    if len(own) < FEWEST or not search.premises.library_is_complete or search.deadline.stops():
+    if len(own) < FEWEST or search.deadline.stops():
         return fit
     known = {one.candidate.name: one for one in directions if in_proportion(one.candidate) and one.usable.any()}
     names = frozenset(one.name for one in own)
-    if not names <= known.keys():
-        return fit
+    known |= {one.candidate.name: one for one in _removals(search, fit, [one for one in own if one.name not in known])}
     competing = [one for name, one in known.items() if name in names or name not in fit.names]
     places = {one.candidate.name: place for place, one in enumerate(competing)}
     columns, off = fit.columns(names), fit.switched_off(names)
@@ -70,22 +74,39 @@ def regrouped(
     changes = np.stack([one.changes[:, start] for one, start in zip(competing, smallest, strict=True)], axis=-1)
     now = tuple(sorted(places[name] for name in names))
     sets = rest.best_sets(changes, len(own) - 1, now)
-    n, before = search.data.n_values, max(rest.left(changes[:, now]), 1e-300)
-    chosen: list[tuple[int, ...]] = []
-    for members in sets:
-        saved = (len(own) - len(members)) * float(np.log(n))
-        if n * float(np.log(max(rest.left(changes[:, members]), 1e-300) / before)) < (1 + SLACK) * saved:
-            chosen.append(members)
+    before = max(rest.left(changes[:, now]), 1e-300)
+    alike = [members for members in sets if _does_as_well(search, rest, changes[:, members], before, len(own))]
     trials = []
-    for members in chosen[:TRIED]:
+    for members in alike[:TRIED]:
         sizes = rest.sizes(changes[:, members])
         trials.append([_sized(search, competing[one], smallest[one], size) for one, size in zip(members, sizes)])
     fitted = search.parallel("effects regrouped", partial(search.together, fit, without=names), trials)
     better = [search.completed(one) for one in search.visible(fitted)]
     fits += better
-    score = compared(search, [fit, *better]).score
-    best = max(better, key=score, default=fit)
-    return best if score(best) > score(fit) else fit
+    comparison = compared(search, [fit, *better])
+    if search.premises.library_is_complete:
+        return max([fit, *better], key=comparison.score)
+    removed = search.settings.search.removed
+    enough = [one for one in better if not worth(search, comparison, one, fit, removed)]
+    return min(enough, key=lambda one: (len(one.hypothesis), one.chi2), default=fit)
+
+
+def _does_as_well(search: Search, rest: Surroundings, changes: NDArray[Any], before: float, n_own: int) -> bool:
+    """Return whether fewer changes do about as well as those of an explanation by linear theory.
+
+    Args:
+        search: The search.
+        rest: The explanation without its changes.
+        changes: Changes of the prediction errors by the fewer ones, shape (n_rows, k).
+        before: Sum of squares that those of the explanation leave [1].
+        n_own: Their number.
+    """
+    left = float(rest.left(changes))
+    if not search.premises.library_is_complete:  # large changes are not quite linear, and friction has other forms
+        return left - before < ALIKE * (float(rest.least) - before)
+    n = search.data.n_values
+    saved = (n_own - changes.shape[1]) * float(np.log(n))
+    return n * float(np.log(max(left, 1e-300) / before)) < (1 + SLACK) * saved
 
 
 def with_gains(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
@@ -134,6 +155,20 @@ def with_gains(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> C
 def in_proportion(candidate: Candidate) -> bool:
     """Return whether the prediction errors change in proportion to the only parameter of a candidate."""
     return candidate.effect.plain and len(candidate.free) == 1 and candidate.free[0].signed
+
+
+def _removals(search: Search, fit: CandidateFit, own: Sequence[Candidate]) -> list[Directions]:
+    """Return changes of the prediction errors by effects of an explanation, which begins with them, one at a time."""
+    if not own:
+        return []
+    columns = [fit.columns(frozenset({one.name})) for one in own]
+    off = np.stack([fit.switched_off(frozenset({one.name})) for one in own], axis=-1)
+    changes = -changes_of(fit, search.data, fit.residual(search.data), search.rows, off).astype(np.float32)
+    usable = np.ones(1, dtype=bool)
+    return [
+        Directions(one, fit.theta[column][:, None], changes[:, [k]], usable)
+        for k, (one, column) in enumerate(zip(own, columns, strict=True))
+    ]
 
 
 def _sized(search: Search, direction: Directions, start: int, size: float) -> Addition:
