@@ -33,7 +33,7 @@ from flexros.gap.search.forward_selection import explain
 from flexros.gap.search.looser import found_looser, looser_null
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.search.servo_start import fit_of_servos
-from flexros.gap.search.torque_start import base_fit, first_values, on_null, torque_start, with_torques
+from flexros.gap.search.torque_start import base_fit, first_values, on_null, torque_start, with_load, with_torques
 from flexros.gap.settings import DiagnosisSettings
 from flexros.gap.where.find import where
 from flexros.identify.rigid.torque_timing import in_time
@@ -279,6 +279,8 @@ def _first_fits(
     if of_servos is not None and (first is None or of_servos.chi2 < first.chi2):
         first = of_servos
     base = None if first is None else base_fit(null, first, settings, deadline.of_fit())
+    if base is not None and start is not None and start.loaded is not None:
+        base = with_load(null, base, start.loaded, settings, deadline.of_fit())
     if data.record.premises.floor_is_noise or not tolerance.names:
         return null, base
     if base is not None:

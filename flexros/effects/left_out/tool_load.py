@@ -67,6 +67,10 @@ class ToolLoad(AbstractChangedValues):
         del location
         return robot.commands == "position" and robot.n_motors > 1 and any(robot.spec.gravity.value)
 
+    def sought_if_measured(self, robot: Robot, location: str) -> bool:
+        """Return the same, or whether springs blur what the torques show of a load of several motors."""
+        return self.sought(robot, location) or (bool(robot.flexible_motors) and robot.n_motors > 1)
+
     def values(self, robot: Robot, location: str) -> dict[str, float]:
         """Return mass, centre of mass and inertia of the last body that moves, with the load."""
         del location

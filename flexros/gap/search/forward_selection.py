@@ -18,7 +18,7 @@ from flexros.gap.search.fits.refits import at_limits
 from flexros.gap.search.growth import extended, in_vain, resumed, tidied, with_more
 from flexros.gap.search.periodic.lines import beside_line
 from flexros.gap.search.regrouping import with_gains
-from flexros.gap.search.richer_laws import with_richer_laws, with_simpler_numbers
+from flexros.gap.search.richer_laws import with_richer_laws, with_simpler_effects
 from flexros.gap.search.within_floor import grown_within_floor
 from flexros.gap.search.within_tolerance import with_far_numbers, without_slight_friction, without_tolerated
 from flexros.gap.search.worth import compared, simplest, worth
@@ -130,7 +130,7 @@ def explain(search: Search) -> Explanations:
             chosen = exchanged(search, grown, directions, fits)
             chosen = chosen if chosen is grown else one_by_one(search, chosen, fits)
     for step in (
-        with_simpler_numbers,
+        with_simpler_effects,
         without_tolerated,
         with_far_numbers,
         without_slight_friction,

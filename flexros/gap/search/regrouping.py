@@ -106,7 +106,7 @@ def _does_as_well(search: Search, rest: Surroundings, changes: NDArray[Any], bef
         return left - before < ALIKE * (float(rest.least) - before)
     n = search.data.n_values
     saved = (n_own - changes.shape[1]) * float(np.log(n))
-    return n * float(np.log(max(left, 1e-300) / before)) < (1 + SLACK) * saved
+    return bool(n * np.log(max(left, 1e-300) / before) < (1 + SLACK) * saved)
 
 
 def with_gains(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:

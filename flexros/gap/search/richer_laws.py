@@ -5,12 +5,14 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
+from flexros.effects.kinds.curve import AbstractCurve
 from flexros.gap.candidates.candidate import simpler
 from flexros.gap.search.exchange import RICH
 from flexros.gap.search.regrouping import in_proportion
 from flexros.gap.search.worth import compared, worth
 
 if TYPE_CHECKING:
+    from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.search.fits.candidate_fits import Search
 
@@ -67,12 +69,14 @@ def with_richer_laws(
     return fit, richer
 
 
-def with_simpler_numbers(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
-    """Take a wrong number of the model in place of a rich law that leaves no less than it.
+def with_simpler_effects(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
+    """Take a wrong number of the model in place of a rich law that leaves no less than it, and a law for a curve.
 
     An exchange is tried where linear theory sees what is lost without a law, which is far too much for a large one that
     tolerated numbers stand for in part: hysteresis of a gear that bends by much more than the gear does is a spring
-    that is too stiff. So an explanation is fitted without each rich law, and candidates are screened beside that.
+    that is too stiff. So an explanation is fitted without each rich law, and candidates are screened beside that. A law
+    of few parameters may have been out of reach while others were missing: a curve bends to it in one step, as to the
+    backlash of a gear beside an unknown load.
 
     Args:
         search: The search.
@@ -84,7 +88,7 @@ def with_simpler_numbers(search: Search, fit: CandidateFit, fits: list[Candidate
     if search.premises.library_is_complete or not rich:
         return fit
     numbers = [one for one in search.candidates() if in_proportion(one)]
-    for law in rich:
+    for law in sorted(rich, key=lambda one: issubclass(one.effect, AbstractCurve)):  # beside wrong laws none fits
         if search.deadline.stops():
             break
         rest = search.completed(search.without(fit, law.name))
@@ -92,10 +96,31 @@ def with_simpler_numbers(search: Search, fit: CandidateFit, fits: list[Candidate
         promising = [one for one in additions if one.gain > settings.regained * (rest.chi2 - fit.chi2)]
         trials = [[one] for one in promising[: settings.added]]
         found = search.parallel("simpler effects", partial(search.together, rest), trials)
+        found += _laws_in_place(search, fit, law, rest.chi2)
         if not found:
             continue
-        simple = search.completed(min(found, key=lambda one: one.chi2))
-        if simple.chi2 <= fit.chi2:
-            fits += [rest, *found, simple]
-            fit = simple
+        best = search.completed(min(found, key=lambda one: one.chi2))
+        if best.chi2 <= fit.chi2:
+            fits += [rest, *found, best]
+            fit = best
     return fit
+
+
+def _laws_in_place(search: Search, fit: CandidateFit, curve: Candidate, without: float) -> list[CandidateFit]:
+    """Fit laws with fewer parameters at the motor or gear of a curve in its place, begun with all else as it is.
+
+    Args:
+        search: The search.
+        fit: The explanation with the curve.
+        curve: The curve; none of its kind, and no law is fitted.
+        without: Sum of squares without it [1].
+    """
+    if not issubclass(curve.effect, AbstractCurve):
+        return []
+    places = [{motor.name, motor.joint.name} for motor in search.null.model.robot.motors]
+    own = next((place for place in places if curve.location in place), {curve.location})
+    every = [one for one in search.candidates() if one.location in own and one.name not in fit.names]
+    laws = [one for one in every if not in_proportion(one) and len(one.free) < len(curve.free)]
+    plants = search.plants(fit, laws)
+    begun = search.parallel("laws for curves", lambda one: search.in_place(fit, curve, one, plants[one], without), laws)
+    return [search.completed(one) for one in begun if one is not None]

@@ -9,16 +9,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects.encoders.encoder_offset import EncoderOffset
+from flexros.effects.left_out.tool_load import ToolLoad
 from flexros.effects.torque_curve import TorqueCurve
 from flexros.gap.candidates.candidate import Candidate, free_parameter, list_candidates
 from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.scales import scales_of_motors
+from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.fit.least_squares import chi2_of, fit
 from flexros.gap.fit.torques.arm_torque import arm_torque
 from flexros.gap.fit.torques.balanced import regress_balanced
 from flexros.gap.fit.torques.delay import torque_delay
 from flexros.gap.fit.torques.encoder_zeros import with_zeros
+from flexros.gap.fit.torques.missing_load import may_carry
 from flexros.gap.fit.torques.regression import only_coulomb, regress_torque
 from flexros.gap.fit.torques.rough_bodies import is_inertial, with_rough_bodies
 from flexros.gap.fit.torques.solution import is_silent, rest_of
@@ -32,7 +35,6 @@ if TYPE_CHECKING:
     from flexros.effects import RobotWithEffects
     from flexros.gap.candidates.candidate import Hypothesis
     from flexros.gap.candidates.scales import Scales
-    from flexros.gap.candidates.tolerance import Tolerance
     from flexros.gap.fit.null_fit import NullFit
     from flexros.gap.fit.torques.arm_torque import ArmTorque
     from flexros.gap.fit.torques.position_torque import PositionTorque
@@ -52,12 +54,14 @@ class TorqueStart:
         model: The nominal model.
         record: The log.
         delay: Delay of commanded positions, or of torques [s].
+        loaded: The same with a load that the robot file may lack, behind springs; None without one.
     """
 
     regression: TorqueRegression
     model: RobotWithEffects
     record: Record
     delay: float = 0.0
+    loaded: TorqueStart | None = None
 
     @property
     def robot(self) -> Robot:
@@ -84,7 +88,13 @@ class TorqueStart:
             for candidate in list_candidates(self.robot, scales, measured=True, known=self.model.laws)
             if (value := values.get((candidate.effect.name, candidate.location), 0.0)) != 0
         ]
-        return [*single, *(self._over_position(one, scales) for one in found.position_torques)]
+        return [*single, *self._load(scales), *(self._over_position(one, scales) for one in found.position_torques)]
+
+    def _load(self, scales: Scales) -> list[tuple[Candidate, tuple[float, ...]]]:
+        """Return the load with its mass and place, if any."""
+        mass, moment = float(self.regression.load[0]), self.regression.load[1:]
+        every = list_candidates(self.robot, scales, measured=True) if mass > 0 else []
+        return [(one, (mass, *(moment / mass).tolist())) for one in every if one.effect is ToolLoad]
 
     def _over_position(self, torque: PositionTorque, scales: Scales) -> tuple[Candidate, tuple[float, ...]]:
         """Return a counterbalance or a curve of a motor with the initial values of its sizes."""
@@ -126,6 +136,20 @@ def torque_start(
             clear = np.abs(regression.bias) > data.measurement.tolerated_torque(record)
             regression = replace(regression, bias=np.where(clear, regression.bias, 0.0))
         start = None if regression is None else TorqueStart(regression, model, record, delay)
+        if regression is not None and model.robot.flexible_motors and may_carry(model.robot):
+            torques = regression.position_torques
+            loaded = regress_torque(
+                record,
+                model,
+                Tolerance(),
+                load="point",
+                delay=delay,
+                position_torques=torques,
+                settings=settings.torque_start,
+            )
+            if loaded is not None and loaded.load[0] > 0:
+                loaded = replace(loaded, deviations=np.zeros_like(regression.deviations))
+                start = TorqueStart(regression, model, record, delay, TorqueStart(loaded, model, record, delay))
     return start if start is not None and start.hypothesis() else None
 
 
@@ -252,6 +276,32 @@ def base_fit(
     most = before - removed * (before - floor) if before > floor else within * before
     detected = compare(null.data, null.fit, [base], settings=settings.ranking).detected
     return base if detected and base.chi2 < most else None
+
+
+def with_load(
+    null: NullFit,
+    base: CandidateFit,
+    loaded: TorqueStart,
+    settings: DiagnosisSettings,
+    stop: Callable[[], bool] | None = None,
+) -> CandidateFit:
+    """Return the effects of a start with a load that the robot file lacks, where that removes much of what is left.
+
+    Behind springs torques alone do not show it clearly: what springs leave is larger than what the load explains.
+
+    Args:
+        null: The nominal model, fitted.
+        base: The fit of the effects without a load.
+        loaded: The start with a load.
+        settings: Settings of the diagnosis.
+        stop: Asked after each iteration; True ends the fit where it is.
+    """
+    first = first_values(loaded, null, settings)
+    fit_of_load = None if first is None else base_fit(null, first, settings, stop)
+    left = base.chi2 - null.data.n_values
+    if fit_of_load is None or base.chi2 - fit_of_load.chi2 < settings.search.removed_of_all * left:
+        return base
+    return fit_of_load
 
 
 def _at(null: NullFit, hypothesis: Hypothesis, sizes: FloatArray, deviations: FloatArray) -> CandidateFit:

@@ -17,7 +17,7 @@ from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.search.fits.refits import at_limits
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.search.regrouping import with_gains
-from flexros.gap.search.richer_laws import with_simpler_numbers
+from flexros.gap.search.richer_laws import with_simpler_effects
 from flexros.gap.settings import DiagnosisSettings, SearchSettings
 from flexros.random_streams import generator
 from flexros.record.record import Record
@@ -127,14 +127,14 @@ def test_numbers_that_a_gain_does_not_stand_for_stay() -> None:
 def test_a_stiff_spring_takes_the_place_of_hysteresis_that_bends_by_more_than_the_gear() -> None:
     truth = ("stiffness_error@body_1.rz:relative=0.4", FRICTION[1])
     search, wrong = search_and_fit(truth, ("hysteresis@motor_1", "viscous_friction@motor_1"))
-    right = with_simpler_numbers(search, wrong, [])
+    right = with_simpler_effects(search, wrong, [])
     assert right.names == {"stiffness_error@body_1.rz", "viscous_friction@motor_1"}
 
 
 def test_hysteresis_that_no_number_stands_for_stays() -> None:
     truth = ("hysteresis@motor_1:level=20,angle=1e-3", FRICTION[1])
     search, right = search_and_fit(truth, ("hysteresis@motor_1", "viscous_friction@motor_1"))
-    assert with_simpler_numbers(search, right, []) is right
+    assert with_simpler_effects(search, right, []) is right
 
 
 def test_friction_that_yields_stays_without_a_hump_that_ended_at_a_limit() -> None:

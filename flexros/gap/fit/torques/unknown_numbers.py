@@ -118,8 +118,9 @@ class UnknownNumbers:
         uncertain = {f"{name}.inertia": UNCERTAIN for name in self.inertias}
         uncertain |= dict.fromkeys(self._of_load(robot), UNCERTAIN_LOAD)
         bodies = with_rough_bodies(tolerance, self.rough)
-        pairs = zip(bodies.names, bodies.deviations, strict=True)
-        return replace(bodies, deviations=tuple(uncertain.get(name, deviation) for name, deviation in pairs))
+        deviations = dict(zip(bodies.names, bodies.deviations, strict=True))
+        deviations |= {name: one for name, one in uncertain.items() if robot.parameters[name].value != 0}
+        return replace(bodies, names=tuple(deviations), deviations=tuple(deviations.values()))
 
     def fitted(self, fit: CandidateFit) -> tuple[PlacedEffect, ...]:
         """Return the numbers of a fit as effects on the model that lacks them."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +14,7 @@ from flexros.gap.prediction.compiled_plant import LANES
 from flexros.gap.search.fits.log_fits import LogFits
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Sequence
+    from collections.abc import Collection, Mapping, Sequence
 
     from flexros.gap.candidates.candidate import Candidate, Hypothesis
     from flexros.gap.fit.candidate_fit import CandidateFit
@@ -110,23 +111,47 @@ class Refits(LogFits):
         known = {name: values[simple] for name, simple in rich.effect.extends[one.effect.name].items()}
         if any(known.get(free.name, 0.0) < 0 for free in rich.free if not free.signed):
             return None
-        own = starts_of((rich,), RICH_STARTS)
-        for index, free in enumerate(rich.free):
+        return self.in_place(fit, one, rich, plant, fit.chi2 - least, known)
+
+    def in_place(
+        self,
+        fit: CandidateFit,
+        one: Candidate,
+        other: Candidate,
+        plant: CompiledPlant,
+        most: float,
+        known: Mapping[str, float] = MappingProxyType({}),
+    ) -> CandidateFit | None:
+        """Fit an explanation with another law in place of one, begun with all others as they are.
+
+        Args:
+            fit: The explanation.
+            one: The law that is replaced.
+            other: The other law.
+            plant: A plant that holds all laws.
+            most: Sum of squares below which an initial value of the other law must come at once [1].
+            known: Parameters of the other law that are known.
+
+        Returns:
+            A fit that is not carried to its end; None where no initial value does that the encoder shows.
+        """
+        own = starts_of((other,), RICH_STARTS)
+        for index, free in enumerate(other.free):
             if free.name in known:
                 own[index] = free.encode(known[free.name])
         own = np.unique(own, axis=1)
         before, n_effect = fit.columns((one.name,)), fit.predictor.n_effect
         others, deviations = np.split(np.repeat(fit.theta[:, None], own.shape[1], axis=1), [n_effect])
         starts = np.vstack([others[~before[:n_effect]], own, deviations])
-        predictor = self.null.predictor((*(law for law in fit.hypothesis if law is not one), rich), plant)
-        shown = [self.shows(rich.placed(predictor.values(column)[-1])) for column in starts.T]
+        predictor = self.null.predictor((*(law for law in fit.hypothesis if law is not one), other), plant)
+        shown = [self.shows(other.placed(predictor.values(column)[-1])) for column in starts.T]
         starts = starts[:, shown]
         if not starts.size:
             return None
         groups = [starts[:, first : first + LANES] for first in range(0, starts.shape[1], LANES)]
         sums = np.concatenate([chi2_of(predictor, self.data, group) for group in groups])
         best = int(np.argmin(sums))
-        return self._joint(predictor, starts[:, best]) if sums[best] < fit.chi2 - least else None
+        return self._joint(predictor, starts[:, best]) if sums[best] < most else None
 
     def pruned(self, fit: CandidateFit) -> CandidateFit:
         """Leave out the parameters of a fit that the information criterion rejects (Schwarz 1978).
