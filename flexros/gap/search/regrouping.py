@@ -14,7 +14,7 @@ from flexros.effects.torque_gain_error import TorqueGainError
 from flexros.gap.fit.screening import Directions, changes_of
 from flexros.gap.search.elimination import one_by_one
 from flexros.gap.search.fits.additions import Addition
-from flexros.gap.search.worth import compared, worth
+from flexros.gap.search.worth import compared
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -37,6 +37,8 @@ OF_MOTORS: Mapping[type[AbstractEffect], str] = MappingProxyType(
 """Numbers of a motor that a gain of its torque scales, by the effects that are errors of them."""
 ALIKE = 0.02
 """Share of what changes do that fewer ones may leave of it by linear theory, in a measured log [1] (chosen)."""
+RISE = 0.1
+"""Rise of the sum of squares with fewer effects, over the sum, in a measured log [1] (chosen)."""
 SLACK = 10.0
 """Rise of the score that linear theory may miss by, over the penalty of the parameters that are saved [1] (chosen)."""
 
@@ -49,8 +51,8 @@ def regrouped(
     Numbers of the model, gains and offsets act in proportion to their size. What one of them does, several others do
     together, and forward selection, which adds one after the other, may end there: a gain and a load of a thousandth
     became two inertias, a spring, a gain and an offset. Without any of them linear theory tells how much every set of
-    them leaves. The smallest good ones are fitted, and taken where their score is better; for a measured log where what
-    the others do beyond is not worth them: the load of a gantry became three rotors and a constant force.
+    them leaves. The smallest good ones are fitted, and taken where their score is better; for a measured log where they
+    leave about as much: the load of a gantry became three rotors and a constant force.
 
     Args:
         search: The search.
@@ -75,6 +77,8 @@ def regrouped(
     now = tuple(sorted(places[name] for name in names))
     sets = rest.best_sets(changes, len(own) - 1, now)
     before = max(rest.left(changes[:, now]), 1e-300)
+    if not search.premises.library_is_complete:  # those without some of its own are left to the elimination
+        sets = [members for members in sets if not set(members) <= set(now)]
     alike = [members for members in sets if _does_as_well(search, rest, changes[:, members], before, len(own))]
     trials = []
     for members in alike[:TRIED]:
@@ -86,8 +90,7 @@ def regrouped(
     comparison = compared(search, [fit, *better])
     if search.premises.library_is_complete:
         return max([fit, *better], key=comparison.score)
-    removed = search.settings.search.removed
-    enough = [one for one in better if not worth(search, comparison, one, fit, removed)]
+    enough = [one for one in better if one.chi2 < (1 + RISE) * fit.chi2]
     return min(enough, key=lambda one: (len(one.hypothesis), one.chi2), default=fit)
 
 
