@@ -82,7 +82,7 @@ def read_record(
     reader.spared = (*drive.asked, *drive.without_torque)
     grid = even_grid(log.joint_states.stamp, robot.sample_time, f"{name}: joint_states")
     warnings += grid.warnings
-    position, valid, instants = positions_on_grid(reader.positions(), grid, name, warnings)
+    position, valid, instants = positions_on_grid(reader.positions(), grid, name, warnings, reader.velocities())
     slots = Slots(grid, instants)
     record, rows = _motion_and_drive(reader, drive, slots, position, valid)
     record = _with_further_signals(record, reader, slots, rows)

@@ -16,10 +16,12 @@ if TYPE_CHECKING:
 
 _SMOOTH = 5  # samples over which speeds are averaged
 _BELIEVED = 0.5  # share of the deviation that must be visible in the positions
+_ALIKE = 0.9  # correlation of a measured speed with the derivative of its position from which it tells
+_CLOSER = 0.8  # error of the speeds with the true instants, over that with the others, from which they tell which
 
 
 def positions_on_grid(
-    values: FloatArray, grid: EvenGrid, name: str, warnings: list[str]
+    values: FloatArray, grid: EvenGrid, name: str, warnings: list[str], velocity: FloatArray | None = None
 ) -> tuple[FloatArray, BoolArray, bool]:
     """Place measured positions on the grid; missing ones are held.
 
@@ -28,6 +30,7 @@ def positions_on_grid(
         grid: The grid of their stamps.
         name: Name of the log, for messages.
         warnings: Receives what was repaired.
+        velocity: Measured velocities of the same messages [rad/s or m/s], shape (n, M); None without them.
 
     Returns:
         Positions, shape (n_slots, M); whether each was measured, shape (n_slots,); whether the stamps are the true
@@ -47,9 +50,11 @@ def positions_on_grid(
     position: FloatArray = taken[last][index]
     if grid.jitter <= NOTED_JITTER * grid.sample_time:
         return position, valid, False
-    share = seen_share(position, grid, valid)
+    believed = None if velocity is None else shown_by_speeds(taken, velocity[grid.rows], grid)
+    if believed is None:
+        believed = seen_share(position, grid, valid) > _BELIEVED
     amount = _amount(grid)
-    if not share > _BELIEVED:
+    if not believed:
         warnings.append(f"{amount}, which the positions do not follow; the samples are treated as even")
         return position, valid, False
     warnings.append(f"{amount} and are the true instants; the positions were interpolated to even ones")
@@ -68,6 +73,33 @@ def _amount(grid: EvenGrid) -> str:
         f"the stamps of joint_states are irregular ({low:.3g} to {high:.3g} ms apart, {1 / grid.sample_time:.5g} Hz in "
         "the mean)"
     )
+
+
+def shown_by_speeds(position: FloatArray, velocity: FloatArray, grid: EvenGrid) -> bool | None:
+    """Return whether measured velocities say that the stamps are the true instants; None where they do not tell.
+
+    They are the derivatives of the positions by the true instants. Positions alone show stamps that jitter, and nothing
+    of a rate that changes slowly.
+
+    Args:
+        position: Positions of the messages that are used [rad or m], shape (m, M).
+        velocity: Their measured velocities [rad/s or m/s], shape (m, M).
+        grid: The grid.
+    """
+    errors = np.zeros(2)
+    usable = np.all(np.isfinite(position), axis=1) & np.all(np.isfinite(velocity), axis=1)
+    usable[1:] &= np.diff(grid.numbers) == 1
+    for column, speed in zip(position.T, velocity.T, strict=True):
+        derivatives = [np.gradient(column, instants)[usable] for instants in (grid.times, grid.instants[grid.numbers])]
+        own = speed[usable]
+        if not (np.std(own) > 0 and min(np.std(one) for one in derivatives) > 0):
+            continue
+        if max(np.corrcoef(own, one)[0, 1] for one in derivatives) > _ALIKE:
+            errors += [float(np.mean((one - own) ** 2) / np.var(own)) for one in derivatives]
+    by_stamps, even = np.sqrt(errors)
+    if by_stamps < _CLOSER * even:
+        return True
+    return False if even < _CLOSER * by_stamps else None
 
 
 def seen_share(position: FloatArray, grid: EvenGrid, valid: BoolArray) -> float:

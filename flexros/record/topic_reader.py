@@ -153,6 +153,11 @@ class TopicReader:
         taken: FloatArray = positions[:, self.columns]
         return taken
 
+    def velocities(self) -> FloatArray | None:
+        """Return the measured velocities of all motors [rad/s or m/s], shape (n, M); None where there are none."""
+        velocities = self.log.joint_states.velocity
+        return None if velocities is None else velocities[:, self.columns]
+
     def without_torque(self, source: TorqueSource) -> tuple[int, ...]:
         """List the motors of which no torque was recorded."""
         commands, effort = self.log.joint_commands, self.log.joint_states.effort

@@ -71,6 +71,15 @@ class ToolLoad(AbstractChangedValues):
         """Return the same, or whether springs blur what the torques show of a load of several motors."""
         return self.sought(robot, location) or (bool(robot.flexible_motors) and robot.n_motors > 1)
 
+    def fitted(self, robot: Robot, location: str) -> Mapping[str, Range]:
+        """Return mass and place, without the coordinate along an axis about which all joints turn: nothing shows it."""
+        del location
+        if any(joint.mode is not None or any(joint.orientation) for joint in robot.joints):
+            return self.ranges
+        axes = {"xyz"[joint.axis] for joint in robot.joints if joint.rotary}
+        hidden = axes if len(axes) == 1 else set() if axes else set("xyz")
+        return {name: allowed for name, allowed in self.ranges.items() if name not in hidden}
+
     def values(self, robot: Robot, location: str) -> dict[str, float]:
         """Return mass, centre of mass and inertia of the last body that moves, with the load."""
         del location

@@ -47,6 +47,7 @@ class FreeParameter:
         negative: Largest size of negative values, not above `high` [its unit]; None: `high`.
         fine: Step of the differences that make the derivatives, over the usual one [1].
         vanishes: Bound near which the effect of the parameter vanishes, see `Range`.
+        widest: Largest size that a search which ends at `high` goes on to [its unit]; None where it ends there.
     """
 
     name: str
@@ -57,6 +58,7 @@ class FreeParameter:
     negative: float | None = None
     fine: float = 1.0
     vanishes: Literal["low", "high", "never"] = "low"
+    widest: float | None = None
 
     def encode(self, value: float) -> float:
         """Convert a value [its unit] to the unit of the fit [1]."""
@@ -142,12 +144,12 @@ class Candidate:
         """Return the candidate with a parameter free up to ten times its largest size; None where its range ends there.
 
         Args:
-            name: Name of a free parameter whose scale is 1.
+            name: Name of a free parameter.
         """
-        free, widest = next(free for free in self.free if free.name == name), self.effect.ranges[name].widest
-        if widest is None or free.high >= widest:
+        free = next(free for free in self.free if free.name == name)
+        if free.widest is None or free.high >= free.widest:
             return None
-        wide = replace(free, high=min(WIDER * free.high, widest))
+        wide = replace(free, high=min(WIDER * free.high, free.widest))
         return replace(self, free=tuple(wide if one is free else one for one in self.free))
 
     def with_usual(self, name: str) -> Candidate | None:
@@ -243,7 +245,8 @@ def free_parameter(name: str, allowed: Range, scale: float) -> FreeParameter:
         # the middle of equal parts of the logarithmic range
         parts = (np.arange(allowed.starts) + 0.5) / allowed.starts
         starts = tuple(float(x) for x in low * (high / low) ** parts)
-    return FreeParameter(name, low, high, allowed.signed, starts, negative, vanishes=allowed.vanishes)
+    widest = None if allowed.widest is None else allowed.widest * scale
+    return FreeParameter(name, low, high, allowed.signed, starts, negative, vanishes=allowed.vanishes, widest=widest)
 
 
 def below_nominal(free: FreeParameter, most: float) -> FreeParameter:

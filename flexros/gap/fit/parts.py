@@ -15,7 +15,7 @@ RIDGE = 1e-6
 
 
 def parts_of(data: FitData, number: int) -> IntArray:
-    """Divide the prediction errors of the motors into parts of equal duration.
+    """Divide the prediction errors of the motors into parts with equally many samples that count.
 
     Args:
         data: The log.
@@ -24,8 +24,8 @@ def parts_of(data: FitData, number: int) -> IntArray:
     Returns:
         Part of each error, motor after motor, shape (M n_samples,).
     """
-    n, M = data.spread.shape
-    return np.tile(np.arange(n) * number // n, M)
+    counted = np.cumsum(np.isfinite(data.spread).any(axis=1))
+    return np.tile(np.maximum(counted - 1, 0) * number // max(int(counted[-1]), 1), data.spread.shape[1])
 
 
 def estimates_of_parts(
@@ -55,7 +55,7 @@ def estimates_of_parts(
         J, r = slopes[part == k], residual[part == k]
         covariance = np.linalg.pinv(J.T @ J + np.diag(free) / K, hermitian=True)
         estimates[k] = -covariance @ (J.T @ r + pulled / K)
-        deviations[k] = np.sqrt(np.mean(r**2) * np.diag(covariance))
+        deviations[k] = np.sqrt(np.mean(r**2) * np.diag(covariance)) if r.any() else np.inf
     return estimates, deviations
 
 
@@ -73,7 +73,7 @@ def variation_between_parts(estimates: FloatArray, deviations: FloatArray) -> Fl
     Returns:
         Standard deviations tau, shape (p,).
     """
-    weights = 1.0 / np.maximum(deviations, 1e-300) ** 2
+    weights = 1.0 / np.maximum(deviations, 1e-150) ** 2
     total = weights.sum(axis=0)
     squares = np.sum(weights * (estimates - np.sum(weights * estimates, axis=0) / total) ** 2, axis=0)
     excess = (squares - (len(estimates) - 1)) / np.maximum(total - np.sum(weights**2, axis=0) / total, 1e-300)

@@ -51,8 +51,9 @@ def regrouped(
     Numbers of the model, gains and offsets act in proportion to their size. What one of them does, several others do
     together, and forward selection, which adds one after the other, may end there: a gain and a load of a thousandth
     became two inertias, a spring, a gain and an offset. Without any of them linear theory tells how much every set of
-    them leaves. The smallest good ones are fitted, and taken where their score is better; for a measured log where they
-    leave about as much: the load of a gantry became three rotors and a constant force.
+    them leaves. The smallest good ones are fitted, and taken where their score is better. In a measured log a change
+    that several motors feel takes the place of numbers of these motors where it leaves about as much: the load of a
+    gantry became three rotors and a constant force.
 
     Args:
         search: The search.
@@ -77,8 +78,8 @@ def regrouped(
     now = tuple(sorted(places[name] for name in names))
     sets = rest.best_sets(changes, len(own) - 1, now)
     before = max(rest.left(changes[:, now]), 1e-300)
-    if not search.premises.library_is_complete:  # those without some of its own are left to the elimination
-        sets = [members for members in sets if not set(members) <= set(now)]
+    if not search.premises.library_is_complete:
+        sets = [members for members in sets if _are_felt_by_several(search, names, [competing[one] for one in members])]
     alike = [members for members in sets if _does_as_well(search, rest, changes[:, members], before, len(own))]
     trials = []
     for members in alike[:TRIED]:
@@ -92,6 +93,19 @@ def regrouped(
         return max([fit, *better], key=comparison.score)
     enough = [one for one in better if one.chi2 < (1 + RISE) * fit.chi2]
     return min(enough, key=lambda one: (len(one.hypothesis), one.chi2), default=fit)
+
+
+def _are_felt_by_several(search: Search, names: frozenset[str], members: Sequence[Directions]) -> bool:
+    """Return whether a set has other changes than an explanation, and none of them at a single motor.
+
+    Args:
+        search: The search.
+        names: Names of all its changes in proportion to a size.
+        members: The set.
+    """
+    new = [one.candidate for one in members if one.candidate.name not in names]
+    of_motors = any(one.location in search.null.model.robot.joint_names for one in new)
+    return bool(new) and not of_motors
 
 
 def _does_as_well(search: Search, rest: Surroundings, changes: NDArray[Any], before: float, n_own: int) -> bool:

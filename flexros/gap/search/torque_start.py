@@ -93,8 +93,11 @@ class TorqueStart:
     def _load(self, scales: Scales) -> list[tuple[Candidate, tuple[float, ...]]]:
         """Return the load with its mass and place, if any."""
         mass, moment = float(self.regression.load[0]), self.regression.load[1:]
-        every = list_candidates(self.robot, scales, measured=True) if mass > 0 else []
-        return [(one, (mass, *(moment / mass).tolist())) for one in every if one.effect is ToolLoad]
+        if mass <= 0:
+            return []
+        sizes = {"mass": mass, **dict(zip("xyz", (moment / mass).tolist(), strict=True))}
+        every = list_candidates(self.robot, scales, measured=True)
+        return [(one, tuple(sizes[free.name] for free in one.free)) for one in every if one.effect is ToolLoad]
 
     def _over_position(self, torque: PositionTorque, scales: Scales) -> tuple[Candidate, tuple[float, ...]]:
         """Return a counterbalance or a curve of a motor with the initial values of its sizes."""

@@ -35,3 +35,13 @@ def test_a_diagnosis_seeks_it_where_several_servos_carry_it() -> None:
     assert ToolLoad().sought(arm.commanded_by("position"), "tool")
     assert not ToolLoad().sought(arm, "tool")
     assert not ToolLoad().sought(joint.commanded_by("position"), "tool")
+
+
+def test_of_a_real_machine_it_is_sought_behind_springs() -> None:
+    assert ToolLoad().sought_if_measured(load_robot("elbow"), "tool")
+    assert not ToolLoad().sought_if_measured(servo_arm(), "tool")
+
+
+def test_its_place_along_the_axis_of_all_joints_is_not_fitted() -> None:
+    assert list(ToolLoad().fitted(servo_arm(), "tool")) == ["mass", "x", "z"]
+    assert list(ToolLoad().fitted(load_robot("six_axis"), "tool")) == ["mass", "x", "y", "z"]

@@ -211,7 +211,18 @@ def test_the_load_of_a_light_wrist_may_be_many_times_its_mass() -> None:
     assert wide is not None
     assert wide.free[0].high == pytest.approx(10 * among["payload_error@tool"].free[0].high)
     assert among["coulomb_friction@motor_1"].widened("level") is None
-    assert among["coulomb_friction@motor_1"].widened("level") is None
+
+
+@pytest.mark.parametrize("scale", [0.01, 300.0])
+def test_viscous_friction_is_sought_up_to_ten_times_the_largest_torque_over_speed(scale: float) -> None:
+    """Of a joint that moves little for its torque, friction takes nearly all of it."""
+    sizes = Scales({"torque": {"motor_1": scale}, "speed": {"motor_1": 1.0}})
+    found = next(one for one in list_candidates(load_robot("two_mass"), sizes) if one.name == "viscous_friction@motor_1")
+    wide = found.widened("coefficient")
+    assert found.free[0].high == pytest.approx(scale)
+    assert wide is not None
+    assert wide.free[0].high == pytest.approx(10 * scale)
+    assert wide.widened("coefficient") is None
 
 
 def test_a_torque_constant_may_be_several_times_too_small_but_never_below_zero() -> None:

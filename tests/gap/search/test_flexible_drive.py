@@ -14,6 +14,7 @@ from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.diagnose import diagnose
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.residuals.prepare_fit_data import fit_data
+from flexros.gap.search.curves import with_curves
 from flexros.gap.search.fits.refits import at_limits
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.search.regrouping import with_gains
@@ -61,13 +62,16 @@ def record_of(*effects: str) -> Record:
     return Record("log", T, position, torque, np.ones(N, dtype=bool), imported=True)
 
 
-def search_and_fit(truth: tuple[str, ...], found: tuple[str, ...]) -> tuple[Search, CandidateFit]:
+def search_and_fit(
+    truth: tuple[str, ...], found: tuple[str, ...], rivals: tuple[str, ...] = RIVALS
+) -> tuple[Search, CandidateFit]:
     """Prepare a search in such a log with numbers of the model known to 3 %, and fit some effects to it."""
     robot = load_robot("two_mass")
     model = RobotWithEffects(robot, ())
     data = fit_data(record_of(*truth), model, SETTINGS)
     among = dict.fromkeys(("inertia", "stiffness", "damping"), 0.03)
-    search = prepare_search(fit_null(data, model, tolerance_of(robot, among)), SETTINGS)
+    settings = SETTINGS.model_copy(update={"search": SearchSettings(effects=rivals)})
+    search = prepare_search(fit_null(data, model, tolerance_of(robot, among)), settings)
     known = {one.name: one for one in search.candidates()}
     additions = search.additions(
         search.directions([known[name] for name in found]), search.null.fit, search.surroundings(search.null.fit)
@@ -129,6 +133,17 @@ def test_a_stiff_spring_takes_the_place_of_hysteresis_that_bends_by_more_than_th
     search, wrong = search_and_fit(truth, ("hysteresis@motor_1", "viscous_friction@motor_1"))
     right = with_simpler_effects(search, wrong, [])
     assert right.names == {"stiffness_error@body_1.rz", "viscous_friction@motor_1"}
+
+
+def test_backlash_takes_the_place_of_a_curve_that_stands_for_it() -> None:
+    curves = (*RIVALS, "spring_curve")
+    truth = ("backlash@motor_1:gap=1e-3", FRICTION[1])
+    search, friction = search_and_fit(truth, ("viscous_friction@motor_1",), curves)
+    wrong = with_curves(search, friction, [], [], {"spring_curve@body_1.rz"})
+    assert wrong.names == {"spring_curve@body_1.rz", "viscous_friction@motor_1"}
+    right = with_simpler_effects(search, wrong, [])
+    assert right.names == {"backlash@motor_1", "viscous_friction@motor_1"}
+    assert right.chi2 < wrong.chi2
 
 
 def test_hysteresis_that_no_number_stands_for_stays() -> None:

@@ -46,6 +46,15 @@ def test_a_servo_that_is_held_back_or_overshoots_is_warned_of(factor: float) -> 
     assert "motor_1" in one.text
 
 
+def test_a_soft_servo_that_does_not_follow_a_fast_chirp_is_no_error_of_units() -> None:
+    """Below 1 Hz it follows; above, its inertia hardly moves."""
+    record = record_with()
+    assert record.command is not None
+    time = record.sample_time * np.arange(record.n_samples)
+    fast = np.sin(2 * np.pi * (2 + time / 4) * time)[:, None]
+    assert found(replace(record, position=record.position + 0.05 * fast, command=record.command + fast)) == []
+
+
 def test_a_gear_between_command_and_position_is_refused() -> None:
     (one,) = found(record_with(5.0))
     assert "gear" in one.text

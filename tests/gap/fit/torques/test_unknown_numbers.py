@@ -12,6 +12,7 @@ import yaml
 from flexros.effects import RobotWithEffects
 from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.kinds.base import PlacedEffect
+from flexros.effects.left_out.tool_load import ToolLoad
 from flexros.gap.candidates.tolerance import Tolerance, tolerance_of
 from flexros.gap.diagnose import diagnose
 from flexros.gap.fit.torques.missing_load import bodies_are_off, load_before_bodies
@@ -136,6 +137,16 @@ def test_the_patch_states_the_friction_of_the_log_against_that_of_the_file() -> 
     gap = measure_gap(held, RobotWithEffects(damped(), ()), repaired=repaired, settings=settings).numbers
     assert gap.closed_fraction is not None
     assert gap.closed_fraction > 0.95
+
+
+def test_numbers_that_an_exact_file_lacks_are_uncertain_all_the_same() -> None:
+    """They are estimates, of which a fit of the log must find the rest."""
+    unknown = UnknownNumbers({"motor_1": 0.8}, ToolLoad(mass=1.0, x=0.1, z=0.2), 3.0)
+    robot = unknown.given_to(RobotWithEffects(arm(), ())).robot
+    found = unknown.tolerated(Tolerance(), robot)
+    center = ("body_2.center_of_mass.x", "body_2.center_of_mass.z")  # along y there is nothing
+    assert set(found.names) == {"motor_1.inertia", "body_2.mass", *center}
+    assert min(found.deviations) > 0
 
 
 def test_a_patch_holds_bodies_that_are_far_off() -> None:

@@ -1,0 +1,119 @@
+"""Loads that a robot file lacks, and what stands for them in a measured log."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from flexros.effects import RobotWithEffects, parse_effect, place_effects
+from flexros.gap.diagnose import diagnose
+from flexros.gap.settings import DiagnosisSettings, SearchSettings
+from flexros.random_streams import generator
+from flexros.record.record import Record
+from flexros.robot import Robot, robot_from_data
+from flexros.simulate.plant import Plant
+
+pytestmark = pytest.mark.slow
+
+T = 4e-3
+FRICTION = ("coulomb_friction@motor_1:level=6", "coulomb_friction@motor_2:level=5")
+RIVALS = (
+    *("coulomb_friction", "viscous_friction", "torque_bias", "motor_inertia_error", "torque_gain_error"),
+    *("payload_error", "tool_load", "gravity_error", "stiffness_error", "extra_mode"),
+)
+SETTINGS = DiagnosisSettings(where=None, next_experiment=None, search=SearchSettings(effects=RIVALS))
+
+
+def robot_of(name: str, *directions: dict[str, Any], length: float) -> Robot:
+    """Make a robot of two bodies of 10 and 5 kg whose numbers are exact."""
+    bodies = [
+        {
+            "mass": mass,
+            "center_of_mass": [0, 0, 0.5 * length],
+            "inertia": {"xx": 0.05 * mass, "yy": 0.05 * mass, "zz": 0.02 * mass},
+            "length": [0, 0, length],
+            "directions": direction,
+        }
+        for mass, direction in zip((10, 5), directions, strict=True)
+    ]
+    coordinates = [f"body_{k}.{next(iter(one))}" for k, one in enumerate(directions, start=1)]
+    data = {
+        "name": name,
+        "gravity": [0, 0, -9.81],
+        "sample_time": T,
+        "bodies": bodies,
+        "outputs": {"joints": {"coordinates": coordinates}},
+        "controlled": "joints",
+    }
+    return robot_from_data(data, f"{name}.yaml")
+
+
+@cache
+def gantry() -> Robot:
+    """A slide and a lift."""
+    motors = ({"inertia": inertia, "viscous_friction": 40.0} for inertia in (15.0, 8.0))
+    slide, lift = ({axis: {"spring": "rigid", "motor": motor}} for axis, motor in zip(("tx", "tz"), motors))
+    return robot_of("gantry", slide, lift, length=0.2)
+
+
+@cache
+def elastic_arm() -> Robot:
+    """A shoulder and an elbow behind springs."""
+    drives = ((20_000.0, 15.0, 4.0), (8_000.0, 6.0, 1.5))
+    joints = [
+        {"ry": {"spring": spring, "damper": damper, "motor": {"inertia": inertia, "viscous_friction": 8.0}}}
+        for spring, damper, inertia in drives
+    ]
+    return robot_of("elastic_arm", *joints, length=0.4)
+
+
+def measured(
+    robot: Robot, *effects: str, gain: tuple[float, float], shaken: float = 0.0, seconds: float = 20.0
+) -> Record:
+    """Let PD controllers of some stiffness follow slow sines, and record it as another program would."""
+    placed = place_effects(robot, [parse_effect(text, "test") for text in effects])
+    n, random = round(seconds / T), generator(3, 700)
+    time = T * np.arange(n)
+    wanted = np.stack([0.4 * np.sin(2 * np.pi * 0.31 * time), 0.3 * np.sin(2 * np.pi * 0.53 * time)], axis=-1)
+    wanted += 0.1 * np.sin(2 * np.pi * np.array([1.1, 1.7]) * time[:, None])
+    stiffness, damping = gain
+    plant = Plant(placed.robot, T, placed.robot.equilibrium(wanted[0]), substeps=8, laws=placed.laws)
+    position, torque = np.empty((n, 2)), np.empty((n, 2))
+    lines = np.arange(4.0, 30, 1.7)
+    angles = 2 * np.pi * lines * time[:, None] + random.uniform(0, 2 * np.pi, (2, 1, len(lines)))
+    shaking = shaken * np.sin(angles).sum(axis=2).T
+    before = plant.measure()
+    for k, command in enumerate(wanted):
+        position[k] = plant.measure()
+        torque[k] = shaking[k] + stiffness * (command - position[k]) - damping * (position[k] - before) / T
+        before = position[k]
+        plant.advance(torque[k])
+    position += 2e-6 * random.standard_normal(position.shape)
+    return Record("log", T, position, torque, np.ones(n, dtype=bool), imported=True)
+
+
+def sizes_of(record: Record, robot: Robot) -> dict[str, dict[str, float]]:
+    found = diagnose(record, RobotWithEffects(robot, ()), settings=SETTINGS)
+    return {
+        f"{one.effect}@{one.location}": {name: size.value for name, size in one.parameters.items()}
+        for one in found.diagnosis.causes
+    }
+
+
+def test_a_payload_takes_the_place_of_rotors_and_a_weight_that_stand_for_it() -> None:
+    record = measured(gantry(), "payload_error@tool:relative=0.4", *FRICTION, gain=(2e4, 800.0))
+    sizes = sizes_of(record, gantry())
+    assert sizes.keys() == {"payload_error@tool", *(one.partition(":")[0] for one in FRICTION)}
+    assert sizes["payload_error@tool"]["relative"] == pytest.approx(0.4, rel=0.03)
+
+
+def test_a_load_behind_springs_is_found_with_its_place() -> None:
+    hidden = ("tool_load@tool:mass=3,x=0.3,z=0.1", "stiffness_error@body_2.ry:relative=0.3")
+    record = measured(elastic_arm(), *hidden, *FRICTION, gain=(3e3, 100.0), shaken=10.0)
+    sizes = sizes_of(record, elastic_arm())
+    assert sizes.keys() == {one.partition(":")[0] for one in (*hidden, *FRICTION)}
+    assert sizes["tool_load@tool"]["mass"] == pytest.approx(3, rel=0.05)
+    assert sizes["tool_load@tool"]["x"] == pytest.approx(0.3, rel=0.05)
