@@ -49,7 +49,7 @@ def extended(
     seen = {chosen.names}
     for number in range(settings.rounds_after_torques if search.torques_decide else settings.rounds):
         further = settings.removed_by_further if search.torques_decide and number else 0.0
-        if further and at_limits(chosen):
+        if further and any(one.widened(name) for one, name in at_limits(chosen)):
             break  # a search that is widened removes what others would imitate
         chosen = with_bristles(search, with_overtones(search, chosen, fits), fits)
         comparison = compared(search, best_of_each(fits))

@@ -5,6 +5,8 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from flexros.effects.kinds.curve import AbstractCurve
 from flexros.gap.candidates.candidate import simpler
 from flexros.gap.search.exchange import RICH
@@ -96,7 +98,7 @@ def with_simpler_effects(search: Search, fit: CandidateFit, fits: list[Candidate
         promising = [one for one in additions if one.gain > settings.regained * (rest.chi2 - fit.chi2)]
         trials = [[one] for one in promising[: settings.added]]
         found = search.parallel("simpler effects", partial(search.together, rest), trials)
-        found += _laws_in_place(search, fit, law, rest.chi2)
+        found += _laws_in_place(search, fit, law)
         if not found:
             continue
         best = search.completed(min(found, key=lambda one: one.chi2))
@@ -106,14 +108,15 @@ def with_simpler_effects(search: Search, fit: CandidateFit, fits: list[Candidate
     return fit
 
 
-def _laws_in_place(search: Search, fit: CandidateFit, curve: Candidate, without: float) -> list[CandidateFit]:
+def _laws_in_place(search: Search, fit: CandidateFit, curve: Candidate) -> list[CandidateFit]:
     """Fit laws with fewer parameters at the motor or gear of a curve in its place, begun with all else as it is.
+
+    A wrong number of the gear beside the curve may stand for a part of the law, so that it is also tried without that.
 
     Args:
         search: The search.
         fit: The explanation with the curve.
         curve: The curve; none of its kind, and no law is fitted.
-        without: Sum of squares without it [1].
     """
     if not issubclass(curve.effect, AbstractCurve):
         return []
@@ -121,6 +124,13 @@ def _laws_in_place(search: Search, fit: CandidateFit, curve: Candidate, without:
     own = next((place for place in places if curve.location in place), {curve.location})
     every = [one for one in search.candidates() if one.location in own and one.name not in fit.names]
     laws = [one for one in every if not in_proportion(one) and len(one.free) < len(curve.free)]
+    numbers = [one.name for one in fit.hypothesis if one.location == curve.location and in_proportion(one)]
+    begun = [fit, *([search.without(fit, *numbers)] if numbers else [])]
     plants = search.plants(fit, laws)
-    begun = search.parallel("laws for curves", lambda one: search.in_place(fit, curve, one, plants[one], without), laws)
-    return [search.completed(one) for one in begun if one is not None]
+
+    def in_place(pair: tuple[CandidateFit, Candidate]) -> CandidateFit | None:
+        one, law = pair
+        return search.in_place(one, curve, law, plants[law], np.inf, refined=True)
+
+    pairs = [(one, law) for one in begun for law in laws]
+    return [one for one in search.parallel("laws for curves", in_place, pairs) if one is not None]

@@ -217,7 +217,8 @@ def test_the_load_of_a_light_wrist_may_be_many_times_its_mass() -> None:
 def test_viscous_friction_is_sought_up_to_ten_times_the_largest_torque_over_speed(scale: float) -> None:
     """Of a joint that moves little for its torque, friction takes nearly all of it."""
     sizes = Scales({"torque": {"motor_1": scale}, "speed": {"motor_1": 1.0}})
-    found = next(one for one in list_candidates(load_robot("two_mass"), sizes) if one.name == "viscous_friction@motor_1")
+    every = list_candidates(load_robot("two_mass"), sizes)
+    found = next(one for one in every if one.name == "viscous_friction@motor_1")
     wide = found.widened("coefficient")
     assert found.free[0].high == pytest.approx(scale)
     assert wide is not None

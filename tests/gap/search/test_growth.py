@@ -93,7 +93,8 @@ def test_on_a_real_machine_the_search_goes_on_while_steps_remove_most_of_what_is
 
     monkeypatch.setattr(growth, "with_more", with_more)
     monkeypatch.setattr(growth, "reduced", lambda _search, one, *_: one)
-    monkeypatch.setattr(growth, "at_limits", lambda _: limited)
+    ended = SimpleNamespace(widened=lambda _: limited or None)
+    monkeypatch.setattr(growth, "at_limits", lambda _: [(ended, "size")])
     search = search_that_never_ends()
     search.torques_decide = True
     assert list(growth.extended(search, fit("first"), [], []).hypothesis) == expected

@@ -16,11 +16,15 @@ from flexros.gap.search.fits.log_fits import LogFits
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
 
+    from flexros.arrays import FloatArray
     from flexros.gap.candidates.candidate import Candidate, Hypothesis
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.prediction.compiled_plant import CompiledPlant
+    from flexros.gap.prediction.predictor import Predictor
     from flexros.gap.search.fits.additions import Addition
 
+REFINED = 4
+"""Rounds in which the parameters of a law in place of a curve are refined alone (chosen)."""
 RICH_STARTS = 2 * LANES
 """Most initial values of the further parameters of a rich law (chosen)."""
 
@@ -121,6 +125,8 @@ class Refits(LogFits):
         plant: CompiledPlant,
         most: float,
         known: Mapping[str, float] = MappingProxyType({}),
+        *,
+        refined: bool = False,
     ) -> CandidateFit | None:
         """Fit an explanation with another law in place of one, begun with all others as they are.
 
@@ -131,6 +137,8 @@ class Refits(LogFits):
             plant: A plant that holds all laws.
             most: Sum of squares below which an initial value of the other law must come at once [1].
             known: Parameters of the other law that are known.
+            refined: Whether the best initial values are refined alone first: where all sizes move at once, those of
+                others leave the valley in which they are right.
 
         Returns:
             A fit that is not carried to its end; None where no initial value does that the encoder shows.
@@ -151,7 +159,33 @@ class Refits(LogFits):
         groups = [starts[:, first : first + LANES] for first in range(0, starts.shape[1], LANES)]
         sums = np.concatenate([chi2_of(predictor, self.data, group) for group in groups])
         best = int(np.argmin(sums))
-        return self._joint(predictor, starts[:, best]) if sums[best] < most else None
+        if not sums[best] < most:
+            return None
+        start = starts[:, best]
+        if refined:
+            first = int((~before[:n_effect]).sum())
+            start = self._refined(predictor, start, range(first, first + len(own)))
+        return self._joint(predictor, start)
+
+    def _refined(self, predictor: Predictor, start: FloatArray, columns: range) -> FloatArray:
+        """Refine some parameters of a fit one after the other, with all others as they are.
+
+        Args:
+            predictor: The predictor.
+            start: Parameters in the units of the fit, shape (n_fitted,).
+            columns: Those that are refined.
+        """
+        low, high = predictor.bounds
+        steps = {column: (high[column] - low[column]) / LANES for column in columns}
+        for _ in range(REFINED):
+            for column in columns:
+                group = np.repeat(start[:, None], LANES, axis=1)
+                around = steps[column] * np.linspace(-1, 1, LANES)
+                group[column] = np.clip(start[column] + around, low[column], high[column])
+                group[:, 0] = start
+                start = group[:, int(np.argmin(chi2_of(predictor, self.data, group)))]
+                steps[column] *= 3 / LANES
+        return start
 
     def pruned(self, fit: CandidateFit) -> CandidateFit:
         """Leave out the parameters of a fit that the information criterion rejects (Schwarz 1978).
