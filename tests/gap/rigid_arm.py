@@ -58,6 +58,7 @@ def record_of_arm(
     share: float = 0.0,
     offset: float = 0.0,
     rotors: tuple[float, float] | None = None,
+    rise: float = 0.0,
     seconds: float = 20.0,
 ) -> Record:
     """Compute the torques of that motion by inverse dynamics, with rotors and friction that the model lacks.
@@ -73,6 +74,7 @@ def record_of_arm(
         share: Friction of motor_1 per torque that its gear transmits [1].
         offset: Of the torque of motor_1 [Nm].
         rotors: Inertias of the rotors [kg m2]; None for `INERTIA`.
+        rise: Speed within which the dry friction rises to its level [rad/s].
         seconds: Length [s].
     """
     q, v, a = motion(seconds)
@@ -80,7 +82,8 @@ def record_of_arm(
     model = arm().with_values({name: (1 + load) * arm().parameters[name].value for name in last}).model
     rigid = np.asarray(model.arm_inverse_dynamics(q.T, v.T, a.T, model.parameter_values), dtype=float).T
     uneven = 1 + 0.5 * np.array([asymmetry, 0.0]) * np.sign(v)
-    torque = rigid + (INERTIA if rotors is None else np.array(rotors)) * a + VISCOUS * v * uneven + COULOMB * np.sign(v)
+    torque = rigid + (INERTIA if rotors is None else np.array(rotors)) * a + VISCOUS * v * uneven
+    torque += COULOMB * (np.tanh(v / rise) if rise else np.sign(v))
     torque[:, 0] += share * np.abs(rigid[:, 0]) * np.sign(v[:, 0])
     torque[:, 0] += offset
     torque[:, 0] -= balance[0] * np.cos(q[:, 0]) + balance[1] * np.sin(q[:, 0])

@@ -9,11 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
+from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.gap.fit.least_squares import linearise
 from flexros.gap.fit.once_per_fit import once_per_fit
 from flexros.gap.fit.parts import estimates_of_parts, parts_of, variation_between_parts
 from flexros.gap.fit.screening import switched_off
 from flexros.gap.schema import CauseParameter
+from flexros.record.missing_samples import bridged_motion
+from flexros.record.smoothing import motion_cutoff, smooth_motion
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -34,6 +37,8 @@ BANDS = 12
 TIMING = 0.144
 """Standard deviation of the time between torques and positions of an imported log [samples]: half samples are looked
 for, which leaves a quarter of one to each side, all alike probable."""
+RISES = (0.002, 0.01, 0.05)
+"""Speeds within which dry friction may rise to its level, over the rms speed of the motor [1] (chosen)."""
 FARTHEST_SHIFT = 3**0.5
 """Largest shift in time over its standard deviation [1]: that quarter. What errors show beyond is of another cause."""
 ROUNDING = 1e-9
@@ -166,7 +171,9 @@ def fit_covariance(fit: CandidateFit, data: FitData, form: RankingSettings | Non
         rows = slice(begin, begin + (len(r) - end) // M)
         meat += coloured(J[rows], r[rows, None], rows.stop - rows.start)
     inverse = inverse_of(line.information)
-    meat += _doubt_of_timing(_of_timing(fit, data, r), J, r, inverse)
+    meat += _doubt_of(_of_timing(fit, data, r), J, r, inverse)
+    for changed in _of_smooth_friction(fit, data, r):
+        meat += _doubt_of(changed, J, r, inverse, 1.0)
     covariance: FloatArray = inverse @ meat @ inverse
     if form is not None and not data.record.premises.library_is_complete:
         covariance = _with_doubt_of_shapes(covariance, inverse, fit)
@@ -193,22 +200,55 @@ def _of_timing(fit: CandidateFit, data: FitData, residual: FloatArray) -> FloatA
     return np.asarray(moved - residual)
 
 
-def _doubt_of_timing(changed: FloatArray, J: FloatArray, residual: FloatArray, inverse: FloatArray) -> FloatArray:
-    """Return the covariance of the gradient by a shift in time that a fit does not have, shape (n_fitted, n_fitted).
+def _of_smooth_friction(fit: CandidateFit, data: FitData, residual: FloatArray) -> list[FloatArray]:
+    """Return what friction that rises smoothly from standstill changes in the errors, for each of the speeds `RISES`.
 
-    With the change c of the errors by a standard deviation of the shift, and its part a that no size takes up, the
-    errors tell the shift t = c'r / (1 + a'a), a quarter of a sample at most, with the variance 1 / (1 + a'a) of what
-    they leave open.
+    Lubricated contacts creep, and many simulators have F tanh(v / s) in place of F sign(v). At low speeds that is less
+    friction: taken for a jump, its level comes out too small, and viscous friction too large.
+    """
+    record, levels = data.record, np.zeros(data.record.torque.shape[1])
+    for candidate, values in zip(fit.hypothesis, fit.predictor.values(fit.theta), strict=True):
+        if candidate.effect is CoulombFriction:
+            levels[fit.predictor.robot.joint_names.index(candidate.location)] += values["level"]
+    if not record.imported or record.command is not None or not levels.any():
+        return []
+    position = bridged_motion(record.position, record.valid)
+    speed = smooth_motion(position, record.sample_time, motion_cutoff(record.sample_time))[1]
+    usual, torques, changes = np.maximum(np.sqrt(np.mean(speed**2, axis=0)), 1e-300), data.torques, []
+    for share in RISES:
+
+        def less(at: FloatArray, rise: FloatArray = share * usual) -> FloatArray:
+            return np.asarray(levels * (np.sign(at) - np.tanh(at / rise)))
+
+        late = replace(record, torque=record.torque + less(speed))
+        moved = replace(data, record=late, torques=None if torques is None else torques.with_more(less(torques.speed)))
+        changes.append(np.asarray(moved.residuals(fit.predictor, fit.theta[:, None])[:, 0] - residual))
+    return changes
+
+
+def _doubt_of(
+    changed: FloatArray,
+    J: FloatArray,
+    residual: FloatArray,
+    inverse: FloatArray,
+    farthest: float = FARTHEST_SHIFT,
+) -> FloatArray:
+    """Return the covariance of the gradient by what a fit does not have, shape (n_fitted, n_fitted).
+
+    With the change c of the errors by a standard deviation of it, such as a shift in time, and its part a that no size
+    takes up, the errors tell how much there is of it, t = c'r / (1 + a'a), within a limit, with the variance
+    1 / (1 + a'a) of what they leave open.
 
     Args:
         changed: The change c.
         J: Derivatives of the errors.
         residual: The errors r.
         inverse: H^-1.
+        farthest: Largest t [1].
     """
     gradient = J.T @ changed
     shown = 1.0 + max(float(changed @ changed - gradient @ inverse @ gradient), 0.0)
-    shift = min(abs(float(changed @ residual)) / shown, FARTHEST_SHIFT)
+    shift = min(abs(float(changed @ residual)) / shown, farthest)
     return np.asarray((shift**2 + 1.0 / shown) * np.outer(gradient, gradient))
 
 

@@ -96,6 +96,20 @@ class TorqueErrors:
         """Return the errors of torques that act later by some time [s] than the log has them."""
         return replace(self, delay=self.delay - time)
 
+    @property
+    def speed(self) -> FloatArray:
+        """Speeds of all motors at the samples [rad/s or m/s], shape (n, M)."""
+        M = self.robot.n_motors
+        return self.motion[1 + M : 1 + 2 * M].T
+
+    def with_more(self, torque: FloatArray) -> TorqueErrors:
+        """Return the errors of a log in which further torques act.
+
+        Args:
+            torque: They at the samples [Nm or N], shape (n, M).
+        """
+        return replace(self, torque=self.torque + decimate(torque, self.factor)[self.counts])
+
     def errors(self, predictor: Predictor, thetas: FloatArray) -> FloatArray:
         """Compute the errors of a hypothesis over their standard deviation.
 

@@ -9,13 +9,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from flexros.effects import effects
+from flexros.effects import RobotWithEffects, effects
 from flexros.gap.candidates.candidate import Candidate, free_parameter
 from flexros.gap.candidates.tolerance import Tolerance
+from flexros.gap.diagnose import diagnose
 from flexros.gap.fit import estimates
 from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.fit.estimates import (
-    _doubt_of_timing,
+    _doubt_of,
     covariance_of,
     fit_covariance,
     parameters_of,
@@ -27,7 +28,8 @@ from flexros.gap.fit.least_squares import chi2_of, fit, initial_values
 from flexros.gap.settings import FitSettings, RankingSettings
 from flexros.random_streams import generator
 from flexros.robot import load_robot
-from tests.gap.diagnosis_logs import WHOLE, candidates_of, data_of, encoded, predictor_of
+from tests.gap.diagnosis_logs import WHOLE, candidates_of, data_of, encoded, predictor_of, settings_of
+from tests.gap.rigid_arm import COULOMB, arm, record_of_arm
 
 pytestmark = pytest.mark.slow
 
@@ -233,11 +235,22 @@ def test_a_shift_in_time_is_a_doubt_where_the_errors_show_it_or_leave_it_open() 
     inverse = np.linalg.inv(J.T @ J)
     alike, unlike = J[:, 0], J[:, 0] + 5 * (other - J[:, 0] * (J[:, 0] @ other) / (J[:, 0] @ J[:, 0]))
     whole = float((J[:, 0] @ J[:, 0]) ** 2)
-    left_open = _doubt_of_timing(alike, J, np.zeros(500), inverse)
-    excluded = _doubt_of_timing(unlike, J, np.zeros(500), inverse)
-    shown = _doubt_of_timing(unlike, J, unlike - alike, inverse)
+    left_open = _doubt_of(alike, J, np.zeros(500), inverse)
+    excluded = _doubt_of(unlike, J, np.zeros(500), inverse)
+    shown = _doubt_of(unlike, J, unlike - alike, inverse)
     assert left_open[0, 0] == pytest.approx(whole)
     assert excluded[0, 0] < 1e-3 * whole
     assert shown[0, 0] == pytest.approx(whole, rel=0.01)
-    of_another_cause = _doubt_of_timing(unlike, J, 10 * (unlike - alike), inverse)  # 1.4 samples are no half sample
+    of_another_cause = _doubt_of(unlike, J, 10 * (unlike - alike), inverse)  # 1.4 samples are no half sample
     assert of_another_cause[0, 0] == pytest.approx(3 * whole, rel=0.01)
+
+
+@pytest.mark.parametrize(("rise", "widest"), [(0.0, 0.02), (0.02, 0.1)])
+def test_friction_that_rises_smoothly_is_within_its_interval(rise: float, widest: float) -> None:
+    """Taken for a jump, its level comes out too small; without a rise the interval stays narrow."""
+    names = ("coulomb_friction", "viscous_friction")
+    found = diagnose(record_of_arm(imported=True, rise=rise), RobotWithEffects(arm(), ()), settings=settings_of(*names))
+    sizes = {one.location: one.parameters["level"] for one in found.diagnosis.causes if one.effect == names[0]}
+    for location, true in zip(("motor_1", "motor_2"), COULOMB, strict=True):
+        assert abs(sizes[location].value - true) < 2 * sizes[location].std
+        assert sizes[location].std < widest * true
