@@ -24,7 +24,7 @@ SCALED, SEVERAL = 0.3, 2
 """Size of an error of the torque gain, and number of motors that have one, from which a wrong unit is likelier than
 such drives [1] (chosen): torque constants drop by 10 % when hot."""
 
-BETTER, LEAST_STATED = 0.1, 0.001
+BETTER, LEAST_STATED = 0.1, 0.005
 """Mean squared error beyond noise that an explanation leaves of that of the tolerance of the torques, from which a
 smaller one is proposed, and the smallest that is [1] (chosen)."""
 
@@ -124,8 +124,7 @@ def _strained(findings: Findings) -> list[str]:
     if not far:
         return []
     named = [
-        f"{tolerance.names[k]} by {np.expm1(sizes[k] * tolerance.deviations[k]):+.1%}, {abs(sizes[k]):.2g} times its "
-        "tolerance"
+        f"{tolerance.names[k]} {_changed(sizes[k] * tolerance.deviations[k])}, {abs(sizes[k]):.2g} times its tolerance"
         for k in far[:SHOWN]
     ]
     more = f" and {len(far) - SHOWN} more" if len(far) > SHOWN else ""
@@ -133,6 +132,11 @@ def _strained(findings: Findings) -> list[str]:
         f"the answer moves numbers of the model beyond their tolerance: {'; '.join(named)}{more}. They are not in the "
         "patch and may stand for an effect such as a load: measure them, or correct them in the robot file"
     ]
+
+
+def _changed(logarithm: float) -> str:
+    """Say by how much a number changes whose logarithm does by this: tolerances count on logarithms."""
+    return f"by {np.expm1(logarithm):+.1%}" if abs(logarithm) < np.log(2) else f"to {np.exp(logarithm):.3g} times"
 
 
 def _better_torques(findings: Findings) -> list[str]:
@@ -143,7 +147,7 @@ def _better_torques(findings: Findings) -> list[str]:
         (findings.held_comparison, findings.held_chosen),
     )
     level = max(comparison.beyond_noise(comparison.level(fit)) for comparison, fit in pairs)
-    if not tolerance or level > BETTER:
+    if not tolerance or level > BETTER or findings.data.record.command is not None:
         return []
     shown = max(float(f"{2 * np.sqrt(level) * tolerance:.1g}"), LEAST_STATED)
     if shown >= tolerance / 2:

@@ -20,15 +20,15 @@ if TYPE_CHECKING:
 
 _TOKEN = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+")
 _KINDS = {
-    "position": "q pos position positions angle angles theta th",
-    "velocity": "dq qd qdot vel velocity velocities speed speeds omega",
-    "torque": "tau torque torques trq effort efforts moment u",
+    "position": "q qpos jpos pos position positions angle angles theta th",
+    "velocity": "dq qd qdot qvel jvel vel velocity velocities speed speeds omega",
+    "torque": "tau jtau torque torques trq effort efforts eff moment u",
     "acceleration": "ddq qdd qddot acc acceleration accelerations",
     "current": "current currents cur i",
 }
 _KIND = {word: kind for kind, words in _KINDS.items() for word in words.split()}
 _WANTED = {"ref", "reference", "des", "desired", "target", "setpoint", "d"} | {
-    "cmd", "command", "commands", "commanded", "goal"
+    "cmd", "command", "commands", "commanded", "goal", "demand", "demanded"
 }  # fmt: skip
 _TIMES = {"t", "time", "timestamp", "timestamps", "stamp", "clock"}
 _SECONDS = {"s": "s", "sec": "s", "secs": "s", "seconds": "s"} | {unit: unit for unit in TIME_UNITS}
@@ -118,6 +118,8 @@ def _meaning(words: Sequence[str]) -> tuple[str | None, str]:
     """Return quantity and joint by the words of a name, or None and why there is none."""
     kinds = [_KIND[word] for word in words if word in _KIND]
     kinds = [kind for kind in kinds if kind != "current"] or kinds  # the present one, as in current_position
+    if not kinds and _WANTED & set(words) - {"d"}:
+        kinds = ["position"]  # as in cmd1
     if not kinds:
         return None, "its name says no quantity"
     if states := [word for word in words if word in _STATES]:

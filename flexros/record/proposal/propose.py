@@ -239,13 +239,17 @@ class _Proposer:
         elif degrees and of_velocity != "rpm":
             self.endless = "; a joint that turns round and round would do so in rad"
         checked = degrees or self.robot is not None
-        self.assumptions.append(Assumption("position", f"in {unit}", f"{ground}{self.endless}", checked))
+        if not turning:
+            ground = "all motors of the model slide"
+        self.assumptions.append(
+            Assumption("position", f"in {unit if turning else 'm'}", f"{ground}{self.endless}", checked)
+        )
         if "velocity" not in self.quantities:
             return
         opposite = [motor for (quantity, motor), sign in self.signs.items() if quantity == "velocity" and sign < 0]
         ground = "derivative of the positions over the velocities: "
         ground += f"{float(np.nanmedian(compared)):.3g}" if np.any(np.isfinite(compared)) else "not alike"
-        taken = f"in {of_velocity}" + (f", opposite at {', '.join(opposite)}" if opposite else "")
+        taken = f"in {of_velocity if turning else 'm/s'}" + (f", opposite at {', '.join(opposite)}" if opposite else "")
         self.assumptions.append(Assumption("velocity", taken, ground, bool(np.isfinite(ratio))))
 
     def _compare_velocities(self, positions: Sequence[Signal]) -> list[float]:

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from flexros.record.proposal.joints import JointMatch
     from flexros.robot import Robot
 
+PAUSE = 50.0
+"""Interval over the usual one from which it is a pause [1] (chosen)."""
 STATES = ("position", "velocity", "measured_torque")
 """Quantities of the topic of states."""
 
@@ -52,8 +54,11 @@ def about_rate(time: FloatArray, clock: Clock | None = None) -> Assumption:
         time: Their times [s], shape (n,).
         clock: The column of times of a table; None for messages.
     """
-    duration, longest = float(time[-1] - time[0]), 1e3 * float(np.diff(time).max(initial=0.0))
-    text = f"{(len(time) - 1) / duration:.5g} Hz over {duration:.4g} s, longest interval {longest:.3g} ms"
+    duration, steps = float(time[-1] - time[0]), np.diff(time)
+    longest, usual = float(steps.max(initial=0.0)), float(np.median(steps))
+    rest = float(steps[steps > PAUSE * usual].sum())
+    rate = (len(time) - 1) / max(duration - rest, 1e-12)  # without pauses
+    text = f"{rate:.5g} Hz over {duration:.4g} s, longest interval {1e3 * longest:.3g} ms"
     ground = "stamps of the messages"
     if clock is not None:
         ground = f"column {clock.column}, taken in {clock.unit}" if clock.column else "rate that was given"

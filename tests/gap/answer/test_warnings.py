@@ -49,7 +49,7 @@ def test_torques_that_are_far_better_than_assumed_bring_a_proposal(
         held_comparison=comparison,
         held_chosen=None,
         data=SimpleNamespace(
-            record=SimpleNamespace(imported=True), measurement=SimpleNamespace(signal_tolerance=tolerance)
+            record=SimpleNamespace(imported=True, command=None), measurement=SimpleNamespace(signal_tolerance=tolerance)
         ),
     )
     texts = warnings._better_torques(findings)
