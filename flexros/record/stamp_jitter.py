@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 _SMOOTH = 5  # samples over which speeds are averaged
 _BELIEVED = 0.5  # share of the deviation that must be visible in the positions
+_FEWEST = 100  # samples from which velocities tell
 _ALIKE = 0.9  # correlation of a measured speed with the derivative of its position from which it tells
 _CLOSER = 0.8  # error of the speeds with the true instants, over that with the others, from which they tell which
 
@@ -86,10 +87,11 @@ def shown_by_speeds(position: FloatArray, velocity: FloatArray, grid: EvenGrid) 
         velocity: Their measured velocities [rad/s or m/s], shape (m, M).
         grid: The grid.
     """
-    errors = np.zeros(2)
-    usable = np.all(np.isfinite(position), axis=1) & np.all(np.isfinite(velocity), axis=1)
-    usable[1:] &= np.diff(grid.numbers) == 1
+    errors, follows = np.zeros(2), np.concatenate([[False], np.diff(grid.numbers) == 1])
     for column, speed in zip(position.T, velocity.T, strict=True):
+        usable = np.isfinite(column) & np.isfinite(speed) & follows
+        if usable.sum() < _FEWEST:
+            continue
         derivatives = [np.gradient(column, instants)[usable] for instants in (grid.times, grid.instants[grid.numbers])]
         own = speed[usable]
         if not (np.std(own) > 0 and min(np.std(one) for one in derivatives) > 0):

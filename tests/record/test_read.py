@@ -322,6 +322,21 @@ def test_jitter_is_undone_where_the_stamps_tell_the_true_instants(emps: Robot, t
     assert any(text in warning for warning in record.warnings)
 
 
+@pytest.mark.parametrize("true_instants", [True, False])
+def test_velocities_show_a_rate_that_changes_slowly(emps: Robot, true_instants: bool) -> None:
+    """Second differences of the positions do not."""
+    time = np.arange(N) * T
+    off = 0.02 * np.sin(2 * np.pi * time / time[-1])
+    at = time + off if true_instants else time
+    measured = motion(at) + 1e-6 * np.random.default_rng(5).normal(size=N)
+    stamp = stamps_ns(N, T) + np.rint(off * 1e9).astype(np.int64)
+    speed = np.gradient(motion(at), at)
+    states = JointSeries(stamp, ONE, position=measured[:, None], velocity=speed[:, None])
+    record = read(make_log(joint_states=states), emps)
+    text = "are the true instants; the positions were interpolated" if true_instants else "do not follow"
+    assert any(text in warning for warning in record.warnings)
+
+
 def test_reference_of_a_lower_rate_is_interpolated(emps: Robot) -> None:
     stamp = stamps_ns(N // 4 + 1, 4 * T)
     ramp = np.arange(N // 4 + 1)[:, None] * 4.0

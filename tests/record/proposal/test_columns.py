@@ -60,6 +60,16 @@ def test_currents_stand_for_torques_where_there_are_none() -> None:
     assert found.signals["measured_torque"] == {"1": "i1", "2": "i2"}
 
 
+@pytest.mark.parametrize(
+    "names", [["qpos_0", "qvel_0", "cmd_0"], ["jpos0", "jvel0", "jpos0_des"], ["pos_0", "vel_0", "demand_pos_0"]]
+)
+def test_commands_of_positions_drive_the_robot_where_nothing_else_does(names: list[str]) -> None:
+    found = table_signals(["t", *names], "log.csv")
+    assert {quantity: own["0"] for quantity, own in found.signals.items()} == dict(
+        zip(("position", "velocity", "position_command"), names, strict=True)
+    )
+
+
 def test_current_may_mean_present() -> None:
     found = table_signals(["t", "current_position1", "current_torque1"], "log.csv")
     assert (set(found.signals), found.currents) == ({"position", "measured_torque"}, set())
