@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.ndimage import binary_dilation
 
 from flexros.logs.time_series import JointSeries
 
@@ -30,6 +31,9 @@ CLEAR = 0.05
 """Speed over that of the fastest intervals from which the motion tells the periods of an interval [1] (chosen)."""
 LONGEST = 4
 """Periods up to which values that were missed are interpolated [1] (chosen)."""
+PAUSE = 20.0
+"""Interval of the stamps over the usual one from which it is a pause, through which the motion tells nothing [1]
+(chosen)."""
 SPAN = 8
 """Intervals to each side over which speeds are taken [1] (chosen)."""
 FEWEST = 200
@@ -101,7 +105,9 @@ def polled_source(stamp: IntArray, position: FloatArray) -> PolledSource | None:
     if len(time) < 2 * SPAN + FEWEST or not np.all(np.isfinite(position)):
         return None
     elapsed, speed = _elapsed(time, position)
-    fast = speed > max(float(np.quantile(speed, 1 - FAST)), 1e-150)
+    pause = np.diff(time) > PAUSE * float(np.median(np.diff(time)))
+    whole_speed = ~binary_dilation(pause, iterations=SPAN) if pause.any() else ~pause
+    fast = (speed > max(float(np.quantile(speed, 1 - FAST)), 1e-150)) & whole_speed
     usual = elapsed[fast & (elapsed > 0)]
     if len(usual) < FEWEST:
         return None
@@ -113,7 +119,7 @@ def polled_source(stamp: IntArray, position: FloatArray) -> PolledSource | None:
     by_stamps = np.diff(time)[fast] / period
     if np.mean(np.abs(shown - by_stamps) < NEAR) > np.mean(np.abs(shown - whole) < NEAR) - LEAST_SHARE:
         return None  # the stamps say the same
-    clear = speed > CLEAR * float(np.quantile(speed, 0.99))
+    clear = (speed > CLEAR * float(np.quantile(speed, 0.99))) & whole_speed
     steps = _steps(time, elapsed / period, clear, period)
     exact = (time[-1] - time[0]) / max(int(steps.sum()), 1)
     return PolledSource(exact if abs(exact / period - 1) < NEAR else period, steps)

@@ -91,3 +91,12 @@ def test_other_logs_stay_as_they_are() -> None:
     kept = np.sort(np.random.default_rng(5).choice(N, 9 * N // 10, replace=False))
     assert polled_source(stamp[kept], motion(time[kept])) is None  # lost messages: the stamps say so
     assert polled_source(stamp, np.zeros((N, 2))) is None  # standing still
+
+
+def test_a_pause_between_two_runs_is_no_loss_of_a_recorder() -> None:
+    """Each run ends and begins at rest, somewhere else."""
+    time = PERIOD * np.arange(3000)
+    run = 0.5 * (1 - np.cos(2 * np.pi * time / time[-1]))[:, None] * [1.0, -0.7] + 1e-7 * np.sin(1e3 * time)[:, None]
+    position = np.concatenate([run, run + 0.4])
+    stamp = np.rint(1e9 * np.concatenate([time, time[-1] + 0.5 + time])).astype(np.int64)
+    assert polled_source(stamp, position) is None

@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.ndimage import binary_dilation
 
 from flexros.feedforward.rigid_arm import rigid_arm
-from flexros.record.missing_samples import bridged_motion
+from flexros.record.missing_samples import bridged_motion, long_holes
 from flexros.record.prescribed_motion import without_prescribed
 from flexros.record.smoothing import motion_cutoff, smooth_motion
 
@@ -99,8 +100,12 @@ def scales_of_motors(robot: Robot, record: Record) -> Scales:
         robot: The robot.
         record: The log.
     """
-    position = bridged_motion(record.position, record.valid)
-    speed = smooth_motion(position, record.sample_time, motion_cutoff(record.sample_time))[1]
+    position, cutoff = bridged_motion(record.position, record.valid), motion_cutoff(record.sample_time)
+    speed = smooth_motion(position, record.sample_time, cutoff)[1]
+    holes = long_holes(record.valid)
+    if holes.any():  # the way through a short pause is faster than any motion
+        known = ~binary_dilation(holes, iterations=max(1, round(1 / (cutoff * record.sample_time))))
+        speed = speed[known] if known.any() else speed
     names = robot.joint_names
     torque, rigid = without_prescribed(record).torque, dict.fromkeys(names, SMALLEST)
     found = _scales(robot, torque, speed, position, rigid, record.prescribed)

@@ -51,6 +51,7 @@ def prepare_search(
     """
     settings = settings or DiagnosisSettings()
     data, fit = null.data, null.fit if base is None else base
+    known = data.counted if data.counted.any() else slice(None)  # the way through a pause is faster than any motion
     return Search(
         null=null,
         base=fit,
@@ -61,8 +62,8 @@ def prepare_search(
         rows=_rows(data, settings.search.screened_values),
         scales=scales_of(
             null.model.robot,
-            fit.states(data),
-            without_prescribed(data.record).torque,
+            fit.states(data)[known],
+            without_prescribed(data.record).torque[known],
             data.record.prescribed,
             data.record.sample_time,
         ),

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from flexros.gap.candidates.candidate import list_candidates
-from flexros.gap.candidates.scales import Scales, scales_of
+from flexros.gap.candidates.scales import Scales, scales_of, scales_of_motors
+from flexros.record.record import Record
 from flexros.robot import load_robot
 
 SIZES = Scales(
@@ -68,3 +69,16 @@ def test_no_vibration_is_sought_above_half_the_rate_of_a_log() -> None:
             frequency = next(free for free in mode.free if free.name == "frequency")
             assert frequency.high == pytest.approx(highest)
             assert max(frequency.starts) < highest
+
+
+def test_the_way_through_a_short_pause_is_no_speed_of_the_motors() -> None:
+    """A range of viscous friction that it scales would end below what is there."""
+    robot, T = load_robot("emps"), 4e-3
+    time = T * np.arange(1500)
+    run = 0.05 * np.sin(2 * np.pi * 0.5 * time)[:, None]
+    pause = np.zeros((100, 1))
+    position = np.concatenate([run, pause, run + 0.8])
+    valid = np.concatenate([np.ones(1500), np.zeros(100), np.ones(1500)]).astype(bool)
+    record = Record("log", T, position, np.ones_like(position), valid, imported=True)
+    fastest = scales_of_motors(robot, record).of("speed", "motor_1")
+    assert fastest == pytest.approx(0.05 * np.pi, rel=0.1)
