@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 SMALLEST = 1e-9
 """Least size of a scale, for motors that do not move [its unit]."""
 
+SETTLED = 3.0
+"""Periods of the corner of a low-pass after which the way through a pause is no longer in it [1] (chosen)."""
+
 LOOKED_AT = 500
 """Positions at which the weight of an arm is looked at (chosen)."""
 
@@ -104,7 +107,7 @@ def scales_of_motors(robot: Robot, record: Record) -> Scales:
     speed = smooth_motion(position, record.sample_time, cutoff)[1]
     holes = long_holes(record.valid)
     if holes.any():  # the way through a short pause is faster than any motion
-        known = ~binary_dilation(holes, iterations=max(1, round(1 / (cutoff * record.sample_time))))
+        known = ~binary_dilation(holes, iterations=max(1, round(SETTLED / (cutoff * record.sample_time))))
         speed = speed[known] if known.any() else speed
     names = robot.joint_names
     torque, rigid = without_prescribed(record).torque, dict.fromkeys(names, SMALLEST)
