@@ -14,8 +14,8 @@ from flexros.record.record import Record
 OF_THE_RECORDER = {
     "candidate_fits.py",
     "checked_log.py",
+    "doubts.py",
     "encoder_noise.py",
-    "estimates.py",
     "limits.py",
     "warnings.py",
 }

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from flexros.effects.friction.coulomb_friction import CoulombFriction
+from flexros.gap.fit.doubts import doubt_of, of_smooth_friction, of_timing, with_doubt_of_shapes
 from flexros.gap.fit.least_squares import linearise
 from flexros.gap.fit.once_per_fit import once_per_fit
 from flexros.gap.fit.parts import estimates_of_parts, parts_of, variation_between_parts
 from flexros.gap.fit.screening import switched_off
 from flexros.gap.schema import CauseParameter
-from flexros.record.missing_samples import bridged_motion
-from flexros.record.smoothing import motion_cutoff, smooth_motion
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -34,13 +31,6 @@ FEWEST_LINES = 12
 """Least number of lines of a periodogram that are averaged, half of them to each side [1]."""
 BANDS = 12
 """Frequency bands with windows of their own, each up to twice the frequency of the last [1]."""
-TIMING = 0.144
-"""Standard deviation of the time between torques and positions of an imported log [samples]: half samples are looked
-for, which leaves a quarter of one to each side, all alike probable."""
-RISES = (0.002, 0.01, 0.05)
-"""Speeds within which dry friction may rise to its level, over the rms speed of the motor [1] (chosen)."""
-FARTHEST_SHIFT = 3**0.5
-"""Largest shift in time over its standard deviation [1]: that quarter. What errors show beyond is of another cause."""
 ROUNDING = 1e-9
 """Standard deviation over its value below which a fit is no minimum but one that has diverged [1]: no sensor is that
 exact, and no derivative by differences."""
@@ -144,8 +134,8 @@ def fit_covariance(fit: CandidateFit, data: FitData, form: RankingSettings | Non
     No law of a machine has exactly the form of the library's, and what differs is fitted by the sizes of all effects:
     the share `plain_form` or `shaped_form` of the spectrum of what each effect changes is added to S, all together at
     most `form_over_rest` times the power of what is left. What a shift in time of the torques of an imported log
-    changes is added as well, see `_of_timing`. Laws of another form also look like another shape, see
-    `_with_doubt_of_shapes`, and what is missing takes another size in every part of a log of a real machine, see
+    changes is added as well, see `of_timing`. Laws of another form also look like another shape, see
+    `with_doubt_of_shapes`, and what is missing takes another size in every part of a log of a real machine, see
     `_with_variation`. It is computed once for a fit and a log.
 
     Args:
@@ -171,108 +161,15 @@ def fit_covariance(fit: CandidateFit, data: FitData, form: RankingSettings | Non
         rows = slice(begin, begin + (len(r) - end) // M)
         meat += coloured(J[rows], r[rows, None], rows.stop - rows.start)
     inverse = inverse_of(line.information)
-    meat += _doubt_of(_of_timing(fit, data, r), J, r, inverse)
-    for changed in _of_smooth_friction(fit, data, r):
-        meat += _doubt_of(changed, J, r, inverse, 1.0)
+    meat += doubt_of(of_timing(fit, data, r), J, r, inverse)
+    for changed in of_smooth_friction(fit, data, r):
+        meat += doubt_of(changed, J, r, inverse, 1.0)
     covariance: FloatArray = inverse @ meat @ inverse
     if form is not None and not data.record.premises.library_is_complete:
-        covariance = _with_doubt_of_shapes(covariance, inverse, fit)
+        covariance = with_doubt_of_shapes(covariance, inverse, fit)
         covariance = _with_variation(covariance, inverse, fit, data, line, form)
     # where an unlikely fit nearly diverges, the spectrum overflows
     return covariance if np.all(np.isfinite(covariance)) else np.asarray(inverse)
-
-
-def _of_timing(fit: CandidateFit, data: FitData, residual: FloatArray) -> FloatArray:
-    """Return what a standard deviation of the time between torques and positions changes in the errors of a fit.
-
-    When in a sample encoders and torques were taken, and in which order a simulator integrates, nobody writes down.
-    A semi-implicit step of a quarter of a sample moves the motion by an eighth, which acts like viscous friction.
-    """
-    record = data.record
-    if not record.imported or record.command is not None:
-        return np.zeros_like(residual)
-    before = record.torque[np.maximum(np.arange(record.n_samples) - 1, 0)]
-    late = replace(record, torque=(1 - TIMING) * record.torque + TIMING * before)
-    torques = data.torques
-    if torques is not None:
-        torques = replace(torques, torque=torques.torque - TIMING * record.sample_time * torques.rate)
-    moved = replace(data, record=late, torques=torques).residuals(fit.predictor, fit.theta[:, None])[:, 0]
-    return np.asarray(moved - residual)
-
-
-def _of_smooth_friction(fit: CandidateFit, data: FitData, residual: FloatArray) -> list[FloatArray]:
-    """Return what friction that rises smoothly from standstill changes in the errors, for each of the speeds `RISES`.
-
-    Lubricated contacts creep, and many simulators have F tanh(v / s) in place of F sign(v). At low speeds that is less
-    friction: taken for a jump, its level comes out too small, and viscous friction too large.
-    """
-    record, levels = data.record, np.zeros(data.record.torque.shape[1])
-    for candidate, values in zip(fit.hypothesis, fit.predictor.values(fit.theta), strict=True):
-        if candidate.effect is CoulombFriction:
-            levels[fit.predictor.robot.joint_names.index(candidate.location)] += values["level"]
-    if not record.imported or record.command is not None or not levels.any():
-        return []
-    position = bridged_motion(record.position, record.valid)
-    speed = smooth_motion(position, record.sample_time, motion_cutoff(record.sample_time))[1]
-    usual, torques, changes = np.maximum(np.sqrt(np.mean(speed**2, axis=0)), 1e-300), data.torques, []
-    for share in RISES:
-
-        def less(at: FloatArray, rise: FloatArray = share * usual) -> FloatArray:
-            return np.asarray(levels * (np.sign(at) - np.tanh(at / rise)))
-
-        late = replace(record, torque=record.torque + less(speed))
-        moved = replace(data, record=late, torques=None if torques is None else torques.with_more(less(torques.speed)))
-        changes.append(np.asarray(moved.residuals(fit.predictor, fit.theta[:, None])[:, 0] - residual))
-    return changes
-
-
-def _doubt_of(
-    changed: FloatArray,
-    J: FloatArray,
-    residual: FloatArray,
-    inverse: FloatArray,
-    farthest: float = FARTHEST_SHIFT,
-) -> FloatArray:
-    """Return the covariance of the gradient by what a fit does not have, shape (n_fitted, n_fitted).
-
-    With the change c of the errors by a standard deviation of it, such as a shift in time, and its part a that no size
-    takes up, the errors tell how much there is of it, t = c'r / (1 + a'a), within a limit, with the variance
-    1 / (1 + a'a) of what they leave open.
-
-    Args:
-        changed: The change c.
-        J: Derivatives of the errors.
-        residual: The errors r.
-        inverse: H^-1.
-        farthest: Largest t [1].
-    """
-    gradient = J.T @ changed
-    shown = 1.0 + max(float(changed @ changed - gradient @ inverse @ gradient), 0.0)
-    shift = min(abs(float(changed @ residual)) / shown, farthest)
-    return np.asarray((shift**2 + 1.0 / shown) * np.outer(gradient, gradient))
-
-
-def _with_doubt_of_shapes(covariance: FloatArray, inverse: FloatArray, fit: CandidateFit) -> FloatArray:
-    """Widen the covariance by what laws of another form leave of a size, where the log may follow one of them.
-
-    A parameter s that shapes a law gets at least the deviation `shape_doubt` of its effect. Fitted with another shape,
-    all parameters move along b = column s of H^-1 over its diagonal element, so that (sd^2 - cov_ss) b b' is added.
-
-    Args:
-        covariance: Covariance in the units of the fit, shape (n_fitted, n_fitted).
-        inverse: H^-1, of the same shape.
-        fit: The fit.
-    """
-    slopes, index, result = fit.predictor.slopes(fit.theta), 0, covariance
-    for candidate in fit.hypothesis:
-        for free in candidate.free:
-            doubt = candidate.effect.shape_doubt.get(free.name, 0.0) / slopes[index]
-            added = doubt**2 - result[index, index]
-            if added > 0 and inverse[index, index] > 0:
-                along = inverse[:, index] / inverse[index, index]
-                result = result + added * np.outer(along, along)
-            index += 1
-    return result
 
 
 def _with_variation(

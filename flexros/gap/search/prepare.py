@@ -13,6 +13,7 @@ from flexros.gap.fit.least_squares import linearise
 from flexros.gap.search.fits.candidate_fits import Search
 from flexros.gap.settings import DiagnosisSettings
 from flexros.random_streams import generator
+from flexros.record.missing_samples import long_holes
 from flexros.record.prescribed_motion import without_prescribed
 
 if TYPE_CHECKING:
@@ -51,7 +52,8 @@ def prepare_search(
     """
     settings = settings or DiagnosisSettings()
     data, fit = null.data, null.fit if base is None else base
-    known = data.counted if data.counted.any() else slice(None)  # the way through a pause is faster than any motion
+    # the way through a pause is faster than any motion
+    known = data.counted if long_holes(data.record.valid).any() and data.counted.any() else slice(None)
     return Search(
         null=null,
         base=fit,

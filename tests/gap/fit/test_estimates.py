@@ -15,8 +15,8 @@ from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.diagnose import diagnose
 from flexros.gap.fit import estimates
 from flexros.gap.fit.candidate_fit import CandidateFit
+from flexros.gap.fit.doubts import doubt_of
 from flexros.gap.fit.estimates import (
-    _doubt_of,
     covariance_of,
     fit_covariance,
     parameters_of,
@@ -235,13 +235,13 @@ def test_a_shift_in_time_is_a_doubt_where_the_errors_show_it_or_leave_it_open() 
     inverse = np.linalg.inv(J.T @ J)
     alike, unlike = J[:, 0], J[:, 0] + 5 * (other - J[:, 0] * (J[:, 0] @ other) / (J[:, 0] @ J[:, 0]))
     whole = float((J[:, 0] @ J[:, 0]) ** 2)
-    left_open = _doubt_of(alike, J, np.zeros(500), inverse)
-    excluded = _doubt_of(unlike, J, np.zeros(500), inverse)
-    shown = _doubt_of(unlike, J, unlike - alike, inverse)
+    left_open = doubt_of(alike, J, np.zeros(500), inverse)
+    excluded = doubt_of(unlike, J, np.zeros(500), inverse)
+    shown = doubt_of(unlike, J, unlike - alike, inverse)
     assert left_open[0, 0] == pytest.approx(whole)
     assert excluded[0, 0] < 1e-3 * whole
     assert shown[0, 0] == pytest.approx(whole, rel=0.01)
-    of_another_cause = _doubt_of(unlike, J, 10 * (unlike - alike), inverse)  # 1.4 samples are no half sample
+    of_another_cause = doubt_of(unlike, J, 10 * (unlike - alike), inverse)  # 1.4 samples are no half sample
     assert of_another_cause[0, 0] == pytest.approx(3 * whole, rel=0.01)
 
 
