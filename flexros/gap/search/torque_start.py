@@ -45,12 +45,9 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 
-REMOVED_BY_LOAD = 0.5
-"""Share of what is left that a load behind springs must remove [1] (chosen): 0.7 and more on arms that carry one and
-whose numbers are exact, up to 0.36 on arms that carry none."""
 RELIEVED_BY_LOAD = 0.65
 """Penalty of tolerated numbers with a load behind springs over that without it, below which it is there [1] (chosen):
-0.17 to 0.62 on arms that carry one, 0.8 and more on arms that carry none."""
+0.17 to 0.62 on most arms that carry one, 0.8 and more on arms that carry none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -299,7 +296,7 @@ def with_load(
     """Return the effects of a start with a load that the robot file lacks, where a fit shows it clearly.
 
     Behind springs torques alone do not show it clearly: what springs leave is larger than what the load explains. It is
-    clear where it removes most of what is left, or much of what else tolerated numbers must deviate by.
+    clear where it removes a good part of what is left, or much of what else tolerated numbers must deviate by.
 
     Args:
         null: The nominal model, fitted.
@@ -313,7 +310,7 @@ def with_load(
     if fit_of_load is None or fit_of_load.chi2 > base.chi2:
         return base
     left = max(base.chi2 - null.data.n_values, 0.0)
-    removes = left > 0 and base.chi2 - fit_of_load.chi2 > REMOVED_BY_LOAD * left
+    removes = left > 0 and base.chi2 - fit_of_load.chi2 > settings.search.removed_of_all * left
     relieves = fit_of_load.prior_penalty < RELIEVED_BY_LOAD * base.prior_penalty
     return fit_of_load if removes or relieves else base
 
