@@ -53,6 +53,7 @@ def test_a_slide_that_stops_or_reverses_gets_its_exact_way_in_one_step(speed: fl
     assert found[1, 0] == pytest.approx(way, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_one_step_of_an_arm_is_as_good_as_four_in_which_jumps_are_not_placed() -> None:
     robot = ur5e().with_values({f"motor_{k + 1}.inertia": value for k, value in enumerate(ROTORS)})
     effects = [f"coulomb_friction@motor_{k + 1}:level={value}" for k, value in enumerate(LEVELS)]

@@ -1,4 +1,4 @@
-"""Laws of a measured log that go over into richer ones which contain them, and rich ones that a number replaces."""
+"""Laws of a measured log that become richer ones which contain them, and rich ones or curves that simpler replace."""
 
 from __future__ import annotations
 

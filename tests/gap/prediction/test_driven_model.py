@@ -79,6 +79,7 @@ def test_the_gap_is_that_of_the_other_joint() -> None:
     assert numbers.closed_fraction > 0.3
 
 
+@pytest.mark.slow
 def test_a_diagnosis_finds_what_the_other_joint_lacks() -> None:
     """What one log prescribes, the held-out one does."""
     search = SearchSettings(effects=("coulomb_friction", "viscous_friction"))

@@ -56,6 +56,7 @@ def first_search() -> tuple[Search, Explanations]:
     return search, explain(search)
 
 
+@pytest.mark.slow
 def test_a_search_goes_on_from_an_explanation_in_the_log_tied_more_loosely() -> None:
     search, first = first_search()
     assert search.data.level > search.data.least_level
@@ -87,6 +88,7 @@ def test_where_no_candidate_adds_in_a_looser_tie_that_shows_more_than_noise_none
     assert explain(again).chosen is first.chosen
 
 
+@pytest.mark.slow
 def test_a_small_effect_beside_one_that_is_far_off_is_named() -> None:
     settings = settings_of("coulomb_friction", "viscous_friction", "torque_bias")
     causes = diagnose(record_of(LARGE, SMALL), ROBOT, settings=settings).diagnosis.causes

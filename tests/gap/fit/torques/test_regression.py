@@ -71,6 +71,7 @@ def test_inertias_that_a_robot_file_lacks_are_estimated_and_uncertain() -> None:
     assert deviations["body_1.mass"] == 0.05
 
 
+@pytest.mark.slow
 def test_load_that_a_urdf_lacks_is_estimated_beside_friction_and_rotors() -> None:
     """MuJoCo's UR5e carries 1.5 kg at 0.07 m."""
     robot, record = ur5e(), ur5e_record().part(0, 2000)
@@ -131,6 +132,7 @@ def test_a_counterbalance_does_not_pass_for_a_rotor(rotor: float) -> None:
     assert found == ({"motor_1": pytest.approx(rotor, rel=0.2)} if rotor else {})
 
 
+@pytest.mark.slow
 def test_load_is_estimated_where_the_rotors_are_given_too() -> None:
     """A load elsewhere than the centre of mass of the last body is no payload error."""
     robot = ur5e()
