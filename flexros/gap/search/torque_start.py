@@ -46,8 +46,8 @@ if TYPE_CHECKING:
 
 
 RELIEVED_BY_LOAD = 0.65
-"""Penalty of tolerated numbers with a load behind springs over that without it, below which it is there [1] (chosen):
-0.17 to 0.62 on most arms that carry one, 0.8 and more on arms that carry none."""
+"""Penalty of tolerated numbers with a load behind springs over that without it, below which it is there [1]
+(chosen)."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,6 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.ndimage import binary_dilation
 
 from flexros.identify.rigid.body_torque import body_torque
 from flexros.identify.rigid.motion_estimate import (
@@ -20,9 +19,6 @@ from flexros.identify.rigid.motion_estimate import (
 )
 from flexros.identify.rigid.record import torque_as_it_acts
 from flexros.record.missing_samples import bridged_motion, long_holes
-
-SETTLED = 0.5
-"""Periods of the corner of the low-pass after which a hole of the record is no longer in it [1] (chosen)."""
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
@@ -82,9 +78,7 @@ class RegressionRows:
         """
         motion = estimate_motion(bridged_motion(record.position, record.valid), record.sample_time, cutoff)
         factor = decimation(record.sample_time, cutoff)
-        margin = round(SETTLED / (cutoff * record.sample_time))
-        holes = binary_dilation(long_holes(record.valid), iterations=margin) if margin else long_holes(record.valid)
-        counts = untouched_rows(holes, factor)
+        counts = untouched_rows(long_holes(record.valid), factor)
         torques = decimate(torque, factor)[counts]
         torques[:, list(record.prescribed)] = 0.0
         return cls(record, motion, regressor, leading, cutoff, counts, torques, [])

@@ -16,8 +16,8 @@ CLEAR = 0.7
 """Correlation of command and position above which a sign or a factor between them is significant (chosen)."""
 
 SLOW = 1.0
-"""Frequency below which a servo follows its command, however soft it is [Hz] (chosen): a leg of 60 kg with gains for
-walking followed 5 % of a chirp above 3 Hz."""
+"""Frequency below which a servo follows its command, however soft it is [Hz] (chosen): with gains for walking,
+legs follow little of a chirp above a few hertz."""
 
 ENOUGH = 0.1
 """Slow part of a command over the whole, from which it alone tells how far a motor follows [1] (chosen)."""

@@ -42,7 +42,8 @@ _STATES = {"enable", "enabled", "limit", "limits", "error", "errors", "err", "mo
 """Words of a name that make its column no signal of the quantity: torque_enable, current_limit, position_error."""
 _OF_TOOL = {"ee", "eef", "tcp", "flange", "cartesian", "pose"}
 """Words of a name that make it one of the tool, and of no joint: ee_pos, tcp_speed."""
-_TORQUES = {"measured_torque", "torque_command"}
+TORQUES = ("measured_torque", "torque_command")
+"""Quantities that drive the robot by torques."""
 _OF_CURRENT = {"measured_current": "measured_torque", "current_command": "torque_command"}
 """What currents are mapped to, where a table has no torques."""
 _FASTEST, _SLOWEST = 50_000.0, 2.0
@@ -83,7 +84,7 @@ def table_signals(names: Sequence[str], file: str, *, timed: bool = True) -> Fou
         if lacking == "time":
             raise InputError(f"{text}give the rows per second, or rename them", "rate")
         raise InputError(f"{text}rename them, or write a mapping file and give it with its files")
-    driven, currents = _TORQUES & signals.keys(), set[str]()
+    driven, currents = signals.keys() & set(TORQUES), set[str]()
     for current, torque in _OF_CURRENT.items():
         own = signals.pop(current, {})
         if driven:
@@ -91,7 +92,7 @@ def table_signals(names: Sequence[str], file: str, *, timed: bool = True) -> Fou
         elif own:
             signals[torque] = own
             currents.add(torque)
-    if "reference_position" in signals and not _TORQUES & signals.keys():
+    if "reference_position" in signals and not signals.keys() & set(TORQUES):
         signals["position_command"] = signals.pop("reference_position")  # nothing else drives the robot
     ordered = {quantity: dict(sorted(own.items(), key=_place)) for quantity, own in signals.items() if own}
     return FoundSignals(

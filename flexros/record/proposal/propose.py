@@ -17,7 +17,7 @@ from flexros.logs.foreign.signal_source import Signal, open_source
 from flexros.logs.foreign.sources.ros_bag import RosBag
 from flexros.logs.foreign.usable_rows import FEWEST
 from flexros.record.proposal.assumption import Assumption
-from flexros.record.proposal.columns import clock_of_column, table_signals
+from flexros.record.proposal.columns import TORQUES, clock_of_column, table_signals
 from flexros.record.proposal.effort_unit import effort_unit
 from flexros.record.proposal.joints import match_joints
 from flexros.record.proposal.motion_units import (
@@ -46,7 +46,6 @@ if TYPE_CHECKING:
 
 DESCRIPTION = "robot_description"
 """Topic on which the URDF of a robot is published."""
-TORQUES = ("measured_torque", "torque_command")
 POSITIONS = ("position", "reference_position", "position_command")
 
 
