@@ -71,8 +71,10 @@ def _quantities(
     specification: RobotSpecification,
 ) -> Iterator[tuple[str, tuple[str | int, ...], Quantity | Vector, int]]:
     motor_number = 0
+    gravity = specification.gravity
+    known = gravity.model_copy(update={"tolerance": gravity.tolerance or 0.0})  # far better than a robot's own numbers
     for component, axis in enumerate("xyz"):
-        yield f"gravity.{axis}", ("gravity", component), specification.gravity, component
+        yield f"gravity.{axis}", ("gravity", component), known, component
     for index, body in enumerate(specification.bodies):
         place: tuple[str | int, ...] = ("bodies", index)
         yield from _of_body(f"body_{index + 1}", place, body)

@@ -293,7 +293,9 @@ class RobotSpecification(Settings):
     description: str = ""
     defaults: Defaults = Field(default_factory=Defaults)
     coordinates: Literal["arm", "motor"] = Field("arm", description="side of the gear on which all values are stated")
-    gravity: Acceleration = Field(default_factory=lambda: Vector(value=(0, 0, 0)), description="[m/s2]")
+    gravity: Acceleration = Field(
+        default_factory=lambda: Vector(value=(0, 0, 0)), description="[m/s2]; exact unless it states a tolerance"
+    )
     sample_time: Seconds = Field(default_factory=lambda: Quantity(value=5e-4, unit="s"), description="[s]")
     delay: Seconds = Field(default_factory=lambda: _zero("s"), description="of the command at the plant input [s]")
     inertial_coupling: bool = Field(

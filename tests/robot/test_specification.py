@@ -39,6 +39,16 @@ def test_every_built_in_value_is_declared_exact() -> None:
         assert {p.tolerance for p in load_robot(name).parameters.values()} == {0.0}, name
 
 
+def test_gravity_is_exact_unless_it_states_a_tolerance(e12_data: dict[str, Any]) -> None:
+    e12_data["defaults"]["tolerance"] = 0.03
+    e12_data["gravity"] = {"value": [0, 0, -9.81], "unit": "m/s2"}
+    parameters = robot_from_data(e12_data, "my_robot.yaml").parameters
+    assert parameters["body_1.mass"].tolerance == 0.03
+    assert parameters["gravity.z"].tolerance == 0.0
+    e12_data["gravity"]["tolerance"] = 0.001
+    assert robot_from_data(e12_data, "my_robot.yaml").parameters["gravity.z"].tolerance == 0.001
+
+
 def test_unknown_robot_offers_the_nearest() -> None:
     with pytest.raises(InputError, match="unknown robot 'e21'.*did you mean 'e12'.*allowed are e12, .*elbow"):
         load_robot("e21")

@@ -8,11 +8,11 @@ import numpy as np
 
 from flexros.record.checks.base import AbstractCheck, Finding
 from flexros.record.checks.repeated_values import comes_to_rest, slow_change
-from flexros.record.missing_samples import runs
+from flexros.record.missing_samples import MOST_BRIDGED, runs
 from flexros.record.quantization import encoder_step
 
 if TYPE_CHECKING:
-    from flexros.arrays import BoolArray, FloatArray
+    from flexros.arrays import BoolArray, FloatArray, IntArray
     from flexros.record.checks.checked_record import CheckedRecord
     from flexros.record.record import Record
 
@@ -49,7 +49,7 @@ class StuckEncoder(AbstractCheck):
             if np.ptp(values) == 0.0:
                 problems += _constant(name, torque, _stands_still(record, motor))
                 continue
-            stuck = _stuck(values, encoder_step(record, motor))
+            stuck = _stuck(values, rows, encoder_step(record, motor))
             if not checked.moves[motor] or not np.any(stuck):
                 continue
             spoilt = np.zeros(record.n_samples, dtype=bool)
@@ -63,13 +63,14 @@ class StuckEncoder(AbstractCheck):
         return tuple(problems)
 
 
-def _stuck(values: FloatArray, step: float) -> BoolArray:
+def _stuck(values: FloatArray, rows: IntArray, step: float) -> BoolArray:
     """Mark the samples that repeat the one before in long stretches.
 
-    An encoder that often repeats its value elsewhere, or that comes to rest slowly, is not stuck.
+    An encoder that often repeats its value elsewhere, or that comes to rest slowly, is not stuck. A value after a long
+    hole repeats none.
     """
     slow = slow_change(values, step)
-    same = np.concatenate([[False], np.diff(values) == 0.0])
+    same = np.concatenate([[False], (np.diff(values) == 0.0) & (np.diff(rows) <= MOST_BRIDGED)])
     stuck = np.zeros(len(values), dtype=bool)
     ends = values == values.max(), values == values.min()  # flat tops belong to another check
     for begin, length in zip(*runs(same), strict=True):

@@ -63,3 +63,12 @@ def test_joint_that_stands_still_on_purpose_is_told_only(found, healthy) -> None
     findings = found("e12", position=position, reference=reference)
     assert any("never changes" in finding.text and not finding.hopeless for finding in findings)
     assert not any("never changes" in finding.text and finding.hopeless for finding in findings)
+
+
+def test_equal_values_beside_a_long_hole_are_not_in_a_row(found, healthy) -> None:
+    record = healthy("emps")
+    position, valid = stuck(record.position, 5995, 5), record.valid.copy()
+    position[6100:6105, 0] = position[5995, 0]
+    valid[6000:6100] = False
+    texts = [finding.text for finding in found("emps", position=position, valid=valid)]
+    assert not any("repeats its value" in text for text in texts)
