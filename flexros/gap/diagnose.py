@@ -9,12 +9,13 @@ from flexros.blas_threads import one_blas_thread
 from flexros.effects import RobotWithEffects
 from flexros.errors import InputError
 from flexros.gap.answer.assemble import result_of
-from flexros.gap.answer.decision import findings_of
+from flexros.gap.answer.better_torques import tolerance_on_trial
+from flexros.gap.answer.decision import findings_of, on_held_out
 from flexros.gap.answer.rough_gains import relative_to_file
 from flexros.gap.answer.sensitivity import sensitivity_of
 from flexros.gap.answer.withdrawal import confirmed
 from flexros.gap.candidates.competitors import competitors
-from flexros.gap.candidates.tolerance import scaled_by_gravity, tolerance_of, with_torque_tolerance
+from flexros.gap.candidates.tolerance import TORQUE, scaled_by_gravity, tolerance_of, with_torque_tolerance
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.fit.torques.noted_timing import shift_of_noted, with_torque_in_time_behind_springs
@@ -31,6 +32,7 @@ from flexros.gap.residuals.fit_samples import at_rate_of_fits, part_of_fits
 from flexros.gap.residuals.prepare_fit_data import fit_data, with_tool_frame_of
 from flexros.gap.search.forward_selection import explain
 from flexros.gap.search.looser import found_looser, looser_null
+from flexros.gap.search.model_probability import compare
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.search.servo_start import fit_of_servos
 from flexros.gap.search.torque_start import base_fit, first_values, on_null, torque_start, with_load, with_torques
@@ -103,28 +105,28 @@ def diagnose(
     record = at_rate_of_fits(record, given.robot, settings)
     in_closed_loop = log if record.command is None else None
     notes = () if in_closed_loop is None else why_not_simulated(in_closed_loop)
-    stages, deadline = Stages(progress), Deadline(settings.time_limit, interrupted)
+    deadline = Deadline(settings.time_limit, interrupted)
     rough = likely_gains(record, driven_model(given, record), settings)
     begun = given
     if rough:
         begun = given.with_effects(rough)
         record, holdout = with_gains(record, begun), None if holdout is None else with_gains(holdout, begun)
-    task = _Task(begun, holdout, tolerance or {}, notes, settings, deadline, bool(rough))
-    found = task.searched(record, stages)
+    task = _Task(begun, holdout, tolerance or {}, notes, settings, deadline, progress, bool(rough))
+    found = task.searched(record)
     shift = shift_of_noted(found.explanations.chosen, found.null, settings)
     if shift is not None and not deadline.stops():  # half a sample hid behind the effects: all again with it
-        stages = Stages(progress)
-        found = task.searched(in_time(record, shift), stages)
-    result = task.answered(found, stages)
+        found = task.searched(in_time(record, shift))
+    task, found = _with_better_torques(task, found)
+    result = task.answered(found)
     if rough:
         result = relative_to_file(result, rough, given)
 
     if in_closed_loop is not None:
-        stages.begin("closed loop", 1.0)
+        found.stages.begin("closed loop", 1.0)
         repaired = given.with_effects(result.patch) if result.patch else None
         signals = closed_loop_gap(in_closed_loop, given, repaired, begin=found.held_data.record.begin)
         result = replace(result, signals=(*result.signals, *signals))
-    stages.end()
+    found.stages.end()
     return result
 
 
@@ -133,15 +135,18 @@ class _Searched:
     """The explanations of a log, and what they were found with.
 
     Attributes:
-        null: The nominal model, fitted, with the log.
+        record: The log.
+        null: The nominal model, fitted to the part of it that is used.
         held_data: The held-out log.
         unknown: Numbers that the model lacks, with their values by the log.
         prediction: What the nominal model predicts.
         excess: Where the gap shows; None where that was not computed.
         search: The search.
         explanations: What it found.
+        stages: Progress of the diagnosis.
     """
 
+    record: Record
     null: NullFit
     held_data: FitData
     unknown: UnknownNumbers
@@ -149,6 +154,16 @@ class _Searched:
     excess: Where | None
     search: Search
     explanations: Explanations
+    stages: Stages
+
+    def beyond_noise(self, fit: CandidateFit) -> float:
+        """Return what a fit leaves beyond noise in the log where it leaves more, over the tolerance of torques [1]."""
+        found, held = self.explanations, self.held_data
+        elsewhere = compare(held, on_held_out(found.null, held), settings=self.search.settings.ranking)
+        return max(
+            found.comparison.beyond_noise(found.comparison.level(fit)),
+            elsewhere.beyond_noise(elsewhere.level(on_held_out(fit, held))),
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,6 +177,7 @@ class _Task:
         notes: Sentences for the warnings.
         settings: Settings of the diagnosis.
         deadline: When the search ends.
+        progress: Called with the name of the stage and the share of all that is done.
         rough_gains: Whether the servos have gains by the log, whose scale gravity alone fixes.
     """
 
@@ -171,16 +187,17 @@ class _Task:
     notes: tuple[str, ...]
     settings: DiagnosisSettings
     deadline: Deadline
+    progress: Callable[[str, float], None] | None
     rough_gains: bool = False
 
-    def searched(self, record: Record, stages: Stages) -> _Searched:
+    def searched(self, record: Record, begun: CandidateFit | None = None) -> _Searched:
         """Weigh a log, and search for what explains it.
 
         Args:
             record: The log.
-            stages: Progress of the diagnosis.
+            begun: An explanation that the search begins with; default: what the torques show.
         """
-        settings, deadline = self.settings, self.deadline
+        settings, deadline, stages = self.settings, self.deadline, Stages(self.progress)
         stages.begin("nominal model", 0.03)
         fitted, held = (record, self.holdout) if self.holdout is not None else split(record, settings.fitted_share)
         fitted, held = _prescribed_alike(fitted, held, self.given.robot)
@@ -201,10 +218,10 @@ class _Task:
         held_data = fit_data(held, model, settings, measurement, data.level)
         start = torque_start(data, model, tolerated, settings)
         data = with_torques(data, start)
-        null, base = _first_fits(data, model, tolerated, start, settings, deadline, stages)
+        null, base = _first_fits(data, model, tolerated, start, begun, settings, deadline, stages)
         shift = shift_of_noted(base or null.fit, null, settings)
         if shift is not None:
-            return self.searched(in_time(record, shift), stages)
+            return self.searched(in_time(record, shift), begun)
         if start is None:
             while (looser := looser_null(null, fitted, tolerated, settings, stop=deadline.of_fit())) is not None:
                 null = looser
@@ -224,16 +241,15 @@ class _Task:
             around = (best.predictor, best.theta) if search.resumed else None
             held_data = fit_data(held, model, settings, measurement, null.data.level, around)
         held_data = with_tool_frame_of(held_data, best.predictor, best.theta)
-        return _Searched(null, held_data, unknown, prediction, excess, search, explanations)
+        return _Searched(record, null, held_data, unknown, prediction, excess, search, explanations, stages)
 
-    def answered(self, found: _Searched, stages: Stages) -> DiagnosisResult:
+    def answered(self, found: _Searched) -> DiagnosisResult:
         """Decide what the explanations say, and check them on the held-out log.
 
         Args:
             found: The explanations.
-            stages: Progress of the diagnosis.
         """
-        settings, deadline = self.settings, self.deadline
+        settings, deadline, stages = self.settings, self.deadline, found.stages
         explanations, withdrawn = confirmed(found.search, found.explanations, found.held_data)
         stages.begin("answer", 0.95)
         model, searched = found.null.model, explanations.beside or found.null.data
@@ -256,16 +272,50 @@ class _Task:
         return result_of(findings, found.prediction, found.excess, settings, stages, deadline)
 
 
+def _with_better_torques(task: _Task, found: _Searched) -> tuple[_Task, _Searched]:
+    """Search on with a smaller tolerance of the torques of an imported log, on trial, where nobody stated one.
+
+    Args:
+        task: What is diagnosed against, with the assumed tolerance.
+        found: What was found with it.
+
+    Returns:
+        The task and what was found with the last tolerance at which further effects explained most of what was left.
+    """
+    assumed, notes, share = task.settings.noise, task.notes, task.settings.search.within_floor
+    stated = TORQUE in task.tolerance or "signal_tolerance" in assumed.model_fields_set
+    if stated or not found.null.data.measurement.signal_tolerance or found.record.command is not None:
+        return task, found
+    while found.explanations.detected and found.explanations.beside is None and not task.deadline.stops():
+        chosen = found.explanations.chosen
+        tried = tolerance_on_trial(task.settings.noise.signal_tolerance, found.beyond_noise(chosen))
+        if tried is None:
+            break
+        note = (
+            f"the torques are better than the {assumed.signal_tolerance:g} of their rms that counts as no gap where "
+            f"nothing is stated, as those of a simulator or of a calibrated drive: here {tried:g} counts as none"
+        )
+        trial = replace(task, notes=(*notes, note), settings=with_torque_tolerance(task.settings, {TORQUE: tried}))
+        more = trial.searched(found.record, chosen)
+        begun, grown = more.search.base, more.explanations.chosen
+        explained = begun.names == chosen.names and more.beyond_noise(grown) < share * more.beyond_noise(begun)
+        if task.deadline.over or not explained:
+            break
+        task, found = trial, more
+    return task, found
+
+
 def _first_fits(
     data: FitData,
     model: RobotWithEffects,
     tolerance: Tolerance,
     start: TorqueStart | None,
+    begun: CandidateFit | None,
     settings: DiagnosisSettings,
     deadline: Deadline,
     stages: Stages,
 ) -> tuple[NullFit, CandidateFit | None]:
-    """Fit the nominal model, and the effects that torques show.
+    """Fit the nominal model, and the effects that torques show, or those of an explanation to begin with.
 
     On a real machine the prior of tolerances is weighed by what these effects leave, or what no candidate removes.
     """
@@ -273,6 +323,8 @@ def _first_fits(
     first_settings = settings.fit if start is None else few
     null = fit_null(data, model, tolerance, first_settings, stop=deadline.of_fit())
     first = None if start is None else first_values(start, null, settings)
+    if begun is not None:
+        first, start = on_null(null, begun), None
     if data.record.command is not None:
         stages.begin("servos", SERVOS)
     of_servos = fit_of_servos(null, first, settings, deadline.of_fit(), stages.inner)

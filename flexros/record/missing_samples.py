@@ -15,6 +15,9 @@ MOST_BRIDGED = 5
 """Most samples in a row that may be missing and still be bridged (chosen): positions are interpolated by a cubic, a
 command is held. A longer hole is a loss of the recorder, in which neither motion nor torque is known."""
 
+PAUSE = 20.0
+"""Interval of stamps over the usual one from which it is a pause, through which nothing is known [1] (chosen)."""
+
 LEAST_STRETCH = 50
 """Fewest samples between two long holes, from which these are pauses between experiments and not losses (chosen)."""
 

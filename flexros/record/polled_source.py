@@ -14,6 +14,7 @@ import numpy as np
 from scipy.ndimage import binary_dilation
 
 from flexros.logs.time_series import JointSeries
+from flexros.record.missing_samples import PAUSE
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray, IntArray
@@ -31,9 +32,6 @@ CLEAR = 0.05
 """Speed over that of the fastest intervals from which the motion tells the periods of an interval [1] (chosen)."""
 LONGEST = 4
 """Periods up to which values that were missed are interpolated [1] (chosen)."""
-PAUSE = 20.0
-"""Interval of the stamps over the usual one from which it is a pause, through which the motion tells nothing [1]
-(chosen)."""
 SPAN = 8
 """Intervals to each side over which speeds are taken [1] (chosen)."""
 FEWEST = 200

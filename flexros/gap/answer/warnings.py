@@ -24,10 +24,6 @@ SCALED, SEVERAL = 0.3, 2
 """Size of an error of the torque gain, and number of motors that have one, from which a wrong unit is likelier than
 such drives [1] (chosen): torque constants drop by 10 % when hot."""
 
-BETTER, LEAST_STATED = 0.1, 0.005
-"""Mean squared error beyond noise that an explanation leaves of that of the tolerance of the torques, from which a
-smaller one is proposed, and the smallest that is [1] (chosen)."""
-
 STRAINED, SHOWN = 4.0, 3
 """Deviation of a number of the model over its tolerance from which it is stated, and how many at most (chosen): of some
 forty numbers of an arm of six axes one is beyond three now and then."""
@@ -82,7 +78,6 @@ def answer_warnings(findings: Findings, gap: GapNumbers, *, worse: bool) -> list
     return [
         *warnings,
         *_strained(findings),
-        *_better_torques(findings),
         *_unit_warnings(findings),
         *_drift_warnings(findings),
         *_one_way_warnings(findings),
@@ -137,25 +132,6 @@ def _strained(findings: Findings) -> list[str]:
 def _changed(logarithm: float) -> str:
     """Say by how much a number changes whose logarithm does by this: tolerances count on logarithms."""
     return f"by {np.expm1(logarithm):+.1%}" if abs(logarithm) < np.log(2) else f"to {np.exp(logarithm):.3g} times"
-
-
-def _better_torques(findings: Findings) -> list[str]:
-    """Propose a smaller tolerance of the torques where an imported log shows that they are far better than assumed."""
-    tolerance = findings.data.measurement.signal_tolerance
-    pairs = (
-        (findings.explanations.comparison, findings.explanations.chosen),
-        (findings.held_comparison, findings.held_chosen),
-    )
-    level = max(comparison.beyond_noise(comparison.level(fit)) for comparison, fit in pairs)
-    if not tolerance or level > BETTER or findings.data.record.command is not None:
-        return []
-    shown = max(float(f"{2 * np.sqrt(level) * tolerance:.1g}"), LEAST_STATED)
-    if shown >= tolerance / 2:
-        return []
-    return [
-        f"the torques are better than the {tolerance:g} of their rms that counts as no gap, as those of a simulator or "
-        f"of a calibrated drive: with a stated tolerance of them, torque={shown:g}, smaller effects are looked for"
-    ]
 
 
 def _unit_warnings(findings: Findings) -> list[str]:

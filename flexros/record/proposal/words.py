@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.record.missing_samples import PAUSE
 from flexros.record.proposal.assumption import Assumption
 
 if TYPE_CHECKING:
@@ -18,8 +19,6 @@ if TYPE_CHECKING:
     from flexros.record.proposal.joints import JointMatch
     from flexros.robot import Robot
 
-PAUSE = 50.0
-"""Interval over the usual one from which it is a pause [1] (chosen)."""
 STATES = ("position", "velocity", "measured_torque")
 """Quantities of the topic of states."""
 

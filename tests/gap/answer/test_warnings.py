@@ -35,28 +35,6 @@ def test_torques_of_several_motors_that_act_by_other_factors_have_another_unit(
     assert all("motor_1: 0.52" in text and "motor_2: 0.34" in text for text in texts)
 
 
-@pytest.mark.parametrize(
-    ("level", "tolerance", "proposed"),
-    [(0.01, 0.05, "torque=0.01"), (0.5, 0.05, ""), (0.01, 0.0, ""), (0.08, 0.05, "")],
-)
-def test_torques_that_are_far_better_than_assumed_bring_a_proposal(
-    level: float, tolerance: float, proposed: str
-) -> None:
-    """By what is left beyond noise, which may be most of the floor."""
-    comparison = SimpleNamespace(level=lambda _: 0.8 + 0.2 * level, beyond_noise=lambda one: (one - 0.8) / 0.2)
-    findings: Any = SimpleNamespace(
-        explanations=SimpleNamespace(chosen=None, comparison=comparison),
-        held_comparison=comparison,
-        held_chosen=None,
-        data=SimpleNamespace(
-            record=SimpleNamespace(imported=True, command=None), measurement=SimpleNamespace(signal_tolerance=tolerance)
-        ),
-    )
-    texts = warnings._better_torques(findings)
-    assert all(proposed in text for text in texts)
-    assert bool(texts) is bool(proposed)
-
-
 def test_numbers_far_out_of_tolerance_are_stated() -> None:
     tolerance = Tolerance(("body_1.mass", "body_1.inertia.yy"), (0.02, 0.02))
     chosen = SimpleNamespace(predictor=SimpleNamespace(tolerance=tolerance), deviations=np.array([5.0, 1.0]))

@@ -110,6 +110,20 @@ def test_friction_that_yields_before_it_slides_is_not_taken_for_a_rigid_one() ->
     assert friction["stiffness"].value == pytest.approx(2e4, rel=0.1)
 
 
+@pytest.mark.parametrize(("tolerance", "shown"), [({}, True), ({"torque": 0.05}, False)])
+def test_effects_below_the_tolerance_of_torques_are_found_where_nobody_stated_one(
+    tolerance: dict[str, float], shown: bool
+) -> None:
+    """A hump of 4 % of the rms torque: with it nothing is left, so that the torques are far better than 5 %."""
+    record = record_of(*FRICTION, "stribeck_friction@motor_1:extra=4,velocity=0.1")
+    found = diagnose(record, RobotWithEffects(load_robot("two_mass"), ()), tolerance=tolerance, settings=SETTINGS)
+    causes = {f"{one.effect}@{one.location}": one for one in found.diagnosis.causes}
+    assert ("stribeck_friction@motor_1" in causes) is shown
+    assert any("torques are better than the 0.05" in text for text in found.diagnosis.warnings) is shown
+    level = causes["coulomb_friction@motor_1"].parameters["level"].value
+    assert (level == pytest.approx(6, rel=0.02)) is shown
+
+
 def test_a_gain_takes_the_place_of_a_rotor_and_a_load_that_stand_for_it() -> None:
     search, wrong = search_and_fit(
         ("torque_gain_error@motor_1:relative=0.2", FRICTION[1]),

@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 FINE = 1e-3
 """Step of the derivative to an order over the usual one [1] (chosen): the usual one, a thousandth of the order, turns
 the phase at the end of a motion of hundreds of rad of the rotor by more than a radian."""
+AROUND = 3.0
+"""Factor by which an order may move from its initial values (chosen): while much is missing, few turns in the motion
+of an arm give it no better."""
 TURNS = 4
 """Turns to each side by which a phase may move (chosen): it is that at position zero, where the motion may never be,
 and moves far with the order."""
@@ -192,6 +195,6 @@ def _free(harmonics: Sequence[HarmonicFit], most: float) -> tuple[FreeParameter,
     high = min(max(amplitudes) * 1e4, most)
     return (
         FreeParameter("amplitude", min(amplitudes) * 1e-4, high, signed=False, starts=amplitudes),
-        FreeParameter("order", min(orders) / 1.5, max(orders) * 1.5, signed=False, starts=orders, fine=FINE),
+        FreeParameter("order", min(orders) / AROUND, max(orders) * AROUND, signed=False, starts=orders, fine=FINE),
         FreeParameter("phase", 0.0, TURNS * 2 * np.pi, signed=True, starts=phases, fine=1.0 / TURNS),
     )

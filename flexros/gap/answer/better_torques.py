@@ -1,0 +1,37 @@
+"""Torques of an imported log that may be known better than is assumed, as those of a simulator or a calibrated drive.
+
+Within the assumed tolerance effects stay hidden, and what they do goes into the sizes of others. How well torques are
+known nobody can tell from what an explanation leaves: that may be their error, or effects that are missing. So a search
+on trial counts less than that as no gap. Where further effects explain most of what is left, in both logs, the torques
+are that good.
+"""
+
+from __future__ import annotations
+
+import math
+
+MOST = 0.5
+"""Mean squared error that an explanation leaves beyond noise, over that of the assumed tolerance, up to which torques
+may be better [1] (chosen)."""
+
+STRICTER = 0.4
+"""Tolerance on trial over what an explanation leaves [1] (chosen)."""
+
+LEAST = 0.005
+"""Smallest tolerance on trial, relative to the rms of a torque [1] (chosen)."""
+
+
+def tolerance_on_trial(tolerance: float, left: float) -> float | None:
+    """Return a smaller tolerance of the torques for a search on trial.
+
+    Args:
+        tolerance: The assumed one, relative to the rms of a torque [1].
+        left: Mean squared error beyond noise that the explanation leaves, over that of the assumed tolerance [1].
+
+    Returns:
+        The tolerance [1]; None where torques are not much better than assumed.
+    """
+    if left > MOST:
+        return None
+    tried = max(float(f"{STRICTER * math.sqrt(left) * tolerance:.1g}"), LEAST)
+    return tried if tried < tolerance / 2 else None

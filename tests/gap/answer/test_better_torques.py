@@ -1,0 +1,22 @@
+"""Tolerances of torques on trial."""
+
+from __future__ import annotations
+
+import pytest
+
+from flexros.gap.answer.better_torques import LEAST, tolerance_on_trial
+
+
+def test_less_counts_as_no_gap_than_an_explanation_leaves() -> None:
+    tried = tolerance_on_trial(0.05, 0.16)
+    assert tried is not None
+    assert tried**2 < 0.16 * 0.05**2
+
+
+@pytest.mark.parametrize(("tolerance", "left"), [(0.05, 0.8), (0.006, 0.1), (0.0, 0.1)])
+def test_torques_that_are_hardly_better_are_not_tried(tolerance: float, left: float) -> None:
+    assert tolerance_on_trial(tolerance, left) is None
+
+
+def test_no_tolerance_is_below_what_a_simulator_makes_of_its_steps() -> None:
+    assert tolerance_on_trial(0.05, 0.0) == LEAST
