@@ -298,8 +298,9 @@ def _with_better_torques(task: _Task, found: _Searched) -> tuple[_Task, _Searche
         trial = replace(task, notes=(*notes, note), settings=with_torque_tolerance(task.settings, {TORQUE: tried}))
         more = trial.searched(found.record, chosen)
         begun, grown = more.search.base, more.explanations.chosen
-        explained = begun.names == chosen.names and more.beyond_noise(grown) < share * more.beyond_noise(begun)
-        if task.deadline.over or not explained:
+        if task.deadline.over or begun.names != chosen.names or grown.names == chosen.names:
+            break
+        if not more.beyond_noise(grown) < share * more.beyond_noise(begun):
             break
         task, found = trial, more
     return task, found

@@ -16,7 +16,7 @@ INERTIA, VISCOUS, COULOMB = np.array([0.8, 0.3]), np.array([4.0, 1.5]), np.array
 ARM = """
 name: arm
 defaults: {source: chosen, tolerance: 0.05}
-gravity: [0, 0, -9.81]
+gravity: {value: [0, 0, -9.81], unit: m/s2, tolerance: 0.05}
 bodies:
   - {mass: 6, center_of_mass: [0.2, 0, 0], inertia: {xx: 0.02, yy: 0.1, zz: 0.1}, length: [0.4, 0, 0],
      directions: {ry: {spring: rigid, damper: 0, motor: {inertia: 0}}}}
