@@ -154,7 +154,7 @@ def _motion_and_drive(
         valid=known,
         late=held.late[rows] if held.late.any() else None,
         measured_torque=measured,
-        noted=_noted(reader, held, slots, rows, measured=measured) if command is None else None,
+        noted=_noted(reader, held, torque, slots, rows, measured=measured) if command is None else None,
         torque_shift=0.0 if measured else HELD,
         command=command,
         first=begin + rows.start,
@@ -162,10 +162,14 @@ def _motion_and_drive(
     return record, rows
 
 
-def _noted(reader: TopicReader, held: HeldTorque, slots: Slots, rows: slice, *, measured: bool) -> FloatArray | None:
-    """Return the torques that were noted with the positions."""
+def _noted(
+    reader: TopicReader, held: HeldTorque, torque: FloatArray, slots: Slots, rows: slice, *, measured: bool
+) -> FloatArray | None:
+    """Return the torques that were noted with the positions; where they are those that act, the same array."""
     if measured:
         return reader.measured(reader.log.joint_states.effort, slots, rows)
+    if held.noted is held.torque:
+        return torque
     return None if held.noted is None else last_finite(held.noted)[0][rows]
 
 

@@ -28,7 +28,7 @@ class DiagnosisSettings(Settings):
         default=2 / 3, gt=0, lt=1, description="share of the log that is fitted to where there is no second one [1]"
     )
     most_values: int = Field(
-        default=600_000,
+        default=400_000,
         ge=1000,
         description="most samples of all motors together that are fitted or held out; of a longer log the most "
         "informative part, so that memory stays below 1.5 GB",

@@ -20,7 +20,7 @@ from flexros.record.balance.regression import coefficients
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from flexros.arrays import BoolArray, FloatArray
+    from flexros.arrays import BoolArray, FloatArray, IntArray
     from flexros.record.record import Record
     from flexros.robot import Robot
 
@@ -63,6 +63,9 @@ RIGHT_ANGLES = (90.0, -90.0, 180.0)
 DRIVES = -0.01
 """Mean power of the fitted friction over the product of rms torque and speed, below which it drives the motion [1]
 (chosen): torques of the other sign imitate a base upside down so."""
+
+MOST_SAMPLES = 200_000
+"""Most samples that are compared, spread evenly over a longer record (chosen): weight changes slowly."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,10 +118,21 @@ class Motion:
     moves: BoolArray
     highest: float
 
+    @cached_property
+    def samples(self) -> IntArray:
+        """Samples that are compared: the valid ones, or some of them, shape (k,)."""
+        valid = np.flatnonzero(self.record.valid)
+        return valid[:: -(-len(valid) // MOST_SAMPLES) or 1]
+
+    @property
+    def given(self) -> FloatArray:
+        """Torques at these samples [Nm or N], shape (k, M)."""
+        return self.record.torque[self.samples]
+
     def arm(self, gravity: FloatArray, turned: FloatArray) -> FloatArray:
-        """Torque of the bodies at the valid samples [Nm or N], shape (n, M), with positions turned by angles [deg]."""
+        """Torque of the bodies at these samples [Nm or N], shape (k, M), with positions turned by angles [deg]."""
         robot = self._under(tuple(gravity.tolist()))
-        return self._slow.torque(robot, np.radians(turned))[self.record.valid]
+        return self._slow.torque(robot, np.radians(turned))[self.samples]
 
     @cached_property
     def _slow(self) -> SlowMotion:
@@ -131,8 +145,8 @@ class Motion:
         return cache(lambda gravity: self.robot.with_values(dict(zip(AXES, gravity, strict=True))))
 
     def own(self, motor: int) -> FloatArray:
-        """Offset, speed, its sign and acceleration of a motor at the valid samples, shape (n, 4)."""
-        speed, acceleration = self.smooth[1:, self.record.valid, motor]
+        """Offset, speed, its sign and acceleration of a motor at these samples, shape (k, 4)."""
+        speed, acceleration = self.smooth[1:, self.samples, motor]
         return np.column_stack([np.ones_like(speed), speed, np.sign(speed), acceleration])
 
 
@@ -163,7 +177,7 @@ def _far_better(motion: Motion, one: Posture) -> bool:
     if one.carrying.sum() < FEWEST or one.stated < LOST or one.rest > LESS * one.stated:
         return False
     arm = motion.arm(one.gravity, one.turned)
-    given = motion.record.torque[motion.record.valid]
+    given = motion.given
     for motor in np.flatnonzero(one.carrying):
         own = motion.own(int(motor))
         friction = own[:, 1:3] @ coefficients(own, given[:, motor] - arm[:, motor])[1:3]
@@ -209,8 +223,8 @@ class _Weights:
     """Torques without what each motor has of its own, over their rms, of the K motors that move.
 
     Attributes:
-        rest: Torques without those of the weightless bodies [1], shape (K, n).
-        weight: Torques of the weight by gravity along each axis [s2/m], shape (K, n, 3);
+        rest: Torques without those of the weightless bodies [1], shape (K, k).
+        weight: Torques of the weight by gravity along each axis [s2/m], shape (K, k, 3);
             directions that were not tried add nothing.
         moves: Motors that move, shape (M,).
         stated: Gravity in the robot file [m/s2], shape (3,).
@@ -235,7 +249,7 @@ class _Weights:
         """
         bodies = motion.arm(np.zeros(3), turned)
         weight = np.stack([motion.arm(axis, turned) - bodies for axis in directions], axis=2) @ directions
-        given = motion.record.torque[motion.record.valid]
+        given = motion.given
         rests, weights = [], []
         for motor in np.flatnonzero(motion.moves):
             size = max(float(np.std(given[:, motor])), 1e-300)
