@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 
     from flexros.arrays import FloatArray
 
+SAMPLES = 100_000
+"""Most samples side by side in one call (chosen): CasADi notes the place of each of their numbers."""
+
 
 def over_rows(function: ca.Function, *rows: FloatArray) -> tuple[FloatArray, ...]:
     """Evaluate a function of dense column vectors at n samples.
@@ -35,12 +38,14 @@ def over_rows(function: ca.Function, *rows: FloatArray) -> tuple[FloatArray, ...
     assert all(function.sparsity_out(k).is_dense() for k in numbers), f"{function.name()} has sparse outputs"
     shapes = [(function.size2_out(k), function.size1_out(k)) for k in numbers]
     results = [np.empty((n, *shape)) for shape in shapes]  # matrices of CasADi lie in memory column by column
-    if n:
-        buffer, run = (function if n == 1 else _mapped(function, n)).buffer()
-        for k, part in enumerate(inputs):
-            buffer.set_arg(k, part.data)
+    for begin in range(0, n, SAMPLES):
+        length = min(SAMPLES, n - begin)
+        some = slice(begin, begin + length)
+        buffer, run = (function if length == 1 else _mapped(function, length)).buffer()
+        for k, values in enumerate(inputs):
+            buffer.set_arg(k, values[some].data)
         for k, result in enumerate(results):
-            buffer.set_res(k, result.data)
+            buffer.set_res(k, result[some].data)
         run()
     return tuple(
         part[:, 0] if columns == 1 else part.transpose(0, 2, 1)

@@ -16,8 +16,11 @@ def function() -> ca.Function:
     return ca.Function("f", [x, p], [ca.sin(x) * p[0], ca.jacobian(ca.dot(x, x) * p, x), ca.exp(p)])
 
 
-@pytest.mark.parametrize("n", [1, 7])
-def test_each_sample_is_as_of_a_call_of_its_own(function: ca.Function, n: int) -> None:
+@pytest.mark.parametrize(("n", "together"), [(1, 100), (7, 100), (7, 3)])
+def test_each_sample_is_as_of_a_call_of_its_own(
+    monkeypatch: pytest.MonkeyPatch, function: ca.Function, n: int, together: int
+) -> None:
+    monkeypatch.setattr("flexros.compile.over_rows.SAMPLES", together)
     rng = np.random.default_rng(0)
     x, p = rng.normal(size=(3, n)).T, rng.normal(size=(n, 2))
     vector, matrix, column = over_rows(function, x, p)
