@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.errors import InputError
 from flexros.gap.candidates.candidate import Candidate, FreeParameter
 from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.fit.least_squares import chi2_of, fit, linearise
@@ -39,6 +40,10 @@ WITHOUT_LOG = ("relative", "time", "frequency", "order", "phase")
 """Scales of ranges that are the same for every log."""
 ITERATIONS = 6
 """Largest number of iterations of a fit from parameters that were fitted to another log (chosen)."""
+
+LONGEST = 10.0
+"""Longest simulated experiment over the length that was asked for [1] (chosen): motors that can hardly accelerate, such
+as those of endless inertia, would take days."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,6 +111,7 @@ def trial(truth: Explained, keys: Mapping[str, Any], seed: int, *, tool: bool = 
 
     Raises:
         DivergedRunError: The run would be aborted.
+        InputError: The motors are too slow for such an experiment.
     """
     robot = truth.model.robot
     law = default_controller(robot, robot.sample_time)
@@ -115,6 +121,12 @@ def trial(truth: Explained, keys: Mapping[str, Any], seed: int, *, tool: bool = 
     course = diagnosis_course(
         scenario.diagnosis, robot, scenario.controller, robot.sample_time, scenario.seed, robot.home
     )
+    if course.trajectory.duration > LONGEST * scenario.diagnosis.length:
+        raise InputError(
+            f"the experiment would take {course.trajectory.duration:.4g} s with the motors of robot {robot.name}, not "
+            f"{scenario.diagnosis.length:g} s",
+            "length",
+        )
     experiment = Experiment(
         scenario,
         ScenarioModels(truth.model, truth.model, truth.plant),

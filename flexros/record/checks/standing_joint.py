@@ -14,8 +14,9 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 DRIVEN = 0.3
-"""Change of a torque beside that of the arm, over the largest of the joints that move, both rms, above which the
-encoder of a joint may be stuck whose position never changes at all [1] (chosen); a check tells that."""
+"""Change of a torque beside that of the arm, over the largest of the joints that move and over the torque itself, all
+rms, above which the encoder of a joint may be stuck whose position never changes at all [1] (chosen); a check tells
+that. A torque that hardly changes holds a weight, and of several such joints at once none is stuck."""
 
 
 def without_standing_joints(record: Record, robot: Robot) -> Record:
@@ -36,10 +37,12 @@ def without_standing_joints(record: Record, robot: Robot) -> Record:
     standing[list(record.prescribed)] = False
     if not standing.any() or not checked.moves.any():
         return record
+    torque = checked.record.torque[record.valid]
     driving = (checked.record.torque - checked.rigid_torque())[record.valid].std(axis=0)
-    largest = checked.record.torque[record.valid][:, checked.moves].std(axis=0).max()
-    alive = np.ptp(checked.record.position[record.valid], axis=0) > 0
-    motors = np.flatnonzero(standing & (alive | (driving < DRIVEN * largest))).tolist()
+    largest = np.maximum(torque[:, checked.moves].std(axis=0).max(), np.sqrt(np.mean(torque**2, axis=0)))
+    constant = np.ptp(checked.record.position[record.valid], axis=0) == 0
+    stuck = constant & (driving >= DRIVEN * largest) & (constant.sum() == 1)
+    motors = np.flatnonzero(standing & ~stuck).tolist()
     if not motors or len({*motors, *record.prescribed}) == robot.n_motors:
         return record
     return with_prescribed_motion(record, robot, motors, "it stands still in this log")

@@ -9,6 +9,7 @@ from flexros.effects import RobotWithEffects, parse_effect
 from flexros.effects.kinds.ranges import Range
 from flexros.effects.motor_inertia_error import MotorInertiaError
 from flexros.effects.torque_bias import TorqueBias
+from flexros.errors import InputError
 from flexros.gap.candidates.candidate import list_candidates
 from flexros.gap.candidates.scales import scales_of
 from flexros.gap.candidates.tolerance import Tolerance
@@ -152,3 +153,9 @@ def test_a_ripple_in_proportion_to_the_torque_stays_below_it() -> None:
     _, high = predictor.bounds
     assert predictor.hypothesis[0].placed(predictor.values(high)[0]).effect.amplitude == pytest.approx(0.99)  # type: ignore[attr-defined]
     assert predictor.values(theta)[0]["amplitude"] == pytest.approx(0.4)
+
+
+def test_motors_that_hardly_accelerate_make_no_experiment() -> None:
+    """One of endless inertia, whose motion was prescribed, would creep for days."""
+    with pytest.raises(InputError, match="would take"):
+        trial(explained().with_values({"motor_1.inertia": 1e9}), KEYS, 1)

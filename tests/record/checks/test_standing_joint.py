@@ -6,13 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import yaml
 
 from flexros.gap.checked_log import checked_log
 from flexros.logs.foreign.import_log import import_log
 from flexros.logs.foreign.mapping import load_mapping
 from flexros.record.checks.standing_joint import without_standing_joints
 from flexros.record.record import Record
-from tests.gap.rigid_arm import arm, record_of_arm
+from flexros.robot import robot_from_data
+from tests.gap.rigid_arm import ARM, arm, record_of_arm
 
 ENCODER = 4e-4  # rad
 
@@ -46,6 +48,19 @@ def test_a_stuck_encoder_is_no_standing_joint() -> None:
     constant[:, 1] = 0.3
     assert without_standing_joints(replace(record, position=constant), arm()).prescribed == ()
     assert without_standing_joints(replace(standing(), position=constant), arm()).prescribed == (1,)
+
+
+def test_several_joints_that_never_move_at_all_stand() -> None:
+    """Their torques are noise of the same size as that of the joint that moves; no two encoders are stuck at once."""
+    data = yaml.safe_load(ARM)
+    data["bodies"].append(data["bodies"][-1])
+    data["outputs"]["joints"]["coordinates"].append("body_3.ry")
+    robot = robot_from_data(data, "three.yaml")
+    record, noise = standing(), np.random.default_rng(1).normal(size=(standing().n_samples, 2))
+    position = np.column_stack([record.position[:, 0], np.full((len(noise), 2), 0.3)])
+    torque = np.column_stack([record.torque[:, 0], 30.0 * noise])
+    held = without_standing_joints(replace(record, position=position, torque=torque), robot)
+    assert held.prescribed == (1, 2)
 
 
 def test_what_stands_still_in_a_log_that_is_only_predicted_counts(tmp_path) -> None:
