@@ -41,18 +41,19 @@ def longest_run(marked: BoolArray) -> int:
     return int(runs(marked)[1].max(initial=0))
 
 
-def long_holes(valid: BoolArray) -> BoolArray:
+def long_holes(valid: BoolArray, most: int = MOST_BRIDGED) -> BoolArray:
     """Mark the samples of holes that are too long to be bridged.
 
     Args:
         valid: Which samples were measured, shape (n,).
+        most: Most samples in a row that may be missing.
 
     Returns:
-        Samples that belong to more than `MOST_BRIDGED` missing ones in a row, shape (n,).
+        Samples that belong to more missing ones in a row, shape (n,).
     """
     marked = np.zeros(len(valid), dtype=bool)
     for begin, length in zip(*runs(~valid), strict=True):
-        if length > MOST_BRIDGED:
+        if length > most:
             marked[begin : begin + length] = True
     return marked
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import InputError
-from flexros.record.missing_samples import MOST_BRIDGED, bridged_motion, long_holes, runs
+from flexros.record.missing_samples import bridged_motion, long_holes, runs
 from flexros.robot.linear.held_input import held_input
 from flexros.robot.linear.linearise import linear_model
 from flexros.robot.parameters import SERVO
@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 
 MOST_DOUBTFUL = 1.0
 """Error by a lost command over the spread of a prediction error above which the sample is not used (chosen)."""
+
+MOST_PREDICTED = 20
+"""Most samples in a row through which the prediction goes on with interpolated torques (chosen)."""
 
 LEAST_DOUBTFUL = 0.05
 """The same up to which the spread stays as it is (chosen)."""
@@ -90,12 +93,12 @@ def lost_commands(
         return LostCommands(record, np.sqrt(variance))
     delay = 0.0 if record.measured_torque else nominal.robot.delay / record.sample_time
     begins, lengths = runs(lost)
-    for length in np.unique(lengths[lengths <= MOST_BRIDGED]).tolist():
+    for length in np.unique(lengths[lengths <= MOST_PREDICTED]).tolist():
         added = _variance(nominal.robot, record, gain, pose, length, delay)
         for begin in begins[lengths == length].tolist():
             n = min(len(added), record.n_samples - begin)
             variance[begin : begin + n] += added[:n]
-    holes = long_holes(~lost)
+    holes = long_holes(~lost, MOST_PREDICTED)
     for begin, length in zip(*runs(holes), strict=True):
         variance[begin : begin + length + int(np.ceil(delay)) + gain.settling] = np.inf
     position = bridged_motion(record.position, ~holes)
@@ -104,7 +107,7 @@ def lost_commands(
 
 
 def check_enough_left(record: Record, without: FloatArray, spread: FloatArray, settings: ResidualSettings) -> None:
-    """Refuse a log of which lost commands leave too little.
+    """Refuse a log of which unknown torques leave too little.
 
     Args:
         record: The log.
@@ -115,15 +118,20 @@ def check_enough_left(record: Record, without: FloatArray, spread: FloatArray, s
     Raises:
         InputError: Too little of the log is left.
     """
-    before, after = (np.all(np.isfinite(values), axis=1) for values in (without, spread))
-    left = float(after.sum() / max(before.sum(), 1))
-    if left < settings.least_left:
-        raise InputError(
-            f"{record.name}: commands were lost when it was recorded, so that the torques that acted are not known; "
-            f"where that changes the prediction by no more than noise, {100 * left:.0f} % of the log are left, but "
-            f"{100 * settings.least_left:.0f} % are needed: record joint_commands without losses, e.g. on the machine "
-            "of the controller"
-        )
+    before, after = (int(np.all(np.isfinite(values), axis=1).sum()) for values in (without, spread))
+    if after >= min(settings.least_left * before, settings.enough_left):
+        return
+    lost, advice = (
+        "commands were lost when it was recorded",
+        "joint_commands without losses, e.g. on the machine of the controller",
+    )
+    if record.measured_torque:
+        lost, advice = "samples are missing or the clock jumps", "without such holes"
+    raise InputError(
+        f"{record.name}: {lost}, so that the torques that acted are not known; where that changes the prediction by no "
+        f"more than noise, {after} of {before} samples are left, but {settings.enough_left} or "
+        f"{100 * settings.least_left:.0f} % are needed: record {advice}"
+    )
 
 
 def _variance(

@@ -113,7 +113,10 @@ class ResidualSettings(Settings):
         "not held ones [1]",
     )
     least_left: float = Field(
-        default=0.3, gt=0, le=1, description="share of a log that lost commands must leave for the fit [1]"
+        default=0.3, gt=0, le=1, description="share of a log that unknown torques must leave for the fit [1]"
+    )
+    enough_left: int = Field(
+        default=1000, ge=1, description="samples that are enough for the fit, however small their share is (chosen)"
     )
     tool_poses: int = Field(
         default=10_000, ge=10, description="largest number of tool poses used; of more, every second, third ... is"
