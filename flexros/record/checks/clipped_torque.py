@@ -20,6 +20,9 @@ PLATEAU = 3
 LEAST_SHARE = 5e-4
 """Share of samples in flat tops above which a torque is clipped (chosen)."""
 
+SUDDEN = 0.2
+"""Steps to and from a flat top over the range of the torque, from which it is a step of the command (chosen)."""
+
 CONTINUOUS = 0.3
 """Share of different values above which a torque is continuous; steps and binary signals have flat tops of their own
 (chosen)."""
@@ -77,8 +80,11 @@ def _flat_tops(values: FloatArray) -> list[float]:
         return []
     levels = []
     for level in (float(values.max()), float(values.min())):
-        _, length = runs(np.abs(values - level) <= 1e-9 * abs(level))
-        flat = int(length[length >= PLATEAU].sum())
+        begin, length = runs(np.abs(values - level) <= 1e-9 * abs(level))
+        before = np.abs(values[np.maximum(begin - 1, 0)] - level)
+        after = np.abs(values[np.minimum(begin + length, len(values) - 1)] - level)
+        cut = np.minimum(before, after) < SUDDEN * np.ptp(values)
+        flat = int(length[(length >= PLATEAU) & cut].sum())
         if flat > LEAST_SHARE * len(values) and level != 0.0:
             levels.append(level)
     return levels

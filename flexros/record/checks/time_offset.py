@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 SIGNIFICANT = 5.0
 """Offset over its standard deviation above which it is significant (chosen)."""
 
-DOUBTFUL = 3.5
+DOUBTFUL = 3.8
 """The same for a lead of whole samples that is worth a warning: effects that the model lacks blur the offset, and no
-robot moves that long before its torque (chosen; right stamps showed up to 2.9 and less than a sample)."""
+robot moves that long before its torque (chosen; right stamps showed up to 3.6)."""
 
 WHOLE = 1.0
 """Lead from which that holds [samples] (chosen)."""

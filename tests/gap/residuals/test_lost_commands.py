@@ -87,7 +87,7 @@ def test_commands_that_were_held_in_truth_count() -> None:
 def test_a_log_that_lost_commands_everywhere_is_refused() -> None:
     record = record_of(length=WHOLE)
     late = np.arange(record.n_samples) % 97 == 50
-    with pytest.raises(InputError, match=r"log: commands were lost when it was recorded, .* \d+ of \d+ samples are left"):
+    with pytest.raises(InputError, match=r"commands were lost when it was recorded, .* \d+ of \d+ samples are left"):
         data(held_over(record, late))
 
 

@@ -39,3 +39,10 @@ def test_zero_torque_is_refused(found, healthy) -> None:
 def test_steps_have_flat_tops_of_their_own(found, healthy) -> None:
     steps = 50.0 * np.sign(np.sin(np.arange(healthy("emps").n_samples) / 200))[:, None]
     assert not any("clipped" in finding.text for finding in found("emps", torque=steps))
+
+
+def test_a_square_wave_beside_a_continuous_torque_is_not_clipped(found, healthy) -> None:
+    torque = healthy("emps").torque.copy()
+    level, third = 1.2 * float(np.abs(torque).max()), len(torque) // 3
+    torque[:third, 0] = level * np.sign(np.sin(np.arange(third) / 200))
+    assert not any("clipped" in finding.text for finding in found("emps", torque=torque))
