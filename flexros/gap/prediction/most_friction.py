@@ -33,5 +33,5 @@ def most_friction(model: RobotWithEffects, candidates: Sequence[Candidate]) -> t
             friction[law.location] += law.effect.coefficient * (1 + abs(law.effect.asymmetry) / 2)
     for one in candidates:
         if one.effect is ViscousFriction:
-            friction[one.location] += LIKELY * next(free.high for free in one.free if free.name == "coefficient")
+            friction[one.location] += LIKELY * sum(free.high for free in one.free if free.name == "coefficient")
     return tuple(friction.values())
