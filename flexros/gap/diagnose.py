@@ -9,7 +9,6 @@ from flexros.blas_threads import one_blas_thread
 from flexros.effects import RobotWithEffects
 from flexros.errors import InputError
 from flexros.gap.answer.assemble import result_of
-from flexros.gap.answer.better_torques import tolerance_on_trial
 from flexros.gap.answer.decision import findings_of, on_held_out
 from flexros.gap.answer.rough_gains import relative_to_file
 from flexros.gap.answer.sensitivity import sensitivity_of
@@ -30,6 +29,7 @@ from flexros.gap.prediction.driven_model import driven_model
 from flexros.gap.progress import Stages
 from flexros.gap.residuals.fit_samples import at_rate_of_fits, part_of_fits
 from flexros.gap.residuals.prepare_fit_data import fit_data, with_tool_frame_of
+from flexros.gap.search.better_torques import tolerance_on_trial
 from flexros.gap.search.forward_selection import explain
 from flexros.gap.search.looser import found_looser, looser_null
 from flexros.gap.search.model_probability import compare

@@ -10,6 +10,7 @@ import pytest
 from flexros.arrays import BoolArray
 from flexros.errors import InputError
 from flexros.gap.residuals.fit_data import FitData
+from flexros.gap.residuals.lost_commands import check_enough_left
 from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.settings import DiagnosisSettings
 from flexros.record.record import Record
@@ -101,6 +102,28 @@ def test_a_measured_torque_is_lost_with_its_sample() -> None:
     assert level(found) == pytest.approx(level(whole), rel=5 * np.sqrt(2 / found.n_values))
     assert not found.counted[late].any()
     assert found.counted.sum() > 0.9 * whole.counted.sum() - late.sum()
+
+
+def test_the_prediction_goes_on_through_a_hole_of_a_few_samples() -> None:
+    """What the torques there may have been counts by its size, and no longer than that: not until all has settled."""
+    record = replace(record_of(length=WHOLE), measured_torque=True)
+    missing = burst(record, 12)
+    found, whole = data(replace(record, valid=~missing)), data(record)
+    lost = whole.counted.sum() - found.counted.sum()
+    assert missing.sum() <= lost < 0.5 * found.gain.settling
+    assert level(found) == pytest.approx(level(whole), rel=5 * np.sqrt(2 / found.n_values))
+
+
+def test_enough_samples_are_enough_however_small_their_share_is() -> None:
+    record = record_of(length=WHOLE)
+    usual = np.ones((record.n_samples, 1))
+    left = np.where(np.arange(record.n_samples) < 1000, 1.0, np.inf)[:, None]
+    settings = DiagnosisSettings().residuals
+    assert settings.enough_left == 1000 < settings.least_left * record.n_samples
+    check_enough_left(record, usual, left, settings)
+    left[0] = np.inf
+    with pytest.raises(InputError, match="999 of"):
+        check_enough_left(record, usual, left, settings)
 
 
 def test_what_is_predicted_across_a_jump_of_the_clock_does_not_count_until_that_has_decayed() -> None:

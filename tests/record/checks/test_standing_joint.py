@@ -48,6 +48,8 @@ def test_a_stuck_encoder_is_no_standing_joint() -> None:
     constant[:, 1] = 0.3
     assert without_standing_joints(replace(record, position=constant), arm()).prescribed == ()
     assert without_standing_joints(replace(standing(), position=constant), arm()).prescribed == (1,)
+    heavy = replace(record, position=constant, torque=record.torque + np.array([0.0, 300.0]))  # it changes by a sixth
+    assert without_standing_joints(heavy, arm()).prescribed == (1,)
 
 
 def test_several_joints_that_never_move_at_all_stand() -> None:

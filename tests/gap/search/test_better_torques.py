@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from flexros.gap.answer.better_torques import LEAST, tolerance_on_trial
+from flexros.gap.search.better_torques import LEAST, tolerance_on_trial
 
 
 def test_less_counts_as_no_gap_than_an_explanation_leaves() -> None:
