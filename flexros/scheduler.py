@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 from contextlib import contextmanager
 from tempfile import TemporaryDirectory
@@ -41,14 +42,7 @@ def connected(address: str = "", threads: int | None = None) -> Iterator[Client]
     from distributed import Client  # here, because it loads slowly
 
     if address:
-        try:
-            client = Client(address, timeout=ANSWER, set_as_default=False)
-        except (OSError, ValueError) as error:
-            raise InputError(
-                f"no Dask scheduler answers at '{address}' ({error}); start one (dask scheduler), or give no address",
-                "scheduler",
-            ) from error
-        with client:
+        with _client_of(address) as client:
             yield client
         return
     quiet = {
@@ -73,6 +67,23 @@ def connected(address: str = "", threads: int | None = None) -> Iterator[Client]
         ) as client,
     ):
         yield client
+
+
+def _client_of(address: str) -> Client:
+    from distributed import Client  # here, because it loads slowly
+
+    try:
+        return Client(address, timeout=ANSWER, set_as_default=False)
+    except (OSError, ValueError) as error:
+        refusal = str(error)
+    # A client that failed closes itself when it is collected, and for that takes the lock under which the next client
+    # starts its thread. If that thread is the one to collect it, both wait for each other until Dask gives up. So it is
+    # collected here, outside of the handler, because the error holds the client.
+    gc.collect()
+    raise InputError(
+        f"no Dask scheduler answers at '{address}' ({refusal}); start one (dask scheduler), or give no address",
+        "scheduler",
+    )
 
 
 def finished(client: Client, submitted: Iterable[Future]) -> Iterator[Future]:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import gc
 import os
 
 import dask
 import psutil  # type: ignore[import-untyped]
 import pytest
-from distributed import LocalCluster
+from distributed import Client, LocalCluster
 
 from flexros.errors import InputError
 from flexros.scheduler import LOCAL, connected
@@ -41,6 +42,18 @@ def test_missing_scheduler_is_reported(address: str, monkeypatch: pytest.MonkeyP
     message = f"no Dask scheduler answers at '{address}'"
     with pytest.raises(InputError, match=message), connected(address):
         pytest.fail("nobody answers there")
+
+
+def test_a_client_that_failed_is_gone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It closes itself when it is collected; in the thread that the next client starts, both wait for each other."""
+    monkeypatch.setattr("flexros.scheduler.ANSWER", 0.5)
+    gc.disable()
+    try:
+        with pytest.raises(InputError), connected("nonsense://1"):
+            pytest.fail("nobody answers there")
+        assert not any(isinstance(one, Client) and one.status != "closed" for one in gc.get_objects())
+    finally:
+        gc.enable()
 
 
 def test_other_work_of_this_process_keeps_its_own_scheduler(monkeypatch: pytest.MonkeyPatch) -> None:
