@@ -12,6 +12,7 @@ from flexros.record.checks.run import check_record
 from flexros.record.checks.standing_joint import without_standing_joints
 from flexros.record.read import read_record
 from flexros.record.resampled import at_usual_rate
+from flexros.record.torque_noise import without_torque_noise
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -54,8 +55,8 @@ def log_record(
         standing_counts: Whether the torque of a joint that stands still counts all the same.
 
     Returns:
-        The record of `read_record`, measured torques when they acted, of a very fast recorder at a lower rate. Samples
-        that a check found unusable are not valid.
+        The record of `read_record`, measured torques when they acted and without white noise, of a very fast recorder
+        at a lower rate. Samples that a check found unusable are not valid.
 
     Raises:
         InputError: There is no usable position or torque, or a check rejects the log.
@@ -69,4 +70,4 @@ def log_record(
         record = without_foreign_torque(record, robot)
     checked = check_record(with_torque_in_time(record, robot), robot, parameters_known=parameters_known)
     give_memory_back()
-    return at_usual_rate(checked)
+    return without_torque_noise(at_usual_rate(checked), robot)

@@ -55,6 +55,8 @@ class Record:
         measured_torque: Whether the torques were measured at the motor, behind the delay of the command.
         torque_shift: Samples of the recorder from the stamp of a noted torque to the middle of the time in which it
             counts [1].
+        torque_noise: Standard deviation of the white noise of measured torques [Nm or N], shape (M,); None where it is
+            not known.
         recorder_samples: Samples of the recorder in each sample [1]; more than 1 where the rate was lowered.
         simulated: Whether the provenance names a scenario of this program.
         imported: Whether the log was imported from files of a real machine, whose model is never exact.
@@ -88,6 +90,7 @@ class Record:
     sensors: tuple[SensorRecord, ...] = ()
     measured_torque: bool = False
     torque_shift: float = 0.0
+    torque_noise: FloatArray | None = None
     recorder_samples: float = 1.0
     simulated: bool = False
     imported: bool = False

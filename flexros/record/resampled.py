@@ -117,6 +117,7 @@ def resampled(record: Record, sample_time: float, reason: str = "the rate of the
         late=None if record.late is None else _any_within(record.late, left, right),
         velocity=None if record.velocity is None else linear(record.velocity),
         noted=None if record.noted is None else mean(moved_later(record.noted, (sample_time / old - 1) / 2)),
+        torque_noise=None if record.torque_noise is None else record.torque_noise * np.sqrt(old / sample_time),
         recorder_samples=record.recorder_samples * sample_time / old,
         reference=None if record.reference is None else linear(record.reference),
         parts=(),

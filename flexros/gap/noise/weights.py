@@ -75,6 +75,17 @@ class Measurement:
         """
         return np.asarray(self.signal_tolerance * np.std(record.torque, axis=0))
 
+    def uncertain_torque(self, record: Record) -> FloatArray | None:
+        """Return the white torque that counts as no gap [Nm or N], shape (M,); None where torques are known exactly.
+
+        Args:
+            record: The log.
+        """
+        if not self.signal_tolerance:
+            return None
+        tolerated = self.tolerated_torque(record)
+        return tolerated if record.torque_noise is None else np.maximum(tolerated, record.torque_noise)
+
 
 def measurement_of(record: Record, robot: Robot, settings: DiagnosisSettings) -> Measurement:
     """Measure noise, quantization and jitter of the encoders.

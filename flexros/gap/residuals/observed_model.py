@@ -95,7 +95,7 @@ class ObservedModel:
             record=record,
             measurement=measurement,
             noise=noise_of_positions(record, measurement),
-            tolerated=measurement.tolerated_torque(record) if measurement.signal_tolerance else None,
+            tolerated=measurement.uncertain_torque(record),
             pose=robot.equilibrium(motor_position=np.median(record.position, axis=0))[: robot.n_arm],
             settings=settings,
         )
