@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-FIRST_STEP = 0.5
-"""Share of a stage that its first step counts for, and each later one of the rest [1]."""
+STEP = 0.2
+"""Share of what is left of a stage that each of its steps counts for [1] (chosen): a search has four to eight."""
 
 
 class Stages:
@@ -29,14 +29,14 @@ class Stages:
         """Begin a stage that ends when `share` of all is done."""
         self.end()
         self._name, self._from, self._to, self._begin = name, self._to, share, time.monotonic()
-        self._step, self._done, self._span = name, 0.0, FIRST_STEP
+        self._step, self._done, self._span = name, 0.0, STEP
         self.inner(name, 0.0)
 
     def inner(self, name: str, share: float) -> None:
-        """Report the share of a step of the current stage; each further step takes half of what is left."""
+        """Report the share of a step of the current stage; each takes `STEP` of what is left."""
         if name != self._step:
             self._step, self._done = name, self._done + self._span
-            self._span = FIRST_STEP * (1.0 - self._done)
+            self._span = STEP * (1.0 - self._done)
         if self._progress is not None:
             self._progress(name, self._from + (self._done + share * self._span) * (self._to - self._from))
 

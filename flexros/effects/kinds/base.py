@@ -102,6 +102,10 @@ class AbstractEffect(Settings, ABC):
         """Return the same for the log of a real machine, whose numbers are uncertain; default: as in simulated ones."""
         return self.sought(robot, location)
 
+    def sought_for_curve(self, robot: Robot, location: str) -> bool:
+        """Return whether it is tried in place of a curve of unknown law; by default where a measured log seeks it."""
+        return self.sought_if_measured(robot, location)
+
     def visible(self, noise: float) -> bool:
         """Return whether the effect is distinguishable from the simpler ones that it extends.
 

@@ -189,8 +189,8 @@ def _model_numbers(findings: Findings) -> tuple[ModelNumber, ...]:
 def _estimated(findings: Findings) -> list[ModelNumber]:
     """List the numbers that the robot file lacks, as the chosen explanation has them.
 
-    A log shows the inertia of a rotor together with that of the bodies that always turn with it: what these are known
-    to is a doubt about the rotor.
+    A log shows the inertia of a rotor together with that of the bodies that always turn with it, and of masses and
+    centres some combinations alone: what the file leaves open of the others is a doubt about each.
     """
     chosen, robot = findings.explanations.chosen, findings.model.robot
     tolerance = chosen.predictor.tolerance
@@ -198,7 +198,7 @@ def _estimated(findings: Findings) -> list[ModelNumber]:
     covariance = fit_covariance(chosen, findings.data, findings.settings)[n:, n:]
     fitted = tolerance.fitted(covariance)
     relative = dict(zip(tolerance.names, fitted))
-    of_rotors = dict(zip(tolerance.names, np.hypot(fitted, tolerance.uninformed)))
+    with_uninformed = dict(zip(tolerance.names, np.hypot(fitted, tolerance.uninformed)))
     numbers = []
     for placed in findings.unknown.fitted(chosen):
         name, effect = f"{placed.location}.inertia", placed.effect
@@ -208,7 +208,7 @@ def _estimated(findings: Findings) -> list[ModelNumber]:
         if isinstance(effect, ViscousFriction):
             continue  # no number of its own: it takes that of the file away
         if isinstance(effect, BodyDifference):
-            numbers += _of_body(effect, placed.location, robot, relative)
+            numbers += _of_body(effect, placed.location, robot, with_uninformed)
             continue
         assert isinstance(effect, RotorInertia)
         numbers.append(
@@ -217,9 +217,9 @@ def _estimated(findings: Findings) -> list[ModelNumber]:
                 name=name,
                 nominal=0.0,
                 value=effect.added,
-                std=float(of_rotors[name]) * effect.added,
+                std=float(with_uninformed[name]) * effect.added,
                 unit=robot.parameters[name].unit,
-                determined=bool(of_rotors[name] <= 1.0),
+                determined=bool(with_uninformed[name] <= 1.0),
             )
         )
     return numbers

@@ -261,7 +261,12 @@ def below_nominal(free: FreeParameter, most: float) -> FreeParameter:
 
 
 def list_candidates(
-    robot: Robot, scales: Scales, *, measured: bool = False, known: Sequence[PlacedLaw] = ()
+    robot: Robot,
+    scales: Scales,
+    *,
+    measured: bool = False,
+    known: Sequence[PlacedLaw] = (),
+    for_curve: bool = False,
 ) -> tuple[Candidate, ...]:
     """List every effect at every location, but for effects without ranges, those with a harmonic, and curves.
 
@@ -273,12 +278,13 @@ def list_candidates(
         scales: Largest torques, speeds and deflections of the log, and the frequencies that it shows.
         measured: Whether the log is one of a real machine, whose nominal numbers may also be far too large.
         known: Laws of the nominal model, whose sizes may be too large as well.
+        for_curve: Whether those are listed that are tried in place of a curve.
     """
     candidates: list[Candidate] = []
     for effect in effects().values():
         if not effect.ranges or effect.harmonics or issubclass(effect, AbstractCurve):
             continue
-        for location in distinct_locations(effect, robot, measured=measured):
+        for location in distinct_locations(effect, robot, measured=measured, for_curve=for_curve):
             free = [
                 free_parameter(name, scales.shown(allowed), scales.of(allowed.scale, location))
                 for name, allowed in effect().fitted(robot, location).items()
@@ -290,16 +296,20 @@ def list_candidates(
     return tuple(candidates)
 
 
-def distinct_locations(effect: type[AbstractEffect], robot: Robot, *, measured: bool = False) -> tuple[str, ...]:
+def distinct_locations(
+    effect: type[AbstractEffect], robot: Robot, *, measured: bool = False, for_curve: bool = False
+) -> tuple[str, ...]:
     """List the distinct locations where an effect is sought: on a robot with one motor, "all" is that motor.
 
     Args:
         effect: The effect.
         robot: The nominal robot.
         measured: Whether the log is one of a real machine.
+        for_curve: Whether it is sought in place of a curve.
     """
     locations = effect().locations(robot)
     if "all" in locations and robot.n_motors == 1:
         locations = tuple(location for location in locations if location not in robot.joint_names)
-    sought = effect().sought_if_measured if measured else effect().sought
+    one = effect()
+    sought = one.sought_for_curve if for_curve else one.sought_if_measured if measured else one.sought
     return tuple(location for location in locations if sought(robot, location))

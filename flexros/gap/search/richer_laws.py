@@ -122,7 +122,7 @@ def _laws_in_place(search: Search, fit: CandidateFit, curve: Candidate) -> list[
         return []
     places = [{motor.name, motor.joint.name} for motor in search.null.model.robot.motors]
     own = next((place for place in places if curve.location in place), {curve.location})
-    every = [one for one in search.candidates() if one.location in own and one.name not in fit.names]
+    every = [one for one in search.candidates(for_curve=True) if one.location in own and one.name not in fit.names]
     laws = [one for one in every if not in_proportion(one) and len(one.free) < len(curve.free)]
     numbers = [one.name for one in fit.hypothesis if one.location == curve.location and in_proportion(one)]
     begun = [fit, *([search.without(fit, *numbers)] if numbers else [])]

@@ -6,7 +6,9 @@ import pytest
 
 from flexros.effects.left_out.body_difference import BodyDifference
 from flexros.gap.answer.budget import _of_body
-from tests.gap.rigid_arm import arm
+from flexros.gap.diagnose import diagnose
+from flexros.gap.settings import DiagnosisSettings, SearchSettings
+from tests.gap.rigid_arm import arm, record_of_arm
 
 
 def test_numbers_of_a_body_are_listed_where_they_differ_clearly_and_beyond_their_tolerance() -> None:
@@ -16,3 +18,16 @@ def test_numbers_of_a_body_are_listed_where_they_differ_clearly_and_beyond_their
     assert (row.location, row.name, row.nominal, row.unit) == ("body_2", "body_2.mass", 3.0, "kg")
     assert (row.value, row.std) == pytest.approx((3.6, 0.18))
     assert not _of_body(difference, "body_2", arm(), {"body_2.mass": 0.2, "body_2.center_of_mass.x": 1e-3})
+
+
+def test_what_a_log_leaves_open_of_masses_is_a_doubt_about_each() -> None:
+    """Torques show only some combinations of masses and centres, and the file says the rest."""
+    file = arm().with_values({"body_1.center_of_mass.x": 0.3, "body_2.mass": 3.6})
+    search = SearchSettings(effects=("coulomb_friction", "viscous_friction"))
+    settings = DiagnosisSettings(where=None, next_experiment=None, sensitivity=None, search=search)
+    record = record_of_arm(imported=True, seconds=10.0)
+    diagnosis = diagnose(record, file, tolerance={"inertia": 0.01}, settings=settings).diagnosis
+    found = [one for one in diagnosis.model_numbers if one.location.startswith("body_")]
+    assert {one.name for one in found} >= {"body_1.center_of_mass.x", "body_2.mass"}
+    for one in found:
+        assert abs(one.value - arm().parameters[one.name].value) < 3 * one.std

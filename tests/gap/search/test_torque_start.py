@@ -11,7 +11,9 @@ import pytest
 import yaml
 
 from flexros.effects import PlacedEffect, RobotWithEffects
+from flexros.effects.counterbalance import Counterbalance
 from flexros.effects.friction.coulomb_friction import CoulombFriction
+from flexros.effects.torque_curve import TorqueCurve
 from flexros.gap.candidates.tolerance import Tolerance, tolerance_of
 from flexros.gap.diagnose import diagnose
 from flexros.gap.fit.candidate_fit import CandidateFit
@@ -23,6 +25,7 @@ from flexros.gap.result import DiagnosisResult
 from flexros.gap.search.torque_start import TorqueStart, base_fit, first_values, torque_start, with_torques
 from flexros.gap.settings import DiagnosisSettings, SearchSettings
 from flexros.record.record import Record
+from flexros.record.torque_noise import without_torque_noise
 from flexros.robot import Robot, load_robot, robot_from_data
 from tests.gap.rigid_arm import ARM, COULOMB, INERTIA, VISCOUS, arm, record_of_arm
 
@@ -266,3 +269,24 @@ def test_torques_count_beside_predictions_on_a_rigid_machine_alone() -> None:
     assert with_torques(commanded, start()).torques is None
     behind_springs = replace(start(), model=RobotWithEffects(load_robot("elbow"), ()))
     assert with_torques(data, behind_springs).torques is None
+
+
+def test_a_counterbalance_that_carries_little_takes_the_place_of_its_curve() -> None:
+    """It is too small beside the weight for the torques alone to tell, and is a curve over position at first."""
+    found = diagnose(
+        log_of_arm(balance=(2.0, 8.0)), arm(), settings=settings_of(*RIVALS, "torque_curve", "counterbalance")
+    )
+    (spring,) = [one.effect for one in found.patch if isinstance(one.effect, Counterbalance)]
+    assert spring.sine == pytest.approx(8.0, rel=0.02)
+    assert spring.cosine == pytest.approx(2.0, abs=0.3)
+    assert not any(isinstance(one.effect, TorqueCurve) for one in found.patch)
+
+
+def test_white_noise_of_measured_torques_is_no_lag() -> None:
+    """A lag takes some of it away, so that one is found as long as the noise counts as torque."""
+    record = record_of_arm(imported=True)
+    noise = np.array([3.0, 1.5]) * np.random.default_rng(3).standard_normal(record.torque.shape)
+    measured = replace(record, torque=record.torque + noise, noted=record.torque + noise)
+    settings = settings_of(*RIVALS, "actuator_lag", "delay")
+    found = diagnose(without_torque_noise(measured, arm()), arm(), settings=settings)
+    assert {f"{one.effect}@{one.location}" for one in found.diagnosis.causes if one.probability > 0.5} == FRICTION

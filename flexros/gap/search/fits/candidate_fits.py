@@ -107,16 +107,21 @@ class Search(Refits):
         others = (one for one in fit.hypothesis if any(alike(one, other) for other in replaced))
         return (self.of_torques & fit.names) | names_of(tuple(others))
 
-    def candidates(self) -> tuple[Candidate, ...]:
+    def candidates(self, *, for_curve: bool = False) -> tuple[Candidate, ...]:
         """List the candidates that come from the ranges of effects; those of harmonics follow from a fit.
 
         A measured torque is what a limit left of it, so that no limit competes.
+
+        Args:
+            for_curve: Whether those are listed that are tried in place of a curve.
         """
         tool = self.data.tool is not None
         model, measured = self.null.model, self.data.record.imported
         return tuple(
             candidate
-            for candidate in list_candidates(model.robot, self.scales, measured=measured, known=model.laws)
+            for candidate in list_candidates(
+                model.robot, self.scales, measured=measured, known=model.laws, for_curve=for_curve
+            )
             if self.competitors.contain(candidate)
             and self._known(candidate)
             and not (self.data.record.measured_torque and candidate.cuts_off)
