@@ -42,7 +42,7 @@ from flexros.identify.rigid.torque_timing import in_time
 from flexros.logs.reader import give_memory_back
 from flexros.record.prescribed_motion import with_prescribed_motion
 from flexros.record.resampled import may_be_resampled, resampled
-from flexros.record.shifted_torque import shifted
+from flexros.record.torques.shifted_torque import shifted
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

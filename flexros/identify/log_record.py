@@ -12,7 +12,7 @@ from flexros.record.checks.run import check_record
 from flexros.record.checks.standing_joint import without_standing_joints
 from flexros.record.read import read_record
 from flexros.record.resampled import at_usual_rate
-from flexros.record.torque_noise import without_torque_noise
+from flexros.record.torques.torque_noise import without_torque_noise
 
 if TYPE_CHECKING:
     from collections.abc import Collection

@@ -22,10 +22,10 @@ from flexros.record.polled_source import recovered
 from flexros.record.prescribed_motion import motors_named, with_prescribed_motion
 from flexros.record.quantization import resolution_of
 from flexros.record.record import Record, ToolRecord
-from flexros.record.servo_torque import servo_torque
-from flexros.record.shifted_torque import HELD
 from flexros.record.stamp_jitter import positions_on_grid
 from flexros.record.topic_reader import Slots, TopicReader, has_position_commands, last_finite, torque_source
+from flexros.record.torques.servo_torque import servo_torque
+from flexros.record.torques.shifted_torque import HELD
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from flexros.logs.time_series import Log
     from flexros.record.even_grid import EvenGrid
     from flexros.record.topic_reader import TorqueSource
-    from flexros.record.torque_hold import HeldTorque
+    from flexros.record.torques.torque_hold import HeldTorque
     from flexros.robot import Robot
 
 MOST_LOST = 0.3

@@ -10,7 +10,7 @@ import numpy as np
 
 from flexros.record.local_cubic import local_cubic
 from flexros.record.missing_samples import MOST_BRIDGED
-from flexros.record.shifted_torque import moved_later
+from flexros.record.torques.shifted_torque import moved_later
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray, IntArray

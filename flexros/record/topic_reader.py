@@ -9,7 +9,7 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.record.joint_columns import motor_columns
-from flexros.record.torque_hold import held_torque, sampled_torque
+from flexros.record.torques.torque_hold import held_torque, sampled_torque
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
     from flexros.logs.time_series import JointSeries, Log
     from flexros.record.even_grid import EvenGrid
-    from flexros.record.torque_hold import HeldTorque
+    from flexros.record.torques.torque_hold import HeldTorque
     from flexros.robot import Robot
 
 TorqueSource = Literal["command", "measured"]

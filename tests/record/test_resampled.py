@@ -10,7 +10,7 @@ import pytest
 from flexros.identify.rigid.record import torque_at_samples
 from flexros.record.record import Record
 from flexros.record.resampled import at_usual_rate, may_be_resampled, resampled, with_fewer_samples
-from flexros.record.shifted_torque import HELD, shifted
+from flexros.record.torques.shifted_torque import HELD, shifted
 
 N = 2000
 OLD = 1 / 100.235

@@ -13,8 +13,8 @@ from flexros.identify.rigid.record import torque_as_it_acts
 from flexros.identify.rigid.regression_rows import RegressionRows
 from flexros.identify.rigid.regressor import RigidRegressor
 from flexros.record.missing_samples import bridged_motion
-from flexros.record.servo_torque import servo_parts
 from flexros.record.smoothing import motion_cutoff
+from flexros.record.torques.servo_torque import servo_parts
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray

@@ -23,7 +23,7 @@ from flexros.gap.candidates.scales import scales_of_motors
 from flexros.gap.fit.candidate_fit import first_parameters
 from flexros.gap.fit.least_squares import fit
 from flexros.record.missing_samples import bridged_motion
-from flexros.record.servo_torque import servo_torque
+from flexros.record.torques.servo_torque import servo_torque
 from flexros.robot.parameters import SERVO
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from flexros.logs.stamps import START_NS
 from flexros.record.joint_columns import motor_columns
 from flexros.record.missing_samples import MOST_BRIDGED, bridged_motion
 from flexros.record.topic_reader import torque_source
-from flexros.record.torque_hold import HeldCommands
+from flexros.record.torques.torque_hold import HeldCommands
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray, IntArray

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.record.missing_samples import bridged
-from flexros.record.shifted_torque import HELD, moved_later
+from flexros.record.torques.shifted_torque import HELD, moved_later
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray

@@ -16,8 +16,8 @@ from flexros.errors import InputError
 from flexros.identify.rigid.base_parameters import base_parameters
 from flexros.identify.rigid.regression_rows import RegressionRows
 from flexros.identify.rigid.regressor import RigidRegressor
-from flexros.record.shifted_torque import HELD, moved_later, shifted, timing_is_open
 from flexros.record.smoothing import motion_cutoff
+from flexros.record.torques.shifted_torque import HELD, moved_later, shifted, timing_is_open
 
 if TYPE_CHECKING:
     from flexros.record.record import Record

@@ -9,7 +9,7 @@ import numpy as np
 from flexros.record.balance.torque_balance import AGREED
 from flexros.record.checks.base import AbstractCheck, Finding
 from flexros.record.checks.thinned_commands import THINNED
-from flexros.record.shifted_torque import timing_is_open
+from flexros.record.torques.shifted_torque import timing_is_open
 
 if TYPE_CHECKING:
     from flexros.record.checks.checked_record import CheckedRecord

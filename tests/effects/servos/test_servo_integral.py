@@ -13,7 +13,7 @@ from flexros.effects.patching.repaired_numbers import repaired_numbers
 from flexros.errors import InputError
 from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
-from flexros.record.servo_torque import servo_parts
+from flexros.record.torques.servo_torque import servo_parts
 from flexros.robot import Robot
 from flexros.simulate.plant import Plant
 from flexros.simulate.plant_model import PlantModel

@@ -25,7 +25,7 @@ from flexros.gap.result import DiagnosisResult
 from flexros.gap.search.torque_start import TorqueStart, base_fit, first_values, torque_start, with_torques
 from flexros.gap.settings import DiagnosisSettings, SearchSettings
 from flexros.record.record import Record
-from flexros.record.torque_noise import without_torque_noise
+from flexros.record.torques.torque_noise import without_torque_noise
 from flexros.robot import Robot, load_robot, robot_from_data
 from tests.gap.rigid_arm import ARM, COULOMB, INERTIA, VISCOUS, arm, record_of_arm
 

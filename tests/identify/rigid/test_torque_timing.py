@@ -9,7 +9,7 @@ import pytest
 
 from flexros.identify.rigid.torque_timing import with_torque_in_time
 from flexros.record.record import Record
-from flexros.record.shifted_torque import shifted
+from flexros.record.torques.shifted_torque import shifted
 from flexros.robot import Robot, load_robot
 
 T, INERTIA = 0.004, 0.5

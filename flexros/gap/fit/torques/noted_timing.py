@@ -24,7 +24,7 @@ from flexros.gap.fit.torques.solution import rest_of
 from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.settings import DiagnosisSettings
 from flexros.identify.rigid.torque_timing import CLEAR, in_time
-from flexros.record.shifted_torque import HELD, shifted, timing_is_open
+from flexros.record.torques.shifted_torque import HELD, shifted, timing_is_open
 
 if TYPE_CHECKING:
     from collections.abc import Collection

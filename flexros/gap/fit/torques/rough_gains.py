@@ -23,7 +23,7 @@ from flexros.gap.residuals.torque_rows import ActingTorque, torque_rows
 from flexros.identify.rigid.record import torque_as_it_acts
 from flexros.record.missing_samples import bridged_motion
 from flexros.record.most_informative import most_informative
-from flexros.record.servo_torque import servo_torque
+from flexros.record.torques.servo_torque import servo_torque
 from flexros.robot.parameters import SERVO
 
 if TYPE_CHECKING:

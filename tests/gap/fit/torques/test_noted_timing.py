@@ -14,7 +14,7 @@ from flexros.gap.fit.torques import noted_timing
 from flexros.gap.fit.torques.noted_timing import shift_of_noted
 from flexros.gap.measure_gap import measure_gap
 from flexros.record.record import Record
-from flexros.record.shifted_torque import HELD
+from flexros.record.torques.shifted_torque import HELD
 from tests.gap.diagnosis_logs import MODEL, record_of
 from tests.gap.rigid_arm import INERTIA, VISCOUS, T, arm, motion
 

@@ -13,7 +13,7 @@ from flexros.logs.stamps import stamps_ns
 from flexros.logs.time_series import JointSeries
 from flexros.record.read import read_record
 from flexros.record.resampled import resampled
-from flexros.record.servo_torque import servo_torque
+from flexros.record.torques.servo_torque import servo_torque
 from tests.gap.servo_logs import ONE, T, servo_log, servo_robot
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexros.record.torque_hold import HeldCommands
+from flexros.record.torques.torque_hold import HeldCommands
 
 
 def test_command_is_held_until_the_next() -> None:

@@ -10,7 +10,7 @@ import pytest
 from flexros.arrays import FloatArray
 from flexros.record.record import Record
 from flexros.record.resampled import resampled
-from flexros.record.torque_noise import without_torque_noise
+from flexros.record.torques.torque_noise import without_torque_noise
 from tests.gap.rigid_arm import arm, record_of_arm
 
 NOISE = np.array([2.0, 0.01])
