@@ -15,6 +15,7 @@ from flexros.gap.fit.torques.unknown_numbers import unknown_numbers
 from flexros.gap.held_out.errors_ahead import errors_ahead
 from flexros.gap.held_out.gap_floor import over_expected_floor, tolerance_floor, unknown_rounding
 from flexros.gap.held_out.gap_numbers import gap_numbers, settled
+from flexros.gap.held_out.left_over import LeftOver
 from flexros.gap.prediction.driven_model import driven_model
 from flexros.gap.progress import Stages
 from flexros.gap.residuals.fit_samples import at_rate_of_fits, part_of_fits
@@ -43,15 +44,19 @@ class MeasuredGap:
     """The gap of a log.
 
     Attributes:
-        numbers: The gap numbers.
-        significant: Whether the model, the repaired one where there is one, leaves more than noise and its tolerance,
-            or lacks the rounding of an encoder.
+        numbers: The gap numbers, 0.1 s ahead.
+        left: What the model, the repaired one where there is one, leaves one sample ahead.
         warnings: What of the log was repaired or is doubtful, one sentence each.
     """
 
     numbers: GapNumbers
-    significant: bool
+    left: LeftOver
     warnings: tuple[str, ...] = ()
+
+    @property
+    def significant(self) -> bool:
+        """Whether that is more than noise and its tolerance, or the model lacks the rounding of an encoder."""
+        return self.left.significant
 
     def to_pandas(self) -> pd.Series:
         """Return the gap numbers by name, as in diagnosis.json; None where there is none."""
@@ -66,13 +71,13 @@ class MeasuredGap:
         return gap_figure(self.numbers)
 
     def _repr_html_(self) -> str:
-        from flexros.gap.report.terminal import gap_line
+        from flexros.gap.report.terminal import gap_line, left_line
         from flexros.report.base import Paragraph
         from flexros.report.notebook import notebook_html
 
         verdict = "A gap: more than noise and tolerance" if self.significant else "No gap beyond noise and tolerance"
         warnings = (Paragraph(text, "warning") for text in self.warnings)
-        return notebook_html(verdict, (Paragraph(gap_line(self.numbers)), *warnings))
+        return notebook_html(verdict, (Paragraph(gap_line(self.numbers)), Paragraph(left_line(self.left)), *warnings))
 
 
 @one_blas_thread()
@@ -125,10 +130,10 @@ def measure_gap(
         return measure_gap(moved, model, repaired=repaired, tolerance=tolerance, settings=settings, progress=progress)
     errors = _errors(null, data)
     before, after = (errors, None) if before is None else (before, errors)
-    significant, floor = _shows(null, data, errors.mean), tolerance_floor(null.fit, data)
+    left, floor = _left_over(null, data, errors.mean), tolerance_floor(null.fit, data)
     numbers = gap_numbers(before, after, record.sample_time, with_tolerance=floor)
     warnings = settled(data.record, numbers.closed_fraction).warnings
-    return MeasuredGap(numbers, significant, (*warnings, *_cut_short(deadline)))
+    return MeasuredGap(numbers, left, (*warnings, *_cut_short(deadline)))
 
 
 def _cut_short(deadline: Deadline) -> tuple[str, ...]:
@@ -161,10 +166,14 @@ def _errors(null: NullFit, data: FitData) -> AheadErrors:
     return over_expected_floor(errors_ahead(null.fit, data), null.model, data)
 
 
-def _shows(null: NullFit, data: FitData, ahead: float) -> bool:
-    """Return whether a model leaves more than noise and tolerance, as the verdict of a diagnosis has it."""
-    settings = data.settings.ranking
+def _left_over(null: NullFit, data: FitData, ahead: float) -> LeftOver:
+    """Return what a model leaves one sample ahead, and what of it is noise and tolerance, as a diagnosis has it."""
+    settings, names = data.settings.ranking, null.model.robot.joint_names
     comparison = allowing_for_doubt(compare(data, null.fit, settings=settings), data)
-    within = not data.record.premises.floor_is_noise and max(comparison.level(null.fit), ahead) <= settings.floors
-    shows = comparison.significant(null.fit) and not within
-    return shows or bool(unknown_rounding(null.model, data.measurement))
+    return LeftOver(
+        level=comparison.level(null.fit),
+        most=1.0 + settings.significant * comparison.spread,
+        most_of_machine=None if data.record.premises.floor_is_noise else settings.floors,
+        ahead=ahead,
+        lacking=tuple(names[encoder.motor] for encoder in unknown_rounding(null.model, data.measurement)),
+    )

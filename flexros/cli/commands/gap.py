@@ -49,6 +49,7 @@ def gap(
     """Measure the gap between a model and a log; the exit code is 1 where the model, with the patch, leaves a gap."""
     from flexros.effects.patching.patched_robot import load_model
     from flexros.gap.checked_log import checked_log
+    from flexros.gap.fit.torques.rough_gains import with_gains
     from flexros.gap.measure_gap import measure_gap
     from flexros.gap.settings import DiagnosisSettings
     from flexros.logs.reader import read_log
@@ -64,6 +65,7 @@ def gap(
         record = _checked(
             models, partial(checked_log, log, name=bag.name, torque=source, prescribed=names_in(prescribed))
         )
+        record = with_gains(record, nominal)  # one floor with and without a patch, whichever model checked the log
         measured = measure_gap(
             record, nominal, repaired=repaired, tolerance=tolerances, settings=settings, progress=show
         )
@@ -100,6 +102,7 @@ def _repaired(patch: Path, model: str) -> RobotWithEffects:
     """Load the patch; it must be one of this robot, else before and after would refer to two robots."""
     from flexros.effects.patching.patched_robot import load_patched
 
+    _refuse_missing(patch)
     nominal, patched = load_patched(model), load_patched(patch)
     below = len(nominal.placed)
     if patched.base.model_hash != nominal.base.model_hash or patched.placed[:below] != nominal.placed:
@@ -110,10 +113,27 @@ def _repaired(patch: Path, model: str) -> RobotWithEffects:
     return patched.model
 
 
+def _refuse_missing(patch: Path) -> None:
+    """Refuse a patch that a diagnosis did not write, with its verdict."""
+    from flexros.gap.report.comparison import read_diagnosis
+    from flexros.gap.report.files import DIAGNOSIS
+
+    diagnosis = patch.with_name(DIAGNOSIS)
+    if patch.exists() or not diagnosis.is_file():
+        return
+    verdict = read_diagnosis(diagnosis).verdict
+    why = "found no gap" if verdict == "no_gap" else f"ended with {verdict} and no effect to repair the model by"
+    raise InputError(
+        f"{patch} does not exist, as the diagnosis in {patch.parent} {why}; leave it out to measure the model as it is",
+        "patch",
+    )
+
+
 def _print(measured: MeasuredGap) -> None:
-    from flexros.gap.report.terminal import gap_line
+    from flexros.gap.report.terminal import gap_line, left_line
 
     verdict, compared = ("a gap", "more than") if measured.significant else ("no gap", "no more than")
     model = "the repaired model" if measured.numbers.after is not None else "the model"
     console.print(f"{verdict}: the errors of {model} are {compared} noise and tolerance")
     say(gap_line(measured.numbers))
+    say(left_line(measured.left))

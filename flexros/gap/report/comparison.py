@@ -154,8 +154,19 @@ def read_comparison(folders: Sequence[Path]) -> DiagnosisComparison:
             "one diagnosis was given; give at least two folders that `flexros diagnose` wrote", "diagnosis"
         )
     files = [folder / DIAGNOSIS if folder.is_dir() else folder for folder in folders]
-    diagnoses = tuple(validate(Diagnosis, read_json(file, LARGEST), str(file)) for file in files)
-    return DiagnosisComparison(tuple(_names(files)), diagnoses)
+    return DiagnosisComparison(tuple(_names(files)), tuple(map(read_diagnosis, files)))
+
+
+def read_diagnosis(file: Path) -> Diagnosis:
+    """Read a diagnosis.
+
+    Args:
+        file: Its diagnosis.json.
+
+    Raises:
+        InputError: It is no diagnosis.
+    """
+    return validate(Diagnosis, read_json(file, LARGEST), str(file))
 
 
 def _found(diagnosis: Diagnosis) -> tuple[Cause, ...]:

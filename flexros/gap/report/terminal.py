@@ -31,6 +31,7 @@ from flexros.report.number_text import number
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from flexros.gap.held_out.left_over import LeftOver
     from flexros.gap.result import DiagnosisResult
     from flexros.gap.schema import Diagnosis, GapNumbers
 
@@ -114,6 +115,19 @@ def gap_line(gap: GapNumbers) -> str:
     if gap.closed_fraction is not None and shows(gap):
         parts.append(f"{closed_words(gap.closed_fraction)} closed{interval_words(gap.interval)}")
     return f"Gap ({gap.metric}): {', '.join(parts)}"
+
+
+def left_line(left: LeftOver) -> str:
+    """Return in one line what decides whether a model leaves a gap, with its bound."""
+    text = (
+        "Decides (mean squared prediction error one sample ahead over its floor variance): "
+        f"{gap_words(left.level, 4)}, up to {gap_words(left.most, 4)} is noise and tolerance"
+    )
+    if left.most_of_machine is not None:
+        text += f", or up to {gap_words(left.most_of_machine)} where it is no more 0.1 s ahead either"
+    if left.lacking:
+        text += f"; the model lacks the rounding of the encoder of {', '.join(left.lacking)}, which is a gap"
+    return text
 
 
 def group_lines(diagnosis: Diagnosis) -> tuple[str, ...]:

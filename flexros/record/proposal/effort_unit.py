@@ -6,17 +6,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.signal import butter, sosfiltfilt
 
-from flexros.errors import InputError
-from flexros.record.balance.inverse_dynamics import rigid_inverse_dynamics
-from flexros.record.missing_samples import bridged_motion
-from flexros.record.smoothing import smooth_motion
+from flexros.record.proposal.effort_comparison import EffortComparison
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flexros.arrays import FloatArray
     from flexros.record.record import Record
     from flexros.robot import Robot
 
@@ -24,12 +19,6 @@ CLEAR = 0.85
 """Partial correlation of effort and torque of the model from which they are compared [1] (chosen)."""
 ENOUGH = 3
 """Fewest clear joints, all of them opposite, from which the others are opposite too [1] (chosen)."""
-SLOW = 5.0
-"""Frequency below which they are compared [Hz] (chosen): weight and motion of an arm are below."""
-CREEP = 0.02
-"""Speed at which dry friction has its full size, over the rms of the speed [1] (chosen)."""
-LEAST_REST = 1e-6
-"""Power of the torque of the model that friction, rotor and constant must leave of it [1] (chosen)."""
 TORQUE = 2.7
 """Factor, either way, within which an effort is a torque (chosen): load and masses of a rough model explain it; the
 torque constants of gears with motors are 5 to 15 Nm/A, so that currents are farther off."""
@@ -56,15 +45,6 @@ class EffortUnit:
     level: float
 
 
-@dataclass(frozen=True)
-class _Comparison:
-    """Effort of a motor over the torque of the model, their partial correlation, and the power of that torque."""
-
-    factor: float
-    correlation: float
-    power: float
-
-
 def effort_unit(record: Record, robot: Robot, *, current: bool = False) -> EffortUnit:
     """Compare the effort, read as a torque [Nm], with the inverse-dynamics torque of the model.
 
@@ -77,7 +57,7 @@ def effort_unit(record: Record, robot: Robot, *, current: bool = False) -> Effor
         robot: The model.
         current: Whether it is known to be a current, whatever its size.
     """
-    compared = _compare(record, robot)
+    compared = EffortComparison.of(record, robot).at()
     signs = tuple(-1 if each.correlation < -CLEAR else 1 for each in compared)
     clear = {k: each for k, each in enumerate(compared) if abs(each.correlation) > CLEAR}
     if not clear:
@@ -93,37 +73,6 @@ def effort_unit(record: Record, robot: Robot, *, current: bool = False) -> Effor
         if 1 / LIKE < level / size < LIKE and not current:
             return EffortUnit(unit, (), signs, names, level)
     return EffortUnit("A", _scales(factors, level, robot), signs, names, level)
-
-
-def _compare(record: Record, robot: Robot) -> list[_Comparison]:
-    """Regress the effort of every motor; without correlation where the robot has no equilibrium near the motion."""
-    T, M = record.sample_time, robot.n_motors
-    position = bridged_motion(record.position, record.valid)
-    cutoff = min(SLOW, 0.1 / T)
-    try:
-        needed = rigid_inverse_dynamics(robot, position, T, cutoff)
-    except InputError:
-        return [_Comparison(1.0, 0.0, 0.0)] * M
-    _, speed, acceleration = smooth_motion(position, T, cutoff)
-    low_pass = butter(2, cutoff, fs=1 / T, output="sos")
-    found = []
-    for k in range(M):
-        creep = CREEP * max(float(np.std(speed[:, k])), 1e-12)
-        columns = [needed[:, k], speed[:, k], np.tanh(speed[:, k] / creep), acceleration[:, k], record.torque[:, k]]
-        filtered = sosfiltfilt(low_pass, np.stack(columns, axis=1), axis=0)
-        found.append(_partial(filtered[:, 0], filtered[:, 4], filtered[:, 1:4]))
-    return found
-
-
-def _partial(needed: FloatArray, effort: FloatArray, others: FloatArray) -> _Comparison:
-    """Return effort over needed torque, both without what other columns explain of them."""
-    others = np.column_stack([others, np.ones(len(others))])
-    basis = np.linalg.qr(others / np.maximum(np.linalg.norm(others, axis=0), 1e-300))[0]
-    rest, own = effort - basis @ (basis.T @ effort), needed - basis @ (basis.T @ needed)
-    power, both, size = float(own @ own), float(own @ rest), float(rest @ rest)
-    if not (power > LEAST_REST * float(needed @ needed) and size > 0):
-        return _Comparison(1.0, 0.0, 0.0)
-    return _Comparison(both / power, both / float(np.sqrt(power * size)), power)
 
 
 def _scales(factors: Mapping[int, float], level: float, robot: Robot) -> tuple[float, ...]:

@@ -28,7 +28,8 @@ from flexros.record.proposal.motion_units import (
     unit_ratio,
 )
 from flexros.record.proposal.topics import bag_topics
-from flexros.record.proposal.words import about_effort, about_joints, about_rate, about_topics
+from flexros.record.proposal.turned_joints import turned_joints
+from flexros.record.proposal.words import about_effort, about_joints, about_rate, about_signs, about_topics
 from flexros.record.read import MOST_LOST, read_record
 from flexros.robot import robot_from_data
 from flexros.robot.exchange.urdf.robot_import import skeleton_from_text
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
     from flexros.logs.time_series import Log
     from flexros.record.proposal.found_signals import FoundSignals
     from flexros.record.proposal.joints import JointMatch
+    from flexros.record.record import Record
     from flexros.record.topic_reader import TorqueSource
     from flexros.robot import Robot
 
@@ -165,7 +167,9 @@ class _Proposer:
             raise InputError(f"{self.bag} has fewer than {FEWEST} positions with increasing times; give a longer log")
         self.assumptions += about_topics(self.topics, self.quantities, [match.joint for match in self.matches])
         self.assumptions.append(about_rate(first, self.clock))
-        self.assumptions += about_joints(self.robot, self.matches)
+        self.assumptions.append(about_joints(self.robot, self.matches))
+        if self.robot is not None:
+            self.assumptions.append(about_signs(self.matches))
         others = [joint for joint in self.topics.joints if joint not in {m.joint for m in self.matches}]
         if others:
             self.left_out[f"joints {', '.join(others)}"] = "not in the model"
@@ -178,6 +182,8 @@ class _Proposer:
         self.say("comparing with the model")
         log = import_log(self._mapping(), [self.bag])
         torques = [name for name in TORQUES if name in self.quantities]
+        if torques and self._turn_joints(log, torques[0]):
+            log = import_log(self._mapping(), [self.bag])
         if torques and self._about_effort(log, torques):
             log = import_log(self._mapping(), [self.bag])
         if not any(name in self.quantities for name in TORQUES):
@@ -263,6 +269,27 @@ class _Proposer:
                 self.signs["velocity", match.motor] = -1 if result.sign < 0 else 1
         return compared
 
+    def _record(self, log: Log, robot: Robot, quantity: str) -> Record:
+        """Read a log with the torques of a quantity."""
+        kind: TorqueSource = "measured" if quantity == "measured_torque" else "command"
+        return read_record(log, robot, name=str(self.bag), torque=kind)
+
+    def _turn_joints(self, log: Log, quantity: str) -> bool:
+        """Turn joints that count the other way round, as torques of a quantity show; returns whether there are any."""
+        if self.robot is None:
+            return False
+        turned = turned_joints(self._record(log, self.robot, quantity), self.robot)
+        if turned is None:
+            return False
+        turning = {self.matches[motor].motor for motor in turned.motors}
+        said = self.assumptions.index(about_signs(self.matches))
+        self.matches = tuple(
+            replace(match, sign=-1 if match.sign > 0 else 1) if match.motor in turning else match
+            for match in self.matches
+        )
+        self.assumptions[said] = about_signs(self.matches, turned)
+        return True
+
     def _about_effort(self, log: Log, torques: Sequence[str]) -> bool:
         """Find what the efforts are; returns whether that changes the mapping."""
         if self.robot is None and self.topics.currents:
@@ -276,8 +303,7 @@ class _Proposer:
         changed = False
         for quantity in torques:
             name = self.topics.signals[quantity][self.matches[0].joint].split(".")[0]
-            kind: TorqueSource = "measured" if quantity == "measured_torque" else "command"
-            record = read_record(log, self.robot, name=str(self.bag), torque=kind)
+            record = self._record(log, self.robot, quantity)
             current = quantity in self.topics.currents
             found = effort_unit(record, self.robot, current=current)
             if current and not found.compared:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from flexros.record.proposal.effort_unit import EffortUnit
     from flexros.record.proposal.found_signals import FoundSignals
     from flexros.record.proposal.joints import JointMatch
+    from flexros.record.proposal.turned_joints import TurnedJoints
     from flexros.robot import Robot
 
 STATES = ("position", "velocity", "measured_torque")
@@ -64,8 +65,8 @@ def about_rate(time: FloatArray, clock: Clock | None = None) -> Assumption:
     return Assumption("rate", text, ground, True)
 
 
-def about_joints(robot: Robot | None, matches: Sequence[JointMatch]) -> list[Assumption]:
-    """State which joint is which motor, and which way it counts.
+def about_joints(robot: Robot | None, matches: Sequence[JointMatch]) -> Assumption:
+    """State which joint is which motor.
 
     Args:
         robot: The model.
@@ -73,21 +74,39 @@ def about_joints(robot: Robot | None, matches: Sequence[JointMatch]) -> list[Ass
     """
     text = ", ".join(f"{match.motor} = {match.joint or 'the only joint'}" for match in matches)
     if robot is None:
-        ground = "no model was given: the joints of the log in their order"
-        return [Assumption("joints", text, ground, False)]
+        return Assumption("joints", text, "no model was given: the joints of the log in their order", False)
     if any(match.found == "order" for match in matches):
         ground, sure = f"no name of robot {robot.name} is in the log: by their order", False
     elif any(match.found != "name" for match in matches):
         ground, sure = "the names in the log end with those of the model", True
     else:
         ground, sure = "the names in the log are those of the model, whatever their order", True
+    return Assumption("joints", text, ground, sure)
+
+
+def about_signs(matches: Sequence[JointMatch], turned: TurnedJoints | None = None) -> Assumption:
+    """State which way the joints count.
+
+    Args:
+        matches: The joints.
+        turned: Those of them that were turned because their torques say so; None for none.
+    """
     against = [match.joint for match in matches if match.sign < 0]
+    signs, why = "all joints count as in the log", "no axis of the robot file is said to be opposite"
     if against:
         signs = f"{', '.join(against)} with the opposite sign, all others as in the log"
         why = "the axis of the URDF points against that of the robot file there"
-    else:
-        signs, why = "all joints count as in the log", "no axis of the robot file is said to be opposite"
-    return [Assumption("joints", text, ground, sure), Assumption("signs", signs, why, True)]
+    if turned is not None:
+        names, *others = (
+            ", ".join(matches[motor].joint for motor in motors) for motors in (turned.motors, *turned.alike)
+        )
+        names += f" (or, which fits as well, of {' or of '.join(others)})" if others else ""
+        why = (
+            f"with position, velocity and torque of {names} turned round, which the robot file does not ask for, model "
+            f"and friction leave {turned.after:.1%} of the torques unexplained instead of {turned.before:.1%}; import "
+            "other logs of this recorder with this file"
+        )
+    return Assumption("signs", signs, why, True)
 
 
 def _words(quantity: str) -> str:

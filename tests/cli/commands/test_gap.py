@@ -15,6 +15,7 @@ from flexros.logs.write_log import write_log
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import load_scenario
+from tests.gap.servo_logs import servo_log
 
 pytestmark = pytest.mark.slow
 
@@ -24,6 +25,24 @@ effects:
   - effect: coulomb_friction
     location: motor_1
     parameters: {{level: {level}}}
+"""
+
+
+SERVO = """\
+name: servo_joint
+gravity: [0, 0, -9.81]
+sample_time: 0.004
+sensors: {encoder_noise: 1.0e-4}
+bodies:
+  - mass: 1.5
+    center_of_mass: [0, 0, 0.2]
+    inertia: {yy: 0.02}
+    directions:
+      ry:
+        spring: rigid
+        motor: {inertia: 0.05, viscous_friction: 0.3, torque_limit: 30, servo: {stiffness: 60, damping: 2}}
+outputs: {joints: {coordinates: [body_1.ry]}}
+controlled: joints
 """
 
 
@@ -115,3 +134,34 @@ def test_unknown_source_of_the_torque_is_bad_input(flexros, bags: dict[str, str]
     assert ended.code == 2
     assert "curent" in ended.err
     assert "measured" in ended.err
+
+
+def test_what_decides_is_printed_with_its_bound(flexros, bags: dict[str, str]) -> None:
+    ended = flexros("gap", bags["hidden"], "--model", "four_mass_linear")
+    decides = next(line for line in ended.out.splitlines() if line.startswith("Decides"))
+    level, bound = (float(decides.split(before)[1].split(after)[0]) for before, after in ((": ", ","), ("to ", " is")))
+    assert level > bound > 1.0
+
+
+def test_a_patch_that_a_diagnosis_without_a_gap_did_not_write_is_told(tmp_path: Path, monkeypatch) -> None:
+    (tmp_path / "diagnosis.json").write_text("{}", encoding="utf-8")
+    read = SimpleNamespace(verdict="no_gap")
+    monkeypatch.setattr("flexros.gap.report.comparison.read_diagnosis", lambda file: read)
+    with pytest.raises(InputError, match="found no gap; leave it out") as told:
+        gap._refuse_missing(tmp_path / "patch.yaml")
+    assert told.value.argument == "patch"
+    read.verdict = "unknown_effect"
+    with pytest.raises(InputError, match="unknown_effect"):
+        gap._refuse_missing(tmp_path / "patch.yaml")
+    gap._refuse_missing(tmp_path / "elsewhere" / "patch.yaml")  # the reader of the patch says that it is not there
+
+
+def test_the_gap_before_of_a_log_of_servos_does_not_depend_on_the_patch(flexros, tmp_path: Path) -> None:
+    robot, file = tmp_path / "robot.yaml", tmp_path / "stiffer.yaml"
+    robot.write_text(SERVO, encoding="utf-8")
+    write_log(replace(servo_log(), provenance={"import": {"files": ["run.csv"]}}), tmp_path / "log")
+    effect = "{effect: servo_stiffness_error, location: motor_1, parameters: {relative: 0.5}}"
+    file.write_text(f"robot: robot.yaml\neffects:\n  - {effect}\n", encoding="utf-8")
+    alone = flexros("gap", str(tmp_path / "log"), "--model", str(robot), "--json")
+    beside = flexros("gap", str(tmp_path / "log"), "--model", str(robot), "--patch", str(file), "--json")
+    assert json.loads(alone.out)["before"] == json.loads(beside.out)["before"]

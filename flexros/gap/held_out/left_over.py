@@ -1,0 +1,31 @@
+"""What a model leaves of a log one sample ahead, and up to where that is no gap."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class LeftOver:
+    """What a model leaves of a log one sample ahead, where a gap of any kind shows: it decides whether there is one.
+
+    Attributes:
+        level: Mean squared prediction error one sample ahead over its floor variance [1].
+        most: Up to where it is noise and tolerance [1].
+        most_of_machine: Up to where it is so too in a log of a real machine in which the gap 0.1 s ahead is no larger
+            either [1]; None in a simulated log.
+        ahead: That gap [1].
+        lacking: Motors whose encoder has a coarse rounding that the model lacks, which is a gap.
+    """
+
+    level: float
+    most: float
+    most_of_machine: float | None
+    ahead: float
+    lacking: tuple[str, ...] = ()
+
+    @property
+    def significant(self) -> bool:
+        """Whether it is a gap."""
+        within = self.most_of_machine is not None and max(self.level, self.ahead) <= self.most_of_machine
+        return (self.level > self.most and not within) or bool(self.lacking)
