@@ -87,7 +87,7 @@ def _introduction(diagnosis: Diagnosis) -> str:
 
 def _shares(diagnosis: Diagnosis) -> TextTable:
     budget = diagnosis.budget
-    sizes = {(cause.effect, cause.location): clear_words(cause.parameters) for cause in diagnosis.causes}
+    sizes = {(cause.effect, cause.location): clear_words(cause.effect, cause.parameters) for cause in diagnosis.causes}
     rows: list[tuple[str, ...]] = []
     for joint in dict.fromkeys(share.joint for share in budget):
         rows.append((joint,))

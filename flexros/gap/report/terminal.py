@@ -57,7 +57,7 @@ def ranking_table(result: DiagnosisResult) -> Table:
     for candidate in first_of_ranking(result.ranking, _RANKED):
         left = "-" if candidate.remainder is None else share_words(candidate.remainder)
         cells = (capital(named(candidate)), share_words(candidate.probability), number(candidate.score, 4), left)
-        table.add_row(*map(Text, (*cells, clear_words(candidate.parameters))))
+        table.add_row(*map(Text, (*cells, clear_words(candidate.effect, candidate.parameters))))
     table.add_row("Nothing", share_words(result.null_probability), "0", "100 %", "")
     return table
 

@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from flexros.effects import effects
+from flexros.effects.kinds.curve import AbstractCurve
 from flexros.gap.where.base import views
 from flexros.gap.where.regimes import REGIMES
 from flexros.report.number_text import number
@@ -134,10 +135,17 @@ def parameter_words(name: str, parameter: CauseParameter) -> str:
     if unit == "1" and name == "relative":
         return f"{'+' if value > 0 else ''}{with_std(100 * value, 100 * std, '%')}"
     if unit in _SCALED:
-        size = max(abs(value), std) if math.isfinite(std) else abs(value)
-        scale, prefix = next(((scale, prefix) for scale, prefix in _PREFIXES if size >= _SMALL * scale), _PREFIXES[-1])
-        return with_std(value / scale, std / scale, prefix + unit) if value else f"0 {unit}"
+        scale, scaled = _scaled(max(abs(value), std) if math.isfinite(std) else abs(value), unit)
+        return with_std(value / scale, std / scale, scaled) if value else f"0 {unit}"
     return with_std(value, std, "" if unit == "1" else unit)
+
+
+def _scaled(size: float, unit: str) -> tuple[float, str]:
+    """Return a scale for numbers of some size, and their unit with its prefix."""
+    if unit not in _SCALED:
+        return 1.0, unit
+    scale, prefix = next(((scale, prefix) for scale, prefix in _PREFIXES if size >= _SMALL * scale), _PREFIXES[-1])
+    return scale, prefix + unit
 
 
 def parameters_words(parameters: Mapping[str, CauseParameter]) -> str:
@@ -155,7 +163,7 @@ def parameters_words(parameters: Mapping[str, CauseParameter]) -> str:
 
 def cause_words(cause: Cause | RankedCandidate) -> str:
     """Write an effect with location and clear parameters, e.g. "Coulomb friction at motor_1, 0.213 Nm (±0.011)"."""
-    parameters = clear_words(cause.parameters)
+    parameters = clear_words(cause.effect, cause.parameters)
     return f"{named(cause)}{', ' if parameters else ''}{parameters}"
 
 
@@ -186,8 +194,16 @@ def partners_words(candidate: RankedCandidate) -> str:
     return listed([named(location) for location in partners])
 
 
-def clear_words(parameters: Mapping[str, CauseParameter]) -> str:
-    """Write the first parameter, and further ones that are clearly different from zero."""
+def clear_words(effect: str, parameters: Mapping[str, CauseParameter]) -> str:
+    """Write the first parameter, and further ones that are clearly different from zero; of a curve from where to where.
+
+    Args:
+        effect: Name of the effect.
+        parameters: Its fitted parameters.
+    """
+    kind = effects().get(effect)
+    if kind is not None and issubclass(kind, AbstractCurve):
+        return _extent_words(kind, parameters)
     return parameters_words(
         {
             name: parameter
@@ -195,6 +211,16 @@ def clear_words(parameters: Mapping[str, CauseParameter]) -> str:
             if index == 0 or abs(parameter.value) > _CLEAR * parameter.std
         }
     )
+
+
+def _extent_words(curve: type[AbstractCurve], parameters: Mapping[str, CauseParameter]) -> str:
+    """Write the smallest and the largest value of a curve, e.g. "-7.54 to 15.6 Nm"."""
+    known = [one for one in parameters.values() if one.determined]
+    if not known:
+        return NOT_DETERMINED
+    values = [one.value for one in known] + [0.0] * (len(known) < len(curve.ranges))
+    scale, unit = _scaled(max(map(abs, values)), known[0].unit)
+    return f"{number(min(values) / scale, 3)} to {number(max(values) / scale, 3)} {unit}"
 
 
 def band_words(band: tuple[float, float], highest: float = 1e9) -> str:
