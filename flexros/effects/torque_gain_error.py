@@ -21,7 +21,11 @@ if TYPE_CHECKING:
 
 
 class TorqueGainError(AbstractCommandLaw):
-    """The motor produces 1 + relative times the commanded torque."""
+    """The motor produces 1 + relative times the commanded torque.
+
+    It scales stiffness, damping and limit of a servo alike. In logs of positions it is named in place of errors of both
+    gains that it explains alone: its difference from a wrong stiffness is the damping.
+    """
 
     name: ClassVar[str] = "torque_gain_error"
     stage: ClassVar[Stage] = "actuator"
@@ -50,7 +54,7 @@ class TorqueGainError(AbstractCommandLaw):
     relative: float = Field(0.0, gt=-1.0, lt=10.0, description="deviation of the torque from the commanded one [1]")
 
     def sought(self, robot: Robot, location: str) -> bool:
-        """Return whether torques are commanded: with servos below their limits it is an error of their stiffness."""
+        """Return whether torques are commanded; for servos it follows from the errors of their gains."""
         del location
         return robot.commands == "torque"
 

@@ -59,6 +59,17 @@ def test_gain_and_friction_are_named() -> None:
     assert numbers["motor_1.servo_stiffness"].value == pytest.approx(48.0, rel=0.03)
 
 
+def test_a_rotor_that_the_file_leaves_out_is_found() -> None:
+    bare = RobotWithEffects(servo_robot().with_values({"motor_1.inertia": 0.0}).commanded_by("position"), ())
+    logs = [replace(record_of(FRICTION, seed=seed), imported=True) for seed in (0, 5)]
+    settings = settings_of("coulomb_friction", "viscous_friction", "servo_stiffness_error", "rotor_inertia")
+    found = diagnose(logs[0], bare, holdout=logs[1], settings=settings).diagnosis
+    causes = {cause.effect: cause for cause in found.causes if cause.probability > 0.5}
+    assert set(causes) == {"coulomb_friction", "rotor_inertia"}
+    assert causes["rotor_inertia"].parameters["added"].value == pytest.approx(0.05, rel=0.1)
+    assert causes["rotor_inertia"].parameters["added"].unit == "kg m2"
+
+
 def test_torque_logs_are_independent_of_a_servo_in_the_file() -> None:
     log = servo_log()
     assert log.joint_commands is not None

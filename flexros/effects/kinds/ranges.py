@@ -58,6 +58,7 @@ class Range:
         signed: Whether the parameter may also be negative; the bounds then apply to its magnitude.
         source: Origin of the range.
         negative: Largest magnitude of negative values of a signed parameter; None: that of positive ones.
+        positive: Largest magnitude of positive values of a signed parameter; None: `high`.
         widest: Magnitude up to which a search that ends at `high` goes on, as a multiple of the scale; None: nowhere.
         vanishes: Bound near which the effect of the parameter vanishes; "never" for one that only shapes an effect,
             such as a speed. Signed ones vanish at zero. Parameters with a default other than zero shape an effect.
@@ -70,5 +71,6 @@ class Range:
     signed: bool = False
     source: str = "chosen"
     negative: float | None = None
+    positive: float | None = None
     widest: float | None = None
     vanishes: Literal["low", "high", "never"] = "low"

@@ -14,11 +14,11 @@ if TYPE_CHECKING:
 
 
 class ServoStiffnessError(AbstractRelativeError):
-    """The proportional gain of a position loop scaled, torque constant included.
+    """The proportional gain of a position loop scaled.
 
-    It is sought in logs with position commands only. There it also represents an error of the torque constant, which
-    scales all torques of the servo alike. Positions determine gain, inertia and friction up to a common factor, which
-    gravity alone fixes.
+    It is sought in logs with position commands only. Where the servo has no damping, or that does not show, an error of
+    the torque constant is the same; else that is a torque gain error. Positions determine gain, inertia and friction up
+    to a common factor, which gravity alone fixes.
     """
 
     name: ClassVar[str] = "servo_stiffness_error"

@@ -45,6 +45,7 @@ class FreeParameter:
         signed: Whether it may be negative.
         starts: Initial values of the fit [its unit].
         negative: Largest size of negative values, not above `high` [its unit]; None: `high`.
+        positive: Largest size of positive values, not above `high` [its unit]; None: `high`.
         fine: Step of the differences that make the derivatives, over the usual one [1].
         vanishes: Bound near which the effect of the parameter vanishes, see `Range`.
         widest: Largest size that a search which ends at `high` goes on to [its unit]; None where it ends there.
@@ -56,6 +57,7 @@ class FreeParameter:
     signed: bool
     starts: tuple[float, ...]
     negative: float | None = None
+    positive: float | None = None
     fine: float = 1.0
     vanishes: Literal["low", "high", "never"] = "low"
     widest: float | None = None
@@ -73,7 +75,9 @@ class FreeParameter:
         """Smallest and largest value in the unit of the fit [1]."""
         if not self.signed:
             return float(np.log(self.low)), float(np.log(self.high))
-        return -min(1.0, (self.high if self.negative is None else self.negative) / self.high), 1.0
+        sizes = (self.high if limit is None else min(self.high, limit) for limit in (self.negative, self.positive))
+        below, above = (size / self.high for size in sizes)
+        return -below, above
 
 
 @dataclass(frozen=True)
@@ -245,8 +249,10 @@ def free_parameter(name: str, allowed: Range, scale: float) -> FreeParameter:
         # the middle of equal parts of the logarithmic range
         parts = (np.arange(allowed.starts) + 0.5) / allowed.starts
         starts = tuple(float(x) for x in low * (high / low) ** parts)
-    widest = None if allowed.widest is None else allowed.widest * scale
-    return FreeParameter(name, low, high, allowed.signed, starts, negative, vanishes=allowed.vanishes, widest=widest)
+    positive, widest = (None if size is None else size * scale for size in (allowed.positive, allowed.widest))
+    return FreeParameter(
+        name, low, high, allowed.signed, starts, negative, positive, vanishes=allowed.vanishes, widest=widest
+    )
 
 
 def below_nominal(free: FreeParameter, most: float) -> FreeParameter:

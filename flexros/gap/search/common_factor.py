@@ -10,16 +10,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects.friction.viscous_friction import ViscousFriction
+from flexros.effects.left_out.rotor_inertia import RotorInertia
 from flexros.effects.motor_inertia_error import MotorInertiaError
+from flexros.effects.servos import ServoDampingError, ServoStiffnessError
 from flexros.effects.torque_gain_error import TorqueGainError
+from flexros.gap.candidates.candidate import Candidate, free_parameter
 from flexros.gap.fit.estimates import unit_of_parameter
 from flexros.gap.search.elimination import reduced
+from flexros.gap.search.fits.additions import Addition
+from flexros.gap.search.servo_braking import braking_of, named
 from flexros.gap.search.worth import compared, worth
+from flexros.robot.parameters import SERVO
 
 if TYPE_CHECKING:
-    from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
-    from flexros.gap.search.fits.additions import Addition
     from flexros.gap.search.fits.candidate_fits import Search
 
 ALIKE = 0.1
@@ -46,6 +50,7 @@ def with_other_scales(search: Search, chosen: CandidateFit, fits: list[Candidate
     if search.data.record.command is None:
         return chosen
     removed = search.settings.search.removed_of_all
+    chosen = _with_one_gain(search, _with_friction(search, chosen, fits), fits)
     chosen = _without_gains(search, chosen, fits)
     while not search.deadline.stops() and (smaller := _without_pair(search, chosen, fits)) is not None:
         chosen = smaller
@@ -61,6 +66,84 @@ def with_other_scales(search: Search, chosen: CandidateFit, fits: list[Candidate
             break
         chosen = best
     return chosen
+
+
+def _with_friction(search: Search, chosen: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
+    """Name missing damping of a servo viscous friction where the robot file has as much of that.
+
+    The fit of all numbers at once, with which the search began, may have had to take more away.
+    """
+    robot = search.null.model.robot
+    found = named(chosen, braking_of(search.candidates(), robot), search.null)
+    if found.names == chosen.names:
+        return chosen
+    fits[:] = [one for one in fits if one.names != chosen.names]  # the same by another name is no rival
+    fits.append(search.completed(found))
+    return fits[-1]
+
+
+def _with_one_gain(search: Search, chosen: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
+    """Name stiffness and damping of a servo that are wrong by the same factor one wrong gain of its torque.
+
+    A wrong torque constant scales both. Damping, or the viscous friction that acts as more of it does, is exchanged for
+    a gain g, which predicts the same with a stiffness error s' of 1 + s = (1 + g) (1 + s'): it goes where s' is none.
+    Both errors take over what the gains of the servo deviate by within their tolerance.
+    """
+    removed, robot = search.settings.search.removed_of_all, chosen.predictor.robot
+    for motor in robot.joint_names:
+        pair = None if search.deadline.stops() else _stiffness_and_damping(chosen, motor)
+        gain = Candidate(TorqueGainError, motor, (free_parameter("relative", TorqueGainError.ranges["relative"], 1.0),))
+        if pair is None or gain.name in chosen.names or not search.competitors.contain(gain):
+            continue
+        (stiffness, s), (damping, g) = pair
+        sizes = ((gain, g), (stiffness, (1 + s) / (1 + g) - 1))
+        starts = [(one, np.array([one.free[0].encode(size)])) for one, size in sizes]
+        if any(not low <= start[0] <= high for one, start in starts for low, high in [one.free[0].bounds]):
+            continue
+        taken = np.array([name in _gains_of(motor) for name in chosen.predictor.tolerance.names], dtype=bool)
+        unknown = np.zeros(len(search.rows), dtype=np.float32)
+        additions = [Addition(one, 0.0, start, taken, unknown) for one, start in starts]
+        trial = search.completed(search.together(chosen, additions, without=(stiffness.name, damping.name)))
+        if search.torques_decide:
+            small = reduced(search, trial, [], removed)
+        else:  # the product of two large errors is not linear
+            small = search.completed(search.without(trial, stiffness.name))
+        fewer = len(small.hypothesis) < len(chosen.hypothesis) and stiffness.name not in small.names
+        if fewer and not worth(search, compared(search, [small, chosen]), small, chosen, removed):
+            fits.append(small)
+            chosen = small
+    return chosen
+
+
+def _gains_of(motor: str) -> tuple[str, str]:
+    """Return the names of stiffness and damping of the servo of a motor."""
+    return f"{motor}.{SERVO}stiffness", f"{motor}.{SERVO}damping"
+
+
+def _stiffness_and_damping(fit: CandidateFit, motor: str) -> tuple[tuple[Candidate, float], ...] | None:
+    """Return the effects of a fit on stiffness and damping of a servo, with relative errors [1]; None without both.
+
+    The errors contain the deviations of these gains within their tolerance.
+
+    Args:
+        fit: The fit.
+        motor: The motor.
+    """
+    found = zip(fit.hypothesis, fit.predictor.values(fit.theta), strict=True)
+    own = {one.effect: (one, sizes) for one, sizes in found if one.location == motor}
+    parameters, tolerance = fit.predictor.robot.parameters, fit.predictor.tolerance
+    nominal = parameters[_gains_of(motor)[1]].value if _gains_of(motor)[1] in parameters else 0.0
+    braking = [effect for effect in (ServoDampingError, ViscousFriction) if effect in own]
+    if ServoStiffnessError not in own or len(braking) != 1 or not nominal:
+        return None
+    factors = dict(zip(tolerance.names, np.exp(tolerance.logarithms(fit.deviations)).tolist(), strict=True))
+    of_stiffness, of_damping = (factors.get(name, 1.0) for name in _gains_of(motor))
+    (stiffness, error), (damping, sizes) = own[ServoStiffnessError], own[braking[0]]
+    if damping.effect is ServoDampingError:
+        braked = of_damping * (1 + sizes["relative"])
+    else:
+        braked = of_damping + sizes["coefficient"] / nominal
+    return (stiffness, of_stiffness * (1 + error["relative"]) - 1), (damping, braked - 1)
 
 
 def _without_gains(search: Search, chosen: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
@@ -89,7 +172,8 @@ def _in_proportion(fit: CandidateFit, gain: Candidate) -> CandidateFit:
     viscous = robot.parameters[f"{motor}.viscous_friction"].value
     for column, (candidate, free, size) in enumerate(frees):
         relative = candidate.effect is MotorInertiaError
-        if candidate.location == motor and (relative or unit_of_parameter(candidate, free.name, robot).startswith("N")):
+        felt = relative or candidate.effect is RotorInertia
+        if candidate.location == motor and (felt or unit_of_parameter(candidate, free.name, robot).startswith("N")):
             known = 1.0 if relative else viscous if candidate.effect is ViscousFriction else 0.0
             theta[column] = np.clip(free.encode((known + size) / factor - known), *free.bounds)
     return replace(fit, theta=theta)

@@ -13,6 +13,7 @@ from flexros.effects.delay import Delay
 from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.kinds.servo_number import gains_are_known
+from flexros.effects.left_out.rotor_inertia import RotorInertia
 from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_moved
 from flexros.effects.motor_inertia_error import MotorInertiaError
 from flexros.effects.servos import ServoCommandLag, ServoDampingError, ServoStiffnessError
@@ -22,6 +23,8 @@ from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.scales import scales_of_motors
 from flexros.gap.fit.candidate_fit import first_parameters
 from flexros.gap.fit.least_squares import fit
+from flexros.gap.fit.torques.unknown_numbers import inertias_of_bodies
+from flexros.gap.search.servo_braking import braking_of, freed, named
 from flexros.record.missing_samples import bridged_motion
 from flexros.record.torques.servo_torque import servo_torque
 from flexros.robot.parameters import SERVO
@@ -38,7 +41,7 @@ if TYPE_CHECKING:
     from flexros.record.record import Record
     from flexros.robot import Robot
 
-OF_SERVO = (CoulombFriction, ViscousFriction, ServoStiffnessError, MotorInertiaError)
+OF_SERVO = (CoulombFriction, ViscousFriction, ServoStiffnessError, MotorInertiaError, RotorInertia)
 """Effects of a servo that stays within its limit. Its damping acts on its speed as viscous friction does."""
 
 _Start: TypeAlias = "tuple[Sequence[tuple[Candidate, float]], Mapping[str, float]]"
@@ -121,7 +124,31 @@ def fit_of_servos(
         return fits.likeliest(found)
     promising = [(one,) for one in _promising(found, begin.promising)]
     best = fits.likeliest(fits.every(promising, fits.longer, 0.6, 1.0))
-    return best if best is None or fits.over else fits.longer(best, settings.fit.final_iterations)
+    if best is None or fits.over:
+        return best
+    best = fits.longer(best, settings.fit.final_iterations)
+    return best if fits.over else _with_less_damping(fits, best)
+
+
+def _with_less_damping(fits: _Fits, best: CandidateFit) -> CandidateFit:
+    """Return a fit with less damping of servos than in the robot file at motors that it leaves no viscous friction.
+
+    Both brake alike. So the damping is no number of the fits from all starts, and is taken away only where friction,
+    which is never negative, does not suffice.
+
+    Args:
+        fits: Fits of the log.
+        best: The fit.
+    """
+    null, robot = fits.null, fits.null.model.robot
+    candidates = list_candidates(robot, scales_of_motors(robot, null.data.record), measured=True, known=null.model.laws)
+    competing = competitors(robot, fits.settings.search, null.data.record.prescribed)
+    braking = braking_of([one for one in candidates if competing.contain(one)], robot)
+    free = freed(best, braking, null)
+    if free is best:
+        return best
+    less = named(fits.longer(free, fits.settings.fit.final_iterations), braking, null)
+    return less if less.chi2 < best.chi2 else best
 
 
 def _with_load(
@@ -285,6 +312,7 @@ def _begun(null: NullFit, limited: BoolArray, settings: ServoStartSettings) -> l
         for effect, location, value in _at_limit(robot, record, motor, settings)
     ]
     others = [name for name, one in zip(robot.joint_names, limited, strict=True) if not one]
+    bodies = inertias_of_bodies(record, robot)
     for candidate in list_candidates(robot, scales, measured=True, known=null.model.laws):
         first = replace(candidate, free=candidate.free[:1])
         if candidate.effect is ToolLoad:
@@ -294,6 +322,8 @@ def _begun(null: NullFit, limited: BoolArray, settings: ServoStartSettings) -> l
         elif (candidate.effect in OF_SERVO and candidate.location in others) or candidate.name == f"{Delay.name}@all":
             little = settings.little_friction * first.free[0].high
             begun.append((first, little if candidate.effect is CoulombFriction else 0.0))
+            if candidate.effect is RotorInertia:
+                begun[-1] = (first, settings.little_rotor * bodies[candidate.location])
     return begun
 
 

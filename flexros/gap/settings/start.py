@@ -156,6 +156,12 @@ class ServoStartSettings(Settings):
         gt=0,
         description="initial Coulomb friction of other servos, over the largest one of its range [1] (chosen)",
     )
+    little_rotor: float = Field(
+        default=0.3,
+        gt=0,
+        description="initial inertia of a rotor that the robot file leaves out, over that of the bodies it moves [1] "
+        "(chosen)",
+    )
     little_load: float = Field(
         default=0.5,
         gt=0,

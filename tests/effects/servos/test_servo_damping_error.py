@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from flexros.effects import parse_effect, place_effects
@@ -15,8 +16,15 @@ def test_damping_is_scaled() -> None:
     assert placed.robot.parameters["motor_1.servo_damping"].value == pytest.approx(3.0)
 
 
-@pytest.mark.parametrize(("feedforward", "sought"), [(0.0, False), (1.0, True)])
-def test_it_is_sought_where_it_differs_from_viscous_friction(feedforward: float, sought: bool) -> None:
-    names = {one.effect.name for one in list_candidates(servo_robot(feedforward).commanded_by("position"), Scales({}))}
-    assert ("servo_damping_error" in names) == sought
-    assert "viscous_friction" in names
+@pytest.mark.parametrize(("feedforward", "more"), [(0.0, 0.0), (1.0, 9.0)])
+def test_it_is_sought_where_it_differs_from_viscous_friction(feedforward: float, more: float) -> None:
+    robot = servo_robot(feedforward).commanded_by("position")
+    every = {one.effect.name: one.free[0] for one in list_candidates(robot, Scales({}))}
+    free = every["servo_damping_error"]
+    assert [float(free.decode(np.array(bound))) for bound in free.bounds] == pytest.approx([-0.9, more])
+    assert "viscous_friction" in every
+
+
+def test_it_is_not_sought_where_gains_are_known() -> None:
+    robot = servo_robot(known=True).commanded_by("position")
+    assert "servo_damping_error" not in {one.effect.name for one in list_candidates(robot, Scales({}))}

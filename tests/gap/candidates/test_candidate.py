@@ -36,6 +36,12 @@ def test_negative_values_may_have_a_bound_of_their_own() -> None:
     assert free_parameter("level", Range("torque", 0.01, 10.0, signed=True), 2.0).bounds == (-1.0, 1.0)
 
 
+def test_positive_values_may_have_a_bound_of_their_own() -> None:
+    free = free_parameter("relative", Range("relative", 0.01, 0.9, (-0.3,), signed=True, positive=0.0), 1.0)
+    assert [float(free.decode(np.array(bound))) for bound in free.bounds] == pytest.approx([-0.9, 0.0])
+    assert free.starts == (-0.3,)
+
+
 @pytest.mark.parametrize(("name", "parameter"), SIGNED)
 def test_effects_allow_the_bounds_of_their_ranges(name: str, parameter: str) -> None:
     effect = effects()[name]

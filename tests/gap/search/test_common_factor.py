@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flexros.effects import RobotWithEffects
+from flexros.effects import RobotWithEffects, parse_effect
 from flexros.gap.candidates.candidate import Candidate
 from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
@@ -18,7 +18,7 @@ from flexros.gap.schema import Diagnosis
 from flexros.gap.search import common_factor
 from flexros.gap.settings import DiagnosisSettings
 from tests.gap.diagnosis_logs import candidates_of, encoded, predictor_of, settings_of
-from tests.gap.servo_logs import servo_log, servo_robot
+from tests.gap.servo_logs import SERVO_EFFECTS, servo_log, servo_robot
 
 WEIGHTLESS = 1e-3
 GAIN, RUBS = "servo_stiffness_error@motor_1:relative=-0.3", "viscous_friction@motor_1:coefficient=1.5"
@@ -51,6 +51,35 @@ def test_gravity_fixes_the_factor() -> None:
     }
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("true", "named"),
+    [
+        (("torque_gain_error@motor_1:relative=-0.3",), {"torque_gain_error"}),
+        (("torque_gain_error@motor_1:relative=0.35",), {"torque_gain_error"}),
+        (("servo_stiffness_error@motor_1:relative=-0.3",), {"servo_stiffness_error"}),
+        ((GAIN, RUBS), {"servo_stiffness_error", "viscous_friction"}),
+    ],
+)
+@pytest.mark.parametrize("imported", [True, False])
+def test_a_wrong_torque_constant_is_told_from_a_wrong_stiffness(
+    true: tuple[str, ...], named: set[str], imported: bool
+) -> None:
+    model = RobotWithEffects(servo_robot(tolerance=0.03), ())
+    logs = [servo_log("coulomb_friction@motor_1:level=0.3", *true, seed=seed) for seed in (0, 5)]
+    fitted, held = (replace(checked_log(log, model.robot, name="log"), imported=imported) for log in logs)
+    names = [name for name in SERVO_EFFECTS if name != "gravity_error"]  # the weight fixes the common factor
+    found = diagnose(fitted, model, holdout=held, settings=settings_of(*names)).diagnosis
+    causes = {cause.effect: cause for cause in found.causes if cause.probability > 0.5}
+    assert set(causes) == {"coulomb_friction", *named}
+    for text in true:
+        wanted = parse_effect(text, "test").effect
+        sizes = causes[wanted.name].parameters
+        assert {name: one.value for name, one in sizes.items()} == pytest.approx(
+            wanted.model_dump(include={*sizes}), rel=0.1
+        )
+
+
 STIFFNESS, TORQUE, DRAG = (
     f"{name}@motor_1" for name in ("servo_stiffness_error", "torque_gain_error", "viscous_friction")
 )
@@ -77,6 +106,8 @@ def test_two_numbers_that_stand_for_nothing_together_are_left_out(
     monkeypatch.setattr(common_factor, "compared", lambda *_: None)
     monkeypatch.setattr(common_factor, "worth", lambda search, how, rest, fit, share: rest.chi2 > fit.chi2 + 10)
     monkeypatch.setattr(common_factor, "_without_gains", lambda search, chosen, fits: chosen)
+    monkeypatch.setattr(common_factor, "_with_one_gain", lambda search, chosen, fits: chosen)
+    monkeypatch.setattr(common_factor, "_with_friction", lambda search, chosen, fits: chosen)
     monkeypatch.setattr(common_factor, "_rivals", lambda search, chosen: [])
     chosen, fits = _fit(max(LEFT, key=len)), list[Any]()
     search: Any = SimpleNamespace(

@@ -139,6 +139,20 @@ def test_noise_that_biases_a_regression_leaves_gains_and_damping_right() -> None
     assert sizes["viscous_friction"] == pytest.approx(-0.25, abs=0.04)
 
 
+def test_damping_below_that_of_the_file_is_no_friction() -> None:
+    effects = ("servo_stiffness_error@motor_1:relative=-0.3", "servo_damping_error@motor_1:relative=-0.4")
+    robot = servo_robot()
+    record = replace(checked_log(servo_log(*effects), robot, name="log"), imported=True)
+    model = RobotWithEffects(robot.commanded_by("position"), ())
+    nominal = fit_null(fit_data(record, model, DiagnosisSettings()), model, tolerance_of(model.robot, {}))
+    found = fit_of_servos(nominal, None, DiagnosisSettings())
+    assert found is not None
+    sizes = sizes_of(found)
+    assert sizes["servo_stiffness_error"] == pytest.approx(-0.3, abs=0.01)
+    assert sizes["servo_damping_error"] == pytest.approx(-0.4, abs=0.02)
+    assert "viscous_friction" not in sizes
+
+
 def test_the_regression_of_a_servo_of_known_gains_leaves_them() -> None:
     robot = servo_robot(known=True)
     record = checked_log(servo_log("coulomb_friction@motor_1:level=0.25", noise=2e-2, duration=12.0), robot, name="log")

@@ -183,7 +183,7 @@ def unknown_numbers(
     unknown = bool(lacking) or may_carry(robot)
     if record.simulated or record.command is not None or not only_coulomb(model) or not unknown:
         return UnknownNumbers()
-    of_bodies = _inertias_of_bodies(record, robot)
+    of_bodies = inertias_of_bodies(record, robot)
     delay = torque_delay(record, model, tolerance, settings)
     regression = regress_balanced(record, model, tolerance, delay=delay, settings=settings)
     if regression is None:
@@ -212,7 +212,7 @@ def unknown_numbers(
     return UnknownNumbers(rotors, shown.load, bare, unseen if calmed else {}, shown.rough)
 
 
-def _inertias_of_bodies(record: Record, robot: Robot) -> dict[str, float]:
+def inertias_of_bodies(record: Record, robot: Robot) -> dict[str, float]:
     """Return the inertia that the bodies have at every motor in the middle of a motion [kg m2 or kg]."""
     state = robot.equilibrium(motor_position=np.median(record.position, axis=0))
     masses = robot.model.mass_matrix(state[: robot.n_coordinates], robot.model.parameter_values)
