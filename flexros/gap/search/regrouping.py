@@ -96,16 +96,18 @@ def regrouped(
 
 
 def _are_felt_by_several(search: Search, names: frozenset[str], members: Sequence[Directions]) -> bool:
-    """Return whether a set has other changes than an explanation, and none of them at a single motor.
+    """Return whether a set has other changes than an explanation, none of them at a motor, for those of several motors.
 
     Args:
         search: The search.
         names: Names of all its changes in proportion to a size.
         members: The set.
     """
+    motors, kept = search.null.model.robot.joint_names, {one.candidate.name for one in members}
     new = [one.candidate for one in members if one.candidate.name not in names]
-    of_motors = any(one.location in search.null.model.robot.joint_names for one in new)
-    return bool(new) and not of_motors
+    of_motors = any(one.location in motors for one in new)
+    gone = {name.partition("@")[2] for name in names - kept}
+    return bool(new) and not of_motors and (len(gone) > 1 or not gone <= set(motors))
 
 
 def _does_as_well(search: Search, rest: Surroundings, changes: NDArray[Any], before: float, n_own: int) -> bool:
