@@ -84,6 +84,7 @@ def test_spoilt_measured_log_is_refused(robot: Robot, factor: float, words: str)
         checked_log(replace(log, joint_commands=commands), robot, name="emps")
 
 
+@pytest.mark.slow
 def test_coulomb_friction_is_named_first_with_its_published_level(robot: Robot) -> None:
     """The published level is 20.39 N, and an offset of -3.16 N is the asymmetry of it."""
     pairs = SearchSettings(most_effects=2)  # a third one takes as long as all before

@@ -20,6 +20,7 @@ def test_numbers_of_a_body_are_listed_where_they_differ_clearly_and_beyond_their
     assert not _of_body(difference, "body_2", arm(), {"body_2.mass": 0.2, "body_2.center_of_mass.x": 1e-3})
 
 
+@pytest.mark.slow
 def test_what_a_log_leaves_open_of_masses_is_a_doubt_about_each() -> None:
     """Torques show only some combinations of masses and centres, and the file says the rest."""
     file = arm().with_values({"body_1.center_of_mass.x": 0.3, "body_2.mass": 3.6})

@@ -271,6 +271,7 @@ def test_torques_count_beside_predictions_on_a_rigid_machine_alone() -> None:
     assert with_torques(data, behind_springs).torques is None
 
 
+@pytest.mark.slow
 def test_a_counterbalance_that_carries_little_takes_the_place_of_its_curve() -> None:
     """It is too small beside the weight for the torques alone to tell, and is a curve over position at first."""
     found = diagnose(
@@ -282,6 +283,7 @@ def test_a_counterbalance_that_carries_little_takes_the_place_of_its_curve() -> 
     assert not any(isinstance(one.effect, TorqueCurve) for one in found.patch)
 
 
+@pytest.mark.slow
 def test_white_noise_of_measured_torques_is_no_lag() -> None:
     """A lag takes some of it away, so that one is found as long as the noise counts as torque."""
     record = record_of_arm(imported=True)
