@@ -13,6 +13,8 @@ from distributed import Client, LocalCluster
 from flexros.errors import InputError
 from flexros.scheduler import LOCAL, connected
 
+pytestmark = pytest.mark.slow
+
 
 def test_work_runs_in_this_process_by_default() -> None:
     with connected(threads=1) as client:
