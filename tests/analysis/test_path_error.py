@@ -197,6 +197,7 @@ def test_the_log_itself_is_not_changed(axes):
         np.testing.assert_array_equal(new, old)
 
 
+@pytest.mark.slow
 def test_memory_of_a_long_log_is_little_more_than_the_result(monkeypatch):
     monkeypatch.setattr("flexros.analysis.path_error.AT_ONCE", 2000)
     monkeypatch.setattr("flexros.analysis.path_geometry._ROWS_AT_ONCE", 2000)

@@ -17,6 +17,7 @@ from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import load_scenario
 
 
+@pytest.mark.slow
 def test_recorded_run_has_the_cost_of_the_benchmark(tmp_path: Path) -> None:
     scenario = load_scenario("feedback_benchmark")
     write_log(closed_loop(Experiment.prepare(scenario)), tmp_path / "log")

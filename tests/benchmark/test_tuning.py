@@ -34,6 +34,7 @@ def test_unstable_controller_costs_more_than_any_other(benchmark: FeedbackBenchm
     assert part_cost(benchmark, Pid(kp=24.0, ki=9e3, kd=0.1), "C1", (1,)) >= UNSTABLE
 
 
+@pytest.mark.slow
 def test_search_lowers_the_cost_and_repeats_itself(benchmark: FeedbackBenchmark) -> None:
     structure = TunableStructure()
     start = structure.vector(PID)

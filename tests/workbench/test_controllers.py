@@ -47,6 +47,7 @@ def test_design_shows_plots_and_writes_itself(lqg: flexros.ControllerDesign, tmp
     assert "flexros.design('lqg', 'four_mass')" in lqg.write(tmp_path / "lqg.yaml").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_benchmark_puts_controllers_side_by_side(lqg: flexros.ControllerDesign) -> None:
     results = flexros.benchmark_controllers(lqg, "pid_check", noise=0.0, seeds=[1])
     frame = results.to_pandas()

@@ -157,6 +157,7 @@ def test_real_machines_have_tolerance_in_scale_and_clock() -> None:
     assert np.sum(residual_of(data) ** 2) < 1.1 * np.sum(residual_of(plain) ** 2) + 5
 
 
+@pytest.mark.slow
 def test_every_joint_has_the_channels_of_its_own_sensors() -> None:
     scenario = load_scenario("diagnosis").with_values({"robot": "elbow", "diagnosis.length": 10.0}, "test")
     log, elbow = closed_loop(Experiment.prepare(scenario)), load_robot("elbow")

@@ -46,6 +46,7 @@ def test_the_weight_scales_the_torques_of_a_motor_without_any() -> None:
     assert scales_of_motors(ROBOT, at_rest).of("torque", "motor_1") == SMALLEST
 
 
+@pytest.mark.slow
 def test_dry_friction_of_a_swing_is_found() -> None:
     result = diagnose(swing("coulomb_friction@motor_1:level=0.05"), ROBOT, settings=settings_of(*COMPETING))
     (cause,) = result.diagnosis.causes

@@ -30,6 +30,7 @@ def far_off() -> NullFit:
     return fit_null(fit_data(record_of(), model, DiagnosisSettings()), model, NUMBERS)
 
 
+@pytest.mark.slow
 def test_numbers_within_tolerance_do_not_decide_how_closely_a_log_is_tied() -> None:
     """On six-axis arms 3 % off, friction that is worth 1600 nats at the least torque noise was worth 40."""
     null, settings = far_off(), DiagnosisSettings()
@@ -67,6 +68,7 @@ def test_a_search_goes_on_from_an_explanation_in_the_log_tied_more_loosely() -> 
     assert found.chosen.names > first.chosen.names
 
 
+@pytest.mark.slow
 def test_where_a_looser_tie_shows_what_no_effect_explains_the_explanation_before_stays(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

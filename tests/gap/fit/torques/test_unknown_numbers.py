@@ -82,6 +82,7 @@ ROUGH = {"body_1.mass": 8.0, "body_1.center_of_mass.x": 0.24, "body_2.mass": 2.5
 """Numbers of the bodies in a file that is a third off."""
 
 
+@pytest.mark.slow
 def test_bodies_that_are_far_off_are_allowed_for() -> None:
     """Held within the tolerance of the file, a load and another rotor stand for them."""
     record = record_of_arm(imported=True)
