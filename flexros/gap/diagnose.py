@@ -63,8 +63,8 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 NOMINAL, SERVOS, WHERE, CAUSES, ANSWER = 0.15, 0.25, 0.16, 0.94, 0.99
-"""Shares of a diagnosis that are done at the ends of its stages [1]: medians of the time on 20 measured robots; servos,
-which few have, come before `WHERE`."""
+"""Shares of a diagnosis that are done at the ends of its stages [1] (chosen): about the medians of their times on the
+measured robots; logs of servos have that stage in place of `WHERE`."""
 
 
 @one_blas_thread()
