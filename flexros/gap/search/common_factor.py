@@ -123,7 +123,8 @@ def _gains_of(motor: str) -> tuple[str, str]:
 def _stiffness_and_damping(fit: CandidateFit, motor: str) -> tuple[tuple[Candidate, float], ...] | None:
     """Return the effects of a fit on stiffness and damping of a servo, with relative errors [1]; None without both.
 
-    The errors contain the deviations of these gains within their tolerance.
+    The errors contain the deviations of these gains within their tolerance. Viscous friction counts as damping where no
+    error of that is named.
 
     Args:
         fit: The fit.
@@ -133,12 +134,12 @@ def _stiffness_and_damping(fit: CandidateFit, motor: str) -> tuple[tuple[Candida
     own = {one.effect: (one, sizes) for one, sizes in found if one.location == motor}
     parameters, tolerance = fit.predictor.robot.parameters, fit.predictor.tolerance
     nominal = parameters[_gains_of(motor)[1]].value if _gains_of(motor)[1] in parameters else 0.0
-    braking = [effect for effect in (ServoDampingError, ViscousFriction) if effect in own]
-    if ServoStiffnessError not in own or len(braking) != 1 or not nominal:
+    braking = next((effect for effect in (ServoDampingError, ViscousFriction) if effect in own), None)
+    if ServoStiffnessError not in own or braking is None or not nominal:
         return None
     factors = dict(zip(tolerance.names, np.exp(tolerance.logarithms(fit.deviations)).tolist(), strict=True))
     of_stiffness, of_damping = (factors.get(name, 1.0) for name in _gains_of(motor))
-    (stiffness, error), (damping, sizes) = own[ServoStiffnessError], own[braking[0]]
+    (stiffness, error), (damping, sizes) = own[ServoStiffnessError], own[braking]
     if damping.effect is ServoDampingError:
         braked = of_damping * (1 + sizes["relative"])
     else:

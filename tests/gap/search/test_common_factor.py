@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 from flexros.effects import RobotWithEffects, parse_effect
+from flexros.effects.friction.viscous_friction import ViscousFriction
+from flexros.effects.servos import ServoDampingError, ServoStiffnessError
 from flexros.gap.candidates.candidate import Candidate
 from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
@@ -188,6 +190,29 @@ def test_of_two_gains_the_second_may_go_with_the_first(monkeypatch: pytest.Monke
         settings=DiagnosisSettings(), deadline=SimpleNamespace(stops=lambda: False), without=lambda fit, name: rest
     )
     assert common_factor._without_gains(search, chosen, []) is least
+
+
+@pytest.mark.parametrize("named", [True, False])
+def test_the_damping_of_a_gain_is_its_own_error_or_friction_without_one(named: bool) -> None:
+    """Beside a late command both may be named: the friction stays, and goes later if it is needless."""
+    sizes: dict[Any, dict[str, float]] = {
+        ServoStiffnessError: {"relative": -0.2},
+        ViscousFriction: {"coefficient": 0.1},
+        **({ServoDampingError: {"relative": -0.3}} if named else {}),
+    }
+    predictor = SimpleNamespace(
+        values=lambda theta: list(sizes.values()),
+        robot=SimpleNamespace(parameters={"motor_1.servo_damping": SimpleNamespace(value=2.0)}),
+        tolerance=SimpleNamespace(names=("motor_1.servo_stiffness",), logarithms=lambda deviations: [np.log(0.9)]),
+    )
+    hypothesis = tuple(SimpleNamespace(effect=effect, location="motor_1") for effect in sizes)
+    fit: Any = SimpleNamespace(hypothesis=hypothesis, predictor=predictor, theta=(), deviations=())
+    found = common_factor._stiffness_and_damping(fit, "motor_1")
+    assert found is not None
+    (_, of_stiffness), (damping, of_damping) = found
+    assert damping.effect is (ServoDampingError if named else ViscousFriction)
+    assert of_stiffness == pytest.approx(0.9 * 0.8 - 1)
+    assert of_damping == pytest.approx(-0.3 if named else 0.05)
 
 
 def test_exchanges_that_the_time_leaves_out_are_no_rivals(monkeypatch: pytest.MonkeyPatch) -> None:
