@@ -1,6 +1,6 @@
-"""Instants of a source that a recorder polled: values that it took twice or missed, found by the motion.
+"""Instants of a source that a recorder polled: values that it took again or missed, found by the motion.
 
-A recorder that reads the latest values of a controller with a period of its own gets some of them twice and misses
+A recorder that reads the latest values of a controller with a period of its own gets some of them again and misses
 others. Its stamps are those of the reading. The positions tell how far the motion went from one value to the next, a
 whole number of periods of the controller.
 """
@@ -34,6 +34,8 @@ LONGEST = 4
 """Periods up to which values that were missed are interpolated [1] (chosen)."""
 SPAN = 8
 """Intervals to each side over which speeds are taken [1] (chosen)."""
+ROUNDED = 1e-3
+"""Share of a period that stamps may be early by as they are rounded [1] (chosen)."""
 FEWEST = 200
 """Fewest intervals that show it [1] (chosen)."""
 
@@ -44,7 +46,7 @@ class PolledSource:
 
     Attributes:
         period: Time between two values of the source [s].
-        steps: Periods from each value of the log to the next one; 0 where it was taken twice, shape (n - 1,).
+        steps: Periods from each value of the log to the next one; 0 where it was taken again, shape (n - 1,).
     """
 
     period: float
@@ -52,7 +54,7 @@ class PolledSource:
 
     @property
     def repeated(self) -> float:
-        """Share of values that were taken twice [1]."""
+        """Share of values that were taken again [1]."""
         return float(np.mean(self.steps == 0))
 
     @property
@@ -100,10 +102,14 @@ def polled_source(stamp: IntArray, position: FloatArray) -> PolledSource | None:
         The source; None where the intervals are no whole numbers of a period, all are one, or too little moves.
     """
     time = (stamp - stamp[0]) * 1e-9
-    if len(time) < 2 * SPAN + FEWEST or not np.all(np.isfinite(position)):
+    if not np.all(np.isfinite(position)):
         return None
-    elapsed, speed = _elapsed(time, position)
-    pause = np.diff(time) > PAUSE * float(np.median(np.diff(time)))
+    new = np.concatenate([[True], np.any(np.diff(position, axis=0) != 0, axis=1)])
+    if np.sum(new) < 2 * SPAN + FEWEST:
+        return None
+    elapsed, speed = _elapsed(time[new], position[new])
+    between = np.diff(time[new])
+    pause = between > PAUSE * float(np.median(between))
     whole_speed = ~binary_dilation(pause, iterations=SPAN) if pause.any() else ~pause
     fast = (speed > max(float(np.quantile(speed, 1 - FAST)), 1e-150)) & whole_speed
     usual = elapsed[fast & (elapsed > 0)]
@@ -112,15 +118,22 @@ def polled_source(stamp: IntArray, position: FloatArray) -> PolledSource | None:
     period = float(np.median(usual))
     shown = elapsed[fast] / period
     whole = np.rint(shown)
-    if np.mean(np.abs(shown - whole) < NEAR) < WHOLE or np.mean(whole != 1) < LEAST_SHARE:
+    if np.mean(np.abs(shown - whole) < NEAR) < WHOLE:
         return None
-    by_stamps = np.diff(time)[fast] / period
-    if np.mean(np.abs(shown - by_stamps) < NEAR) > np.mean(np.abs(shown - whole) < NEAR) - LEAST_SHARE:
-        return None  # the stamps say the same
+    follows = np.minimum(np.cumsum(new)[1:] - 1 - new[1:], len(between) - 1)  # each interval is in one of new values
+    off, off_by_stamps = (np.abs(shown - one) >= NEAR for one in (whole, between[fast] / period))
     clear = (speed > CLEAR * float(np.quantile(speed, 0.99))) & whole_speed
-    steps = _steps(time, elapsed / period, clear, period)
-    exact = (time[-1] - time[0]) / max(int(steps.sum()), 1)
-    return PolledSource(exact if abs(exact / period - 1) < NEAR else period, steps)
+    if np.mean(off_by_stamps) < np.mean(off) + LEAST_SHARE:  # the stamps say the same
+        elapsed, clear = between, between < LONGEST * period
+        whole = np.ones_like(whole)
+    held = np.mean(~new[1:][fast[follows]])
+    if held < LEAST_SHARE and np.mean(whole != 1) < LEAST_SHARE:
+        return None
+    periods = np.rint(elapsed / period)
+    exact = float(between[clear].sum() / max(periods[clear].sum(), 1.0))  # speeds are means over a curved motion
+    period = exact if abs(exact / period - 1) < NEAR else period
+    by_motion = np.where(new[1:], periods[follows], 0.0)
+    return PolledSource(period, _steps(time, by_motion, clear[follows], new[1:], period))
 
 
 def recovered(log: Log, warnings: list[str]) -> Log:
@@ -143,9 +156,9 @@ def recovered(log: Log, warnings: list[str]) -> Log:
     if source is None:
         return log
     warnings.append(
-        f"the recorder polled joint_states: {100 * source.repeated:.2g} % of the values were taken twice and "
-        f"{100 * source.missed:.2g} % missed; by the motion they are {1e3 * source.period:.4g} ms apart, and the "
-        "stamps were corrected"
+        f"the recorder polled joint_states: {100 * source.repeated:.2g} % of the values repeat the one before, and "
+        f"{100 * source.missed:.2g} % of those of the source were missed; by the motion they are "
+        f"{1e3 * source.period:.4g} ms apart, and the stamps were corrected"
     )
     return replace(
         log,
@@ -172,12 +185,23 @@ def _elapsed(time: FloatArray, position: FloatArray) -> tuple[FloatArray, FloatA
     return elapsed, np.sqrt(square)
 
 
-def _steps(time: FloatArray, shown: FloatArray, clear: BoolArray, period: float) -> IntArray:
-    """Count the periods of every interval: by the motion where it is clear, else so that they keep up with stamps."""
+def _steps(time: FloatArray, shown: FloatArray, clear: BoolArray, new: BoolArray, period: float) -> IntArray:
+    """Count the periods of every interval: by the motion where it is clear, else so that they keep up with stamps.
+
+    A value that is the one before is taken for the next one of the source a whole period later, not half of one.
+
+    Args:
+        time: Time of each value [s], shape (n,).
+        shown: Periods of every interval by the motion, shape (n - 1,).
+        clear: Where the motion tells them, shape (n - 1,).
+        new: Which intervals end with another value, shape (n - 1,).
+        period: The period [s].
+    """
     steps = np.zeros(len(shown), dtype=np.int64)
     reached = 0
     for index in range(len(steps)):
         behind = (time[index + 1] - time[0]) / period - reached
-        steps[index] = max(round(float(shown[index] if clear[index] else behind)), 0)
+        kept_up = np.rint(behind) if new[index] else np.floor(behind + ROUNDED)
+        steps[index] = max(int(shown[index] if clear[index] else kept_up), 0)
         reached += int(steps[index])
     return steps

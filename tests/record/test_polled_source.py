@@ -59,6 +59,21 @@ def test_the_log_becomes_even_with_positions_at_their_instants() -> None:
     assert np.median(np.abs(states.position - true)) < 1e-6
 
 
+@pytest.mark.parametrize("times", [2, 3, 5, 7, 9, 12, 15, 20])
+def test_a_recorder_that_is_faster_by_a_whole_number_holds_each_value(times: int) -> None:
+    """Also beside a standstill, where the values of the source are the same."""
+    at_rest = (np.arange(1500) > 700) & (np.arange(1500) < 760)
+    once = np.round(motion(0.01 * np.cumsum(~at_rest)), 6)
+    held = np.repeat(once, times, axis=0)
+    stamp = np.rint(np.arange(len(held)) * 1e7 / times).astype(np.int64)
+    source = polled_source(stamp, held)
+    assert source is not None
+    assert source.period == pytest.approx(0.01, rel=1e-6)
+    assert source.missed == 0.0
+    states = JointSeries(stamp, ("motor_1", "motor_2"), position=held)
+    assert np.array_equal(source.evened(states).position, once)
+
+
 def test_a_lost_value_is_one_that_was_missed() -> None:
     log, _ = log_of()
     states = log.joint_states

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import reduce
 
 import numpy as np
 
@@ -31,7 +32,7 @@ def closed_fraction(before: AheadErrors, after: AheadErrors, sample_time: float)
 
     Args:
         before: Errors of the nominal model.
-        after: Errors of the repaired model, at the same windows.
+        after: Errors of the repaired model in the same log.
         sample_time: Time between two samples [s].
 
     Returns:
@@ -44,25 +45,26 @@ def share_between(before: AheadErrors, more: AheadErrors, less: AheadErrors, sam
     """Compute the share of a gap between two repairs, with a 95 % interval by a bootstrap over blocks of the log.
 
     (E_more - E_less) / (E_before - 1), all of the same log. A gap within the noise of the floor has no share, which
-    would be a quotient of noise.
+    would be a quotient of noise. A model with a longer delay is predicted from a later instant on; blocks of the log
+    that all three have count.
 
     Args:
         before: Errors of the nominal model.
-        more: Errors of the model that leaves more, at the same windows.
+        more: Errors of the model that leaves more.
         less: Errors of the one that leaves less.
         sample_time: Time between two samples [s].
 
     Returns:
         The share and its interval; None where the gap does not show in these errors.
     """
-    settings = before.settings
-    of_blocks = (before.starts * sample_time / settings.block).astype(int)
-    blocks = np.unique(of_blocks)
-    models = (before, more, less)
-    sums = np.array([[errors.squares[of_blocks == block].mean() for block in blocks] for errors in models])
-    counts = np.array([np.sum(of_blocks == block) for block in blocks], dtype=float)
+    settings, models = before.settings, (before, more, less)
+    of_blocks = [(errors.starts * sample_time / settings.block).astype(int) for errors in models]
+    blocks = reduce(np.intersect1d, of_blocks)
+    own = list(zip(models, of_blocks, strict=True))
+    sums = np.array([[errors.squares[where == block].mean() for block in blocks] for errors, where in own])
+    counts = np.array([[np.sum(where == block) for block in blocks] for where in of_blocks], dtype=float)
     draws = generator(0, BOOTSTRAP_STREAM).integers(0, len(blocks), size=(settings.draws, len(blocks)))
-    means = (sums * counts)[:, draws].sum(axis=-1) / counts[draws].sum(axis=-1)
+    means = (sums * counts)[:, draws].sum(axis=-1) / counts[:, draws].sum(axis=-1)
     least = settings.shows * sampling_error(before)
     if before.mean - 1.0 <= least:
         return None

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from flexros.gap.held_out.closed_share import closed_fraction, share_between
@@ -36,6 +38,15 @@ def test_closed_share_is_that_of_the_excess_over_the_floor() -> None:
     assert share.value == pytest.approx(0.5, abs=0.06)
     assert share.interval[0] < 0.5 < share.interval[1]
     assert share.interval[1] - share.interval[0] < 0.2
+
+
+def test_a_repair_with_a_longer_delay_is_predicted_from_a_later_instant_on() -> None:
+    before, whole = synthetic(11.0, 0), synthetic(6.0, 1)
+    after = replace(whole, squares=whole.squares[7:], starts=whole.starts[7:] - 3)
+    share = closed_fraction(before, after, ROBOT.sample_time)
+    assert share is not None
+    assert share.value == pytest.approx(0.5, abs=0.06)
+    assert share.interval[0] < 0.5 < share.interval[1]
 
 
 def test_a_repair_that_does_nothing_closes_nothing() -> None:
