@@ -10,15 +10,21 @@ from flexros.gap.fit.candidate_fit import best_of_each
 from flexros.gap.fit.null_fit import predicting_best
 from flexros.gap.held_out.closed_share import share_between
 from flexros.gap.held_out.errors_ahead import errors_ahead
+from flexros.gap.search.fits.refits import at_limits
 from flexros.gap.search.forward_selection import explanations_of
 from flexros.gap.search.worth import compared
 
 if TYPE_CHECKING:
+    from collections.abc import Collection, Sequence
+
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.held_out.errors_ahead import AheadErrors
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.search.fits.candidate_fits import Search
-    from flexros.gap.search.forward_selection import Explanations
+from flexros.gap.search.forward_selection import Explanations
+
+RIVALS = 3
+"""Other explanations that are tried once an effect was withdrawn, the likeliest ones [1] (chosen)."""
 
 
 def confirmed(search: Search, explanations: Explanations, held: FitData) -> tuple[Explanations, tuple[str, ...]]:
@@ -39,27 +45,64 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> tupl
         held: The held-out log.
 
     Returns:
-        The explanations, with one that has fewer effects chosen, and the effects that were withdrawn, effect@location.
+        The explanations, with one that lacks some of its effects chosen, and the effects that were withdrawn,
+        effect@location.
     """
     if _of_chance(search, explanations, held):
         return explanations_of(search, explanations.comparison, explanations.null, detected=False), ()
     chosen, fits = explanations.chosen, list(explanations.comparison.fits)
     withdrawn: list[str] = []
     before: AheadErrors | None = None
-    while len(chosen.hypothesis) > 1 and not (search.premises.library_is_complete or search.deadline.stops()):
+    while not (search.premises.library_is_complete or search.deadline.stops()):
         if before is None:
             stop = search.deadline.of_fit(finishing=True)
             before = errors_ahead(predicting_best(explanations.null, search.data, stop), held)
-        better = _better_without(search, chosen, before, held)
+        better = _better_without(search, chosen, before, held) if len(chosen.hypothesis) > 1 else None
+        if better is not None:
+            withdrawn += chosen.names - better.names
+        elif withdrawn:
+            better = _rival(search, chosen, fits, withdrawn, before, held)
         if better is None:
             break
-        withdrawn += chosen.names - better.names
         fits.append(better)
         chosen = better
     if not withdrawn:
         return explanations, ()
     comparison = compared(search, best_of_each([fit for fit in fits if fit.names != chosen.names or fit is chosen]))
     return explanations_of(search, comparison, chosen, detected=True), tuple(withdrawn)
+
+
+def _rival(
+    search: Search,
+    chosen: CandidateFit,
+    fits: Sequence[CandidateFit],
+    withdrawn: Collection[str],
+    before: AheadErrors,
+    held: FitData,
+) -> CandidateFit | None:
+    """Return an explanation that leaves less of both logs than what is left of the chosen one; None without one.
+
+    What was withdrawn may have taken the place of a true effect: friction that drove a motor stood for a stiff servo.
+
+    Args:
+        search: The search.
+        chosen: What is left of the explanation.
+        fits: All fits.
+        withdrawn: Effects that do not hold in the held-out log.
+        before: Errors of the nominal model in the held-out log.
+        held: The held-out log.
+    """
+    comparison, sample_time = compared(search, best_of_each(fits)), held.record.sample_time
+    others = [fit for fit in comparison.fits if fit.names.isdisjoint(withdrawn) and not at_limits(fit)]
+    better = [fit for fit in others if comparison.score(fit) > comparison.score(chosen) + comparison.threshold]
+    if not better:
+        return None
+    after, squares = errors_ahead(chosen, held), on_held_out(chosen, held).chi2
+    for fit in comparison.ranked(better)[:RIVALS]:
+        share = share_between(before, after, errors_ahead(fit, held), sample_time)
+        if share is not None and share.interval[0] > 0 and on_held_out(fit, held).chi2 <= squares:
+            return search.completed(fit)
+    return None
 
 
 def _of_chance(search: Search, explanations: Explanations, held: FitData) -> bool:

@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 
 PAIR = 2
 """Effects up to which every explanation with fewer of them is a rival [1]."""
+EARLIER = 4
+"""Earlier explanations that are tried in place of one that ended at a limit [1] (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,8 +204,8 @@ def _pruned(search: Search, explanations: Explanations) -> Explanations:
     chosen = search.within_limits(pruned[explanations.chosen])
     fits = [pruned.get(fit, fit) for fit in explanations.comparison.fits if fit is not explanations.chosen]
     if chosen.predictor.n_effect < explanations.chosen.predictor.n_effect:  # without a parameter one may be needless
-        chosen = _best_within_limits(search, _reduced_at_end(search, chosen, fits), fits)
-        chosen = search.within_limits(chosen)  # what was left out may have kept another one from its limit
+        chosen = search.within_limits(_reduced_at_end(search, chosen, fits))
+        chosen = search.within_limits(_best_within_limits(search, chosen, fits))
     if not chosen.hypothesis:
         return explanations_of(search, compared(search, fits), search.null.fit, detected=False)
     comparison = compared(search, [*(fit for fit in fits if fit.names != chosen.names), chosen])
@@ -216,19 +218,30 @@ def _pruned(search: Search, explanations: Explanations) -> Explanations:
 def _best_within_limits(search: Search, chosen: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
     """Return what is left of an explanation without what ended at a limit, or an earlier fit that explains more.
 
+    An earlier one may end at a limit too, once what is needless is left out: then the next one is tried.
+
     Args:
         search: The search.
         chosen: What is left of the explanation.
         fits: The other fits; new ones are appended.
     """
     removed = search.settings.search.removed
-    earlier = [fit for fit in fits if fit.hypothesis and not at_limits(fit)]
-    if not earlier:
-        return chosen
-    best = min(earlier, key=lambda fit: fit.chi2)
-    if not worth(search, compared(search, [chosen, best]), chosen, best, removed):
-        return chosen
-    return _reduced_at_end(search, search.within_limits(search.pruned(best)), fits)
+    earlier = sorted((fit for fit in fits if fit.hypothesis and not at_limits(fit)), key=lambda fit: fit.chi2)
+    found = [chosen]
+
+    def worth_more(one: CandidateFit) -> bool:
+        least = min(found, key=lambda fit: fit.chi2)
+        return worth(search, compared(search, [least, one]), least, one, removed)
+
+    for best in earlier[:EARLIER]:
+        if not worth_more(best):
+            break
+        small = _reduced_at_end(search, search.within_limits(search.pruned(best)), fits)
+        found.append(search.within_limits(small))  # what was left out may have kept another one from its limit
+    laws = next((fit for fit in earlier if not curves_of(fit.hypothesis)), chosen)
+    if worth_more(laws):  # all of it may be needed to stay within the limits
+        return laws
+    return min((fit for fit in found if fit.hypothesis), key=lambda fit: fit.chi2, default=chosen)
 
 
 def _reduced_at_end(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:

@@ -9,6 +9,7 @@ import pytest
 
 from flexros.gap.answer.withdrawal import confirmed
 from flexros.gap.candidates.tolerance import Tolerance
+from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.residuals.fit_data import FitData
 from flexros.gap.residuals.prepare_fit_data import fit_data
@@ -21,7 +22,7 @@ from tests.gap.diagnosis_logs import MODEL, record_of, settings_of
 
 pytestmark = pytest.mark.slow
 
-FRICTION, SOFT = "coulomb_friction@motor_1", "stiffness_error@body_2.rz"
+FRICTION, SOFT, BIAS = "coulomb_friction@motor_1", "stiffness_error@body_2.rz", "torque_bias@motor_1"
 BOTH = (f"{FRICTION}:level=0.05", f"{SOFT}:relative=-0.1")
 
 
@@ -36,7 +37,7 @@ def measured(*effects: str, seed: int = 1, imported: bool = True) -> FitData:
 def found(*, imported: bool = True) -> tuple[Search, Explanations]:
     """Friction and a soft spring, fitted to a log that has both."""
     null = fit_null(measured(*BOTH, imported=imported), MODEL, Tolerance())
-    search = prepare_search(null, settings_of("coulomb_friction", "stiffness_error"))
+    search = prepare_search(null, settings_of("coulomb_friction", "stiffness_error", "torque_bias"))
     additions = search.additions(search.directions(search.candidates()), null.fit, search.surroundings(null.fit))
     chosen = search.together(null.fit, [one for one in additions if one.candidate.name in (FRICTION, SOFT)])
     return search, explanations_of(search, compared(search, [chosen]), chosen, detected=True)
@@ -47,6 +48,23 @@ def test_an_effect_that_spoils_the_held_out_log_is_withdrawn() -> None:
     assert withdrawn == (SOFT,)
     assert explanations.chosen.names == {FRICTION}
     assert explanations.chosen in explanations.rivals
+
+
+def test_what_a_withdrawn_effect_hid_takes_the_place_of_the_rest() -> None:
+    """Beside a wrong spring, a constant torque stood for friction."""
+    search, _ = found()
+    among = {one.candidate.name: one for one in search.directions(search.candidates())}
+    null = search.null.fit
+
+    def fitted(*names: str) -> CandidateFit:
+        own = [among[name] for name in names]
+        return search.together(null, search.additions(own, null, search.surroundings(null)))
+
+    right, wrong = fitted(FRICTION), fitted(BIAS, SOFT)
+    explanations = explanations_of(search, compared(search, [right, wrong]), wrong, detected=True)
+    confirmed_ones, withdrawn = confirmed(search, explanations, measured(BOTH[0], seed=2))
+    assert withdrawn == (SOFT,)
+    assert confirmed_ones.chosen.names == {FRICTION}
 
 
 def test_effects_that_hold_in_the_held_out_log_stay() -> None:
