@@ -61,7 +61,7 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> tupl
         if better is not None:
             withdrawn += chosen.names - better.names
         elif withdrawn:
-            better = _rival(search, chosen, fits, withdrawn, before, held)
+            better = _rival(search, chosen, fits, withdrawn, held)
         if better is None:
             break
         fits.append(better)
@@ -77,7 +77,6 @@ def _rival(
     chosen: CandidateFit,
     fits: Sequence[CandidateFit],
     withdrawn: Collection[str],
-    before: AheadErrors,
     held: FitData,
 ) -> CandidateFit | None:
     """Return an explanation that leaves less of both logs than what is left of the chosen one; None without one.
@@ -89,18 +88,16 @@ def _rival(
         chosen: What is left of the explanation.
         fits: All fits.
         withdrawn: Effects that do not hold in the held-out log.
-        before: Errors of the nominal model in the held-out log.
         held: The held-out log.
     """
-    comparison, sample_time = compared(search, best_of_each(fits)), held.record.sample_time
+    comparison = compared(search, best_of_each(fits))
     others = [fit for fit in comparison.fits if fit.names.isdisjoint(withdrawn) and not at_limits(fit)]
     better = [fit for fit in others if comparison.score(fit) > comparison.score(chosen) + comparison.threshold]
     if not better:
         return None
-    after, squares = errors_ahead(chosen, held), on_held_out(chosen, held).chi2
+    ahead, squares = errors_ahead(chosen, held).mean, on_held_out(chosen, held).chi2
     for fit in comparison.ranked(better)[:RIVALS]:
-        share = share_between(before, after, errors_ahead(fit, held), sample_time)
-        if share is not None and share.interval[0] > 0 and on_held_out(fit, held).chi2 <= squares:
+        if errors_ahead(fit, held).mean < ahead and on_held_out(fit, held).chi2 <= squares:
             return search.completed(fit)
     return None
 
