@@ -246,7 +246,8 @@ class FitData:
             white = innovation[:, motor]
             if self.measurement.whitening.shape[1] > 1:
                 white = lfilter(self.measurement.whitening[motor], [1.0], white, axis=0)
-            np.multiply(white, self._weight[:, motor, None], out=result[motor])
+            with np.errstate(over="ignore"):  # a prediction that diverged
+                np.multiply(white, self._weight[:, motor, None], out=result[motor])
         return result.reshape(M * n, sets)
 
     @cached_property
