@@ -66,12 +66,7 @@ class LoadDependentFriction(AbstractDryFriction):
 
         Behind a rigid gear without gravity the load is an inertia times the acceleration, which a log shows too weakly.
         """
-        return robot.motors[robot.joint_names.index(location)].flexible or self.sought_if_measured(robot, location)
-
-    def sought_if_measured(self, robot: Robot, location: str) -> bool:
-        """Return whether there is gravity: without, the load is an uncertain inertia times an acceleration."""
-        del location
-        return bool(np.any(robot.spec.gravity.value))
+        return robot.motors[robot.joint_names.index(location)].flexible or bool(np.any(robot.spec.gravity.value))
 
     def levels(self, motor: MotorState, values: Mapping[str, Value]) -> FrictionLevels:
         """Return the share of the load, the same in both directions."""

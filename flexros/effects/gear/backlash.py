@@ -45,6 +45,7 @@ class Backlash(AbstractGearLaw):
     rank: ClassVar[int] = 2
     stepwise_states: ClassVar[int] = 1
     holds_deflection: ClassVar[bool] = True
+    jumps: ClassVar[bool] = True
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {"gap": Range("deflection", 1e-5, 10.0, 7, source="facts on vendors' play, 0.1 to 3 arcmin; bounds chosen")}
     )

@@ -86,6 +86,8 @@ class AbstractEffect(Settings, ABC):
     """Parameters that a text names only where they are not at their defaults."""
     seeks_less: ClassVar[bool] = False
     """Whether a diagnosis seeks its `reductions` in every log, not in those of real machines alone."""
+    jumps: ClassVar[bool] = False
+    """Whether predictions with it jump where parameters change a little, as where a contact begins a step earlier."""
     delays_commands: ClassVar[bool] = False
     """Whether it delays commands by its parameter `time` [s]. A predictor then shifts the recorded samples."""
 

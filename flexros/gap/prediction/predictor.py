@@ -96,6 +96,11 @@ class Predictor:
         return len(self._parameters) + self.tolerance.n_free
 
     @property
+    def jumps(self) -> bool:
+        """Whether predictions may jump where parameters change a little, see `AbstractEffect.jumps`."""
+        return any(one.effect.jumps for one in self.hypothesis) or any(law.effect.jumps for law in self.model.laws)
+
+    @property
     def bounds(self) -> tuple[FloatArray, FloatArray]:
         """Bounds of the fitted parameters, encoded, shape (n_fitted,) each."""
         pairs = [one.bounds for _, one in self._parameters] + [(-FARTHEST, FARTHEST)] * self.tolerance.n_free

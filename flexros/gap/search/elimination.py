@@ -202,7 +202,7 @@ def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
     sizes = parameters_of(fit, search.data) if search.torques_decide else [{} for _ in fit.hypothesis]
     shown = search.shown_by_torques(fit)
     needless: list[tuple[float, Candidate]] = []
-    clearness: dict[str, float] = {}
+    clear_by: dict[str, float] = {}
     for candidate, least, parameters in zip(fit.hypothesis, without, sizes, strict=True):
         cheaper = least * n ** (-len(candidate.free) / n)  # of the same score as with the parameters of the effect
         before, after = replace(fit, chi2=cheaper), replace(fit, chi2=every)
@@ -211,7 +211,7 @@ def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
             most = {one.name: one.high for one in candidate.free}
             nothing = _tolerated_torque(search, candidate)
             if search.data.record.command is not None:
-                clearness[candidate.name] = _clearness(parameters.values())
+                clear_by[candidate.name] = clearness(parameters.values())
             worth_it = any(
                 abs(size.value) > max(clear * hypot(size.std, tolerated), nothing, NOTHING * most[name])
                 for name, size in parameters.items()
@@ -224,7 +224,7 @@ def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
     if _all_at_once(search):
         return [candidate.name for _, candidate in sorted(needless, key=lambda pair: pair[0])]
     ordered = [one for _, one in sorted(needless, key=lambda pair: -pair[0])]  # the least one is last
-    first = {one.location: one.name for one in sorted(ordered, key=lambda one: -clearness.get(one.name, 0.0))}
+    first = {one.location: one.name for one in sorted(ordered, key=lambda one: -clear_by.get(one.name, 0.0))}
     further = {one.location: one.name for one in ordered if one.name not in shown}
     return list((first | further).values())
 
@@ -315,13 +315,13 @@ def without_unclear(search: Search, fit: CandidateFit, fits: list[CandidateFit])
         return fit
     while len(fit.hypothesis) > 1 and not search.deadline.stops_finishing():
         found = zip(fit.hypothesis, parameters_of(fit, search.data, search.settings.ranking), strict=True)
-        clearness = {
-            one.name: _clearness(sizes[free.name] for free in sizes_of(one))
+        clear_by = {
+            one.name: clearness(sizes[free.name] for free in sizes_of(one))
             for one, sizes in found
             if one.name not in needed
         }
-        least = min(clearness, key=clearness.__getitem__, default="")
-        if not least or clearness[least] >= search.settings.search.clear:
+        least = min(clear_by, key=clear_by.__getitem__, default="")
+        if not least or clear_by[least] >= search.settings.search.clear:
             break
         fits.append(search.completed(search.without(fit, least)))
         if more_than_chance(comparison, fits[-1]):
@@ -331,8 +331,12 @@ def without_unclear(search: Search, fit: CandidateFit, fits: list[CandidateFit])
     return fit
 
 
-def _clearness(sizes: Iterable[CauseParameter]) -> float:
-    """Return the largest determined size of an effect over its standard deviation [1]; 0 without one."""
+def clearness(sizes: Iterable[CauseParameter]) -> float:
+    """Return the largest determined size of an effect over its standard deviation [1]; 0 without one.
+
+    Args:
+        sizes: Its sizes.
+    """
     return max((abs(size.value) / max(size.std, 1e-300) for size in sizes if size.determined), default=0.0)
 
 

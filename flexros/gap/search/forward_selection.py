@@ -17,7 +17,7 @@ from flexros.gap.search.exchange import exchanged, one_delay
 from flexros.gap.search.fits.refits import at_limits
 from flexros.gap.search.growth import extended, in_vain, resumed, tidied, with_more
 from flexros.gap.search.periodic.lines import beside_line
-from flexros.gap.search.regrouping import with_gains
+from flexros.gap.search.regrouping import with_gains, without_tangled
 from flexros.gap.search.richer_laws import with_richer_laws, with_simpler_effects
 from flexros.gap.search.within_floor import grown_within_floor
 from flexros.gap.search.within_tolerance import with_far_numbers, without_slight_friction, without_tolerated
@@ -136,6 +136,7 @@ def explain(search: Search) -> Explanations:
         without_tolerated,
         with_far_numbers,
         without_slight_friction,
+        without_tangled,
         without_unclear,
         with_other_scales,
     ):

@@ -11,10 +11,11 @@ import numpy as np
 from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.motor_inertia_error import MotorInertiaError
 from flexros.effects.torque_gain_error import TorqueGainError
+from flexros.gap.fit.estimates import parameters_of, sizes_of
 from flexros.gap.fit.screening import Directions, changes_of
-from flexros.gap.search.elimination import one_by_one
+from flexros.gap.search.elimination import clearness, one_by_one
 from flexros.gap.search.fits.additions import Addition
-from flexros.gap.search.worth import compared
+from flexros.gap.search.worth import compared, worth
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.fit.screening import Surroundings
+    from flexros.gap.schema import CauseParameter
     from flexros.gap.search.fits.candidate_fits import Search
 
 FEWEST = 2
@@ -195,3 +197,42 @@ def _sized(search: Search, direction: Directions, start: int, size: float) -> Ad
     n_names = len(search.null.fit.predictor.tolerance.names)
     own, change = direction.starts[:, start], direction.changes[:, start]
     return Addition(direction.candidate, 0.0, own, np.zeros(n_names, dtype=bool), change).sized(float(size))
+
+
+def without_tangled(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
+    """Keep one of several effects of a measured log none of which is clear beside the others, where it is enough.
+
+    A load, a payload error and an offset of an encoder that stand for the payload error alone are each needed beside
+    the other two, whose sizes balance them.
+
+    Args:
+        search: The search.
+        fit: The explanation.
+        fits: All fits so far; new ones are appended.
+    """
+    if search.premises.library_is_complete:
+        return fit
+    removed = search.settings.search.removed_of_all
+    while not search.deadline.stops():
+        sizes = parameters_of(fit, search.data, search.settings.ranking)
+        unclear = [one.name for one, own in zip(fit.hypothesis, sizes, strict=True) if _is_unclear(search, one, own)]
+        if len(unclear) < FEWEST:
+            break
+        groups = [[name for name in unclear if name != kept] for kept in unclear]
+        without = search.parallel("effects regrouped", partial(_without, search, fit), groups)
+        whole = [search.completed(one) for one in without if one.hypothesis]
+        fits += whole
+        enough = [one for one in whole if not worth(search, compared(search, [one, fit]), one, fit, removed)]
+        if not enough:
+            break
+        fit = min(enough, key=lambda one: one.chi2)
+    return fit
+
+
+def _without(search: Search, fit: CandidateFit, names: Sequence[str]) -> CandidateFit:
+    return search.without(fit, *names)
+
+
+def _is_unclear(search: Search, one: Candidate, sizes: Mapping[str, CauseParameter]) -> bool:
+    """Return whether no size of an effect is clearly not zero."""
+    return clearness(sizes[free.name] for free in sizes_of(one)) < search.settings.search.clear

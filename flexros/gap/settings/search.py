@@ -118,7 +118,7 @@ class SearchSettings(Settings):
         "further ones take long",
     )
     removed_by_further: float = Field(
-        default=0.5,
+        default=0.35,
         gt=0,
         lt=1,
         description="share of the remaining gap that each of these rounds must remove but the first one [1] (chosen): "

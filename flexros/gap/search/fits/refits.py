@@ -112,7 +112,8 @@ class Refits(LogFits):
         """
         laws = zip(fit.hypothesis, fit.predictor.values(fit.theta), strict=True)
         values = next(values for law, values in laws if law is one)
-        known = {name: values[simple] for name, simple in rich.effect.extends[one.effect.name].items()}
+        placed = one.placed(values).effect  # with its usual value where a parameter is not free
+        known = {name: getattr(placed, simple) for name, simple in rich.effect.extends[one.effect.name].items()}
         if any(known.get(free.name, 0.0) < 0 for free in rich.free if not free.signed):
             return None
         return self.in_place(fit, one, rich, plant, fit.chi2 - least, known)
