@@ -21,7 +21,7 @@ from flexros.gap.search.regrouping import with_gains, without_tangled
 from flexros.gap.search.richer_laws import with_richer_laws, with_simpler_effects
 from flexros.gap.search.within_floor import grown_within_floor
 from flexros.gap.search.within_tolerance import with_far_numbers, without_slight_friction, without_tolerated
-from flexros.gap.search.worth import compared, simplest, worth
+from flexros.gap.search.worth import compared, simplest, strains, worth
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -284,6 +284,8 @@ def explanations_of(
             return True
         if at_limits(fit) and not at_limits(chosen):
             return False  # the chosen one was taken in its place, as what ended at a limit is no finding
+        if not search.premises.floor_is_noise and strains(search, comparison, chosen, fit):
+            return False  # an error that the chosen one names is not within tolerance
         fewer = len(fit.hypothesis) < len(chosen.hypothesis)
         doubtless = (most > PAIR and fewer) or not search.premises.floor_is_noise
         if doubtless and worth(search, comparison, fit, chosen, removed):
