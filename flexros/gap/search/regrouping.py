@@ -15,7 +15,7 @@ from flexros.gap.fit.estimates import parameters_of, sizes_of
 from flexros.gap.fit.screening import Directions, changes_of
 from flexros.gap.search.elimination import clearness, one_by_one
 from flexros.gap.search.fits.additions import Addition
-from flexros.gap.search.worth import compared, worth
+from flexros.gap.search.worth import compared
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -200,7 +200,7 @@ def _sized(search: Search, direction: Directions, start: int, size: float) -> Ad
 
 
 def without_tangled(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
-    """Keep one of several effects of a measured log none of which is clear beside the others, where it is enough.
+    """Keep one of several effects of a measured log none of which is clear beside the others, where that scores better.
 
     A load, a payload error and an offset of an encoder that stand for the payload error alone are each needed beside
     the other two, whose sizes balance them.
@@ -212,7 +212,6 @@ def without_tangled(search: Search, fit: CandidateFit, fits: list[CandidateFit])
     """
     if search.premises.library_is_complete:
         return fit
-    removed = search.settings.search.removed_of_all
     while not search.deadline.stops():
         sizes = parameters_of(fit, search.data, search.settings.ranking)
         unclear = [one.name for one, own in zip(fit.hypothesis, sizes, strict=True) if _is_unclear(search, one, own)]
@@ -222,10 +221,11 @@ def without_tangled(search: Search, fit: CandidateFit, fits: list[CandidateFit])
         without = search.parallel("effects regrouped", partial(_without, search, fit), groups)
         whole = [search.completed(one) for one in without if one.hypothesis]
         fits += whole
-        enough = [one for one in whole if not worth(search, compared(search, [one, fit]), one, fit, removed)]
-        if not enough:
+        comparison = compared(search, [fit, *whole])
+        best = max([fit, *whole], key=comparison.score)
+        if best is fit:
             break
-        fit = min(enough, key=lambda one: one.chi2)
+        fit = best
     return fit
 
 

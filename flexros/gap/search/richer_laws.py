@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.effects.gear.nonlinear_stiffness import NonlinearStiffness
+from flexros.effects.gear.stiffness_error import StiffnessError
 from flexros.effects.kinds.curve import AbstractCurve
 from flexros.gap.candidates.candidate import simpler
 from flexros.gap.search.exchange import RICH
@@ -86,6 +88,7 @@ def with_simpler_effects(search: Search, fit: CandidateFit, fits: list[Candidate
         fits: All fits so far; new ones are appended.
     """
     settings = search.settings.search
+    fit = _without_knees(search, fit, fits)
     rich = [one for one in fit.hypothesis if len(one.free) >= RICH and one.name not in search.of_torques]
     if search.premises.library_is_complete or not rich:
         return fit
@@ -105,6 +108,33 @@ def with_simpler_effects(search: Search, fit: CandidateFit, fits: list[Candidate
         if best.chi2 <= fit.chi2:
             fits += [rest, *found, best]
             fit = best
+    return fit
+
+
+def _without_knees(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
+    """Take a wrong stiffness in place of a spring with a knee that is hardly better, in a measured log.
+
+    Beside backlash a knee at a small deflection stands for a part of the gap, which is too small then: so the search
+    may find it first, and without it nothing near is left.
+
+    Args:
+        search: The search.
+        fit: The explanation.
+        fits: All fits so far; new ones are appended.
+    """
+    stiffness = {one.location: one for one in search.candidates() if one.effect is StiffnessError}
+    for knee in [one for one in fit.hypothesis if one.effect is NonlinearStiffness and one.location in stiffness]:
+        plain = stiffness[knee.location]
+        if search.premises.library_is_complete or search.deadline.stops() or plain in fit.hypothesis:
+            continue
+        plant = search.plants(fit, [plain])[plain]
+        begun = search.in_place(fit, knee, plain, plant, np.inf, refined=True)
+        if begun is None:
+            continue
+        fits.append(search.completed(begun))
+        comparison = compared(search, [fits[-1], fit])
+        if not worth(search, comparison, fits[-1], fit, search.settings.search.removed_of_all):
+            fit = fits[-1]
     return fit
 
 

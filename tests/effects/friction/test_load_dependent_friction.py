@@ -114,18 +114,14 @@ def test_substeps_converge_behind_a_rigid_gear_through_reversals_and_standstill(
     assert np.log2(errors[0] / errors[2]) / 4 > 0.9
 
 
-def test_it_is_sought_where_the_load_varies_by_itself() -> None:
+@pytest.mark.parametrize("measured", [True, False])
+def test_it_is_sought_where_the_load_varies_by_itself(measured: bool) -> None:
+    """Behind a rigid gear without gravity the load is an inertia times the acceleration."""
     effect = LoadDependentFriction()
-    assert effect.sought(TWO_MASS, "motor_1")
-    assert effect.sought(pendulum(), "motor_1")
-    assert not effect.sought(load_robot("emps"), "motor_1")
-
-
-def test_on_a_real_machine_it_is_sought_under_gravity_alone() -> None:
-    """Without it the load of a gear is an inertia, which is uncertain, times an acceleration."""
-    effect = LoadDependentFriction()
-    assert effect.sought_if_measured(pendulum(), "motor_1")
-    assert not effect.sought_if_measured(TWO_MASS, "motor_1")
+    sought = effect.sought_if_measured if measured else effect.sought
+    assert sought(TWO_MASS, "motor_1")
+    assert sought(pendulum(), "motor_1")
+    assert not sought(load_robot("emps"), "motor_1")
 
 
 def test_self_locking_gear_is_refused() -> None:

@@ -12,7 +12,7 @@ from flexros.arrays import FloatArray
 from flexros.gap.candidates.candidate import FreeParameter
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.candidate_fit import CandidateFit, best_of, best_of_each
-from flexros.gap.fit.least_squares import FIT, chi2_of, fit, initial_values, linearise
+from flexros.gap.fit.least_squares import FIT, JUMP, chi2_of, fit, initial_values, linearise, without_jumps
 from flexros.gap.prediction.compiled_plant import LANES
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.residuals.fit_data import FitData
@@ -235,6 +235,30 @@ def test_slopes_are_derivatives_of_the_weighted_errors() -> None:
         assert np.linalg.norm(line.slopes[:, k] - difference) < 0.01 * np.linalg.norm(difference)
     np.testing.assert_allclose(line.gradient, line.slopes.T @ line.residual)
     np.testing.assert_allclose(line.information, line.slopes.T @ line.slopes)
+
+
+def test_a_few_values_that_jump_are_no_derivatives() -> None:
+    random = np.random.default_rng(0)
+    smooth = random.normal(size=(4000, 2))
+    jumps = smooth.copy()
+    jumps[[5, 700, 3100], 1] = [300.0, -500.0, 80.0]
+    found = without_jumps(jumps)
+    assert np.array_equal(found[:, 0], smooth[:, 0])
+    assert np.flatnonzero(found[:, 1] != smooth[:, 1]).tolist() == [5, 700, 3100]
+    assert not found[[5, 700, 3100], 1].any()
+    assert np.abs(found).max() < JUMP
+
+
+def test_what_shows_in_a_part_of_the_log_is_no_jump() -> None:
+    slopes = np.zeros((4000, 1))
+    slopes[1000:1200, 0] = np.linspace(1.0, 2.0, 200)
+    assert np.array_equal(without_jumps(slopes), slopes)
+
+
+def test_predictions_jump_with_contacts_alone() -> None:
+    every = candidates_of()
+    assert predictor_of(every["backlash@motor_1"]).jumps
+    assert not predictor_of(every["coulomb_friction@motor_1"]).jumps
 
 
 def test_starts_are_all_combinations() -> None:

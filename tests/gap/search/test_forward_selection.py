@@ -19,6 +19,7 @@ from flexros.gap.search.forward_selection import Explanations, explain
 from flexros.gap.search.growth import with_more
 from flexros.gap.search.model_probability import RANKING
 from flexros.gap.search.worth import compared
+from flexros.record.premises import MEASURED
 from tests.gap.diagnosis_logs import search_of
 
 if TYPE_CHECKING:
@@ -168,6 +169,18 @@ def test_what_ended_at_a_limit_is_no_rival_of_what_did_not(monkeypatch: pytest.M
     monkeypatch.setattr(forward_selection, "at_limits", lambda fit: [1] if fit is better else [])
     again = forward_selection.explanations_of(search, comparison, found.chosen, detected=True)
     assert not any(one is better for one in again.rivals)
+
+
+def test_an_explanation_within_a_number_that_the_chosen_one_names_is_no_rival(monkeypatch: pytest.MonkeyPatch) -> None:
+    search, found = explained(FRICTION)
+    monkeypatch.setattr(type(search), "premises", property(lambda self: MEASURED))
+    monkeypatch.setattr(forward_selection, "worth", lambda *_: False)
+    monkeypatch.setattr(forward_selection, "strains", lambda *_: False)
+    before = forward_selection.explanations_of(search, found.comparison, found.chosen, detected=True)
+    assert len(before.rivals) > 2
+    monkeypatch.setattr(forward_selection, "strains", lambda *_: True)
+    after = forward_selection.explanations_of(search, found.comparison, found.chosen, detected=True)
+    assert {one.names for one in after.rivals} == {frozenset(), found.chosen.names}
 
 
 @pytest.mark.parametrize(("others", "expected"), [(1, True), (2, False)])

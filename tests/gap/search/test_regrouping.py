@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 
 from flexros.gap.fit.least_squares import fit
-from flexros.gap.search.regrouping import in_proportion, regrouped
+from flexros.gap.search import regrouping
+from flexros.gap.search.regrouping import in_proportion, regrouped, without_tangled
+from flexros.gap.settings import DiagnosisSettings
 from tests.gap.diagnosis_logs import candidates_of, predictor_of, search_of
 
 if TYPE_CHECKING:
@@ -55,3 +58,39 @@ def test_numbers_that_nothing_smaller_replaces_stay() -> None:
 ])  # fmt: skip
 def test_numbers_of_the_model_act_in_proportion_to_their_size_and_laws_do_not(name: str, expected: bool) -> None:
     assert in_proportion(candidates_of()[name]) == expected
+
+
+@pytest.mark.parametrize("enough", [True, False])
+def test_of_effects_that_balance_each_other_one_stays_where_it_is_enough(
+    enough: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A payload error is not clear beside a load and an offset, and is alone."""
+    clear = {"payload_error": 0.5, "tool_load": 1.6, "encoder_offset": 1.7, "viscous_friction": 90.0}
+
+    def fitted(*names: str) -> Any:
+        hypothesis = tuple(SimpleNamespace(name=name) for name in names)
+        right = enough and set(names) == {"payload_error", "viscous_friction"}
+        return SimpleNamespace(hypothesis=hypothesis, names=frozenset(names), chi2=1000.0 if right else 2000.0)
+
+    whole = SimpleNamespace(**{**vars(fitted(*clear)), "chi2": 999.0})
+
+    def sizes_of_fit(fit: Any, *_: Any) -> list[float]:
+        return [clear[one.name] if len(fit.names) == len(clear) else 90.0 for one in fit.hypothesis]
+
+    monkeypatch.setattr(regrouping, "parameters_of", sizes_of_fit)
+    monkeypatch.setattr(regrouping, "_is_unclear", lambda search, one, size: size < 3.0)
+    score = SimpleNamespace(score=lambda fit: -fit.chi2 - 10 * len(fit.names))
+    monkeypatch.setattr(regrouping, "compared", lambda *_: score)
+    search: Any = SimpleNamespace(
+        settings=DiagnosisSettings(),
+        data=None,
+        premises=SimpleNamespace(library_is_complete=False),
+        deadline=SimpleNamespace(stops=lambda: False),
+        parallel=lambda stage, work, items: [work(one) for one in items],
+        completed=lambda fit: fit,
+        without=lambda fit, *names: fitted(*(name for name in clear if name in fit.names - {*names})),
+    )
+    found, fits = without_tangled(search, whole, []), list[Any]()
+    assert found.names == ({"payload_error", "viscous_friction"} if enough else {*clear})
+    search.premises = SimpleNamespace(library_is_complete=True)
+    assert without_tangled(search, whole, fits) is whole

@@ -246,6 +246,21 @@ def test_a_relative_error_that_replaces_one_that_torques_show_is_shown_as_well(
     assert replace(search, base=fit("motor_inertia_error@motor_1")).shown_by_torques(fit(*named)) == shown
 
 
+def test_a_richer_form_begins_with_the_usual_value_of_what_is_not_free() -> None:
+    """A shape that ended at a limit is no free parameter of the simpler law any more."""
+    search = search_of("stribeck_friction@motor_1:extra=0.02,velocity=0.5")
+    candidates = {one.name: one for one in search.candidates()}
+    law, rich = (candidates[f"{name}@motor_1"] for name in ("stribeck_friction", "presliding_friction"))
+    simple = law.with_usual("exponent")
+    assert simple is not None
+    predictor = search.null.predictor((simple,))
+    theta = np.zeros(predictor.n_effect + len(search.null.fit.deviations))
+    fit = CandidateFit(predictor, theta, search.null.fit.chi2)
+    plants = search.plants(fit, [rich])
+    begun = search.enriched(fit, simple, rich, plants[rich], -np.inf)
+    assert begun is None or begun.names == {rich.name}
+
+
 def test_friction_that_takes_away_that_of_the_model_has_no_richer_form() -> None:
     search = search_of()
     candidates = {one.name: one for one in search.candidates()}
