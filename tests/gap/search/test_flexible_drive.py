@@ -149,6 +149,23 @@ def test_a_stiff_spring_takes_the_place_of_hysteresis_that_bends_by_more_than_th
     assert right.names == {"stiffness_error@body_1.rz", "viscous_friction@motor_1"}
 
 
+def test_a_wrong_stiffness_takes_the_place_of_a_spring_with_a_knee_beside_backlash() -> None:
+    truth = ("stiffness_error@body_1.rz:relative=0.25", "backlash@motor_1:gap=1e-3", FRICTION[1])
+    found = ("backlash@motor_1", "viscous_friction@motor_1", "nonlinear_stiffness@body_1.rz")
+    search, wrong = search_and_fit(truth, found)
+    right = with_simpler_effects(search, wrong, [])
+    assert right.names == {"stiffness_error@body_1.rz", *found[:2]}
+    sizes = dict(zip([one.effect.name for one in right.hypothesis], right.predictor.values(right.theta), strict=True))
+    assert sizes["stiffness_error"]["relative"] == pytest.approx(0.25, abs=0.06)  # two tolerances of the stiffness
+    assert sizes["backlash"]["gap"] == pytest.approx(1e-3, rel=0.02)
+
+
+def test_a_spring_with_a_knee_that_is_worth_it_stays() -> None:
+    truth = ("nonlinear_stiffness@body_1.rz:relative=0.6,knee=2e-3", FRICTION[1])
+    search, right = search_and_fit(truth, ("nonlinear_stiffness@body_1.rz", "viscous_friction@motor_1"))
+    assert with_simpler_effects(search, right, []) is right
+
+
 def test_backlash_takes_the_place_of_a_curve_that_stands_for_it() -> None:
     curves = (*RIVALS, "spring_curve")
     truth = ("backlash@motor_1:gap=1e-3", FRICTION[1])
