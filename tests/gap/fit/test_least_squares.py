@@ -12,7 +12,16 @@ from flexros.arrays import FloatArray
 from flexros.gap.candidates.candidate import FreeParameter
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.candidate_fit import CandidateFit, best_of, best_of_each
-from flexros.gap.fit.least_squares import FIT, JUMP, chi2_of, fit, initial_values, linearise, without_jumps
+from flexros.gap.fit.least_squares import (
+    FIT,
+    JUMP,
+    chi2_of,
+    fit,
+    initial_values,
+    linearise,
+    with_smooth_slopes,
+    without_jumps,
+)
 from flexros.gap.prediction.compiled_plant import LANES
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.residuals.fit_data import FitData
@@ -247,6 +256,18 @@ def test_a_few_values_that_jump_are_no_derivatives() -> None:
     assert np.flatnonzero(found[:, 1] != smooth[:, 1]).tolist() == [5, 700, 3100]
     assert not found[[5, 700, 3100], 1].any()
     assert np.abs(found).max() < JUMP
+
+
+def test_derivatives_that_are_medians_of_several_steps_are_those_of_smooth_predictions() -> None:
+    every = candidates_of()
+    predictor = predictor_of(every["coulomb_friction@motor_1"])
+    data, theta = data_of(), np.zeros(predictor.n_fitted)
+    theta[0] = encoded(every["coulomb_friction@motor_1"], level=0.05)[0]
+    usual = linearise(predictor, data, theta)
+    medians = with_smooth_slopes(usual, predictor, data, theta)
+    scale = np.abs(usual.slopes).max(axis=0)
+    assert np.abs(medians.slopes - usual.slopes).max() < 0.02 * scale.max()
+    assert medians.information == pytest.approx(usual.information, rel=0.05, abs=1e-3 * usual.information.max())
 
 
 def test_what_shows_in_a_part_of_the_log_is_no_jump() -> None:
