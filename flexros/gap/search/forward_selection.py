@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 
 PAIR = 2
 """Effects up to which every explanation with fewer of them is a rival [1]."""
+LOST = 0.5
+"""Share of the fall of the sum of squares below which an explanation that ended at limits is lost [1] (chosen)."""
 EARLIER = 4
 """Earlier explanations that are tried in place of one that ended at a limit [1] (chosen)."""
 
@@ -239,9 +241,12 @@ def _best_within_limits(search: Search, chosen: CandidateFit, fits: list[Candida
             break
         small = _reduced_at_end(search, search.within_limits(search.pruned(best)), fits)
         found.append(search.within_limits(small))  # what was left out may have kept another one from its limit
-    laws = next((fit for fit in earlier if not curves_of(fit.hypothesis)), chosen)
-    if worth_more(laws):  # all of it may be needed to stay within the limits
-        return laws
+    laws, least = (
+        next((fit for fit in earlier if not curves_of(fit.hypothesis)), chosen),
+        min(one.chi2 for one in found),
+    )
+    if search.null.fit.chi2 - least < LOST * (search.null.fit.chi2 - laws.chi2) and worth_more(laws):
+        return laws  # all of it is needed to stay within the limits
     return min((fit for fit in found if fit.hypothesis), key=lambda fit: fit.chi2, default=chosen)
 
 
