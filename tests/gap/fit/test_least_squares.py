@@ -122,6 +122,7 @@ class TwoAlike:
     """Predictor and log of errors that two parameters change alike, the second by far less and then otherwise."""
 
     n_effect, bounds, tolerance = 2, (np.full(2, -1.0), np.full(2, 1.0)), Tolerance()
+    jumps = False
     fineness = np.ones(2)
 
     misfit = 1.0
@@ -144,6 +145,7 @@ class CurvedValley:
     """Errors that are small along a curve only: predictor and log."""
 
     n_effect, bounds, tolerance = 2, (np.full(2, -10.0), np.full(2, 10.0)), Tolerance()
+    jumps = False
     fineness = np.ones(2)
 
     misfit, n_values = 1.0, 0
@@ -179,6 +181,7 @@ class Tolerated:
     """Errors of an effect and of one tolerated deviation, which is half a standard deviation: predictor and log."""
 
     n_effect, bounds, tolerance = 1, (np.full(2, -5.0), np.full(2, 5.0)), Tolerance(("stiffness",), (0.03,))
+    jumps = False
     fineness = np.ones(2)
 
     misfit, settings = 1.0, DiagnosisSettings(threads=1)
@@ -201,6 +204,7 @@ class Lines:
     """Predictor and log of errors that are linear in fifteen parameters; counts the predictions."""
 
     n_effect, bounds, tolerance = 15, (np.full(15, -1.0), np.full(15, 1.0)), Tolerance()
+    jumps = False
     fineness = np.ones(15)
 
     misfit, settings = 1.0, DiagnosisSettings(threads=1)

@@ -77,7 +77,8 @@ def test_a_search_that_comes_back_to_a_set_of_effects_ends(steps: list[str], mon
 @pytest.mark.parametrize(("left", "limited", "expected"), [
     ((60.0, 20.0, 11.0), False, ["first", "1", "2", "3"]),  # of 90 above the floor, then 50, 10
     ((60.0, 20.0, 11.0), True, ["first", "1"]),  # its search is widened instead
-    ((60.0, 40.0, 11.0), False, ["first", "1"]),  # 20 of 50: imitations do that
+    ((60.0, 45.0, 11.0), False, ["first", "1"]),  # 15 of 50: imitations do that
+    ((60.0, 39.0, 11.0), False, ["first", "1", "2", "3"]),  # 21 of 50: a gain and a ripple did, before backlash
     ((99.0, 20.0, 19.0), False, ["first", "1", "2"]),  # the first step may be small
 ])  # fmt: skip
 def test_on_a_real_machine_the_search_goes_on_while_steps_remove_most_of_what_is_left(
