@@ -120,14 +120,14 @@ def polled_source(stamp: IntArray, position: FloatArray) -> PolledSource | None:
     whole = np.rint(shown)
     if np.mean(np.abs(shown - whole) < NEAR) < WHOLE:
         return None
-    follows = np.minimum(np.cumsum(new)[1:] - 1 - new[1:], len(between) - 1)  # each interval is in one of new values
+    follows = np.minimum(np.cumsum(new)[1:] - 1 - new[1:], len(between) - 1)  # around each interval
     off, off_by_stamps = (np.abs(shown - one) >= NEAR for one in (whole, between[fast] / period))
     clear = (speed > CLEAR * float(np.quantile(speed, 0.99))) & whole_speed
-    if np.mean(off_by_stamps) < np.mean(off) + LEAST_SHARE:  # the stamps say the same
+    same_by_stamps = np.mean(off_by_stamps) < np.mean(off) + LEAST_SHARE
+    if same_by_stamps:
         elapsed, clear = between, between < LONGEST * period
-        whole = np.ones_like(whole)
     held = np.mean(~new[1:][fast[follows]])
-    if held < LEAST_SHARE and np.mean(whole != 1) < LEAST_SHARE:
+    if held < LEAST_SHARE and (same_by_stamps or np.mean(whole != 1) < LEAST_SHARE):
         return None
     periods = np.rint(elapsed / period)
     exact = float(between[clear].sum() / max(periods[clear].sum(), 1.0))  # speeds are means over a curved motion

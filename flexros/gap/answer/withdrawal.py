@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from flexros.gap.held_out.errors_ahead import AheadErrors
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.search.fits.candidate_fits import Search
-from flexros.gap.search.forward_selection import Explanations
+    from flexros.gap.search.forward_selection import Explanations
 
 RIVALS = 3
 """Other explanations that are tried once an effect was withdrawn, the likeliest ones [1] (chosen)."""
@@ -54,10 +54,12 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> tupl
     withdrawn: list[str] = []
     before: AheadErrors | None = None
     while not (search.premises.library_is_complete or search.deadline.stops()):
-        if before is None:
-            stop = search.deadline.of_fit(finishing=True)
-            before = errors_ahead(predicting_best(explanations.null, search.data, stop), held)
-        better = _better_without(search, chosen, before, held) if len(chosen.hypothesis) > 1 else None
+        better = None
+        if len(chosen.hypothesis) > 1:
+            if before is None:
+                stop = search.deadline.of_fit(finishing=True)
+                before = errors_ahead(predicting_best(explanations.null, search.data, stop), held)
+            better = _better_without(search, chosen, before, held)
         if better is not None:
             withdrawn += chosen.names - better.names
         elif withdrawn:

@@ -241,7 +241,7 @@ def without_jumps(slopes: FloatArray) -> FloatArray:
     """Leave out the derivatives of the few values that jump between two sets of parameters.
 
     Where a contact begins a step earlier, the difference of two predictions over a small change of a parameter is no
-    derivative. A dozen of such values made tolerated numbers seem known 60 times better than they were.
+    derivative. A dozen of such values made tolerated numbers seem known far better than they were.
 
     Args:
         slopes: Derivatives, shape (n_values, n_parameters).

@@ -241,10 +241,8 @@ def _best_within_limits(search: Search, chosen: CandidateFit, fits: list[Candida
             break
         small = _reduced_at_end(search, search.within_limits(search.pruned(best)), fits)
         found.append(search.within_limits(small))  # what was left out may have kept another one from its limit
-    laws, least = (
-        next((fit for fit in earlier if not curves_of(fit.hypothesis)), chosen),
-        min(one.chi2 for one in found),
-    )
+    laws = next((fit for fit in earlier if not curves_of(fit.hypothesis)), chosen)
+    least = min(fit.chi2 for fit in found)
     if search.null.fit.chi2 - least < LOST * (search.null.fit.chi2 - laws.chi2) and worth_more(laws):
         return laws  # all of it is needed to stay within the limits
     return min((fit for fit in found if fit.hypothesis), key=lambda fit: fit.chi2, default=chosen)

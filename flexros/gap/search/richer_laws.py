@@ -87,10 +87,11 @@ def with_simpler_effects(search: Search, fit: CandidateFit, fits: list[Candidate
         fit: The explanation of a measured log.
         fits: All fits so far; new ones are appended.
     """
-    settings = search.settings.search
-    fit = _without_knees(search, fit, fits)
+    if search.premises.library_is_complete:
+        return fit
+    settings, fit = search.settings.search, _without_knees(search, fit, fits)
     rich = [one for one in fit.hypothesis if len(one.free) >= RICH and one.name not in search.of_torques]
-    if search.premises.library_is_complete or not rich:
+    if not rich:
         return fit
     numbers = [one for one in search.candidates() if in_proportion(one)]
     for law in sorted(rich, key=lambda one: issubclass(one.effect, AbstractCurve)):  # beside wrong laws none fits
@@ -125,7 +126,7 @@ def _without_knees(search: Search, fit: CandidateFit, fits: list[CandidateFit]) 
     stiffness = {one.location: one for one in search.candidates() if one.effect is StiffnessError}
     for knee in [one for one in fit.hypothesis if one.effect is NonlinearStiffness and one.location in stiffness]:
         plain = stiffness[knee.location]
-        if search.premises.library_is_complete or search.deadline.stops() or plain in fit.hypothesis:
+        if search.deadline.stops() or plain in fit.hypothesis:
             continue
         plant = search.plants(fit, [plain])[plain]
         begun = search.in_place(fit, knee, plain, plant, np.inf, refined=True)

@@ -258,7 +258,8 @@ def test_a_richer_form_begins_with_the_usual_value_of_what_is_not_free() -> None
     fit = CandidateFit(predictor, theta, search.null.fit.chi2)
     plants = search.plants(fit, [rich])
     begun = search.enriched(fit, simple, rich, plants[rich], -np.inf)
-    assert begun is None or begun.names == {rich.name}
+    assert begun is not None
+    assert begun.names == {rich.name}
 
 
 def test_friction_that_takes_away_that_of_the_model_has_no_richer_form() -> None:
