@@ -83,6 +83,11 @@ class IntegrationSteps:
     implicit: bool
 
 
+def is_finer(steps: IntegrationSteps, others: IntegrationSteps) -> bool:
+    """Return whether steps of the same kind are more than others."""
+    return steps.implicit == others.implicit and steps.number > others.number
+
+
 def integration_steps(
     robot: Robot,
     sample_time: float,

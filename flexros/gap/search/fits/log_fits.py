@@ -17,6 +17,7 @@ from flexros.gap.fit.least_squares import fit as fit_candidate
 from flexros.gap.prediction.compiled_plant import LANES
 from flexros.gap.search.model_probability import compare
 from flexros.gap.search.periodic.harmonic_candidates import neighbouring_orders
+from flexros.prediction.integration_step import is_finer
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -198,12 +199,15 @@ class LogFits:
         return self._fit(predictor, theta, self._most_iterations, finishing=True)
 
     def completed(self, fit: CandidateFit) -> CandidateFit:
-        """Carry a fit to its end, with a plant of its own laws alone.
+        """Carry a fit to its end, with a plant of its own laws alone and the finer steps that it may have.
 
         Tolerated deviations that made up for missing effects may stay far out of tolerance once these are found. Such
         a fit to a simulated log is also tried from the nominal numbers.
         """
-        fit = self._continued(replace(fit, predictor=self.null.predictor(fit.hypothesis)), np.inf, finishing=True)
+        predictor, steps = self.null.predictor(fit.hypothesis), fit.predictor.plant.steps
+        if is_finer(steps, predictor.plant.steps):
+            predictor = self.null.predictor(fit.hypothesis, self.null.plant(fit.hypothesis, steps=steps))
+        fit = self._continued(replace(fit, predictor=predictor), np.inf, finishing=True)
         beyond = compare(self.data, self.null.fit, settings=self.settings.ranking).beyond_tolerance(fit)
         if not self.premises.library_is_complete or not beyond or self.deadline.stops():
             return fit
