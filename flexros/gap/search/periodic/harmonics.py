@@ -33,6 +33,8 @@ VALLEYS = np.array([index for index in range(-8, 9) if index])
 FEWEST_MEASURED = 2.0
 """Fewest periods of a harmonic over the travel of a rotor from which orders are sought in a measured log [1] (chosen):
 with fewer it is like a torque over the angle that no law explains, as of a cable."""
+AT_REST = 0.05
+"""Speed over about the highest one below which a rotor counts as at rest [1] (chosen)."""
 PADDING = 4
 """Spacing of the orders: so many times finer than their resolution [1]."""
 MANY = 24
@@ -127,9 +129,13 @@ class OrderSearch:
         if nearest.gain > best[0].gain:  # by linear theory: the peak of the spectrum stays a start
             best = [nearest, *best][:most]
         spacing = resolution / PADDING
-        inside = [lowest <= fit.order - spacing and fit.order + spacing <= highest for fit in best]
-        refined = [self._refined(motor, entry, fit, spacing) if clear else fit for fit, clear in zip(best, inside)]
-        return tuple(sorted(refined, key=lambda fit: -fit.gain))
+
+        def refined(fit: HarmonicFit, spacing: float) -> HarmonicFit:
+            inside = lowest <= fit.order - spacing and fit.order + spacing <= highest
+            return self._refined(motor, entry, fit, spacing) if inside else fit
+
+        first, *others = sorted((refined(fit, spacing) for fit in best), key=lambda fit: -fit.gain)
+        return refined(first, spacing / PADDING), *others
 
     def _refined(self, motor: int, entry: Entry, middle: HarmonicFit, spacing: float) -> HarmonicFit:
         """Move an order to the maximum of its gain, by a parabola through three orders at a distance."""
@@ -148,6 +154,8 @@ class OrderSearch:
             order: Periods per turn of the rotor [1].
         """
         angle, factor = self._angle(motor), self._factor(motor, entry)
+        if entry != "encoder":  # a torque acts by its mean over a sample
+            factor = factor * np.sinc(order * np.gradient(angle) / (2 * np.pi))
         errors = self._forward(self._source(motor, entry), np.exp(1j * order * angle) * factor)
         X = self.data.weighted(np.stack([errors.imag, errors.real], axis=-1))
         r = self._residual.T.ravel()
@@ -160,9 +168,11 @@ class OrderSearch:
         return angle
 
     def _highest(self, angle: FloatArray) -> float:
-        """Return the highest order that the sample time resolves [1]."""
-        fastest = float(np.quantile(np.abs(np.diff(angle)), 0.95))
-        return min(HIGHEST_ORDER, 2 * np.pi * self._settings.fastest_order / max(fastest, 1e-12))
+        """Return the highest order that the sample time resolves in half of the motion [1]."""
+        steps = np.abs(np.diff(angle))
+        moving = steps[steps > AT_REST * np.quantile(steps, 0.95)]
+        middle = float(np.median(moving)) if moving.size else 0.0
+        return min(HIGHEST_ORDER, 2 * np.pi * self._settings.fastest_order / max(middle, 1e-12))
 
     def _factor(self, motor: int, entry: Entry) -> FloatArray | float:
         """Return the factor of the harmonic at its entry: the torque, or the stiffness over the linear one."""

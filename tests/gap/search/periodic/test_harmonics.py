@@ -61,6 +61,21 @@ def test_an_order_that_counts_behind_a_gear_may_be_high() -> None:
     assert found.amplitude == pytest.approx(1e-4, rel=0.2)
 
 
+def test_an_order_that_only_slower_motion_resolves_is_found() -> None:
+    """As that of the poles of a motor on a fast arm at 500 Hz; a torque acts by its mean over a sample."""
+    search = order_search()
+    seconds = np.arange(len(search._states)) * ROBOT.sample_time
+    angle = 8.0 * np.sin(2 * np.pi * seconds) + 5.0 * np.sin(0.74 * np.pi * seconds + 1.0)
+    search._states = np.tile(angle[:, None], search._states.shape[1])
+    turned = 107.0 * search._angle(0)
+    step = np.gradient(turned)
+    assert np.quantile(np.abs(step), 0.95) > 0.45 * 2 * np.pi
+    search._residual = errors_of(search, "torque", 0.02 * np.sin(turned + 0.8) * np.sinc(step / (2 * np.pi)))
+    found = search.search(0, "torque")[0]
+    assert found.order == pytest.approx(107.0, abs=0.01)
+    assert found.amplitude == pytest.approx(0.02, rel=1e-3)
+
+
 def test_a_wave_of_the_right_order_is_fitted_with_amplitude_and_phase() -> None:
     found = order_search("torque_ripple@motor_1:amplitude=0.005,order=7,phase=0.8").fit(0, "torque", 7.0)
     assert found.amplitude == pytest.approx(0.005, rel=0.03)
