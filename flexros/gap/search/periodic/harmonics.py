@@ -10,7 +10,6 @@ import casadi as ca
 import numpy as np
 from scipy.fft import fft, ifft, next_fast_len
 from scipy.linalg import expm
-from scipy.ndimage import median_filter
 from scipy.signal import find_peaks, lfilter
 
 from flexros.effects.kinds.ranges import HIGHEST_ORDER
@@ -19,6 +18,8 @@ from flexros.robot.linear.linearise import linear_model
 from flexros.robot.spring import Spring
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from flexros.arrays import ComplexArray, FloatArray
     from flexros.effects.kinds.ranges import Entry
     from flexros.gap.residuals.fit_data import FitData
@@ -33,6 +34,10 @@ VALLEYS = np.array([index for index in range(-8, 9) if index])
 FEWEST_MEASURED = 2.0
 """Fewest periods of a harmonic over the travel of a rotor from which orders are sought in a measured log [1] (chosen):
 with fewer it is like a torque over the angle that no law explains, as of a cable."""
+NOISE = (1e-1, 1e-2, 1e-3)
+"""Powers of the noise of the errors over the largest of a disturbance of unit power [1] (chosen)."""
+MOST_AT_ONE = 3.0
+"""Most samples at an angle that count, over the median of all angles [1] (chosen)."""
 AT_REST = 0.05
 """Speed over about the highest one below which a rotor counts as at rest [1] (chosen)."""
 PADDING = 4
@@ -64,8 +69,10 @@ class OrderSearch:
     """Finds harmonics of a rotor angle a in the prediction errors of a log, by linear theory about its pose.
 
     A disturbance d at an entry makes prediction errors e = H d with the error dynamics x <- F x + G d, e = C x + D d.
-    The gain of order n is that of a least-squares fit of H sin(n a) and H cos(n a) to the errors. One backward pass
-    shows which orders to fit: the sum of (H* e) exp(i n a) over all samples.
+    The gain of order n is that of a least-squares fit of H sin(n a) and H cos(n a) to the errors. Which orders to fit
+    shows the sum of d exp(i n a) over all samples, where d is the disturbance that the errors suggest: H inverted where
+    it exceeds a share of its maximum. By H* e alone, slow parts of the motion, where H is large and few periods pass,
+    hide the order: of 315 the true one came 8th to 500th, and with d first or second.
 
     Args:
         robot: The nominal robot.
@@ -111,15 +118,15 @@ class OrderSearch:
         lowest = resolution * (1.0 if self.data.record.premises.library_is_complete else FEWEST_MEASURED)
         if highest <= lowest:
             return ()
-        backward = self._backward(self._source(motor, entry)) * self._factor(motor, entry)
-        orders, score = angle_spectrum(backward, angle, highest)
-        orders, score = orders[orders >= lowest], score[orders >= lowest]
-        level = median_filter(score, size=min(len(score), 101), mode="nearest")
-        peaks = find_peaks(score, distance=PADDING)[0]
-        ranked = (np.argsort(-values[peaks]) for values in (score / np.maximum(level, 1e-300), score))
-        tried = self._settings.tried_orders
-        chosen = {int(peaks[index]) for order in ranked for index in order[:tried]}
-        fits = [self.fit(motor, entry, float(orders[index])) for index in sorted(chosen)]
+        factor, chosen = self._factor(motor, entry), set[float]()
+        even = evenly(angle, highest)
+        for disturbance in self._disturbances(self._source(motor, entry)):
+            orders, score = angle_spectrum(disturbance * factor * even, angle, highest)
+            orders, score = orders[orders >= lowest], score[orders >= lowest]
+            peaks = find_peaks(score, distance=PADDING)[0]
+            largest = peaks[np.argsort(-score[peaks])[: self._settings.tried_orders]]
+            chosen.update(map(float, orders[largest]))
+        fits = [self.fit(motor, entry, order) for order in sorted(chosen)]
         best = sorted(fits, key=lambda fit: -fit.gain)[:most]
         if not best:
             return ()
@@ -227,16 +234,32 @@ class OrderSearch:
         if len(self._upper) * M < MANY:
             parts = [self._filtered(source, part) for part in (disturbance.real, disturbance.imag)]
             return parts[0] + 1j * parts[1]
+        spectrum = self._response(source)
+        errors: ComplexArray = ifft(spectrum * fft(disturbance, len(spectrum))[:, None], axis=0)[:n]
+        return errors
+
+    def _disturbances(self, source: tuple[FloatArray, FloatArray]) -> Iterator[FloatArray]:
+        """Yield the disturbance that the prediction errors suggest, shape (n,), for noise of several sizes."""
+        n, spread = len(self._residual), self.data.spread
+        known = np.isfinite(spread)
+        mean = np.sqrt(np.mean(np.square(spread), axis=0, where=known))  # of values that count
+        response = self._response(source) / mean
+        errors = fft(np.where(known, self._residual, 0.0), len(response), axis=0)
+        matched, power = np.sum(response.conj() * errors, axis=1), np.sum(np.square(np.abs(response)), axis=1)
+        for share in NOISE:
+            yield ifft(matched / (power + share * power.max()))[:n].real
+
+    def _response(self, source: tuple[FloatArray, FloatArray]) -> ComplexArray:
+        """Return the spectrum of the prediction errors of an impulse, shape (at least 2 n, M)."""
         key = source[0].tobytes() + source[1].tobytes()
         if key not in self._spectra:
             while len(self._spectra) >= KEPT:
                 self._spectra.pop(next(iter(self._spectra)))
+            n = len(self._residual)
             impulse = np.zeros(n)
             impulse[0] = 1.0
             self._spectra[key] = fft(self._filtered(source, impulse), next_fast_len(2 * n), axis=0)
-        spectrum = self._spectra[key]
-        errors: ComplexArray = ifft(spectrum * fft(disturbance, len(spectrum))[:, None], axis=0)[:n]
-        return errors
+        return self._spectra[key]
 
     def _filtered(self, source: tuple[FloatArray, FloatArray], disturbance: FloatArray) -> FloatArray:
         """Compute the prediction errors of a disturbance mode by mode, shape (n, M)."""
@@ -251,17 +274,6 @@ class OrderSearch:
                 numerator = [0.0, residue.real, -(residue * pole.conjugate()).real][: len(denominator)]
                 errors[motor] += lfilter(numerator, denominator, disturbance)
         return errors.T
-
-    def _backward(self, source: tuple[FloatArray, FloatArray]) -> FloatArray:
-        """Compute the correlation of every sample of a disturbance with the errors, shape (n,)."""
-        column, through = source
-        entered = np.linalg.solve(self._modes, column.astype(complex))
-        weighted = np.where(np.isfinite(self.data.spread), self._residual / self.data.spread, 0.0)[::-1]
-        result = weighted @ through
-        for mode, weight in self._upper:
-            seen = lfilter([0.0, 1.0], [1.0, -self._eigenvalues[mode]], weighted @ self._readout[:, mode])
-            result = result + weight * (seen * entered[mode]).real
-        return result[::-1]
 
 
 def _with_mean_stiffness(robot: Robot, states: FloatArray) -> Robot:
@@ -287,6 +299,19 @@ def _local_stiffness(robot: Robot, index: int, states: FloatArray) -> FloatArray
     motor = joint.motor_coordinate
     deflections = (0.0 if motor is None else states[:, robot.n_arm + motor]) - states[:, index]
     return np.asarray(slope(np.abs(deflections)[None])).ravel()
+
+
+def evenly(angle: FloatArray, highest: float) -> FloatArray:
+    """Return weights by which no angle counts much more than most others [1], shape (n,).
+
+    Args:
+        angle: Rotor angle of every sample [rad], shape (n,).
+        highest: Highest order [periods per turn].
+    """
+    cell = ((angle - angle.min()) * POINTS * highest / (2 * np.pi)).astype(int)
+    number = np.bincount(cell)
+    weights: FloatArray = np.minimum(1.0, MOST_AT_ONE * np.median(number[number > 0]) / number[cell])
+    return weights
 
 
 def angle_spectrum(signal: FloatArray, angle: FloatArray, highest: float) -> tuple[FloatArray, FloatArray]:
