@@ -30,9 +30,14 @@ class MotorStiffness:
         return time * self.damping + time * time * self.stiffness
 
 
-def motor_stiffness(plant: PlantSymbols) -> MotorStiffness:
-    """Return the stiffness and damping of the motors; a servo at its torque limit keeps its own."""
-    passed = plant.torques(plant.u, limited=False)
+def motor_stiffness(plant: PlantSymbols, *, limited: bool = False) -> MotorStiffness:
+    """Return the stiffness and damping of the motors.
+
+    Args:
+        plant: Symbols of the plant.
+        limited: Whether a servo at its torque limit has none; else it keeps its own.
+    """
+    passed = plant.torques(plant.u, limited=limited)
     torque = passed + smooth_torque(plant, passed)
     rows = list(plant.robot.motor_rows)
     ones = ca.SX.ones(len(rows))

@@ -49,9 +49,14 @@ def own_rates(plant: PlantSymbols, torque: ca.SX) -> ca.SX:
     return rates[plant.own_rows]
 
 
-def acting_torque(plant: PlantSymbols) -> ca.SX:
-    """Return the torques of all motors with what their laws add, less the friction held in a step, SX (M, 1)."""
-    passed = plant.torques(plant.u)
+def acting_torque(plant: PlantSymbols, *, limited: bool = True) -> ca.SX:
+    """Return the torques of all motors with what their laws add, less the friction held in a step, SX (M, 1).
+
+    Args:
+        plant: Symbols of the plant.
+        limited: Whether servos keep to the torque limits of the robot file.
+    """
+    passed = plant.torques(plant.u, limited=limited)
     torque = passed + smooth_torque(plant, passed)
     for row, motor in enumerate(plant.sticking_motors):
         torque[motor] -= plant.friction[row]
