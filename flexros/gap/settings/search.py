@@ -283,10 +283,10 @@ class SearchSettings(Settings):
         default=0.125, gt=0, lt=1, description="distance from a line that counts as the line itself, over the width [1]"
     )
     tried_orders: int = Field(
-        default=5, ge=1, description="orders of a rotor that are fitted: the most prominent and the largest, each"
+        default=5, ge=1, description="largest orders of a rotor that are fitted, for each of three sizes of the noise"
     )
     fastest_order: float = Field(
-        default=0.4, gt=0, le=0.5, description="highest frequency of an order, relative to the sampling frequency [1]"
+        default=0.4, gt=0, le=0.5, description="highest frequency of an order in half of the motion, relative to the sampling frequency [1]"
     )
 
 
