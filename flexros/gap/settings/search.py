@@ -286,7 +286,10 @@ class SearchSettings(Settings):
         default=5, ge=1, description="largest orders of a rotor that are fitted, for each of three sizes of the noise"
     )
     fastest_order: float = Field(
-        default=0.4, gt=0, le=0.5, description="highest frequency of an order in half of the motion, relative to the sampling frequency [1]"
+        default=0.4,
+        gt=0,
+        le=0.5,
+        description="highest frequency of an order in half of the motion over that of sampling [1]",
     )
 
 
