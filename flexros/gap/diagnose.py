@@ -29,7 +29,7 @@ from flexros.gap.prediction.driven_model import driven_model
 from flexros.gap.progress import Stages
 from flexros.gap.residuals.fit_samples import at_rate_of_fits, part_of_fits
 from flexros.gap.residuals.prepare_fit_data import fit_data, with_tool_frame_of
-from flexros.gap.search.better_torques import tolerance_on_trial
+from flexros.gap.search.better_torques import are_better, tolerance_on_trial
 from flexros.gap.search.forward_selection import explain
 from flexros.gap.search.looser import found_looser, looser_null
 from flexros.gap.search.model_probability import compare
@@ -301,7 +301,9 @@ def _with_better_torques(task: _Task, found: _Searched) -> tuple[_Task, _Searche
         begun, grown = more.search.base, more.explanations.chosen
         if task.deadline.over or begun.names != chosen.names or grown.names == chosen.names:
             break
-        if not more.beyond_noise(grown) < share * more.beyond_noise(begun):
+        left = more.beyond_noise(grown)
+        explained = left < share * more.beyond_noise(begun)
+        if not (explained and are_better(assumed.signal_tolerance, tried, left)):
             break
         task, found = trial, more
     return task, found

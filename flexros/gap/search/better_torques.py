@@ -35,3 +35,18 @@ def tolerance_on_trial(tolerance: float, left: float) -> float | None:
         return None
     tried = max(float(f"{STRICTER * math.sqrt(left) * tolerance:.1g}"), LEAST)
     return tried if tried < tolerance / 2 else None
+
+
+def are_better(tolerance: float, tried: float, left: float) -> bool:
+    """Return whether torques are known better than assumed, after a search on trial.
+
+    An observer that follows a log more loosely shows more of it. On a linear drive whose torques are known very well,
+    friction was no longer Coulomb friction there: curves, a ripple of any order and a limit of the force removed most
+    of what was left, and still left 7 % of the force.
+
+    Args:
+        tolerance: The assumed one, relative to the rms of a torque [1].
+        tried: The one on trial [1].
+        left: Mean squared error beyond noise that the explanation leaves, over that of the one on trial [1].
+    """
+    return left * tried**2 < MOST * tolerance**2

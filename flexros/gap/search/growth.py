@@ -35,7 +35,12 @@ if TYPE_CHECKING:
 
 
 def extended(
-    search: Search, chosen: CandidateFit, directions: Sequence[Directions], fits: list[CandidateFit]
+    search: Search,
+    chosen: CandidateFit,
+    directions: Sequence[Directions],
+    fits: list[CandidateFit],
+    *,
+    again: bool = False,
 ) -> CandidateFit:
     """Add effects to an explanation for as long as they remove what is left.
 
@@ -44,11 +49,12 @@ def extended(
         chosen: The explanation.
         directions: All candidates but those of harmonics.
         fits: All fits so far; new ones are appended.
+        again: Whether the search goes on from an explanation that it has already tidied up.
     """
     settings = search.settings.search
     seen = {chosen.names}
     for number in range(settings.rounds_after_torques if search.torques_decide else settings.rounds):
-        further = settings.removed_by_further if search.torques_decide and number else 0.0
+        further = settings.removed_by_further if search.torques_decide and (number or again) else 0.0
         if further and any(one.widened(name) for one, name in at_limits(chosen)):
             break  # a search that is widened removes what others would imitate
         chosen = with_bristles(search, with_overtones(search, chosen, fits), fits)
@@ -146,8 +152,10 @@ def resumed(
 ) -> CandidateFit:
     """Add further effects to an explanation in which effects were exchanged, or ended at limits of their search.
 
-    An effect that imitates others by a value at its limit is no finding: without it, those others can be added. The
-    search goes on in simulated logs only, where every effect is of the library.
+    An effect that imitates others by a value at its limit is no finding: without it, those others can be added. In a
+    measured log, not every effect of which is of the library, the search goes on where the exchange removed as much of
+    what was left as a further effect must: beside friction that slides at once, where it yields before, a ripple and
+    the payload of an arm with springs did not show.
 
     Args:
         search: The search.
@@ -156,14 +164,17 @@ def resumed(
         directions: All candidates but those of harmonics.
         fits: All fits so far; new ones are appended.
     """
-    for _ in range(search.settings.search.resumed if search.premises.library_is_complete else 0):
+    settings, rounds = search.settings.search, search.settings.search.resumed
+    if not search.premises.library_is_complete:
+        rounds = int(_lowered(search, before, chosen) > settings.removed_by_further)
+    for _ in range(rounds):
         if search.deadline.stops():
             break
         valid = search.within_limits(chosen)
         changed = bool(valid.names - before.names) or valid.predictor.n_effect != chosen.predictor.n_effect
         if not changed or not valid.hypothesis:
             break
-        grown = extended(search, valid, directions, fits)
+        grown = extended(search, valid, directions, fits, again=True)
         if grown.names == valid.names:
             break
         done = tidied(search, grown, directions, fits)
