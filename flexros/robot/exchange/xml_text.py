@@ -70,6 +70,12 @@ class XmlElement:
         before = self._head[:-end].rstrip()
         self._head = before + b" " + name.encode() + b"=" + quoted + self._head[len(before) : -end] + self._head[-end:]
 
+    def remove(self, name: str) -> None:
+        """Remove an attribute, if it is there."""
+        if self.attributes.pop(name, None) is not None:
+            pattern = re.compile(rb"\s+" + re.escape(name.encode()) + rb"\s*=\s*(\"[^\"]*\"|'[^']*')")
+            self._head = pattern.sub(b"", self._head, count=1)
+
     def add(self, tag: str, attributes: Mapping[str, str], texts: Mapping[str, str] | None = None) -> None:
         """Add a first child, with attributes, and children that hold a text each."""
         written = "".join(f" {name}={quoteattr(value)}" for name, value in attributes.items())

@@ -31,6 +31,13 @@ def test_only_the_attribute_changes() -> None:
     assert document.text() == TEXT.replace('q="1"/>', 'q="2" new=\'a"b\'/>')
 
 
+def test_an_attribute_is_removed_with_the_blank_before_it() -> None:
+    document = XmlText(TEXT, "t")
+    next(document.root.iter("b")).remove("q")
+    next(document.root.iter("e")).remove("missing")
+    assert document.text() == TEXT.replace('   q="1"', "")
+
+
 def test_children_and_texts() -> None:
     document = XmlText(TEXT, "t")
     inner = next(document.root.iter("d"))

@@ -10,9 +10,9 @@ from flexros.config.text_file import read_text
 from flexros.errors import InputError
 from flexros.input_limits import LARGEST_URDF
 from flexros.robot.exchange.joint_names import motor_joints, tagged
-from flexros.robot.exchange.mjcf.actuators import actuators_of, added, joint_actuator
+from flexros.robot.exchange.mjcf.actuator_repair import ActuatorRepair
+from flexros.robot.exchange.mjcf.actuators import actuators_of, added
 from flexros.robot.exchange.mjcf.arm import MjcfArm, find_arm
-from flexros.robot.exchange.mjcf.export import delay_attributes
 from flexros.robot.exchange.mjcf.mujoco_model import compile_file, compile_text
 from flexros.robot.exchange.number_text import number, numbers_text
 from flexros.robot.exchange.numbers import REWRITTEN, Export, NotHeld, Written, same
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from flexros.robot import Robot
-    from flexros.robot.exchange.mjcf.actuators import JointActuator
     from flexros.robot.exchange.numbers import BodyNumbers, JointNumbers, RepairedNumbers
 
 
@@ -52,10 +51,11 @@ def repair_mjcf(base: Path, robot: Robot, numbers: RepairedNumbers, joints: Mapp
     names = motor_joints(robot, [joint.name for joint in arm.joints], joints, str(base))
     for joint in numbers.joints:
         repair.joint(joint, names[joint.motor])
-        repair.actuator(joint, names[joint.motor])
+        repair.actuators.actuator(joint, names[joint.motor])
     repair.springs()
     for body in numbers.bodies:
         repair.body(body, arm, names)
+    repair.actuators.keep_damping(compile_text(text.text(), base.resolve().parent, str(base)))
     changed = text.text()
     repair.check(compile_text(changed, base.resolve().parent, str(base)))
     return Export(changed, tuple(repair.written), tuple(repair.not_held))
@@ -69,6 +69,7 @@ class _Repair:
         self.written: list[Written] = []
         self.not_held = list(numbers.not_held)
         self.expected: list[tuple[str, int, float]] = []
+        self.actuators = ActuatorRepair(model, text.root, source, self.written, self.not_held)
 
     def joint(self, joint: JointNumbers, name: str) -> None:
         """Write viscous friction, dry friction and rotor inertia of a motor."""
@@ -100,38 +101,6 @@ class _Repair:
             element.set(attribute, numbers_text(values))
             self.expected.append((f"dof_{attribute}", dof, values[0]))
             self._note(joint.motor, quantity, f"joint {name} {attribute}", before, wanted, unit)
-
-    def actuator(self, joint: JointNumbers, name: str) -> None:
-        """Write torque gain, torque limit and delay of a motor."""
-        index = int(self.model.joint(name).id)
-        found, torque = actuators_of(self.model, index), unit_of("torque", joint.rotary)
-        before = joint_actuator(self.model, index)
-        limit = None if before is None else before.torque_limit
-        limited = joint.torque_limit is not None and (limit is None or not same(joint.torque_limit, limit))
-        if before is None or not found:
-            lost = {"torque gain": joint.torque_gain != 1, "torque limit": limited, "delay": joint.delay > 0}
-            reason = f"no actuator drives the joint {name}"
-            self.not_held += [NotHeld(joint.motor, key, "", reason) for key, value in lost.items() if value]
-            return
-        element = self._actuator_element(found[0], name)
-        if joint.servo_stiffness is not None:
-            self._servo(element, found[0], joint, before)
-        elif joint.torque_gain != 1:
-            self._gain(element, found[0], joint)
-        if limited and joint.torque_limit is not None:
-            force = joint.torque_limit / abs(before.gear)
-            element.set("forcerange", numbers_text((-force, force)))
-            element.set("forcelimited", "true")
-            self._note(joint.motor, "torque limit", f"{element.tag} forcerange", limit, joint.torque_limit, torque)
-        if not same(joint.delay, before.delay):
-            if not hasattr(self.model, "actuator_delay"):
-                reason = "actuators have a delay from MuJoCo 3.5 on"
-                self.not_held.append(NotHeld(joint.motor, "delay", f"{joint.delay:.6g} s", reason))
-                return
-            attributes = delay_attributes(joint.delay, float(self.model.opt.timestep)) or {"delay": "0"}
-            for key, value in attributes.items():
-                element.set(key, value)
-            self._note(joint.motor, "delay", f"{element.tag} delay", before.delay, joint.delay, "s")
 
     def springs(self) -> None:
         """Write stiffness and damper of elastic directions and gears where the file has joints for them."""
@@ -201,6 +170,7 @@ class _Repair:
                     f"it {found:.6g}: another setting overrides it, such as inertiafromgeom or settotalmass of "
                     "<compiler>; remove that setting"
                 )
+        self.actuators.check(model)
 
     def _scale(self, element: XmlElement, index: int, factor: float) -> None:
         mass = number(factor * float(self.model.body_mass[index]))
@@ -220,71 +190,6 @@ class _Repair:
                 values = np.array(inertial.attributes[key].split(), dtype=float)
                 inertial.set(key, numbers_text(factor * values))
 
-    def _servo(self, element: XmlElement, index: int, joint: JointNumbers, before: JointActuator) -> None:
-        """Write the gains of a position servo."""
-        assert joint.servo_stiffness is not None
-        assert joint.servo_damping is not None
-        wanted = {"stiffness": joint.servo_stiffness, "damping": joint.servo_damping}
-        own = {"stiffness": before.kp, "damping": before.kv}
-        units = {kind: unit_of(kind, joint.rotary) for kind in wanted}
-        keys = {"stiffness": "kp", "damping": "kv"}
-        squared = before.gear**2
-        if not before.follows or element.tag not in ("position", "general"):
-            reason = f"the actuator <{element.tag}> of the file does not follow positions"
-            self.not_held += [
-                NotHeld(joint.motor, f"servo {kind}", f"{value:.6g} {units[kind]}", reason)
-                for kind, value in wanted.items()
-            ]
-            return
-        changed = [kind for kind in wanted if not same(wanted[kind], own[kind])]
-        if "dampratio" in element.attributes and changed:
-            reason = "the attribute dampratio makes it from kp; replace it by kv"
-            text = f"{wanted['damping']:.6g} {units['damping']}"
-            self.not_held.append(NotHeld(joint.motor, "servo damping", text, reason))
-            changed = [kind for kind in changed if kind == "stiffness"]
-        if element.tag == "general" and changed:
-            stiff, damped = wanted["stiffness"] / squared, wanted["damping"] / squared
-            element.set("gainprm", numbers_text([stiff, *self.model.actuator_gainprm[index, 1:3]]))
-            element.set("biasprm", numbers_text([0.0, -stiff, -damped]))
-        for kind in changed:
-            if element.tag == "position":
-                element.set(keys[kind], number(wanted[kind] / squared))
-            place = f"{element.tag} {keys[kind] if element.tag == 'position' else 'biasprm'}"
-            self._note(joint.motor, f"servo {kind}", place, own[kind], wanted[kind], units[kind])
-        lag = joint.servo_lag or 0.0
-        if not same(lag, before.time_constant) and (lag or changed or not same(joint.delay, before.delay)):
-            # a robot file has no lag of the control, so what was found of the servo holds with that of the effects
-            key = "timeconst" if element.tag == "position" else "dyntype"
-            element.set(key, number(lag) if element.tag == "position" else "filterexact" if lag else "none")
-            if lag and element.tag == "general":
-                element.set("dynprm", number(lag))
-            self._note(joint.motor, "lag of the control", f"{element.tag} {key}", before.time_constant, lag, "s")
-
-    def _gain(self, element: XmlElement, index: int, joint: JointNumbers) -> None:
-        """Scale the torque of an actuator; that of a servo by its gains, because its gear also scales the position."""
-        gain, model = joint.torque_gain, self.model
-        stiff, bias = float(model.actuator_gainprm[index, 0]), model.actuator_biasprm[index]
-        if element.tag == "motor":
-            gear = model.actuator_gear[index].copy()
-            before, place = float(gear[0]), "gear"
-            gear[0] *= gain
-            element.set("gear", numbers_text(gear if np.any(gear[1:]) else gear[:1]))
-        elif element.tag in ("position", "velocity"):
-            before, place = stiff, "kp" if element.tag == "position" else "kv"
-            element.set(place, number(gain * stiff))
-            if element.tag == "position" and bias[2] and "dampratio" not in element.attributes:
-                element.set("kv", number(-gain * float(bias[2])))
-        elif element.tag == "general":
-            before, place = stiff, "gainprm"
-            element.set("gainprm", numbers_text([gain * stiff, *model.actuator_gainprm[index, 1:3]]))
-            if np.any(bias):
-                element.set("biasprm", numbers_text(gain * bias[:3]))
-        else:
-            reason = f"the gain of an actuator <{element.tag}> has several numbers; correct it there"
-            self.not_held.append(NotHeld(joint.motor, "torque gain", f"x {gain:.6g}", reason))
-            return
-        self._note(joint.motor, "torque gain", f"{element.tag} {place}", before, before * gain, "1")
-
     def _note(self, location: str, quantity: str, place: str, before: float | None, value: float, unit: str) -> None:
         self.written.append(Written(location, quantity, place, before, value, unit))
 
@@ -297,18 +202,4 @@ class _Repair:
         raise InputError(
             f"{self.source}: the {tag} '{name}' is not in the file itself (it is included, replicated or has "
             "no name); give a file that holds it, with a name"
-        )
-
-    def _actuator_element(self, index: int, joint: str) -> XmlElement:
-        name = str(self.model.actuator(index).name)
-        parts = [child for child in self.root.children if child.tag == "actuator"]
-        for element in (each for part in parts for each in part.children):
-            own = element.attributes
-            if (name and own.get("name") == name) or (
-                not name and joint in (own.get("joint"), own.get("jointinparent"))
-            ):
-                return element
-        raise InputError(
-            f"{self.source}: the actuator '{name}' of joint {joint} is not in the file itself; give a file "
-            "that holds it"
         )

@@ -9,10 +9,13 @@ import pytest
 
 from flexros.effects.patching.export import export_model
 from flexros.effects.patching.patched_robot import load_patched
+from flexros.errors import InputError
 from flexros.robot import load_robot
+from flexros.robot.exchange.mjcf.actuator_repair import ActuatorRepair
 from flexros.robot.exchange.mjcf.actuators import joint_actuator
 from flexros.robot.exchange.mjcf.robot_import import robot_from_mjcf
 from flexros.robot.exchange.numbers import Export
+from flexros.robot.exchange.xml_text import XmlText
 from flexros.robot.parameters import SERVO
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
@@ -32,10 +35,10 @@ GENERAL = '<general name="a" joint="j" gainprm="100" biastype="affine" biasprm="
 SOFTER = "effects:\n  - {effect: servo_stiffness_error, location: motor_1, parameters: {relative: -0.2}}\n"
 
 
-def written(folder: Path, actuator: str) -> Path:
+def written(folder: Path, actuator: str, template: str = ARM, end: str = "") -> Path:
     base = folder / "arm.xml"
-    base.write_text(ARM.format(actuator=actuator))
-    (folder / "arm.yaml").write_text(robot_from_mjcf(base).text)
+    base.write_text(template.format(actuator=actuator))
+    (folder / "arm.yaml").write_text(robot_from_mjcf(base, end).text)
     return base
 
 
@@ -46,10 +49,10 @@ def gains(folder: Path, actuator: str) -> tuple[float, float] | None:
     return (parameters[names[0]].value, parameters[names[1]].value) if names[0] in parameters else None
 
 
-def repaired(folder: Path, actuator: str, effects: str = SOFTER) -> Export:
-    base = written(folder, actuator)
+def repaired(folder: Path, actuator: str, effects: str = SOFTER, template: str = ARM, end: str = "") -> Export:
+    base = written(folder, actuator, template, end)
     (folder / "patch.yaml").write_text(f"robot: arm.yaml\n{effects}")
-    return export_model(load_patched(folder / "patch.yaml"), "mjcf", base)
+    return export_model(load_patched(folder / "patch.yaml"), "mjcf", base, end=end)
 
 
 def test_gains_are_on_the_joint_side(tmp_path: Path) -> None:
@@ -123,9 +126,73 @@ def test_right_gains_are_left_as_they_are(tmp_path: Path) -> None:
     assert exported.text == ARM.format(actuator=POSITION)
 
 
-def test_damping_ratio_and_foreign_actuators_are_listed(tmp_path: Path) -> None:
-    exported = repaired(tmp_path, '<position name="a" joint="j" kp="100" dampratio="1"/>')
-    assert [one.name for one in exported.not_held] == ["servo damping"]
+RATIO = ARM.replace("<worldbody>", '<default><position kp="100" dampratio="1"/></default><worldbody>')
+ARMATURE = "effects:\n  - {effect: motor_inertia_error, location: motor_1, parameters: {relative: 0.5}}\n"
+HEAVIER = "effects:\n  - {effect: payload_error, location: tool, parameters: {relative: 0.2}}\n"
+
+
+def damping_of(text: str) -> float:
+    return -float(mujoco.MjModel.from_xml_string(text).actuator_biasprm[0, 2])
+
+
+@pytest.mark.parametrize("effects", [SOFTER, ARMATURE, HEAVIER], ids=["stiffness", "armature", "mass"])
+@pytest.mark.parametrize(
+    ("template", "actuator"),
+    [
+        (RATIO, '<position name="a" joint="j"/>'),
+        (ARM, '<position name="a" joint="j" kp="100" dampratio="1"/>'),
+    ],
+    ids=["class", "element"],
+)
+def test_damping_by_a_ratio_stays_what_the_patch_says(
+    template: str, actuator: str, effects: str, tmp_path: Path
+) -> None:
+    exported = repaired(tmp_path, actuator, effects, template)
+    before = damping_of(template.format(actuator=actuator))
+    assert damping_of(exported.text) == pytest.approx(before, rel=1e-9)
+    (row,) = (one for one in exported.written if one.quantity == "servo damping")
+    assert (row.location, row.before, row.value) == ("motor_1", pytest.approx(before), pytest.approx(before))
+    assert exported.not_held == ()
+
+
+def test_damping_by_a_ratio_of_a_general_actuator_stays(tmp_path: Path) -> None:
+    actuator = '<general name="a" joint="j" gainprm="100" biastype="affine" biasprm="0 -100 1"/>'
+    exported = repaired(tmp_path, actuator, ARMATURE)
+    assert damping_of(exported.text) == pytest.approx(damping_of(ARM.format(actuator=actuator)), rel=1e-9)
+
+
+@pytest.mark.parametrize("template", [RATIO, ARM], ids=["class", "element"])
+def test_a_torque_constant_scales_damping_by_a_ratio(template: str, tmp_path: Path) -> None:
+    stronger = SOFTER.replace("servo_stiffness_error", "torque_gain_error").replace("-0.2", "0.5")
+    actuator = '<position name="a" joint="j" kp="100" dampratio="1"/>'
+    exported = repaired(tmp_path, actuator, stronger, template)
+    assert damping_of(exported.text) == pytest.approx(1.5 * damping_of(template.format(actuator=actuator)))
+
+
+def test_damping_by_a_ratio_of_a_joint_beside_the_arm_stays(tmp_path: Path) -> None:
+    finger = '<body name="f"><joint name="f" axis="1 0 0"/><geom size=".02" pos="0 0 .4"/></body></body>'
+    template = RATIO.replace("    </body>", f"    {finger}")
+    actuator = '<position name="a" joint="j" kv="5"/><position name="grip" joint="f"/>'
+    exported = repaired(tmp_path, actuator, HEAVIER, template, end="link")
+    before, after = (
+        mujoco.MjModel.from_xml_string(text) for text in (template.format(actuator=actuator), exported.text)
+    )
+    assert after.body_mass[2] == pytest.approx(1.2 * before.body_mass[2])
+    assert after.actuator_biasprm[1, 2] == pytest.approx(before.actuator_biasprm[1, 2], rel=1e-9)
+    assert "grip" in {one.location for one in exported.written}
+
+
+def test_gains_that_the_file_makes_otherwise_are_refused(tmp_path: Path) -> None:
+    base = written(tmp_path, POSITION)
+    text = XmlText(base.read_text(), "arm.xml")
+    repair = ActuatorRepair(mujoco.MjModel.from_xml_path(str(base)), text.root, "arm.xml", [], [])
+    other = mujoco.MjModel.from_xml_string(base.read_text().replace('kv="5"', 'kv="6"'))
+    with pytest.raises(InputError, match="biasprm of actuator 'a'"):
+        repair.check(other)
+
+
+def test_foreign_actuators_are_listed(tmp_path: Path) -> None:
+    repaired(tmp_path, POSITION)
     base = written(tmp_path, POSITION)
     base.write_text(ARM.format(actuator='<motor name="a" joint="j"/>'))
     exported = export_model(load_patched(tmp_path / "patch.yaml"), "mjcf", base)
