@@ -10,6 +10,7 @@ import numpy as np
 from flexros.robot.exchange.link_inertia import LEAST, possible_tensor
 from flexros.robot.exchange.number_text import number, numbers_text
 from flexros.robot.exchange.numbers import Export, NotHeld, Written
+from flexros.robot.exchange.mjcf.time_step import time_step
 from flexros.robot.link_shape import link_shapes, tool_offset
 from flexros.robot.quantity import unit_of
 from flexros.robot.spring import Spring
@@ -64,10 +65,12 @@ class _Writer:
 
     def export(self) -> Export:
         """Write all elements."""
-        spec, step = self.robot.spec, self.robot.spec.sample_time.value
+        spec = self.robot.spec
+        step, integrator = time_step(self.robot, self.numbers)
         ElementTree.SubElement(self.root, "compiler", angle="radian", autolimits="true")
-        option = {"timestep": number(step), "gravity": numbers_text(spec.gravity.value), "integrator": "RK4"}
+        option = {"timestep": number(step), "gravity": numbers_text(spec.gravity.value), "integrator": integrator}
         ElementTree.SubElement(self.root, "option", option)
+        self._note("all", "time step", f"option timestep with {integrator}", step, "s")
         place = ElementTree.SubElement(self.root, "worldbody")
         offset = np.zeros(3)
         for index, body in enumerate(spec.bodies):
