@@ -46,7 +46,7 @@ class GravityError(AbstractArmLaw):
         "not visible in frequency responses"
     )
 
-    relative: float = Field(0.0, gt=-1.0, lt=10.0, description="unmodelled share of the body's weight [1]")
+    relative: float = Field(0.0, ge=-1.0, lt=10.0, description="unmodelled share of the body's weight [1]")
     moment: float = Field(0.0, description="unmodelled mass moment along the body [kg m]")
 
     @property

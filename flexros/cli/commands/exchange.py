@@ -68,6 +68,8 @@ def import_mjcf(
         table.add_row(joint.coordinate, joint.joint, f"{joint.sign:+d}", f"{joint.reference:.6g}")
     console.print(table)
     _print_not_held(imported.not_held, "Neither robot file nor patch holds:")
+    for note in imported.notes:
+        say(note)
     rigid = "; to make a gear elastic replace its 'rigid' by the stiffness" if "spring: rigid" in imported.text else ""
     say(f"{out} written{rigid}")
     if second:
@@ -167,6 +169,7 @@ def _print_import(imported: ImportedRobot, out: Path, patch: Path | None) -> Non
         "effects": [asdict(each) for each in imported.effects],
         "joints": [asdict(each) for each in imported.joints],
         "not_held": [asdict(each) for each in imported.not_held],
+        "notes": list(imported.notes),
     }
     print_json(content)
 

@@ -67,6 +67,7 @@ class ImportedModel(Output):
     effects: list[dict[str, Any]] = Field(description="effects in the patch")
     joints: list[ImportedJoint] = Field(description="joints in the order of the chain")
     not_held: list[NotHeld] = Field(description="what neither file holds")
+    notes: list[str] = Field(description="what the robot file holds otherwise than the file, in sentences")
 
 
 class Written(Output):

@@ -55,9 +55,11 @@ class ImportedRobot:
         effects: Numbers that belong in a patch.
         joints: Where the coordinates come from.
         not_held: Numbers that neither holds.
+        notes: What the robot file holds otherwise than the file, in sentences.
     """
 
     text: str
     effects: tuple[ImportedEffect, ...]
     joints: tuple[ImportedJoint, ...]
     not_held: tuple[NotHeld, ...]
+    notes: tuple[str, ...] = ()

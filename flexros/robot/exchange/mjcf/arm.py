@@ -60,6 +60,7 @@ class MjcfArm:
         gravity: Gravity [m/s2], shape (3,).
         end: Position of the end body [m], shape (3,).
         frozen: Names of further joints on the arm, held at their reference: fingers, for instance.
+        weightless: Whether the attribute gravcomp balances the whole weight of all its bodies; gravity is zero then.
     """
 
     joints: tuple[ArmJoint, ...]
@@ -67,6 +68,7 @@ class MjcfArm:
     gravity: FloatArray
     end: FloatArray
     frozen: tuple[str, ...]
+    weightless: bool
 
 
 def find_arm(model: Any, source: str, end: str = "") -> MjcfArm:
@@ -96,16 +98,19 @@ def find_arm(model: Any, source: str, end: str = "") -> MjcfArm:
     for k, j in enumerate(indices):
         joints.append(_arm_joint(model, data, frame, own, j, np.flatnonzero(owner == k).tolist()))
         own = joints[-1].frame
-    weightless = int(model.opt.disableflags) & int(mujoco.mjtDisableBit.mjDSBL_GRAVITY)
-    gravity = np.zeros(3) if weightless else frame @ np.array(model.opt.gravity)
+    off = int(model.opt.disableflags) & int(mujoco.mjtDisableBit.mjDSBL_GRAVITY)
+    gravity = np.zeros(3) if off else frame @ np.array(model.opt.gravity)
     carried = [body for joint in joints for body in joint.bodies]
+    heavy = [body for body in carried if model.body_mass[body] > 0]
+    weightless = bool(heavy and np.any(gravity) and np.all(model.body_gravcomp[heavy] == 1))
     frozen = [j for body in carried for j in _joints_of(model, body) if j not in indices]
     return MjcfArm(
         tuple(joints),
         frame,
-        gravity,
+        np.zeros(3) if weightless else gravity,
         frame @ data.xpos[last],
         tuple(_joint_name(model, j) for j in frozen),
+        weightless,
     )
 
 

@@ -8,9 +8,9 @@ from xml.etree import ElementTree
 import numpy as np
 
 from flexros.robot.exchange.link_inertia import LEAST, possible_tensor
+from flexros.robot.exchange.mjcf.time_step import time_step
 from flexros.robot.exchange.number_text import number, numbers_text
 from flexros.robot.exchange.numbers import Export, NotHeld, Written
-from flexros.robot.exchange.mjcf.time_step import time_step
 from flexros.robot.link_shape import link_shapes, tool_offset
 from flexros.robot.quantity import unit_of
 from flexros.robot.spring import Spring

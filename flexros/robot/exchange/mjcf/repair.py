@@ -156,8 +156,9 @@ class _Repair:
                 self._note(body.body, "mass", f"body {label} inertial", mass, mass * body.mass_factor, "kg")
             if body.weight_error:
                 before = float(self.model.body_gravcomp[index])
-                element.set("gravcomp", number(before - body.weight_error))
-                self._note(body.body, "weight", f"body {label} gravcomp", before, before - body.weight_error, "1")
+                if not same(before, -body.weight_error):
+                    element.set("gravcomp", number(-body.weight_error))
+                    self._note(body.body, "weight", f"body {label} gravcomp", before, -body.weight_error, "1")
 
     def check(self, model: Any) -> None:
         """Refuse a result in which something else of the file overrides the numbers that were written."""

@@ -15,10 +15,19 @@ from flexros.robot.exchange.numbers import NotHeld
 from flexros.robot.quantity import unit_of
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path
 
     from flexros.robot.exchange.mjcf.actuators import JointActuator
     from flexros.robot.exchange.mjcf.arm import ArmJoint, MjcfArm
+    from flexros.robot.exchange.mjcf.axes import ArmAxis
+
+
+BALANCED = (
+    "all bodies have gravcomp 1, so MuJoCo balances the whole weight: the robot file has gravity [0, 0, 0]; where the "
+    "log is of a robot that carries its weight with its motors, write its gravity there"
+)
+"""Note of an arm without weight."""
 
 
 def robot_from_mjcf(file: Path, end: str = "") -> ImportedRobot:
@@ -40,7 +49,7 @@ def robot_from_mjcf(file: Path, end: str = "") -> ImportedRobot:
     axes = axes_of(model, arm)
     effects: list[ImportedEffect] = []
     joints: list[ImportedJoint] = []
-    not_held = _not_held_of_model(model, arm)
+    not_held = _not_held_of_model(model, arm) + _partly_balanced(model, arm, axes)
     for axis in axes:
         effects += _effects(model, axis.coordinate, axis.joint, axis.actuator)
         not_held += _not_held(model, axis.coordinate, axis.joint, axis.actuator)
@@ -55,6 +64,7 @@ def robot_from_mjcf(file: Path, end: str = "") -> ImportedRobot:
         effects=tuple(effect for effect in effects if effect.effect != "delay" or not common),
         joints=tuple(joints),
         not_held=tuple(not_held),
+        notes=(BALANCED,) if arm.weightless else (),
     )
 
 
@@ -123,6 +133,26 @@ def _not_held(model: Any, name: str, joint: ArmJoint, actuator: JointActuator | 
     return found
 
 
+def _partly_balanced(model: Any, arm: MjcfArm, axes: Sequence[ArmAxis]) -> list[NotHeld]:
+    """List balanced weights of an arm of which not all bodies are balanced, with the effect that stands for them."""
+    if not np.any(arm.gravity):
+        return []
+    found = []
+    for axis in axes:
+        heavy = [body for body in axis.carrier.bodies if model.body_mass[body] > 0]
+        shares = {float(model.body_gravcomp[body]) for body in heavy}
+        for body in (each for each in heavy if model.body_gravcomp[each]):
+            share = float(model.body_gravcomp[body])
+            reason = "MuJoCo balances this share of its weight, but the robot file carries it all; "
+            if len(shares) == 1:
+                reason += f"add to the patch: gravity_error at body_{axis.number}, relative {-share:.6g}"
+            else:
+                others = f"the other bodies of body_{axis.number}"
+                reason += f"give {others} the same gravcomp, then gravity_error can state it"
+            found.append(NotHeld(str(model.body(body).name), "gravcomp", f"{share:.6g}", reason))
+    return found
+
+
 def _not_held_of_model(model: Any, arm: MjcfArm) -> list[NotHeld]:
     found = [
         NotHeld(joint, "joint", "held at its reference", "it is beside the chain; its bodies move with the arm")
@@ -131,16 +161,6 @@ def _not_held_of_model(model: Any, arm: MjcfArm) -> list[NotHeld]:
     for key in ("density", "viscosity"):
         if getattr(model.opt, key):
             found.append(NotHeld("all", key, f"{getattr(model.opt, key):.6g}", "drag of a medium is not modelled"))
-    compensated = sorted({body for joint in arm.joints for body in joint.bodies if model.body_gravcomp[body]})
-    found += [
-        NotHeld(
-            str(model.body(body).name),
-            "gravcomp",
-            f"{model.body_gravcomp[body]:.6g}",
-            "compensation of weight belongs to the controller; as an error of the model: effect gravity_error",
-        )
-        for body in compensated
-    ]
     if model.ntendon:
         found.append(NotHeld("all", "tendons", str(model.ntendon), "springs and actuators of tendons are omitted"))
     return found

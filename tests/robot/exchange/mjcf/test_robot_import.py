@@ -256,6 +256,39 @@ def test_gravity_that_is_switched_off_is_none(tmp_path: Path) -> None:
     assert robot.parameters["gravity.z"].value == 0.0
 
 
+BALANCED = ARM.replace("<body ", '<body gravcomp="{}" ')
+
+
+def test_an_arm_whose_whole_weight_is_balanced_has_no_gravity(tmp_path: Path) -> None:
+    file = written(tmp_path, BALANCED.format(*[1] * BALANCED.count("{}")))
+    compare_dynamics(file, tmp_path)
+    imported = robot_from_mjcf(file)
+    assert "gravity: [0.0, 0.0, 0.0]" in imported.text
+    assert "gravcomp" not in {each.name for each in imported.not_held}
+    assert [note.split(",")[0] for note in imported.notes] == ["all bodies have gravcomp 1"]
+
+
+@pytest.mark.parametrize("share", [0.5, 1])
+def test_a_weight_that_is_balanced_in_part_names_the_effect_that_states_it(share: float, tmp_path: Path) -> None:
+    file = written(tmp_path, ARM.replace('<body name="fore"', f'<body name="fore" gravcomp="{share}"'))
+    imported = robot_from_mjcf(file)
+    (lost,) = (each for each in imported.not_held if each.name == "gravcomp")
+    assert lost.location == "fore"
+    assert lost.reason.endswith(f"gravity_error at body_4, relative -{share:g}")
+    assert imported.notes == ()
+    written(tmp_path, imported.text, "arm.yaml")
+    effect = f"  - {{effect: gravity_error, location: body_4, parameters: {{relative: -{share}}}}}\n"
+    patch = written(tmp_path, f"robot: arm.yaml\neffects:\n{effect}", "patch.yaml")
+    exported = export_model(load_patched(patch), "mjcf", file)
+    assert "gravcomp" not in " ".join(each.place for each in exported.written)
+
+
+def test_bodies_of_one_axis_that_are_balanced_differently_are_listed(tmp_path: Path) -> None:
+    file = written(tmp_path, ARM.replace('<body name="hand"', '<body name="hand" gravcomp="1"').replace("rail", "r"))
+    (lost,) = (each for each in robot_from_mjcf(file).not_held if each.name == "gravcomp")
+    assert "the same gravcomp" in lost.reason
+
+
 def test_an_actuator_that_integrates_a_speed_is_no_servo(tmp_path: Path) -> None:
     text = one_link(after='<actuator><intvelocity joint="j" kp="5" actrange="-3 3"/></actuator>')
     assert "servo:" not in robot_from_mjcf(written(tmp_path, text)).text

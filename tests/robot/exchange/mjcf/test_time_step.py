@@ -19,7 +19,7 @@ bodies:
   - {{mass: 3, center_of_mass: [0.2, 0, 0], inertia: {{yy: 0.05}}, length: [0.4, 0, 0],
      directions: {{ry: {{spring: rigid, motor: {{inertia: 0.1, servo: {{stiffness: 2000, damping: 400}}}}}}}}}}
   - {{mass: 0.2, center_of_mass: [0.02, 0, 0], inertia: {{yy: 2.0e-4}},
-     directions: {{ry: {{spring: rigid, motor: {{inertia: 0, servo: {{stiffness: {stiffness}, damping: {damping}}}}}}}}}}}
+     directions: {{ry: {{spring: rigid, motor: {{inertia: 0, servo: {servo}}}}}}}}}
 outputs: {{joints: {{coordinates: [body_1.ry, body_2.ry]}}}}
 controlled: joints
 """
@@ -28,7 +28,7 @@ controlled: joints
 def options(folder: Path, stiffness: float, damping: float) -> tuple[str, float, str]:
     """Text of the exported file, its time step [s] and integrator."""
     file = folder / "wrist.yaml"
-    file.write_text(WRIST.format(stiffness=stiffness, damping=damping))
+    file.write_text(WRIST.format(servo=f"{{stiffness: {stiffness}, damping: {damping}}}"))
     text = export_model(load_patched(file), "mjcf").text
     option = mujoco.MjModel.from_xml_string(text).opt
     return text, option.timestep, mujoco.mjtIntegrator(option.integrator).name
