@@ -58,7 +58,8 @@ class LoadNumbers:
     @property
     def words(self) -> str:
         """The load in words."""
-        return f"{self.mass:.6g} kg at {', '.join(f'{value:.4g}' for value in self.place)} m"
+        place = ", ".join(f"{value:.4g}" for value in self.place)
+        return f"{self.mass:.6g} kg at {place} m from its joint, along the axes of the base at zero pose"
 
 
 REWRITTEN = "bodies of a base file keep their numbers; an export without a base file has these"

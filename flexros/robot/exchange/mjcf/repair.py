@@ -12,8 +12,9 @@ from flexros.input_limits import LARGEST_URDF
 from flexros.robot.exchange.joint_names import motor_joints, tagged
 from flexros.robot.exchange.mjcf.actuator_repair import ActuatorRepair
 from flexros.robot.exchange.mjcf.actuators import actuators_of, added
-from flexros.robot.exchange.mjcf.arm import MjcfArm, find_arm
-from flexros.robot.exchange.mjcf.mujoco_model import compile_file, compile_text
+from flexros.robot.exchange.mjcf.arm import ArmJoint, MjcfArm, find_arm
+from flexros.robot.exchange.mjcf.body_inertia import BodyInertia, inertia_of, point_mass
+from flexros.robot.exchange.mjcf.mujoco_model import compile_file, compile_text, mujoco_package
 from flexros.robot.exchange.number_text import number, numbers_text
 from flexros.robot.exchange.numbers import REWRITTEN, Export, NotHeld, Written, same
 from flexros.robot.exchange.xml_text import XmlElement, XmlText
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 
     from flexros.robot import Robot
     from flexros.robot.exchange.numbers import BodyNumbers, JointNumbers, RepairedNumbers
+    from flexros.robot.symbolic.chain import Joint
 
 
 def repair_mjcf(base: Path, robot: Robot, numbers: RepairedNumbers, joints: Mapping[str, str], end: str = "") -> Export:
@@ -127,20 +129,13 @@ class _Repair:
 
     def body(self, body: BodyNumbers, arm: MjcfArm, names: Mapping[str, str]) -> None:
         """Scale mass and inertia, and the weight, of the bodies that a joint carries."""
-        if body.load is not None:
-            reason = "add a body with this mass there; an export without a base file has it"
-            self.not_held.append(NotHeld(body.body, "load", body.load.words, reason))
-        if body.rewritten:
-            self.not_held.append(NotHeld(body.body, "numbers", body.rewritten, REWRITTEN))
+        if body.load is not None or body.rewritten:
+            self._numbers(body, arm, names)
         if same(body.mass_factor, 1.0) and body.weight_error == 0:
             return
         joint = next((each for each in self.robot.joints[::-1] if f"body_{each.body + 1}" == body.body), None)
-        bodies = {each.name: each.bodies for each in arm.joints}
-        carried: tuple[int, ...] = ()
-        if joint is not None:  # of an elastic gear the joint of the deflection carries the bodies
-            own = tagged(self.robot, joint.name) or joint.name
-            motor = "" if joint.motor is None else names[f"motor_{joint.motor + 1}"]
-            carried = bodies.get(own, ()) or bodies.get(motor, ())
+        carrier = None if joint is None else self._carrier(joint, arm, names)
+        carried = () if carrier is None else carrier.bodies
         if not carried:
             size = f"mass x {body.mass_factor:.6g}, weight {body.weight_error:+.6g}"
             reason = "it is not clear which bodies of the file are meant"
@@ -159,6 +154,70 @@ class _Repair:
                 if not same(before, -body.weight_error):
                     element.set("gravcomp", number(-body.weight_error))
                     self._note(body.body, "weight", f"body {label} gravcomp", before, -body.weight_error, "1")
+
+    def _carrier(self, joint: Joint, arm: MjcfArm, names: Mapping[str, str]) -> ArmJoint | None:
+        """Return the joint of the file that carries a body: that of the deflection, of an elastic gear."""
+        joints = {each.name: each for each in arm.joints}
+        own = joints.get(tagged(self.robot, joint.name) or joint.name)
+        motor = None if joint.motor is None else joints.get(names[f"motor_{joint.motor + 1}"])
+        return own if own is not None and own.bodies else motor
+
+    def _carriers(self, arm: MjcfArm, names: Mapping[str, str]) -> dict[int, ArmJoint]:
+        """Return the joint of the file that carries each body, by its index; none where the axes are others."""
+        found, frame = {}, np.eye(3)
+        for joint in (each for each in self.robot.joints if each.mode is None):
+            frame = frame @ joint.turn
+            carrier = self._carrier(joint, arm, names)
+            if carrier is None or carrier.axis != joint.axis or not np.allclose(carrier.frame, frame, atol=1e-6):
+                return {}
+            found[joint.body] = carrier
+        return found
+
+    def _numbers(self, body: BodyNumbers, arm: MjcfArm, names: Mapping[str, str]) -> None:
+        """Write mass, centre and inertia of a body with a load, or with other numbers."""
+        carrier = self._carriers(arm, names).get(int(body.body.removeprefix("body_")) - 1)
+        if carrier is None:
+            self._list_numbers(
+                body, "no joint of the file has the axes of this body; an export without a base file has it"
+            )
+            return
+        index = int(self.model.jnt_bodyid[carrier.index])
+        own, wanted = inertia_of(self.model, index), self._wanted(body, arm, carrier)
+        if not wanted.possible:
+            self._list_numbers(body, REWRITTEN)
+            return
+        label = str(self.model.body(index).name)
+        wanted.write(self._element("body", label))
+        self.expected.append(("body_mass", index, wanted.mass))
+        what = "mass" if body.load is None else f"mass with a load of {body.load.mass:.6g} kg"
+        self._note(body.body, what, f"body {label} inertial", own.mass, wanted.mass, "kg")
+        for axis, before, value in zip("xyz", own.center.tolist(), wanted.center.tolist()):
+            self._note(body.body, f"centre of mass {axis}", f"body {label} inertial pos", before, value, "m")
+
+    def _list_numbers(self, body: BodyNumbers, reason: str) -> None:
+        name, size = ("numbers", body.rewritten) if body.load is None else ("load", body.load.words)
+        self.not_held.append(NotHeld(body.body, name, size, reason))
+
+    def _wanted(self, body: BodyNumbers, arm: MjcfArm, carrier: ArmJoint) -> BodyInertia:
+        """Return the numbers, in its frame, of the body of a joint that carries a body of the robot.
+
+        Further bodies that the joint carries keep theirs.
+        """
+        index, data = int(self.model.jnt_bodyid[carrier.index]), mujoco_package().MjData(self.model)
+        mujoco_package().mj_kinematics(self.model, data)
+        axes, origin = data.xmat[index].reshape(3, 3).T, data.xpos[index]
+        turn = axes @ arm.frame.T @ carrier.frame
+        anchor = axes @ (arm.frame.T @ carrier.anchor - origin)
+        if body.load is not None:
+            place = anchor + turn @ np.array(body.load.place)
+            return inertia_of(self.model, index).plus(point_mass(body.load.mass, place))
+        spec = self.robot.spec.bodies[int(body.body.removeprefix("body_")) - 1]
+        whole = BodyInertia(spec.mass.value, np.array(spec.center_of_mass.value), spec.straight_inertia())
+        wanted = whole.moved(turn, anchor)
+        for other in (each for each in carrier.bodies if each != index):
+            relative, offset = axes @ data.xmat[other].reshape(3, 3), axes @ (data.xpos[other] - origin)
+            wanted = wanted.plus(inertia_of(self.model, other).moved(relative, offset), -1)
+        return wanted
 
     def check(self, model: Any) -> None:
         """Refuse a result in which something else of the file overrides the numbers that were written."""

@@ -109,6 +109,54 @@ def test_payload_and_weight(repair: Repair) -> None:
     assert after.body_gravcomp[after.body("fore").id] == pytest.approx(-0.1)
 
 
+LOAD = "  - {effect: tool_load, location: tool, parameters: {mass: 2, x: 0.05, y: -0.04, z: 0.1}}\n"
+DIFFERENCE = "  - {{effect: body_difference, location: {}, parameters: {{mass: {}, x: {}}}}}\n"
+TURNED = ARM.replace('euler="90 0 0">', 'euler="20 30 40">')
+
+
+@pytest.mark.parametrize("text", [ARM, TURNED], ids=["along the axes", "turned"])
+@pytest.mark.parametrize(
+    ("effect", "rows"),
+    [(LOAD, 4), (DIFFERENCE.format("body_2", 0.5, 0.01), 4), (DIFFERENCE.format("body_5", 0.1, 0.001), 4)],
+)
+def test_loads_and_numbers_of_bodies_move_the_arm_as_they_do_the_robot(
+    effect: str, rows: int, text: str, tmp_path: Path
+) -> None:
+    base, patch = tmp_path / "arm.xml", tmp_path / "patch.yaml"
+    base.write_text(text)
+    imported = robot_from_mjcf(base)
+    (tmp_path / "arm.yaml").write_text(imported.text)
+    patch.write_text(f"robot: arm.yaml\neffects:\n{FRICTION}{effect}")
+    patched = load_patched(patch)
+    exported = export_model(patched, "mjcf", base)
+    assert (len(exported.written), exported.not_held) == (rows, ())
+    model, robot = mujoco.MjModel.from_xml_string(exported.text), patched.model.robot
+    data, sign = mujoco.MjData(model), np.array([joint.sign for joint in imported.joints])
+    q, v = np.linspace(-1, 1.3, model.nv), np.linspace(2, -1, model.nv)
+    data.qpos[:] = np.array([joint.reference for joint in imported.joints]) + sign * q
+    data.qvel[:] = sign * v
+    mujoco.mj_forward(model, data)
+    theirs = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, theirs)
+    theirs, parameters = sign[:, None] * theirs * sign, robot.model.parameter_values
+    ours = np.array(robot.model.mass_matrix(q, parameters))
+    np.testing.assert_allclose(theirs, ours, rtol=0, atol=1e-8 * np.abs(ours).max())
+    force = np.array(robot.model.force(q, v, np.zeros(robot.n_motors), np.zeros(6), parameters)).ravel()
+    bias = sign * (data.qfrc_bias - data.qfrc_passive)
+    np.testing.assert_allclose(bias, -force, rtol=0, atol=1e-8 * np.abs(force).max())
+
+
+def test_a_load_on_a_file_with_other_axes_is_listed_with_its_frame(repair: Repair) -> None:
+    exported = repair(LOAD, ARM.replace('name="spring6" axis="0 1 0"', 'name="spring6" axis="1 0 0"'))
+    (lost,) = exported.not_held
+    assert "0.05, -0.04, 0.1 m from its joint, along the axes of the base at zero pose" in lost.size
+
+
+def test_a_difference_that_leaves_no_mass_for_the_body_of_the_joint_is_listed(repair: Repair) -> None:
+    exported = repair(DIFFERENCE.format("body_5", -0.6, 0.01))
+    assert [each.name for each in exported.not_held] == ["numbers"]
+
+
 def test_what_mjcf_has_no_place_for_is_listed(repair: Repair) -> None:
     exported = repair(
         "  - {effect: torque_ripple, location: motor_1, parameters: {amplitude: 0.5, order: 3}}\n"

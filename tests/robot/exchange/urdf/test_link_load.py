@@ -28,7 +28,8 @@ def test_weight_and_inertia_are_those_of_the_patch(tmp_path: Path) -> None:
     (tmp_path / "patch.yaml").write_text(PATCH)
     patched = load_patched(str(tmp_path / "patch.yaml"))
     exported = export_model(patched, "urdf", URDF)
-    assert [each.quantity for each in exported.written] == ["load of 1.5 kg at 0.01, 0.07, 0.02 m: mass"]
+    where = "0.01, 0.07, 0.02 m from its joint, along the axes of the base at zero pose"
+    assert [each.quantity for each in exported.written] == [f"load of 1.5 kg at {where}: mass"]
     (tmp_path / "loaded.urdf").write_text(exported.text)
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "loaded.urdf"))
     data = mujoco.MjData(model)
@@ -42,11 +43,15 @@ def test_weight_and_inertia_are_those_of_the_patch(tmp_path: Path) -> None:
     np.testing.assert_allclose(sign * torque, data.qfrc_inverse, rtol=1e-5, atol=1e-5)
 
 
-def test_mjcf_of_the_user_says_what_it_lacks(tmp_path: Path) -> None:
-    pytest.importorskip("mujoco")
+def test_mjcf_of_the_user_has_it_as_a_new_file(tmp_path: Path) -> None:
+    mujoco = pytest.importorskip("mujoco")
     (tmp_path / "ur5e.yaml").write_text(skeleton_from_urdf(URDF))
     (tmp_path / "patch.yaml").write_text(PATCH)
     base = tmp_path / "base.xml"
     base.write_text(export_model(load_patched(str(tmp_path / "ur5e.yaml")), "mjcf").text)
-    exported = export_model(load_patched(str(tmp_path / "patch.yaml")), "mjcf", base)
-    assert [each.name for each in exported.not_held] == ["load"]
+    patched = load_patched(str(tmp_path / "patch.yaml"))
+    exported, new = export_model(patched, "mjcf", base), export_model(patched, "mjcf")
+    assert exported.not_held == ()
+    ours, theirs = (mujoco.MjModel.from_xml_string(each.text) for each in (exported, new))
+    for array in ("body_mass", "body_ipos", "body_inertia"):
+        np.testing.assert_allclose(getattr(ours, array), getattr(theirs, array), rtol=1e-9, atol=1e-12, err_msg=array)

@@ -1,0 +1,91 @@
+"""Mass, centre and inertia of bodies of an MJCF: read, joined, and written into the file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexros.robot.exchange.mjcf.mujoco_model import mujoco_package
+from flexros.robot.exchange.number_text import number, numbers_text
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+    from flexros.robot.exchange.xml_text import XmlElement
+
+_ORIENTATIONS = ("quat", "axisangle", "xyaxes", "zaxis", "euler", "diaginertia")
+"""Attributes of <inertial> that full inertias replace."""
+_ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+
+
+@dataclass(frozen=True, eq=False)
+class BodyInertia:
+    """Mass, centre and inertia in the frame of a body.
+
+    Attributes:
+        mass: Mass [kg].
+        center: Centre of mass [m], shape (3,).
+        inertia: Inertia about it [kg m2], shape (3, 3).
+    """
+
+    mass: float
+    center: FloatArray
+    inertia: FloatArray
+
+    @property
+    def possible(self) -> bool:
+        """Whether a body can have them: positive, and no moment above the sum of the others."""
+        moments = np.linalg.eigvalsh(self.inertia)
+        return bool(self.mass > 0 and moments[0] > 0 and moments[2] <= (1 + 1e-9) * (moments[0] + moments[1]))
+
+    def moved(self, turn: FloatArray, place: FloatArray) -> BodyInertia:
+        """Return them in another frame.
+
+        Args:
+            turn: Rotation from this frame to the other one, shape (3, 3).
+            place: Origin of this frame in the other one [m], shape (3,).
+        """
+        return BodyInertia(self.mass, place + turn @ self.center, turn @ self.inertia @ turn.T)
+
+    def plus(self, other: BodyInertia, sign: int = 1) -> BodyInertia:
+        """Return those of both bodies, or without the other one (sign -1), in their common frame."""
+        mass = self.mass + sign * other.mass
+        center = (self.mass * self.center + sign * other.mass * other.center) / mass if mass else self.center
+        inertia = self.inertia + sign * other.inertia
+        inertia = inertia + _about(self.mass, self.center - center) + _about(sign * other.mass, other.center - center)
+        return BodyInertia(mass, center, inertia)
+
+    def write(self, element: XmlElement) -> None:
+        """Write them into the element <body>."""
+        attributes = {
+            "pos": numbers_text(self.center),
+            "mass": number(self.mass),
+            "fullinertia": numbers_text(float(self.inertia[entry]) for entry in _ENTRIES),
+        }
+        inertial = element.find("inertial")
+        if inertial is None:
+            element.add("inertial", attributes)
+            return
+        for name in _ORIENTATIONS:
+            inertial.remove(name)
+        for name, value in attributes.items():
+            inertial.set(name, value)
+
+
+def point_mass(mass: float, place: FloatArray) -> BodyInertia:
+    """Return the numbers of a point mass [kg] at a place [m], shape (3,)."""
+    return BodyInertia(mass, place, np.zeros((3, 3)))
+
+
+def inertia_of(model: Any, body: int) -> BodyInertia:
+    """Return the numbers of a body of a compiled model, in its frame."""
+    turn = np.zeros(9)
+    mujoco_package().mju_quat2Mat(turn, model.body_iquat[body])
+    axes = turn.reshape(3, 3)
+    inertia = axes @ np.diag(model.body_inertia[body]) @ axes.T
+    return BodyInertia(float(model.body_mass[body]), np.array(model.body_ipos[body]), inertia)
+
+
+def _about(mass: float, offset: FloatArray) -> FloatArray:
+    return np.asarray(mass * (offset @ offset * np.eye(3) - np.outer(offset, offset)))
