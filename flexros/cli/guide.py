@@ -134,7 +134,14 @@ def _after_import_urdf(given: Mapping[str, Any], _: int) -> str:
 
 
 def _after_import_mjcf(given: Mapping[str, Any], _: int) -> str:
-    return f"flexros run diagnosis --model {word(given['out'])} --out log    a run of it"
+    out = Path(given["out"])
+    patch = Path(given["patch"] or out.with_name(f"{out.stem}_patch.yaml"))
+    run = "flexros run diagnosis --model"
+    if patch.exists() and patch.stat().st_mtime_ns >= out.stat().st_mtime_ns:  # written after the robot file
+        return (
+            f"{run} {word(patch)} --out log    a run of it; {word(out)} is the robot without the effects of the patch"
+        )
+    return f"{run} {word(out)} --out log    a run of it"
 
 
 def _after_export(given: Mapping[str, Any], _: int) -> str:

@@ -37,6 +37,16 @@ def test_import_writes_robot_and_patch(flexros: Flexros, base: Path, tmp_path: P
     assert (again.code, "exists already" in again.err) == (2, True)
 
 
+def test_what_comes_next_is_the_patch_with_the_friction(flexros: Flexros, base: Path, tmp_path: Path) -> None:
+    out, plain = tmp_path / "arm.yaml", tmp_path / "plain.yaml"
+    ended = flexros("import-mjcf", str(base), "--out", str(out))
+    assert f"--model {tmp_path / 'arm_patch.yaml'} --out log" in ended.err
+    assert f"{out} is the robot without" in ended.err
+    base.write_text(ARM.replace("frictionloss", "user"))
+    ended = flexros("import-mjcf", str(base), "--out", str(plain))
+    assert f"--model {plain} --out log" in ended.err
+
+
 def test_import_names_the_option_of_the_end_body(flexros: Flexros, base: Path, tmp_path: Path) -> None:
     ended = flexros("import-mjcf", str(base), "--out", str(tmp_path / "a.yaml"), "--end", "hnd")
     assert ended.code == 2

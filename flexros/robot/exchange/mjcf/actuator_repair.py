@@ -149,10 +149,10 @@ class ActuatorRepair:
         if element.tag == "general" and changed:
             stiff, damped = wanted["stiffness"] / squared, wanted["damping"] / squared
             element.set("gainprm", numbers_text([stiff, *self.model.actuator_gainprm[index, 1:3]]))
-            element.set("biasprm", numbers_text([0.0, -stiff, -damped]))
+            element.set("biasprm", numbers_text([self.bias[index, 0], -stiff, -damped]))
         if changed:
             self.gain[index, 0] = wanted["stiffness"] / squared
-            self.bias[index] = 0.0, -wanted["stiffness"] / squared, -wanted["damping"] / squared
+            self.bias[index, 1:] = -wanted["stiffness"] / squared, -wanted["damping"] / squared
         if "damping" in changed:
             element.remove("dampratio")
         for kind in changed:

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from flexros.robot.exchange.mjcf.mujoco_model import mujoco_package
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
 
 
 @dataclass(frozen=True)
@@ -23,6 +26,10 @@ class JointActuator:
         gain: Torque per control, of the first [Nm or N per unit of the control].
         kp: Proportional gain of a position servo [Nm/rad or N/m], 0 for none.
         follows: Whether it is a servo whose control is the position of the joint, times its gear.
+        constant: Torque without a control [Nm or N].
+        variable: Gains that depend on position or speed, or a law of another kind, in words; empty for none.
+        cut: Controls of a servo that MuJoCo cuts: the smallest and the largest that it takes, None for no limit.
+        uneven: Ranges of torque whose sides differ, by their attribute [Nm or N].
         kv: Gain of the speed [Nm s/rad or N s/m], 0 for none.
         delay: Delay of the control [s].
         time_constant: Time constant of a first-order lag [s], 0 for none.
@@ -39,6 +46,10 @@ class JointActuator:
     follows: bool
     delay: float
     time_constant: float
+    constant: float
+    variable: str
+    cut: tuple[float, float] | None
+    uneven: dict[str, tuple[float, float]]
 
 
 def actuators_of(model: Any, joint: int) -> list[int]:
@@ -75,10 +86,13 @@ def joint_actuator(model: Any, joint: int) -> JointActuator | None:
         follows=servo
         and int(model.actuator_dyntype[first]) in {int(enums.mjtDyn.mjDYN_NONE), *lags}
         and biases[1] < 0
-        and biases[0] == 0
         and bool(np.isclose(gains[0], -biases[1], rtol=1e-9)),
         delay=float(np.max(getattr(model, "actuator_delay", np.zeros(model.nu))[found])),
         time_constant=float(model.actuator_dynprm[first, 0]) if int(model.actuator_dyntype[first]) in lags else 0.0,
+        constant=float(biases[0]) * gear if servo else 0.0,
+        variable=_variable(model, first),
+        cut=_pair(model.actuator_ctrlrange[first]) if servo and model.actuator_ctrllimited[first] else None,
+        uneven={key: (low, high) for key, low, high in _ranges(model, joint, first, servo) if low != -high},
     )
 
 
@@ -88,14 +102,39 @@ def added(model: Any, actuators: list[int], name: str) -> float:
     return float(np.sum(values[actuators] * model.actuator_gear[actuators, 0] ** 2))
 
 
+def _variable(model: Any, actuator: int) -> str:
+    """Return in words what of an actuator is no constant gain and no linear law."""
+    enums = mujoco_package()
+    gain, bias = enums.mjtGain(model.actuator_gaintype[actuator]), enums.mjtBias(model.actuator_biastype[actuator])
+    slopes = model.actuator_gainprm[actuator, 1:3]
+    if gain == enums.mjtGain.mjGAIN_AFFINE and np.any(slopes):
+        return f"{slopes[0]:.6g} per position, {slopes[1]:.6g} per speed"
+    if gain not in (enums.mjtGain.mjGAIN_FIXED, enums.mjtGain.mjGAIN_AFFINE):
+        return f"gaintype {gain.name.rpartition('_')[2].lower()}"
+    if bias not in (enums.mjtBias.mjBIAS_NONE, enums.mjtBias.mjBIAS_AFFINE):
+        return f"biastype {bias.name.rpartition('_')[2].lower()}"
+    return ""
+
+
 def _torque_limit(model: Any, joint: int, actuators: list[int], servo: bool) -> float | None:
-    limits = []
-    first = actuators[0]
-    gear, gain = abs(float(model.actuator_gear[first, 0])), abs(float(model.actuator_gainprm[first, 0]))
-    if model.actuator_forcelimited[first]:
-        limits.append(gear * float(np.abs(model.actuator_forcerange[first]).max()))
-    if model.actuator_ctrllimited[first] and not servo:
-        limits.append(gear * gain * float(np.abs(model.actuator_ctrlrange[first]).max()))
-    if model.jnt_actfrclimited[joint]:
-        limits.append(float(np.abs(model.jnt_actfrcrange[joint]).max()))
+    """Return the least of the ranges that limit the torque, each by its larger side [Nm or N]; None for no limit."""
+    limits = [max(abs(low), abs(high)) for _, low, high in _ranges(model, joint, actuators[0], servo)]
     return min((limit for limit in limits if limit > 0), default=None)
+
+
+def _ranges(model: Any, joint: int, first: int, servo: bool) -> list[tuple[str, float, float]]:
+    """Return the ranges that limit the torque of a joint, by their attribute [Nm or N]."""
+    found = []
+    gear, gain = float(model.actuator_gear[first, 0]), float(model.actuator_gainprm[first, 0])
+    if model.actuator_forcelimited[first]:
+        found.append(("forcerange", *_pair(gear * model.actuator_forcerange[first])))
+    if model.actuator_ctrllimited[first] and not servo:
+        found.append(("ctrlrange", *_pair(gear * gain * model.actuator_ctrlrange[first])))
+    if model.jnt_actfrclimited[joint]:
+        found.append(("actuatorfrcrange", *_pair(model.jnt_actfrcrange[joint])))
+    return found
+
+
+def _pair(values: FloatArray) -> tuple[float, float]:
+    low, high = sorted(float(value) + 0.0 for value in values)  # no negative zero
+    return low, high

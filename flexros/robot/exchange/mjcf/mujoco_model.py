@@ -32,7 +32,8 @@ def mujoco_package() -> Any:
 def compile_file(file: Path) -> Any:
     """Return the compiled model (mujoco.MjModel) of an MJCF.
 
-    Meshes and pictures whose files are missing are left out, unless the inertia of a body depends on them.
+    What its flags disable is zero: damping, stiffness, dry friction. Meshes and pictures whose files are missing are
+    left out, unless the inertia of a body depends on them.
 
     Raises:
         InputError: No MJCF, a mesh is missing that gives a body its inertia, or MuJoCo refuses it or is not installed.
@@ -77,7 +78,25 @@ def _compile(specification: Any, folder: Path, source: str) -> Any:
             for material in specification.materials:
                 material.textures = ["" if name == texture.name else name for name in material.textures]
             specification.delete(texture)
-    return specification.compile()
+    model = specification.compile()
+    _switch_off(model)
+    return model
+
+
+def _switch_off(model: Any) -> None:
+    """Set to zero what the flags of a model disable: dampers, springs, dry friction, limits of controls."""
+    flags, bits = int(model.opt.disableflags), mujoco_package().mjtDisableBit
+    passive = "PASSIVE" if hasattr(bits, "mjDSBL_PASSIVE") else ""  # one flag for both in earlier versions
+    rows = (
+        (passive or "DAMPER", ("dof_damping", "dof_dampingpoly")),
+        (passive or "SPRING", ("jnt_stiffness", "jnt_stiffnesspoly")),
+        ("FRICTIONLOSS", ("dof_frictionloss",)),
+        ("CLAMPCTRL", ("actuator_ctrllimited",)),
+    )
+    for flag, arrays in rows:
+        if flags & int(getattr(bits, f"mjDSBL_{flag}")):
+            for array in (each for each in arrays if hasattr(model, each)):
+                getattr(model, array)[:] = 0
 
 
 def _is_missing(name: str, assets: str, folder: Path) -> bool:

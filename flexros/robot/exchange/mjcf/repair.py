@@ -228,7 +228,7 @@ class _Repair:
                 raise InputError(
                     f"{self.source}: {array.split('_')[1]} of {owner.name} was set to {wanted:.6g}, but MuJoCo makes "
                     f"it {found:.6g}: another setting overrides it, such as inertiafromgeom or settotalmass of "
-                    "<compiler>; remove that setting"
+                    "<compiler>, or a <flag> that disables it; remove that setting"
                 )
         self.actuators.check(model)
 

@@ -79,6 +79,12 @@ def test_repaired_gains_are_written_back(actuator: str, tmp_path: Path) -> None:
     assert exported.not_held == ()
 
 
+def test_a_constant_torque_of_a_servo_stays_with_new_gains(tmp_path: Path) -> None:
+    exported = repaired(tmp_path, GENERAL.replace("0 -100 -5", "3 -100 -5"))
+    model = mujoco.MjModel.from_xml_string(exported.text)
+    assert model.actuator_biasprm[0, :3] == pytest.approx([3.0, -80.0, -5.0])
+
+
 def test_a_torque_constant_scales_gains_and_limit_of_a_servo(tmp_path: Path) -> None:
     stronger = SOFTER.replace("servo_stiffness_error", "torque_gain_error").replace("-0.2", "0.5")
     exported = repaired(tmp_path, POSITION.replace("/>", ' forcerange="-4 4"/>'), stronger)
