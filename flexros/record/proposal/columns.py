@@ -64,7 +64,7 @@ def table_signals(names: Sequence[str], file: str, *, timed: bool = True) -> Fou
     signals: dict[str, dict[str, str]] = defaultdict(dict)
     ignored, times, group = {}, list[str](), _group(names)
     for name in names:
-        words = _words(name.removeprefix(group))
+        words = name_words(name.removeprefix(group))
         if words and words[0] in _TIMES and set(words) <= _TIMES | set(_SECONDS):
             times.append(name)
             continue
@@ -100,7 +100,8 @@ def table_signals(names: Sequence[str], file: str, *, timed: bool = True) -> Fou
     )
 
 
-def _words(name: str) -> list[str]:
+def name_words(name: str) -> list[str]:
+    """Return the words and numbers of a name in lower case, e.g. fr, hip and 2 of FR_hip2."""
     return [token.lower() for token in _TOKEN.findall(name)]
 
 
@@ -109,7 +110,7 @@ def _group(names: Sequence[str]) -> str:
     group = ""
     while names and all("." in name.removeprefix(group) for name in names):
         longer = {name[: name.index(".", len(group)) + 1] for name in names}
-        if len(longer) > 1 or (_KIND.keys() | _TIMES) & {*_words(min(longer)[len(group) :])}:
+        if len(longer) > 1 or (_KIND.keys() | _TIMES) & {*name_words(min(longer)[len(group) :])}:
             break
         group = min(longer)
     return group

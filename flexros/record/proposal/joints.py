@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from flexros.errors import InputError
+from flexros.record.proposal.columns import name_words
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -35,6 +36,9 @@ class JointMatch:
 def match_joints(robot: Robot | None, joints: Sequence[str], bag: str) -> tuple[JointMatch, ...]:
     """Match the motors of a robot to the joints of a bag: by name, by the end of a prefixed name, else by order.
 
+    Names whose words are the same are the same name, as `Wrist_Pitch` and `wrist_pitch`, unless two motors differ by
+    them: tables write the names of joints in many ways.
+
     Args:
         robot: The model; one made from a URDF has the names of its joints as tags. None: each joint is a motor.
         joints: Joints of the bag.
@@ -52,11 +56,9 @@ def match_joints(robot: Robot | None, joints: Sequence[str], bag: str) -> tuple[
     }
     matches = []
     for motor, name in wanted.items():
-        ends = [joint for joint in joints if joint.endswith(name) and joint[-len(name) - 1 : -len(name)] in ("_", "/")]
-        if name in joints:
-            matches.append(JointMatch(motor, name, signs[motor], "name"))
-        elif len(ends) == 1:
-            matches.append(JointMatch(motor, ends[0], signs[motor], "end of the name"))
+        found = _named(name, joints) or _alike(name, joints, list(wanted.values()))
+        if found is not None:
+            matches.append(JointMatch(motor, found[0], signs[motor], found[1]))
     if len(matches) == robot.n_motors:
         return tuple(matches)
     if not matches and len(joints) == robot.n_motors:
@@ -66,3 +68,23 @@ def match_joints(robot: Robot | None, joints: Sequence[str], bag: str) -> tuple[
         f"{bag} has the joints {', '.join(joints)}, and none of them is {missing} of robot {robot.name}; give the "
         "model of the robot in the bag, or write a mapping file"
     )
+
+
+def _named(name: str, joints: Sequence[str]) -> tuple[str, Found] | None:
+    """Return the joint of a name, or the only one that ends with it behind a prefix."""
+    if name in joints:
+        return name, "name"
+    ends = [joint for joint in joints if joint.endswith(name) and joint[-len(name) - 1 : -len(name)] in ("_", "/")]
+    return (ends[0], "end of the name") if len(ends) == 1 else None
+
+
+def _alike(name: str, joints: Sequence[str], names: Sequence[str]) -> tuple[str, Found] | None:
+    """Return the only joint with the words of a name, or that ends with them; None where two names have these words."""
+    words = name_words(name)
+    if not words or sum(name_words(other) == words for other in names) > 1:
+        return None
+    same = [joint for joint in joints if name_words(joint) == words]
+    ends = [joint for joint in joints if name_words(joint)[-len(words) :] == words]
+    if len(same or ends) != 1:
+        return None
+    return (same[0], "name") if same else (ends[0], "end of the name")

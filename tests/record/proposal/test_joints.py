@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import pytest
 
 from flexros.errors import InputError
 from flexros.record.proposal.joints import match_joints
-from flexros.robot import load_robot
+from flexros.robot import load_robot, robot_from_data
+
+if TYPE_CHECKING:
+    from flexros.robot import Robot
 
 
 def test_order_of_the_messages_does_not_matter() -> None:
@@ -30,3 +35,35 @@ def test_unknown_names_by_order() -> None:
 def test_half_known_names_are_refused() -> None:
     with pytest.raises(InputError, match="motor_2"):
         match_joints(load_robot("elbow"), ["motor_1", "b"], "bag")
+
+
+def test_capitals_of_a_name_do_not_matter() -> None:
+    robot = _elbow_with_joints("Rotation", "FR_wristJaw2")
+    matches = match_joints(robot, ["fr_wrist_jaw_2", "rotation"], "table")
+    assert [(m.joint, m.found) for m in matches] == [("rotation", "name"), ("fr_wrist_jaw_2", "name")]
+
+
+def test_capitals_behind_a_prefix_do_not_matter() -> None:
+    matches = match_joints(_elbow_with_joints("Pitch", "Jaw"), ["arm_jaw", "arm_pitch"], "table")
+    assert [(m.joint, m.found) for m in matches] == [
+        ("arm_pitch", "end of the name"),
+        ("arm_jaw", "end of the name"),
+    ]
+
+
+def test_a_name_alike_precedes_one_that_ends_alike() -> None:
+    matches = match_joints(_elbow_with_joints("Pitch", "Wrist_Pitch"), ["wrist_pitch", "pitch"], "table")
+    assert [m.joint for m in matches] == ["pitch", "wrist_pitch"]
+
+
+def test_names_that_differ_in_capitals_alone_need_them() -> None:
+    robot = _elbow_with_joints("jaw", "Jaw")
+    assert [m.joint for m in match_joints(robot, ["Jaw", "jaw"], "bag")] == ["jaw", "Jaw"]
+    with pytest.raises(InputError, match="none of them is Jaw"):
+        match_joints(robot, ["jaw"], "table")
+
+
+def _elbow_with_joints(first: str, second: str) -> Robot:
+    robot = load_robot("elbow")
+    tags = {"motor_1.joint": first, "motor_2.joint": second}
+    return robot_from_data(robot.spec.model_copy(update={"tags": tags}).model_dump(), "elbow")
