@@ -40,7 +40,8 @@ def match_joints(robot: Robot | None, joints: Sequence[str], bag: str) -> tuple[
     them: tables write the names of joints in many ways.
 
     Args:
-        robot: The model; one made from a URDF has the names of its joints as tags. None: each joint is a motor.
+        robot: The model; one made from a URDF or an MJCF has the names of its joints as tags. None: each joint is a
+            motor.
         joints: Joints of the bag.
         bag: The bag, for error messages.
 

@@ -95,7 +95,7 @@ def about_signs(matches: Sequence[JointMatch], turned: TurnedJoints | None = Non
     signs, why = "all joints count as in the log", "no axis of the robot file is said to be opposite"
     if against:
         signs = f"{', '.join(against)} with the opposite sign, all others as in the log"
-        why = "the axis of the URDF points against that of the robot file there"
+        why = "the axis in the URDF or MJCF points against that of the robot file there"
     if turned is not None:
         names, *others = (
             ", ".join(matches[motor].joint for motor in motors) for motors in (turned.motors, *turned.alike)
