@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -50,25 +50,30 @@ _FASTEST, _SLOWEST = 50_000.0, 2.0
 """Rates between which a log is expected, by which the unit of its times is told [Hz] (chosen)."""
 
 
-def table_signals(names: Sequence[str], file: str, *, timed: bool = True) -> FoundSignals:
+def table_signals(
+    names: Sequence[str], file: str, *, timed: bool = True, commands: Literal["position", "torque"] = "position"
+) -> FoundSignals:
     """Find time, states, commands and references among the columns of a table.
 
     Args:
         names: Names of its columns.
         file: The file, for error messages.
         timed: Whether a column has the times; else the rate is known.
+        commands: What commands are whose names say no quantity, as cmd1.
 
     Raises:
         InputError: No column is a time though one should be, or none a position.
     """
     signals: dict[str, dict[str, str]] = defaultdict(dict)
-    ignored, times, group = {}, list[str](), _group(names)
+    ignored, times, unnamed, group = {}, list[str](), dict[str, str](), _group(names)
     for name in names:
         words = name_words(name.removeprefix(group))
         if words and words[0] in _TIMES and set(words) <= _TIMES | set(_SECONDS):
             times.append(name)
             continue
-        quantity, joint = _meaning(words)
+        quantity, joint = _meaning(words, commands)
+        if quantity and not _KIND.keys() & set(words):
+            unnamed.setdefault(joint, name)
         if quantity is None:
             ignored[name] = joint
         elif joint in signals[quantity]:
@@ -95,9 +100,8 @@ def table_signals(names: Sequence[str], file: str, *, timed: bool = True) -> Fou
     if "reference_position" in signals and not signals.keys() & set(TORQUES):
         signals["position_command"] = signals.pop("reference_position")  # nothing else drives the robot
     ordered = {quantity: dict(sorted(own.items(), key=_place)) for quantity, own in signals.items() if own}
-    return FoundSignals(
-        file, ordered, ignored, of_table=True, time=times[0] if timed else "", currents=frozenset(currents)
-    )
+    time = times[0] if timed else ""
+    return FoundSignals(file, ordered, ignored, True, time, frozenset(currents), unnamed)
 
 
 def name_words(name: str) -> list[str]:
@@ -116,12 +120,17 @@ def _group(names: Sequence[str]) -> str:
     return group
 
 
-def _meaning(words: Sequence[str]) -> tuple[str | None, str]:
-    """Return quantity and joint by the words of a name, or None and why there is none."""
+def _meaning(words: Sequence[str], commands: str) -> tuple[str | None, str]:
+    """Return quantity and joint by the words of a name, or None and why there is none.
+
+    Args:
+        words: The words.
+        commands: Quantity of a command whose words say none.
+    """
     kinds = [_KIND[word] for word in words if word in _KIND]
     kinds = [kind for kind in kinds if kind != "current"] or kinds  # the present one, as in current_position
     if not kinds and _WANTED & set(words) - {"d"}:
-        kinds = ["position"]  # as in cmd1
+        kinds = [commands]  # as in cmd1
     if not kinds:
         return None, "its name says no quantity"
     if states := [word for word in words if word in _STATES]:

@@ -21,6 +21,7 @@ class FoundSignals:
         time: Column of the times of a table; empty for a bag, whose messages have stamps, and for a table whose rate is
             known.
         currents: Quantities of torques whose signals are currents, by their names.
+        unnamed: Columns by joint of the file that are commands, but whose names say no quantity.
     """
 
     states: str
@@ -29,6 +30,7 @@ class FoundSignals:
     of_table: bool = False
     time: str = ""
     currents: frozenset[str] = frozenset()
+    unnamed: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def joints(self) -> tuple[str, ...]:

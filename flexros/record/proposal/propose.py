@@ -29,7 +29,15 @@ from flexros.record.proposal.motion_units import (
 )
 from flexros.record.proposal.topics import bag_topics
 from flexros.record.proposal.turned_joints import turned_joints
-from flexros.record.proposal.words import about_effort, about_joints, about_rate, about_signs, about_topics
+from flexros.record.proposal.unnamed_commands import UnnamedCommands
+from flexros.record.proposal.words import (
+    about_commands,
+    about_effort,
+    about_joints,
+    about_rate,
+    about_signs,
+    about_topics,
+)
 from flexros.record.read import MOST_LOST, read_record
 from flexros.robot import robot_from_data
 from flexros.robot.exchange.urdf.robot_import import skeleton_from_text
@@ -39,6 +47,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from flexros.arrays import FloatArray
+    from flexros.logs.foreign.signal_source import AbstractSignalSource
     from flexros.logs.time_series import Log
     from flexros.record.proposal.found_signals import FoundSignals
     from flexros.record.proposal.joints import JointMatch
@@ -104,6 +113,9 @@ def propose_mapping(
         raise InputError(f"{bag} is a bag, whose messages have times: leave the rate out", "rate")
     clock = None if rate is None else validate(Clock, {"rate": rate}, str(bag))
     topics = bag_topics(source.names, str(bag)) if of_bag else table_signals(source.names, str(bag), timed=rate is None)
+    unnamed = _unnamed_commands(source, topics)
+    if unnamed is not None and unnamed.quantity == "torque":
+        topics = table_signals(source.names, str(bag), timed=rate is None, commands="torque")
     matches = match_joints(robot, topics.joints, str(bag))
     wanted = [topics.signals[quantity][m.joint] for quantity, m in _pairs(topics, matches)]
     signals = source.read(list(dict.fromkeys(wanted)))
@@ -113,7 +125,17 @@ def propose_mapping(
         signals = _usable_rows(signals, times * TIME_UNITS[clock.unit])
     elif rate is not None:
         signals = _usable_rows(signals, np.arange(len(next(iter(signals.values())).values)) / rate)
-    return _Proposer(bag, robot, topics, matches, signals, say, clock).proposal()
+    return _Proposer(bag, robot, topics, matches, signals, say, clock, unnamed).proposal()
+
+
+def _unnamed_commands(source: AbstractSignalSource, topics: FoundSignals) -> UnnamedCommands | None:
+    """Tell by their values what commands are whose names say no quantity; None for none with a position."""
+    positions = topics.signals["position"]
+    pairs = [(column, positions[joint]) for joint, column in topics.unnamed.items() if joint in positions]
+    if not pairs:
+        return None
+    read = source.read([name for pair in pairs for name in pair])
+    return UnnamedCommands.of(*([read[name].values for name in names] for names in zip(*pairs, strict=True)))
 
 
 def _usable_rows(signals: Mapping[str, Signal], time: FloatArray) -> dict[str, Signal]:
@@ -145,9 +167,10 @@ class _Proposer:
         signals: Mapping[str, Signal],
         say: Callable[[str], None],
         clock: Clock | None,
+        unnamed: UnnamedCommands | None,
     ) -> None:
         self.bag, self.robot, self.topics, self.matches, self.signals = bag, robot, topics, matches, signals
-        self.say, self.clock = say, clock
+        self.say, self.clock, self.unnamed = say, clock, unnamed
         self.assumptions: list[Assumption] = []
         self.left_out: dict[str, str] = dict(topics.ignored)
         self.units: dict[str, str] = {}
@@ -166,6 +189,9 @@ class _Proposer:
         if len(first) < FEWEST or not first[-1] > first[0]:
             raise InputError(f"{self.bag} has fewer than {FEWEST} positions with increasing times; give a longer log")
         self.assumptions += about_topics(self.topics, self.quantities, [match.joint for match in self.matches])
+        if self.unnamed is not None:
+            columns = [column for joint, column in self.topics.unnamed.items() if joint in self.topics.joints]
+            self.assumptions.append(about_commands(columns, self.unnamed))
         self.assumptions.append(about_rate(first, self.clock))
         self.assumptions.append(about_joints(self.robot, self.matches))
         if self.robot is not None:
@@ -201,9 +227,10 @@ class _Proposer:
         mapping = self._mapping()
         return Proposal(mapping, tuple(self.assumptions), log, self.robot)
 
-    @property
-    def _said(self) -> str:
+    def _said(self, quantity: str) -> str:
         """What says that efforts are torques in Nm."""
+        if quantity == "torque_command" and self.unnamed is not None and self.unnamed.quantity == "torque":
+            return "values far from the positions say so"
         return "names of columns say so" if self.clock else "sensor_msgs says so"
 
     def _values(self, quantity: str, match: JointMatch) -> Signal:
@@ -297,7 +324,7 @@ class _Proposer:
                 self._leave_out(quantity, "a current needs a torque constant: give a model, or map it by hand")
             return True
         if self.robot is None:
-            ground = f"{self._said}; without a model nothing shows it: some drivers fill in currents"
+            ground = f"{self._said(torques[0])}; without a model nothing shows it: some drivers fill in currents"
             self.assumptions.append(Assumption("effort", "torques in Nm", ground, False))
             return False
         changed = False
@@ -315,7 +342,7 @@ class _Proposer:
                 self.signs[quantity, motor] = -1 if sign < 0 else 1
             if found.unit == "A":
                 self.scales |= {f"{quantity}.{m}": s for m, s in zip(self.robot.joint_names, found.scale, strict=True)}
-            self.assumptions.append(about_effort(name, found, self.robot, self._said))
+            self.assumptions.append(about_effort(name, found, self.robot, self._said(quantity)))
             changed |= found.unit != "Nm" or min(found.signs) < 0
             self.agrees |= bool(found.compared) and found.unit == "Nm"
         return changed

@@ -8,6 +8,7 @@ import numpy as np
 
 from flexros.record.missing_samples import PAUSE
 from flexros.record.proposal.assumption import Assumption
+from flexros.record.proposal.unnamed_commands import NEAR
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from flexros.record.proposal.found_signals import FoundSignals
     from flexros.record.proposal.joints import JointMatch
     from flexros.record.proposal.turned_joints import TurnedJoints
+    from flexros.record.proposal.unnamed_commands import UnnamedCommands
     from flexros.robot import Robot
 
 STATES = ("position", "velocity", "measured_torque")
@@ -45,6 +47,20 @@ def about_topics(topics: FoundSignals, quantities: Iterable[str], joints: Sequen
             name = topics.signals[quantity][joint].split(".")[0]
             found.append(Assumption("topics", f"{name} holds the {_words(quantity)}", "name and fields of it", True))
     return found
+
+
+def about_commands(columns: Iterable[str], found: UnnamedCommands) -> Assumption:
+    """State what commands are whose names say no quantity.
+
+    Args:
+        columns: Their columns.
+        found: What the comparison with the positions shows.
+    """
+    ground = (
+        f"the names do not say it; the rms of their values minus the measured positions is {found.distance:.2g} times "
+        f"the rms of these, and that of commands of positions is within {NEAR:g} times"
+    )
+    return Assumption("commands", f"{', '.join(columns)}: {found.quantity} commands", ground, found.clear)
 
 
 def about_rate(time: FloatArray, clock: Clock | None = None) -> Assumption:

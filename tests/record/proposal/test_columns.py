@@ -70,6 +70,16 @@ def test_commands_of_positions_drive_the_robot_where_nothing_else_does(names: li
     )
 
 
+def test_commands_that_say_no_quantity_may_be_torques() -> None:
+    found = table_signals(["t", "q_0", "cmd_0", "q_des_0"], "log.csv", commands="torque")
+    assert found.unnamed == {"0": "cmd_0"}
+    assert {quantity: own["0"] for quantity, own in found.signals.items()} == {
+        "position": "q_0",
+        "torque_command": "cmd_0",
+        "reference_position": "q_des_0",
+    }
+
+
 def test_current_may_mean_present() -> None:
     found = table_signals(["t", "current_position1", "current_torque1"], "log.csv")
     assert (set(found.signals), found.currents) == ({"position", "measured_torque"}, set())

@@ -217,3 +217,29 @@ def test_position_commands_without_a_torque_are_said_to_drive_the_servos(tmp_pat
     np.savetxt(file, rows, delimiter=",", header="t,position,goal_position", comments="")
     (effort,) = about(propose_mapping(file, None), "effort")
     assert effort.taken == "no torque: the position commands drive the servos of the robot file"
+
+
+def test_commands_that_say_no_quantity_are_torques_far_from_the_positions(tmp_path: Path) -> None:
+    found = propose_mapping(_commanded(tmp_path, 30.0), None)
+    assert {(one.column, one.quantity) for one in found.mapping.columns if one.column.startswith("cmd")} == {
+        ("cmd_A", "torque_command"),
+        ("cmd_B", "torque_command"),
+    }
+    (commands,) = about(found, "commands")
+    assert (commands.taken, commands.checked) == ("cmd_A, cmd_B: torque commands", True)
+    assert "values far from the positions say so" in about(found, "effort")[0].ground
+
+
+def test_commands_that_say_no_quantity_are_positions_near_the_positions(tmp_path: Path) -> None:
+    found = propose_mapping(_commanded(tmp_path, 1.05), None)
+    assert "position_command" in {one.quantity for one in found.mapping.columns}
+    assert about(found, "commands")[0].taken == "cmd_A, cmd_B: position commands"
+
+
+def _commanded(folder: Path, size: float) -> Path:
+    """Write commands of some size over the positions, with a joint that has no position."""
+    time = np.arange(500) / 100
+    q = np.column_stack([np.sin(time), np.cos(time)])
+    rows = np.column_stack([time, q, size * q, 100 * time])
+    np.savetxt(folder / "run.csv", rows, delimiter=",", header="t,q_A,q_B,cmd_A,cmd_B,cmd_gripper", comments="")
+    return folder / "run.csv"
