@@ -56,12 +56,13 @@ def list_parameters(specification: RobotSpecification) -> dict[str, Parameter]:
     found: dict[str, Parameter] = {}
     for name, path, quantity, component in _quantities(specification):
         value = quantity.value if isinstance(quantity, Quantity) else quantity.value[component]
+        default = specification.defaults.tolerance_of(length="length" in path)
         found[name] = Parameter(
             name=name,
             value=float(value),
             unit=quantity.unit,
             source=quantity.source or specification.defaults.source,
-            tolerance=specification.defaults.tolerance if quantity.tolerance is None else quantity.tolerance,
+            tolerance=default if quantity.tolerance is None else quantity.tolerance,
             path=path,
         )
     return found

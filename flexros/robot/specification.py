@@ -284,6 +284,13 @@ class Defaults(Settings):
 
     source: str = ""
     tolerance: float = Field(0.0, ge=0, description="one standard deviation, relative")
+    length_tolerance: float | None = Field(
+        None, ge=0, description="the same of the lengths of bodies, which a drawing states; default: `tolerance`"
+    )
+
+    def tolerance_of(self, *, length: bool) -> float:
+        """Return the tolerance of a value that states none, of a length or of another one [1]."""
+        return self.length_tolerance if length and self.length_tolerance is not None else self.tolerance
 
 
 class RobotSpecification(Settings):

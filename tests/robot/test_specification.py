@@ -49,6 +49,18 @@ def test_gravity_is_exact_unless_it_states_a_tolerance(e12_data: dict[str, Any])
     assert robot_from_data(e12_data, "my_robot.yaml").parameters["gravity.z"].tolerance == 0.001
 
 
+def test_lengths_may_have_a_tolerance_of_their_own(e12_data: dict[str, Any]) -> None:
+    e12_data["defaults"] |= {"tolerance": 0.5, "length_tolerance": 0.003}
+    parameters = robot_from_data(e12_data, "my_robot.yaml").parameters
+    tolerances = {name: parameters[name].tolerance for name in ("body_1.length.z", "body_1.center_of_mass.z")}
+    assert tolerances == {"body_1.length.z": 0.003, "body_1.center_of_mass.z": 0.5}
+
+
+def test_lengths_have_the_tolerance_of_all_where_none_is_stated_for_them(e12_data: dict[str, Any]) -> None:
+    e12_data["defaults"]["tolerance"] = 0.05
+    assert robot_from_data(e12_data, "my_robot.yaml").parameters["body_1.length.z"].tolerance == 0.05
+
+
 def test_unknown_robot_offers_the_nearest() -> None:
     with pytest.raises(InputError, match="unknown robot 'e21'.*did you mean 'e12'.*allowed are e12, .*elbow"):
         load_robot("e21")

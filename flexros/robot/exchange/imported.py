@@ -9,6 +9,21 @@ if TYPE_CHECKING:
     from flexros.robot.exchange.numbers import NotHeld
 
 
+TOLERANCE = 0.03
+"""Tolerance that an imported robot file states for all numbers but lengths [1] (chosen)."""
+LENGTH_TOLERANCE = 0.003
+"""The same for the lengths of bodies [1] (chosen): they come from a drawing, and are known far better than masses."""
+
+
+def import_defaults(source: str) -> dict[str, str | float]:
+    """Return the `defaults` of an imported robot file.
+
+    Args:
+        source: Name of the file that it is made from.
+    """
+    return {"source": source, "tolerance": TOLERANCE, "length_tolerance": LENGTH_TOLERANCE}
+
+
 @dataclass(frozen=True)
 class ImportedEffect:
     """A number of the file that a robot file states as an effect.

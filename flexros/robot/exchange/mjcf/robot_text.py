@@ -9,6 +9,7 @@ import numpy as np
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
+from flexros.robot.exchange.imported import import_defaults
 from flexros.robot.exchange.slanted_axis import roll_pitch_yaw
 from flexros.robot.quantity import unit_of
 
@@ -39,7 +40,7 @@ def robot_text(model: Any, name: str, source: str, arm: MjcfArm, axes: Sequence[
     turned = "" if np.allclose(arm.frame, np.eye(3)) else f", turned by {arm.frame.tolist()} (x, y, z in its world)"
     base = [_number(value) for value in arm.joints[0].anchor]
     data["description"] = f"From {source}; the first joint is at {base} m of its world{turned}."
-    data["defaults"] = CommentedMap({"source": source, "tolerance": 0.03})
+    data["defaults"] = CommentedMap(import_defaults(source))
     data["gravity"] = _numbers(arm.gravity)
     data["sample_time"] = float(model.opt.timestep)
     if delay:

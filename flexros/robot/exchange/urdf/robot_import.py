@@ -14,7 +14,7 @@ from ruamel.yaml.comments import CommentedMap, CommentedSeq
 from flexros.config.text_file import read_text
 from flexros.errors import InputError
 from flexros.input_limits import LARGEST_URDF
-from flexros.robot.exchange.imported import ImportedEffect, ImportedJoint, ImportedRobot
+from flexros.robot.exchange.imported import ImportedEffect, ImportedJoint, ImportedRobot, import_defaults
 from flexros.robot.exchange.slanted_axis import roll_pitch_yaw, turn_to
 from flexros.robot.exchange.urdf.tree import MOVABLE, NO_LIMIT, read_tree
 from flexros.robot.physical import ROUNDED
@@ -127,7 +127,7 @@ def _robot(text: str, file: str, tip: str, drawing: str = "") -> ImportedRobot:
     if not np.allclose(base, np.eye(3)):
         place += f", which is turned by {np.round(base, 6).tolist()}"
     head = CommentedMap({"name": tree.name or path.stem, "description": f"{place}."})
-    head["defaults"] = CommentedMap({"source": path.name, "tolerance": 0.03})
+    head["defaults"] = CommentedMap(import_defaults(path.name))
     head["gravity"] = _numbers(base @ [0, 0, -9.81])
     if drawing and any(link.find("visual") is not None for link in tree.links.values()):
         head["drawing"] = drawing

@@ -292,3 +292,9 @@ def test_bodies_of_one_axis_that_are_balanced_differently_are_listed(tmp_path: P
 def test_an_actuator_that_integrates_a_speed_is_no_servo(tmp_path: Path) -> None:
     text = one_link(after='<actuator><intvelocity joint="j" kp="5" actrange="-3 3"/></actuator>')
     assert "servo:" not in robot_from_mjcf(written(tmp_path, text)).text
+
+
+def test_lengths_of_a_drawing_are_known_better_than_masses(tmp_path: Path) -> None:
+    (tmp_path / "robot.yaml").write_text(robot_from_mjcf(written(tmp_path, ARM)).text)
+    parameters = load_robot(tmp_path / "robot.yaml").parameters
+    assert (parameters["body_1.mass"].tolerance, parameters["body_1.length.z"].tolerance) == (0.03, 0.003)

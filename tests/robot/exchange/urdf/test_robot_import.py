@@ -286,3 +286,10 @@ def test_inertia_that_was_rounded_to_zero_or_is_a_placeholder_is_that_of_a_ball(
     radius = (3 * 2 / (4 * np.pi * 2700)) ** (1 / 3)
     inertia = load_robot(tmp_path / "robot.yaml").spec.bodies[2].inertia.matrix()
     np.testing.assert_allclose(inertia, 0.4 * 2 * radius**2 * np.eye(3))
+
+
+def test_lengths_of_a_drawing_are_known_better_than_masses(urdf: Path, tmp_path: Path) -> None:
+    (tmp_path / "robot.yaml").write_text(skeleton_from_urdf(urdf).replace("tolerance: 0.03\n", "tolerance: 0.5\n"))
+    parameters = load_robot(tmp_path / "robot.yaml").parameters
+    assert parameters["body_1.mass"].tolerance == 0.5
+    assert {parameters[f"body_1.length.{axis}"].tolerance for axis in "xyz"} == {0.003}
