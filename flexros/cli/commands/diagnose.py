@@ -137,6 +137,8 @@ def _print(result: DiagnosisResult, files: list[Path]) -> None:
         console.print(terminal.ranking_table(result))
         if diagnosis.verdict == "unknown_effect":
             console.print("(probabilities among the known effects only, none of which explains the gap)")
+        for line in terminal.undetermined_lines(diagnosis):
+            console.print(line)
     for heading, lines in (
         ("Budget of the gap, in shares of it:", terminal.budget_lines(diagnosis)),
         ("Left unexplained, in shares of the gap:", terminal.rest_lines(diagnosis)),

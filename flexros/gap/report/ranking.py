@@ -4,7 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.gap.report.words import LIKELY, capital, first_few, named, parameters_words, partners_words, share_words
+from flexros.gap.report.words import (
+    LIKELY,
+    capital,
+    first_few,
+    named,
+    parameters_words,
+    partners_words,
+    share_words,
+    undetermined_words,
+)
 from flexros.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
 from flexros.report.colours import FLOOR, REPAIRED, RIVAL
 from flexros.report.number_text import number
@@ -42,8 +51,16 @@ class RankingSection(AbstractSection["DiagnosisResult"]):
             )
             for group in result.diagnosis.ambiguity_groups
         ]
+        open_sizes = [Paragraph(f"{text}.", "warning") for text in undetermined_words(result.diagnosis.causes)]
         tolerances = _tolerances(result.diagnosis.tolerance_sensitivity)
-        return (Paragraph(_sentence(result)), _picture(result), *groups, *tolerances, table_of_ranking(result.ranking))
+        return (
+            Paragraph(_sentence(result)),
+            _picture(result),
+            *groups,
+            *open_sizes,
+            *tolerances,
+            table_of_ranking(result.ranking),
+        )
 
 
 def _tolerances(rows: tuple[ToleranceSensitivity, ...]) -> tuple[Block, ...]:

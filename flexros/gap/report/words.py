@@ -167,6 +167,28 @@ def cause_words(cause: Cause | RankedCandidate) -> str:
     return f"{named(cause)}{', ' if parameters else ''}{parameters}"
 
 
+def undetermined_words(causes: Sequence[Cause]) -> tuple[str, ...]:
+    """Say of every likely cause whose size the log does not determine that its probability is none of a size.
+
+    Returns:
+        E.g. "Coulomb friction at motor_1: present, size not determined: between -0.31 and 0.52 Nm"; the ends are two
+        standard deviations away. Of several sizes the first is written, of a curve none.
+    """
+    return tuple(_without_size(cause) for cause in causes if not cause.determined and cause.probability >= LIKELY)
+
+
+def _without_size(cause: Cause) -> str:
+    words, kind = f"{capital(named(cause))}: present, size {NOT_DETERMINED}", effects().get(cause.effect)
+    name, size = next(iter(cause.parameters.items()), ("", None))
+    if size is None or (kind is not None and issubclass(kind, AbstractCurve)):
+        return words
+    factor, unit = (100.0, "%") if size.unit == "1" and name == "relative" else (1.0, size.unit)
+    low, high = (factor * (size.value + side * size.std) for side in (-2, 2))
+    scale, unit = _scaled(max(abs(low), abs(high)), unit)
+    label = f"{name.replace('_', ' ')} " if len(cause.parameters) > 1 else ""
+    return f"{words}: {label}between {number(low / scale, 2)} and {number(high / scale, 2)} {unit}".removesuffix(" 1")
+
+
 def causes_words(causes: Sequence[Cause]) -> str:
     """Write what a gap comes from: a few causes with their sizes, more of them gathered by effect.
 

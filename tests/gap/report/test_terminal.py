@@ -15,11 +15,12 @@ from flexros.gap.report.terminal import (
     ranking_table,
     rest_lines,
     tolerance_lines,
+    undetermined_lines,
     verdict_line,
     where_lines,
 )
 from flexros.gap.result import DiagnosisResult
-from flexros.gap.schema import Diagnosis
+from flexros.gap.schema import CauseParameter, Diagnosis
 
 Diagnosed = Callable[[str], DiagnosisResult]
 
@@ -84,3 +85,13 @@ def test_it_is_said_when_no_name_changes(guessed: Diagnosis) -> None:
     (line,) = tolerance_lines(guessed.model_copy(update={"tolerance_sensitivity": (sure,)}))
     assert line.startswith("No name changes")
     assert tolerance_lines(guessed.model_copy(update={"tolerance_sensitivity": ()})) == ()
+
+
+def test_a_cause_without_a_size_is_said_to_be_present_only(diagnosed: Diagnosed) -> None:
+    diagnosis = diagnosed("explained").diagnosis
+    level = CauseParameter(value=0.1, std=0.2, unit="Nm", determined=False)
+    cause = diagnosis.causes[0].model_copy(update={"parameters": {"level": level}, "determined": False})
+    assert undetermined_lines(diagnosis) == ()
+    assert undetermined_lines(diagnosis.model_copy(update={"causes": (cause,)})) == (
+        "Coulomb friction at motor_1: present, size not determined: between -0.30 and 0.50 Nm",
+    )

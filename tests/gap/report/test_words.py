@@ -19,6 +19,7 @@ from flexros.gap.report.words import (
     share_interval_words,
     share_words,
     signed_share_words,
+    undetermined_words,
     where_words,
 )
 from flexros.gap.schema import Cause, CauseParameter, Excess
@@ -73,6 +74,39 @@ def test_a_number_has_the_digits_that_its_deviation_leaves(name: str, value: Cau
 def test_a_number_below_its_deviation_is_not_determined() -> None:
     level = CauseParameter(value=35.0, std=216.0, unit="Nm", determined=False)
     assert parameter_words("level", level) == "not determined"
+
+
+@pytest.mark.parametrize(
+    ("effect", "numbers", "text"),
+    [
+        ("stiffness_error", {"relative": parameter(0.1, 0.2, "1")}, "not determined: between -30 and 50 %"),
+        ("backlash", {"gap": parameter(0.0, 0.01, "rad")}, "not determined: between -20 and 20 mrad"),
+        ("friction_curve", {"level_1": parameter(0.1, 0.2, "Nm")}, "not determined"),
+        (
+            "tool_load",
+            {"mass": parameter(1.0, 2.0, "kg"), "x": parameter(0.1, 0.2, "m")},
+            "not determined: mass between -3 and 5 kg",
+        ),
+    ],
+)
+def test_a_cause_without_a_size_has_the_ends_of_it(effect: str, numbers: dict[str, CauseParameter], text: str) -> None:
+    cause = Cause(
+        effect=effect, location="motor_1", probability=1.0, parameters=numbers, closed_fraction=None, determined=False
+    )
+    (said,) = undetermined_words([cause])
+    assert said.endswith(f": present, size {text}")
+
+
+def test_an_unlikely_effect_is_not_said_to_be_present() -> None:
+    cause = Cause(
+        effect="backlash",
+        location="motor_1",
+        probability=0.1,
+        parameters={"gap": parameter(0.0, 0.01, "rad")},
+        closed_fraction=None,
+        determined=False,
+    )
+    assert undetermined_words([cause]) == ()
 
 
 def test_a_number_that_may_be_zero_is_left_out_of_the_cause() -> None:

@@ -180,6 +180,13 @@ def test_numbers_of_the_model_that_are_not_determined_are_said_so(diagnosed: Dia
     assert "motor_2.inertia</td><td>0</td><td>not determined</td>" in html
 
 
+def test_a_cause_without_a_size_is_said_beside_its_probability(diagnosed: Diagnosed) -> None:
+    result = diagnosed("explained")
+    cause = result.diagnosis.causes[0].model_copy(update={"determined": False})
+    html = page(replace(result, diagnosis=result.diagnosis.model_copy(update={"causes": (cause,)})))
+    assert "Coulomb friction at motor_1: present, size not determined: level between" in html
+
+
 def test_probabilities_with_other_tolerances_are_a_table(diagnosed: Diagnosed, guessed: Diagnosis) -> None:
     html = page(replace(diagnosed("ambiguous"), diagnosis=guessed), PATCH)
     assert re.search(r"Backlash at motor_1</td><td>0 %</td><td>3 %</td><td>98 %</td>", html)
