@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -29,13 +30,15 @@ from flexros.gap.prediction.driven_model import driven_model
 from flexros.gap.progress import Stages
 from flexros.gap.residuals.fit_samples import at_rate_of_fits, part_of_fits
 from flexros.gap.residuals.prepare_fit_data import fit_data, with_tool_frame_of
-from flexros.gap.search.better_torques import are_better, tolerance_on_trial
-from flexros.gap.search.forward_selection import explain
+from flexros.gap.search.better_torques import are_better, most_begun, tolerance_on_trial
+from flexros.gap.search.forward_selection import explain, explanations_of
 from flexros.gap.search.looser import found_looser, looser_null
 from flexros.gap.search.model_probability import compare
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.search.servo_start import fit_of_servos
 from flexros.gap.search.torque_start import base_fit, first_values, on_null, torque_start, with_load, with_torques
+from flexros.gap.search.within_floor import beyond_noise
+from flexros.gap.search.worth import compared
 from flexros.gap.settings import DiagnosisSettings
 from flexros.gap.where.find import where
 from flexros.identify.rigid.torque_timing import in_time
@@ -159,12 +162,7 @@ class _Searched:
 
     def beyond_noise(self, fit: CandidateFit) -> float:
         """Return what a fit leaves beyond noise in the log where it leaves more, over the tolerance of torques [1]."""
-        found, held = self.explanations, self.held_data
-        elsewhere = compare(held, on_held_out(found.null, held), settings=self.search.settings.ranking)
-        return max(
-            found.comparison.beyond_noise(found.comparison.level(fit)),
-            elsewhere.beyond_noise(elsewhere.level(on_held_out(fit, held))),
-        )
+        return _beyond_noise(self.search, fit, self.held_data)
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,12 +189,13 @@ class _Task:
     progress: Callable[[str, float], None] | None
     rough_gains: bool = False
 
-    def searched(self, record: Record, begun: CandidateFit | None = None) -> _Searched:
+    def searched(self, record: Record, begun: CandidateFit | None = None, most: float = math.inf) -> _Searched:
         """Weigh a log, and search for what explains it.
 
         Args:
             record: The log.
             begun: An explanation that the search begins with; default: what the torques show.
+            most: What that may leave beyond noise, over the tolerance of torques; with more, it is the answer [1].
         """
         settings, deadline, stages = self.settings, self.deadline, Stages(self.progress)
         stages.begin("nominal model", NOMINAL)
@@ -222,7 +221,7 @@ class _Task:
         null, base = _first_fits(data, model, tolerated, start, begun, settings, deadline, stages)
         shift = shift_of_noted(base or null.fit, null, settings)
         if shift is not None:
-            return self.searched(in_time(record, shift), begun)
+            return self.searched(in_time(record, shift), begun, most)
         if start is None:
             while (looser := looser_null(null, fitted, tolerated, settings, stop=deadline.of_fit())) is not None:
                 null = looser
@@ -234,7 +233,10 @@ class _Task:
 
         stages.begin("causes", CAUSES)
         search = prepare_search(null, settings, stages.inner, deadline, base)
-        search, explanations = found_looser(search, explain(search), fitted, tolerated)
+        if base is not None and most < math.inf and _beyond_noise(search, base, held_data) > most:
+            explanations = explanations_of(search, compared(search, [base]), base, detected=True)
+        else:
+            search, explanations = found_looser(search, explain(search), fitted, tolerated)
         if search.null is not null:
             null, prediction = search.null, prediction_of(search.null.fit, search.null.data)
         best = explanations.chosen if search.resumed else null.fit
@@ -273,6 +275,18 @@ class _Task:
         return result_of(findings, found.prediction, found.excess, settings, stages, deadline)
 
 
+def _beyond_noise(search: Search, fit: CandidateFit, held: FitData) -> float:
+    """Return what a fit leaves beyond noise in the log where it leaves more, over the tolerance of torques [1].
+
+    Args:
+        search: The search in the fitted log.
+        fit: The fit.
+        held: The held-out log.
+    """
+    elsewhere = compare(held, on_held_out(search.null.fit, held), settings=search.settings.ranking)
+    return max(beyond_noise(search, fit), elsewhere.beyond_noise(elsewhere.level(on_held_out(fit, held))))
+
+
 def _with_better_torques(task: _Task, found: _Searched) -> tuple[_Task, _Searched]:
     """Search on with a smaller tolerance of the torques of an imported log, on trial, where nobody stated one.
 
@@ -297,7 +311,7 @@ def _with_better_torques(task: _Task, found: _Searched) -> tuple[_Task, _Searche
             f"nothing is stated, as those of a simulator or of a calibrated drive: here {tried:g} counts as none"
         )
         trial = replace(task, notes=(*notes, note), settings=with_torque_tolerance(task.settings, {TORQUE: tried}))
-        more = trial.searched(found.record, chosen)
+        more = trial.searched(found.record, chosen, most_begun(assumed.signal_tolerance, tried))
         begun, grown = more.search.base, more.explanations.chosen
         if task.deadline.over or begun.names != chosen.names or grown.names == chosen.names:
             break

@@ -20,6 +20,10 @@ STRICTER = 0.4
 LEAST = 0.005
 """Smallest tolerance on trial, relative to the rms of a torque [1] (chosen)."""
 
+MOST_BEGUN = 2.0
+"""The same of the explanation with which a search on trial begins, up to which there is hope [1] (chosen): 0.02 to 0.6
+where torques are those of a simulator, 7 on a linear drive whose friction no law describes that well."""
+
 
 def tolerance_on_trial(tolerance: float, left: float) -> float | None:
     """Return a smaller tolerance of the torques for a search on trial.
@@ -50,3 +54,13 @@ def are_better(tolerance: float, tried: float, left: float) -> bool:
         left: Mean squared error beyond noise that the explanation leaves, over that of the one on trial [1].
     """
     return left * tried**2 < MOST * tolerance**2
+
+
+def most_begun(tolerance: float, tried: float) -> float:
+    """Return what the first explanation of a search on trial may leave, over the tolerance on trial [1].
+
+    Args:
+        tolerance: The assumed one, relative to the rms of a torque [1].
+        tried: The one on trial [1].
+    """
+    return MOST_BEGUN * (tolerance / tried) ** 2

@@ -50,29 +50,29 @@ def grown_within_floor(
         return chosen
     if compared(search, [chosen]).level(chosen) > ranking.floors:
         return chosen
-    if not _beyond_noise(search, chosen) > settings.least_of_tolerance**2:
+    if not beyond_noise(search, chosen) > settings.least_of_tolerance**2:
         return chosen  # no effect that is missing would be as large as one must be
     begin = trial = search.completed(chosen)
     tried: list[CandidateFit] = []
     for _ in range(settings.rounds_within_floor):
         if search.deadline.stops() or len(trial.hypothesis) >= settings.most_effects:
             break
-        enough = (1 - settings.removed) * _beyond_noise(search, trial)
+        enough = (1 - settings.removed) * beyond_noise(search, trial)
         grown = richer if trial is begin else best_richer(search, trial, tried)
-        if grown is None or not _beyond_noise(search, grown) < enough:
+        if grown is None or not beyond_noise(search, grown) < enough:
             grown = with_more(search, trial, directions, tried, known=fits)
             if grown is None:
                 break
             # slopes of the base lead numbers of the model astray where effects are many
             grown = search.completed(grown)
-        if not _beyond_noise(search, grown) < enough:
+        if not beyond_noise(search, grown) < enough:
             break
         trial = grown
-    most = settings.within_floor * _beyond_noise(search, begin)
-    if trial is begin or not _beyond_noise(search, trial) < most:
+    most = settings.within_floor * beyond_noise(search, begin)
+    if trial is begin or not beyond_noise(search, trial) < most:
         return chosen
     kept = one_by_one(search, trial, tried)
-    if kept.names == chosen.names or not _beyond_noise(search, kept) < most or _resized(begin, kept):
+    if kept.names == chosen.names or not beyond_noise(search, kept) < most or _resized(begin, kept):
         return chosen
     fits += [fit for fit in (begin, trial, *tried) if fit.names <= trial.names]
     return kept
@@ -87,7 +87,12 @@ def _resized(before: CandidateFit, after: CandidateFit) -> bool:
     )
 
 
-def _beyond_noise(search: Search, fit: CandidateFit) -> float:
-    """Return what a fit leaves beyond the noise of sensors, over what the tolerance of torques adds to it [1]."""
+def beyond_noise(search: Search, fit: CandidateFit) -> float:
+    """Return what a fit leaves beyond the noise of sensors, over what the tolerance of torques adds to it [1].
+
+    Args:
+        search: The search.
+        fit: The fit.
+    """
     comparison = compared(search, [fit])
     return comparison.beyond_noise(comparison.level(fit))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from flexros.gap.search.better_torques import LEAST, are_better, tolerance_on_trial
+from flexros.gap.search.better_torques import LEAST, are_better, most_begun, tolerance_on_trial
 
 
 def test_less_counts_as_no_gap_than_an_explanation_leaves() -> None:
@@ -26,3 +26,9 @@ def test_torques_are_not_better_where_an_explanation_leaves_more_than_was_assume
     """Of the linear drive EMPS curves and a ripple left 204 times the tolerance of 0.5 %, which is 7 %."""
     assert are_better(0.05, 0.007, 5.0)
     assert not are_better(0.05, 0.005, 204.0)
+
+
+def test_a_search_without_hope_is_not_begun() -> None:
+    """That of EMPS began with 716 times the tolerance of 0.5 %, that of a simulator with 30 times one of 0.7 %."""
+    assert most_begun(0.05, 0.007) > 30
+    assert most_begun(0.05, 0.005) < 716

@@ -242,8 +242,10 @@ class OrderSearch:
         """Yield the disturbance that the prediction errors suggest, shape (n,), for noise of several sizes."""
         n, spread = len(self._residual), self.data.spread
         known = np.isfinite(spread)
-        mean = np.sqrt(np.mean(np.square(spread), axis=0, where=known))  # of values that count
-        response = self._response(source) / mean
+        weight = np.sqrt(
+            np.mean(np.where(known, 1 / np.square(spread), 0.0), axis=0)
+        )  # none of a motor that is left out
+        response = self._response(source) * weight
         errors = fft(np.where(known, self._residual, 0.0), len(response), axis=0)
         matched, power = np.sum(response.conj() * errors, axis=1), np.sum(np.square(np.abs(response)), axis=1)
         for share in NOISE:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -112,6 +114,18 @@ def test_orders_stay_within_what_the_log_resolves() -> None:
     assert all(resolution() <= one.order <= highest for one in found)
     search._highest = lambda angle: 1.01 * resolution()  # type: ignore[method-assign]
     assert search.search(0, "encoder") == ()
+
+
+def test_a_motor_whose_positions_do_not_count_hides_no_order_of_others() -> None:
+    search = order_search("torque_ripple@motor_1:amplitude=0.005,order=7,phase=0.8")
+    source = search._source(0, "torque")
+    alone = list(search._disturbances(source))
+    search._spectra = {key: np.column_stack([one, one]) for key, one in search._spectra.items()}
+    search._residual = np.column_stack([search._residual, search._residual])
+    beside = replace(search.data, spread=np.column_stack([search.data.spread, np.full(len(search._residual), np.inf)]))
+    search.data = beside
+    for expected, found in zip(alone, search._disturbances(source), strict=True):
+        np.testing.assert_allclose(found, expected, atol=1e-9 * np.abs(expected).max())
 
 
 def test_a_convolution_yields_the_same_errors_as_the_filters_of_all_modes(monkeypatch: pytest.MonkeyPatch) -> None:
