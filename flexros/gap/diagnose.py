@@ -37,8 +37,7 @@ from flexros.gap.search.model_probability import compare
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.search.servo_start import fit_of_servos
 from flexros.gap.search.torque_start import base_fit, first_values, on_null, torque_start, with_load, with_torques
-from flexros.gap.search.within_floor import beyond_noise
-from flexros.gap.search.worth import compared
+from flexros.gap.search.worth import beyond_noise, compared
 from flexros.gap.settings import DiagnosisSettings
 from flexros.gap.where.find import where
 from flexros.identify.rigid.torque_timing import in_time

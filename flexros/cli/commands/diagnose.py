@@ -127,6 +127,7 @@ def _print(result: DiagnosisResult, files: list[Path]) -> None:
     """Print the answer as text."""
     from flexros.gap.report import terminal
     from flexros.gap.report.verdict import partial_sentence
+    from flexros.gap.report.words import undetermined_words
 
     diagnosis = result.diagnosis
     console.print(terminal.verdict_line(diagnosis))
@@ -137,7 +138,7 @@ def _print(result: DiagnosisResult, files: list[Path]) -> None:
         console.print(terminal.ranking_table(result))
         if diagnosis.verdict == "unknown_effect":
             console.print("(probabilities among the known effects only, none of which explains the gap)")
-        for line in terminal.undetermined_lines(diagnosis):
+        for line in undetermined_words(diagnosis.causes):
             console.print(line)
     for heading, lines in (
         ("Budget of the gap, in shares of it:", terminal.budget_lines(diagnosis)),

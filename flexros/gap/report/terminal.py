@@ -23,7 +23,6 @@ from flexros.gap.report.words import (
     share_words,
     shows,
     signed_share_words,
-    undetermined_words,
     where_words,
 )
 from flexros.gap.where.regimes import REGIMES
@@ -61,11 +60,6 @@ def ranking_table(result: DiagnosisResult) -> Table:
         table.add_row(*map(Text, (*cells, clear_words(candidate.effect, candidate.parameters))))
     table.add_row("Nothing", share_words(result.null_probability), "0", "100 %", "")
     return table
-
-
-def undetermined_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
-    """List the causes whose sizes the log does not determine: their probability in the table is none of a size."""
-    return undetermined_words(diagnosis.causes)
 
 
 def where_lines(result: DiagnosisResult) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ from flexros.gap.fit.candidate_fit import first_parameters
 from flexros.gap.search.elimination import one_by_one
 from flexros.gap.search.growth import with_more
 from flexros.gap.search.richer_laws import best_richer
-from flexros.gap.search.worth import compared
+from flexros.gap.search.worth import beyond_noise, compared
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -85,14 +85,3 @@ def _resized(before: CandidateFit, after: CandidateFit) -> bool:
         abs(sizes[name] - others[name]) > RESIZED * max(abs(sizes[name]), abs(others[name]))
         for name in sizes.keys() & others.keys()
     )
-
-
-def beyond_noise(search: Search, fit: CandidateFit) -> float:
-    """Return what a fit leaves beyond the noise of sensors, over what the tolerance of torques adds to it [1].
-
-    Args:
-        search: The search.
-        fit: The fit.
-    """
-    comparison = compared(search, [fit])
-    return comparison.beyond_noise(comparison.level(fit))

@@ -300,3 +300,14 @@ def simplest(
             if not worth(search, comparison, other, fit, search.settings.search.removed_by_step):
                 return other
     return fit
+
+
+def beyond_noise(search: Search, fit: CandidateFit) -> float:
+    """Return what a fit leaves beyond the noise of sensors, over what the tolerance of torques adds to it [1].
+
+    Args:
+        search: The search.
+        fit: The fit.
+    """
+    comparison = compared(search, [fit])
+    return comparison.beyond_noise(comparison.level(fit))

@@ -15,10 +15,10 @@ from flexros.gap.report.terminal import (
     ranking_table,
     rest_lines,
     tolerance_lines,
-    undetermined_lines,
     verdict_line,
     where_lines,
 )
+from flexros.gap.report.words import undetermined_words
 from flexros.gap.result import DiagnosisResult
 from flexros.gap.schema import CauseParameter, Diagnosis
 
@@ -91,7 +91,7 @@ def test_a_cause_without_a_size_is_said_to_be_present_only(diagnosed: Diagnosed)
     diagnosis = diagnosed("explained").diagnosis
     level = CauseParameter(value=0.1, std=0.2, unit="Nm", determined=False)
     cause = diagnosis.causes[0].model_copy(update={"parameters": {"level": level}, "determined": False})
-    assert undetermined_lines(diagnosis) == ()
-    assert undetermined_lines(diagnosis.model_copy(update={"causes": (cause,)})) == (
+    assert undetermined_words(diagnosis.causes) == ()
+    assert undetermined_words((cause,)) == (
         "Coulomb friction at motor_1: present, size not determined: between -0.30 and 0.50 Nm",
     )

@@ -11,7 +11,7 @@ import pytest
 
 from flexros.gap.search import growth
 from flexros.gap.settings import DiagnosisSettings
-from flexros.record.premises import SIMULATED
+from flexros.record.premises import MEASURED, SIMULATED
 
 
 def fit(*names: str) -> Any:
@@ -273,3 +273,20 @@ def test_beside_numbers_out_of_tolerance_candidates_are_tried_from_the_nominal_n
     growth._from_nominal_numbers(search, fit, [])
     assert search.around == ([[0.3, 0.0, 0.0, 0.0]] * 2 if strained else [])
     assert [(one.chi2, trials) for one, trials in begun] == ([(900.0, [["gain"]])] if strained else [])
+
+
+@pytest.mark.parametrize(("level", "goes_on"), [(2.17, True), (3.9, False)])
+def test_the_search_of_a_measured_log_goes_on_after_an_exchange_that_removed_much(
+    monkeypatch: pytest.MonkeyPatch, level: float, goes_on: bool
+) -> None:
+    """Friction that yields took the place of friction that slides at once, beside which nothing further had shown."""
+    scores = {1: 0.0, 2: 100.0}
+    found = SimpleNamespace(score=lambda one: scores[len(one.names)], threshold=10.0)
+    monkeypatch.setattr(growth, "compared", lambda *_: found)
+    monkeypatch.setattr(growth, "extended", lambda _search, one, *_, again: fit(*one.names, "ripple") if again else one)
+    monkeypatch.setattr(growth, "tidied", lambda _search, one, *_: one)
+    search, before, exchanged = search_that_never_ends(), fit("slides"), fit("yields")
+    search.premises, search.torques_decide = MEASURED, True
+    before.chi2, exchanged.chi2 = 4.1 * search.data.n_values, level * search.data.n_values
+    done = growth.resumed(search, before, exchanged, [], [])
+    assert ("ripple" in done.names) is goes_on

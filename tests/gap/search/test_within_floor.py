@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from flexros.gap.search import within_floor
+from flexros.gap.search import within_floor, worth
 from flexros.gap.settings import DiagnosisSettings
 from flexros.record.premises import MEASURED
 
@@ -35,7 +35,8 @@ def levels(monkeypatch: pytest.MonkeyPatch) -> dict[str, float]:
     comparison = SimpleNamespace(
         level=lambda one: one.level, beyond_noise=lambda level: max(level - NOISE, 0.0) / (1 - NOISE)
     )
-    monkeypatch.setattr(within_floor, "compared", lambda *_: comparison)
+    for module in (within_floor, worth):
+        monkeypatch.setattr(module, "compared", lambda *_: comparison)
 
     def with_more(_search: Any, one: Any, *_: Any, **_known: Any) -> Any:
         names = order[: len(one.hypothesis) + 1]

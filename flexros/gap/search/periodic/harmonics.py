@@ -72,7 +72,7 @@ class OrderSearch:
     The gain of order n is that of a least-squares fit of H sin(n a) and H cos(n a) to the errors. Which orders to fit
     shows the sum of d exp(i n a) over all samples, where d is the disturbance that the errors suggest: H inverted where
     it exceeds a share of its maximum. By H* e alone, slow parts of the motion, where H is large and few periods pass,
-    hide the order: the true one came 8th to 500th in test logs, and comes first or second with d.
+    hide the order: the true one came behind many others.
 
     Args:
         robot: The nominal robot.
