@@ -44,7 +44,7 @@ class ObserverModel:
             model.robot,
             sample_time,
             may_be_implicit=model.robot.is_rigid,
-            fast=any(law.effect.n_driven_states for law in felt),
+            fast=any(law.effect.needs_short_steps for law in felt),
             curved=self._plant.friction_follows_speed,
         )
         self._loop = PredictionLoop(

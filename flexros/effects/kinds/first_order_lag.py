@@ -41,6 +41,11 @@ class AbstractFirstOrderLag(AbstractCommandLaw):
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """Return the motors."""
 
+    @property
+    def needs_short_steps(self) -> bool:
+        """Never: its states are exact in steps of any length."""
+        return False
+
     def passed(self, torque: ca.SX, own: ca.SX, values: Mapping[str, Value]) -> ca.SX:
         """Return the line that approximates the torque in the step."""
         del torque, values

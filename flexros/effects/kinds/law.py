@@ -56,6 +56,11 @@ class AbstractLaw(AbstractEffect):
         """Number of own states that the motion or the torques drive, which may be faster than the robot."""
         return self.n_states - len(self.states_of_time(0.0))
 
+    @property
+    def needs_short_steps(self) -> bool:
+        """Whether it has states that may be faster than the robot, and that integration steps have to follow."""
+        return self.n_driven_states > 0
+
     def states_of_time(self, time: float) -> tuple[float, ...]:
         """Return the leading own states that are functions of time alone; empty where there are none.
 

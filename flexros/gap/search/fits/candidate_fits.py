@@ -14,8 +14,8 @@ from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.effects.kinds.tool_error import AbstractToolError
 from flexros.gap.candidates.candidate import alike, list_candidates, names_of
 from flexros.gap.fit.candidate_fit import CandidateFit, best_of_each
-from flexros.gap.fit.least_squares import chi2_of, linearise, starts_of
-from flexros.gap.fit.screening import directions_of, surroundings_of, switched_off
+from flexros.gap.fit.least_squares import chi2_of, starts_of
+from flexros.gap.fit.screening import directions_of, switched_off
 from flexros.gap.fit.torques.unknown_numbers import UNCERTAIN
 from flexros.gap.prediction.compiled_plant import LANES, grouped
 from flexros.gap.search.fits.additions import addition_of, best_starts
@@ -33,24 +33,6 @@ if TYPE_CHECKING:
     from flexros.gap.prediction.compiled_plant import CompiledPlant
     from flexros.gap.search.fits.additions import Addition
     from flexros.prediction.integration_step import IntegrationSteps
-
-REMEMBERED = 2
-"""Explanations whose linearisation is kept (chosen): each has the size of some predictions."""
-
-
-@dataclass(frozen=True, eq=False)
-class _Around:
-    """A fit, linearised.
-
-    Attributes:
-        fit: The fit.
-        surroundings: The same on the rows of the search.
-        removals: The same without each of its effects; empty until they are asked for.
-    """
-
-    fit: CandidateFit
-    surroundings: Surroundings
-    removals: list[Surroundings] = field(default_factory=list)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -74,7 +56,6 @@ class Search(Refits):
     distance: Callable[[CandidateFit, CandidateFit], float]
     competitors: Competitors
     left_before: float | None = None
-    _linearised: list[_Around] = field(init=False, default_factory=list)
     _levels: dict[tuple[frozenset[str], bytes], float] = field(init=False, default_factory=dict)
 
     @property
@@ -254,18 +235,6 @@ class Search(Refits):
         deviations = np.repeat(simple.deviations[:, None], own.shape[1], axis=1)
         return self._from_grid(predictor, np.vstack([own, deviations]))
 
-    def surroundings(self, fit: CandidateFit) -> Surroundings:
-        """Linearise a fit on the rows of the search.
-
-        Steps that look at the same explanation one after the other share the result: elimination, growth, exchange.
-        """
-        known = next((one for one in self._linearised if one.fit is fit), None)
-        if known is None:
-            line = linearise(fit.predictor, self.data, fit.theta)
-            known = _Around(fit, surroundings_of(fit, line, self.rows, self.data.misfit))
-            self._linearised[:] = [known, *self._linearised[: REMEMBERED - 1]]
-        return known.surroundings
-
     def misfit(self, directions: Sequence[Directions]) -> float:
         """Estimate the mean squared error that is left when all candidates are fitted together, by linear theory [1].
 
@@ -298,7 +267,7 @@ class Search(Refits):
 
     def removals(self, fit: CandidateFit, surroundings: Surroundings) -> list[Surroundings]:
         """Linearise a fit without each of its effects; results are shared like those of `surroundings`."""
-        known = next((one for one in self._linearised if one.surroundings is surroundings), None)
+        known = self._around(fit)
         if known is not None and known.removals:
             return known.removals
         removals = self.removals_together(fit, surroundings, [(one.name,) for one in fit.hypothesis])

@@ -100,11 +100,13 @@ class LogFits:
         quick: bool = False,
         rival: float = np.inf,
         finishing: bool = False,
+        held: FloatArray | None = None,
     ) -> CandidateFit:
         """Fit, quickly from the tolerance slopes of the nominal model on or exactly with its own.
 
         Those of a simulated log serve for the first step alone: the nominal model may lack so much that its tolerated
-        deviations are at their limits, and with slopes from there a fit seems to end far from its minimum.
+        deviations are at their limits, and with slopes from there a fit seems to end far from its minimum. Those of an
+        explanation of it that lacks little may be held throughout.
         """
         settings, to_noise = self.settings.fit, self.premises.floor_is_noise
         slopes = self.tolerance_slopes if quick else None
@@ -116,7 +118,7 @@ class LogFits:
             self.data,
             start,
             iterations,
-            tolerance_slopes=None if to_noise else slopes,
+            tolerance_slopes=held if to_noise else slopes,
             first_slopes=slopes if to_noise else None,
             enough=max(enough, self.data.negligible),
             rival=rival,
@@ -178,11 +180,28 @@ class LogFits:
         return fit if self.deadline.stops() else self._continued(fit, rival)
 
     def _joint(
-        self, predictor: Predictor, theta: FloatArray, *, rival: float = np.inf, finishing: bool = False
+        self,
+        predictor: Predictor,
+        theta: FloatArray,
+        *,
+        rival: float = np.inf,
+        finishing: bool = False,
+        slopes: FloatArray | None = None,
     ) -> CandidateFit:
-        """Fit several effects for a few iterations, and on while what is left still falls."""
+        """Fit several effects for a few iterations, and on while what is left still falls.
+
+        Args:
+            predictor: Predictor of the effects.
+            theta: Initial value in the units of the fit, shape (n_fitted,).
+            rival: Sum of squares of a better fit: this one ends where it has no hope to come near it.
+            finishing: Whether it is part of the end of a search.
+            slopes: Derivatives of the weighted prediction errors to the tolerated deviations near this fit, to be held,
+                shape (n_values, n_tolerated); None where they are not known.
+        """
         settings, n = self.settings.fit, self.data.n_values
-        few = partial(self._fit, iterations=settings.joint_iterations, quick=True, rival=rival, finishing=finishing)
+        few = partial(
+            self._fit, iterations=settings.joint_iterations, quick=True, rival=rival, finishing=finishing, held=slopes
+        )
         fit = few(predictor, theta)
         for further in reversed(range(settings.final_iterations // settings.joint_iterations)):
             stopped = self.deadline.stops_finishing() if finishing else self.deadline.stops()

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.fit.least_squares import chi2_of, starts_of
+from flexros.gap.fit.least_squares import chi2_of, linearise, starts_of
 from flexros.gap.fit.pruning import without_least_parameter
+from flexros.gap.fit.screening import surroundings_of
 from flexros.gap.prediction.compiled_plant import LANES
 from flexros.gap.search.fits.log_fits import LogFits
 from flexros.prediction.integration_step import is_finer
@@ -20,19 +21,59 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.gap.candidates.candidate import Candidate, Hypothesis
     from flexros.gap.fit.candidate_fit import CandidateFit
+    from flexros.gap.fit.screening import Surroundings
     from flexros.gap.prediction.compiled_plant import CompiledPlant
     from flexros.gap.prediction.predictor import Predictor
     from flexros.gap.search.fits.additions import Addition
 
+REMEMBERED = 2
+"""Explanations whose linearisation is kept (chosen): each has the size of some predictions."""
 REFINED = 4
 """Rounds in which the parameters of a law in place of a curve are refined alone (chosen)."""
 RICH_STARTS = 2 * LANES
 """Most initial values of the further parameters of a rich law (chosen)."""
 
 
+@dataclass(frozen=True, eq=False)
+class _Around:
+    """A fit, linearised.
+
+    Attributes:
+        fit: The fit.
+        tolerance_slopes: Derivatives of the weighted prediction errors to the tolerated deviations, shape (n_values,
+            n_tolerated).
+        surroundings: The fit, linearised on the rows of the search.
+        removals: The same without each of its effects; empty until they are asked for.
+    """
+
+    fit: CandidateFit
+    tolerance_slopes: FloatArray
+    surroundings: Surroundings
+    removals: list[Surroundings] = field(default_factory=list)
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Refits(LogFits):
     """Fits of explanations that were fitted with other effects or parameters; see `LogFits`."""
+
+    _linearised: list[_Around] = field(init=False, default_factory=list)
+
+    def surroundings(self, fit: CandidateFit) -> Surroundings:
+        """Linearise a fit on the rows of the search.
+
+        Steps that look at the same explanation one after the other share the result: elimination, growth, exchange.
+        """
+        known = self._around(fit)
+        if known is None:
+            line = linearise(fit.predictor, self.data, fit.theta)
+            slopes = line.slopes[:, fit.predictor.n_effect :].copy(order="F")
+            known = _Around(fit, slopes, surroundings_of(fit, line, self.rows, self.data.misfit))
+            self._linearised[:] = [known, *self._linearised[: REMEMBERED - 1]]
+        return known.surroundings
+
+    def _around(self, fit: CandidateFit) -> _Around | None:
+        """Return what is known around a fit; None where it was not linearised yet."""
+        return next((one for one in self._linearised if one.fit is fit), None)
 
     def together(
         self,
@@ -64,8 +105,10 @@ class Refits(LogFits):
     def without(self, fit: CandidateFit, *names: str) -> CandidateFit:
         """Fit an explanation without some of its candidates.
 
-        With a state of its own a candidate needs finer integration steps, and what these improve is not its merit: a
-        lag of a microsecond gained 490 nats by them. So they are kept where they matter.
+        A candidate with fast states needs finer integration steps, and what these improve is not its merit: an effect
+        of no size would gain hundreds of nats by them. So they are kept where they matter.
+
+        Derivatives to tolerated numbers stay those around the explanation where they are known.
 
         Args:
             fit: The explanation.
@@ -78,7 +121,8 @@ class Refits(LogFits):
             with_fewer = float(chi2_of(predictor, self.data, theta[:, None])[0])
             if not abs(with_fewer - with_same_steps) < np.log(self.data.n_values):
                 predictor = self.null.predictor(rest, self.null.plant(rest, steps=fit.predictor.plant.steps))
-        return self._joint(predictor, theta, finishing=True)
+        around = self._around(fit)
+        return self._joint(predictor, theta, finishing=True, slopes=None if around is None else around.tolerance_slopes)
 
     def with_nominal_numbers(self, fit: CandidateFit) -> CandidateFit:
         """Return a fit with the tolerated numbers of the model at their nominal values, not fitted again."""
