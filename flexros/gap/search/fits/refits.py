@@ -75,6 +75,11 @@ class Refits(LogFits):
         """Return what is known around a fit; None where it was not linearised yet."""
         return next((one for one in self._linearised if one.fit is fit), None)
 
+    def _slopes_around(self, fit: CandidateFit) -> FloatArray | None:
+        """Return the derivatives to the tolerated deviations around a fit; None where they are not known."""
+        around = self._around(fit)
+        return None if around is None else around.tolerance_slopes
+
     def together(
         self,
         fit: CandidateFit,
@@ -84,6 +89,8 @@ class Refits(LogFits):
         rival: float = np.inf,
     ) -> CandidateFit:
         """Fit an explanation together with further candidates.
+
+        Where these replace others, derivatives to tolerated numbers stay those around the explanation, if known.
 
         Args:
             fit: The explanation.
@@ -98,7 +105,8 @@ class Refits(LogFits):
         deviations = fit.predictor.tolerance.without(fit.deviations, replaced)
         theta = np.concatenate([own, *(addition.start for addition in additions), deviations])
         predictor = self.null.predictor((*rest, *(addition.candidate for addition in additions)), plant)
-        fit = self._joint(predictor, theta, rival=rival)
+        slopes = self._slopes_around(fit) if without else None
+        fit = self._joint(predictor, theta, rival=rival, slopes=slopes)
         harmonic = any(addition.candidate.effect.harmonics for addition in additions)
         return self._near_best_order(fit) if harmonic else fit
 
@@ -121,8 +129,7 @@ class Refits(LogFits):
             with_fewer = float(chi2_of(predictor, self.data, theta[:, None])[0])
             if not abs(with_fewer - with_same_steps) < np.log(self.data.n_values):
                 predictor = self.null.predictor(rest, self.null.plant(rest, steps=fit.predictor.plant.steps))
-        around = self._around(fit)
-        return self._joint(predictor, theta, finishing=True, slopes=None if around is None else around.tolerance_slopes)
+        return self._joint(predictor, theta, finishing=True, slopes=self._slopes_around(fit))
 
     def with_nominal_numbers(self, fit: CandidateFit) -> CandidateFit:
         """Return a fit with the tolerated numbers of the model at their nominal values, not fitted again."""
