@@ -110,7 +110,7 @@ def _update_friction(
         braked = found.torque[motor] - sum(friction[j] for j, other in enumerate(motors) if other == motor)
         return braked - _own_torque(plant, motor, speeds[k], mean)
 
-    ways = {}
+    ways, means = {}, dict[int, ca.SX]()
     coupled = not mobility.sparsity().is_diag() or bool(loaded & set(plant.robot.stiff_motors))
     for _ in range(SWEEPS if coupled else 1):
         for k, motor in enumerate(motors):
@@ -126,14 +126,16 @@ def _update_friction(
                 continue
             law, effect = bristles[k - len(plant.sticking_motors)]
             deflection = plant.rows(law).start
-            x[deflection], friction[k] = bristle_step(
+            moved = bristle_step(
                 plant.x[deflection],
                 speed,
                 free[k] + middle * slope[k] + others,
                 own,
                 effect.bristle(speeds[k], plant.values(law)),
                 step,
+                means.get(k),
             )
+            x[deflection], friction[k], means[k] = moved.deflection, moved.torque, moved.mean
     for row, value in zip([*range(2 * nq, plant.friction_end), *held], ca.vertsplit(friction)):
         x[row] = value
     if placed:

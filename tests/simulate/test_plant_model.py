@@ -7,6 +7,7 @@ import pytest
 
 from flexros.compile.loop.arrays import LoopInputs
 from flexros.compile.loop.kernel import compile_loop
+from flexros.effects.kinds import bristle_friction
 from flexros.errors import InputError
 from flexros.scenario.batch import batch, whole_record
 from flexros.scenario.closed_loop import closed_loop
@@ -64,6 +65,18 @@ def test_every_law_changes_the_motion() -> None:
     runs = [closed_loop(experiment(*effects)).joint_states.position for effects in ([], *([one] for one in ALL))]
     for changed in runs[1:]:
         assert np.max(np.abs(changed - runs[0])) > 1e-6  # type: ignore[operator]
+
+
+@pytest.mark.slow
+def test_further_sweeps_over_frictions_need_one_pass_each(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Bristles beside dry friction at the same motor begin a sweep where the one before ended."""
+    frictions = (ALL[0], "presliding_friction@motor_1:level=200,extra=50,velocity=0.01,stiffness=1e6,damping=1e3")
+    runs = []
+    for passes in (0, 1, 20):
+        monkeypatch.setattr(bristle_friction, "FURTHER_PASSES", passes)
+        runs.append(closed_loop(experiment(*frictions)).joint_states.position)
+    none, one, many = runs
+    assert np.max(np.abs(one - many)) < 1e-12 < np.max(np.abs(none - many))  # type: ignore[operator]
 
 
 def test_neutral_effects_leave_the_run_as_it_is_to_the_last_bit() -> None:

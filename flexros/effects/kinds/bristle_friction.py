@@ -27,6 +27,8 @@ STIFF = 12.0
 """K = s0 h^2 / J at which the method is midway between trapezoidal rule and implicit Euler [1] (chosen)."""
 PASSES = 4
 """Newton steps for the mean speed of a step, starting from a linear spring with a limited torque (chosen)."""
+FURTHER_PASSES = 1
+"""The same starting from the mean speed beside other frictions of the step that have changed a little (chosen)."""
 _SMALL = 0.02
 _STILL = 1e-12
 
@@ -68,9 +70,30 @@ class AbstractBristleFriction(AbstractMotorLaw):
         """
 
 
+@dataclass(frozen=True)
+class BristleStep:
+    """What a bristle does in a step.
+
+    Attributes:
+        deflection: Final deflection [rad or m], SX.
+        torque: Friction torque of the step [Nm or N], positive against a positive speed, SX.
+        mean: Mean speed of the motor [rad/s or m/s], SX.
+    """
+
+    deflection: ca.SX
+    torque: ca.SX
+    mean: ca.SX
+
+
 def bristle_step(
-    deflection: ca.SX, speed: ca.SX, acceleration: ca.SX, mobility: ca.SX, bristle: Bristle, step: ca.SX
-) -> tuple[ca.SX, ca.SX]:
+    deflection: ca.SX,
+    speed: ca.SX,
+    acceleration: ca.SX,
+    mobility: ca.SX,
+    bristle: Bristle,
+    step: ca.SX,
+    near: ca.SX | None = None,
+) -> BristleStep:
     """Advance a bristle by one step.
 
     Args:
@@ -80,9 +103,7 @@ def bristle_step(
         mobility: Acceleration per torque at the motor [1/(kg m2) or 1/kg].
         bristle: Its parameters.
         step: Length h of the step [s].
-
-    Returns:
-        Final deflection [rad or m] and friction torque of the step [Nm or N], positive against a positive speed.
+        near: Mean speed near that of the step [rad/s or m/s]; None where none is known.
     """
     stiffness, damping = ca.SX(bristle.stiffness), ca.SX(bristle.damping)
     level = ca.fmax(bristle.level, _STILL)
@@ -90,10 +111,13 @@ def bristle_step(
     theta = 0.5 + 0.5 * K / (K + STIFF)
     reach = theta * step  # up to the instant whose speed moves the bristle
     free = speed + reach * acceleration
-    elastic = (stiffness * (deflection + reach * free) + damping * free) / (
-        1 + reach * mobility * (stiffness * reach + damping)
-    )
-    mean = free - reach * mobility * ca.fmin(ca.fmax(elastic, -level), level)
+    if near is None:
+        elastic = (stiffness * (deflection + reach * free) + damping * free) / (
+            1 + reach * mobility * (stiffness * reach + damping)
+        )
+        mean = free - reach * mobility * ca.fmin(ca.fmax(elastic, -level), level)
+    else:
+        mean = near
     at_middle, at_end, damper = (2 - 2 * theta) * stiffness, (2 * theta - 1) * stiffness, damping / step
     slip, yielding = stiffness * step / level, reach * mobility
 
@@ -106,12 +130,12 @@ def bristle_step(
         slope = ((at_end + damper) * decay + at_middle * fall) * (step - ca.sign(mean) * slip * deflection)
         return end, torque, slope
 
-    for _ in range(PASSES):
+    for _ in range(PASSES if near is None else FURTHER_PASSES):
         _, torque, slope = moved_with(mean)
         # with a held level friction grows with speed, so the slope is at least zero
         mean = mean - (mean - free + yielding * torque) / (1 + yielding * ca.fmax(slope, 0))
     end, torque, _ = moved_with(mean)
-    return end, torque
+    return BristleStep(end, torque, mean)
 
 
 def _slip_factors(x: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
