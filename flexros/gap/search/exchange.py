@@ -13,7 +13,7 @@ from flexros.gap.fit.candidate_fit import best_of_each
 from flexros.gap.search.elimination import reduced
 from flexros.gap.search.fits.additions import Addition
 from flexros.gap.search.model_probability import contrast_of
-from flexros.gap.search.worth import compared, incomplete, simplest, worth
+from flexros.gap.search.worth import compared, in_vain, incomplete, simplest, worth
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -50,7 +50,7 @@ def exchanged(
             for addition in additions[: settings.added]
         ]
         comparison, level = _compared(search, fit, exchanges, fits)
-        early = [one for one in level if _stopped_early(search, fit, one)]
+        early = [] if in_vain(search, fit) else [one for one in level if _stopped_early(search, fit, one)]
         if early:
             fits += search.parallel("effects exchanged", search.completed, early)
             comparison = compared(search, best_of_each(fits))
@@ -97,7 +97,8 @@ def _stopped_early(search: Search, fit: CandidateFit, other: CandidateFit) -> bo
     """Return whether another fit with a plain effect in place of one comes near, but was not carried to its end.
 
     A fit ends early where linear theory sees no hope, and the first slopes to tolerated numbers are those of the base.
-    Delay and lag of a motor that differ by a nat at their minima seemed to be 16 nats apart.
+    Delay and lag of a motor that differ by a nat at their minima seemed to be 16 nats apart. Of a search in vain such a
+    difference decides nothing.
 
     Args:
         search: The search.

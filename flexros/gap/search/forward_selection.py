@@ -15,13 +15,13 @@ from flexros.gap.search.curves import curves_of, in_place_of_laws, with_curves
 from flexros.gap.search.elimination import one_by_one, reduced, with_asymmetry, with_dropped, without_unclear
 from flexros.gap.search.exchange import exchanged, one_delay
 from flexros.gap.search.fits.refits import at_limits
-from flexros.gap.search.growth import extended, in_vain, resumed, tidied, with_more
+from flexros.gap.search.growth import extended, resumed, tidied, with_more
 from flexros.gap.search.periodic.lines import beside_line
 from flexros.gap.search.regrouping import with_gains, without_tangled
 from flexros.gap.search.richer_laws import with_richer_laws, with_simpler_effects
 from flexros.gap.search.within_floor import grown_within_floor
 from flexros.gap.search.within_tolerance import with_far_numbers, without_slight_friction, without_tolerated
-from flexros.gap.search.worth import compared, simplest, strains, worth
+from flexros.gap.search.worth import compared, in_vain, simplest, strains, worth
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

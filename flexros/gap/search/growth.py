@@ -17,8 +17,8 @@ from flexros.gap.search.worth import (
     compared,
     floor_is_uncertain,
     gap_of_laws,
+    in_vain,
     incomplete,
-    more_than_before,
     more_than_chance,
     simple_first,
     worth,
@@ -105,16 +105,6 @@ def _may_hide(search: Search, comparison: ModelComparison) -> bool:
     """
     loosest = search.resumed or not search.data.level > search.data.least_level
     return loosest and floor_is_uncertain(comparison)
-
-
-def in_vain(search: Search, fit: CandidateFit) -> bool:
-    """Return whether an explanation leaves more than noise where a search is resumed in a looser tie.
-
-    It counts for nothing there if it ends so. Where no candidate adds to the explanation, none does better in place of
-    one of its effects; and what laws leave after exchanges, curves would take up, which are none.
-    """
-    comparison = compared(search, [fit])
-    return search.resumed and (comparison.significant(fit) or more_than_before(search, comparison, fit))
 
 
 def _still_in_vain(search: Search, comparison: ModelComparison, before: CandidateFit, after: CandidateFit) -> bool:

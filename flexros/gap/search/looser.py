@@ -18,9 +18,9 @@ from flexros.gap.fit.least_squares import chi2_of
 from flexros.gap.fit.null_fit import NullFit, fit_null
 from flexros.gap.residuals.prepare_fit_data import fit_data, with_tool_frame_of
 from flexros.gap.search.forward_selection import explain
-from flexros.gap.search.growth import in_vain
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.search.torque_start import on_null
+from flexros.gap.search.worth import in_vain
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -72,6 +72,18 @@ def more_than_before(search: Search, comparison: ModelComparison, fit: Candidate
     return comparison.level(fit) - search.left_before > comparison.settings.significant * by_chance
 
 
+def in_vain(search: Search, fit: CandidateFit) -> bool:
+    """Return whether an explanation leaves more than noise where a search is resumed in a looser tie.
+
+    It counts for nothing there if it ends so. Where no candidate adds to the explanation, none does better in place of
+    one of its effects; and what laws leave after exchanges, curves would take up, which are none.
+    """
+    if not search.resumed:
+        return False
+    comparison = compared(search, [fit])
+    return comparison.significant(fit) or more_than_before(search, comparison, fit)
+
+
 def _chance(comparison: ModelComparison) -> float:
     """Return the standard deviation of the level without gap, of noise that is known [1]."""
     return float(np.sqrt(2.0 / comparison.n_values))

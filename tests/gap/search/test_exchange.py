@@ -150,6 +150,34 @@ def test_the_other_harmonics_of_its_order_compete_with_a_harmonic() -> None:
     assert exchanges("coulomb_friction@motor_1", 60.0) == ["torque_bias@motor_1"]
 
 
+@pytest.mark.parametrize("vain", [False, True])
+def test_a_search_in_vain_carries_no_fit_near_it_to_its_end(vain: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It ends with nothing, and a difference of a nat decides nothing there."""
+    delay, lag = (
+        SimpleNamespace(names=frozenset({name}), hypothesis=(name, "load"), chi2=100.0) for name in ("delay", "lag")
+    )
+    comparison = SimpleNamespace(ranked=lambda fits: [delay], fits=[delay, lag], score=lambda _fit: 0.0)
+    for room, value in {
+        "in_vain": lambda *_: vain,
+        "_replacements": lambda *_: [],
+        "_compared": lambda *_: (comparison, [delay, lag]),
+        "compared": lambda *_: comparison,
+        "best_of_each": lambda fits: fits,
+        "simplest": lambda search, comparison, fit, fits: fit,
+        "_stopped_early": lambda search, fit, other: other is lag,
+    }.items():
+        monkeypatch.setattr(exchange, room, value)
+    carried: list[Any] = []
+    search: Any = SimpleNamespace(
+        settings=DiagnosisSettings(),
+        deadline=SimpleNamespace(stops=lambda: False),
+        completed=lambda fit: fit,
+        parallel=lambda step, work, fits: carried.extend(fits) or list(map(work, fits)),
+    )
+    assert exchanged(search, delay, [], []) is delay
+    assert carried == ([] if vain else [lag])
+
+
 @pytest.mark.parametrize(("score", "taken"), [(120.0, True), (99.0, False)])
 def test_an_effect_with_fewer_parameters_that_does_as_much_takes_the_place_of_another(
     score: float, taken: bool, monkeypatch: pytest.MonkeyPatch

@@ -176,19 +176,6 @@ def test_near_an_uncertain_floor_effects_are_added_where_they_show_best(
     assert bool(steps) is grows
 
 
-@pytest.mark.parametrize(
-    ("resumed", "left", "expected"), [(True, True, True), (True, False, False), (False, True, False)]
-)
-def test_only_a_resumed_search_that_leaves_more_than_noise_is_in_vain(
-    monkeypatch: pytest.MonkeyPatch, resumed: bool, left: bool, expected: bool
-) -> None:
-    search = search_that_never_ends()
-    search.resumed = resumed
-    monkeypatch.setattr(growth, "compared", lambda *_: SimpleNamespace(significant=lambda _fit: left))
-    monkeypatch.setattr(growth, "more_than_before", lambda *_: False)
-    assert growth.in_vain(search, fit("first")) is expected
-
-
 def addition(name: str, gain: float, parameters: int = 1) -> Any:
     candidate = SimpleNamespace(name=name, free=range(parameters))
     one = SimpleNamespace(candidate=candidate, gain=gain, change=np.ones(3))

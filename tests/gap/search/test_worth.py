@@ -14,6 +14,7 @@ from flexros.gap.search.model_probability import ModelComparison
 from flexros.gap.search.worth import (
     floor_is_uncertain,
     gap_of_laws,
+    in_vain,
     incomplete,
     more_than_before,
     simple_first,
@@ -253,3 +254,16 @@ def test_an_effect_that_leaves_noise_need_not_remove_a_share_of_it(
     search = measured_search()
     search.premises = SIMULATED
     assert worth(search, ModelComparison(measured_fit(null), (rest, fit), 20_000), rest, fit, 0.4) is expected
+
+
+@pytest.mark.parametrize(
+    ("resumed", "left", "expected"), [(True, True, True), (True, False, False), (False, True, False)]
+)
+def test_only_a_resumed_search_that_leaves_more_than_noise_is_in_vain(
+    monkeypatch: pytest.MonkeyPatch, resumed: bool, left: bool, expected: bool
+) -> None:
+    monkeypatch.setattr("flexros.gap.search.worth.compared", lambda *_: SimpleNamespace(significant=lambda _fit: left))
+    monkeypatch.setattr("flexros.gap.search.worth.more_than_before", lambda *_: False)
+    search: Any = SimpleNamespace(resumed=resumed)
+    fit: Any = SimpleNamespace()
+    assert in_vain(search, fit) is expected
