@@ -103,7 +103,8 @@ def propose_mapping(
         rate: Rows per second of a table without times [Hz]; None where a column or the messages have them.
 
     Raises:
-        InputError: The bag has no positions of named joints, or these are not those of the model; or a rate of a bag.
+        InputError: The bag has no positions of named joints, or these are not those of the model; or a rate of a bag;
+            or the columns of a table are not equally long.
     """
     say = progress or (lambda _: None)
     say("reading")
@@ -122,9 +123,9 @@ def propose_mapping(
     if topics.time:
         times = source.read([topics.time])[topics.time].values
         clock = clock_of_column(topics.time, times[np.isfinite(times)])
-        signals = _usable_rows(signals, times * TIME_UNITS[clock.unit])
+        signals = _usable_rows(bag, signals, times * TIME_UNITS[clock.unit])
     elif rate is not None:
-        signals = _usable_rows(signals, np.arange(len(next(iter(signals.values())).values)) / rate)
+        signals = _usable_rows(bag, signals, np.arange(len(next(iter(signals.values())).values)) / rate)
     return _Proposer(bag, robot, topics, matches, signals, say, clock, unnamed).proposal()
 
 
@@ -138,8 +139,13 @@ def _unnamed_commands(source: AbstractSignalSource, topics: FoundSignals) -> Unn
     return UnnamedCommands.of(*([read[name].values for name in names] for names in zip(*pairs, strict=True)))
 
 
-def _usable_rows(signals: Mapping[str, Signal], time: FloatArray) -> dict[str, Signal]:
+def _usable_rows(bag: Path, signals: Mapping[str, Signal], time: FloatArray) -> dict[str, Signal]:
     """Return the rows of a table with a later time than before and values of all columns that have most of theirs."""
+    for name, signal in signals.items():
+        if len(signal.values) != len(time):
+            raise InputError(
+                f"{bag} has {len(signal.values)} rows in column '{name}' and {len(time)} times; make them equally long"
+            )
     finite = {name: np.isfinite(signal.values) for name, signal in signals.items()}
     rows = np.isfinite(time) & np.all([own for own in finite.values() if np.mean(~own) < MOST_LOST], axis=0)
     rows &= time > np.maximum.accumulate(np.concatenate([[-np.inf], np.where(rows, time, -np.inf)[:-1]]))

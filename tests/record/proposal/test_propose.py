@@ -191,6 +191,14 @@ def test_a_bag_has_times_of_its_own(written) -> None:
         propose_mapping(written(), None, rate=100.0)
 
 
+@pytest.mark.parametrize(("rate", "named"), [(None, {"t": np.arange(500) / 250}), (250.0, {})])
+def test_columns_of_unequal_length_are_refused_with_their_lengths(rate: float | None, named, tmp_path: Path) -> None:
+    file = tmp_path / "run.npz"
+    np.savez(file, **named, q1=np.sin(np.arange(500) / 50), tau1=np.zeros(400))
+    with pytest.raises(InputError, match=r"has 400 rows in column 'tau1' and 500 times; make them equally long"):
+        propose_mapping(file, None, rate=rate)
+
+
 def test_a_column_of_a_table_that_lacks_a_joint_is_said_with_its_name(tmp_path: Path) -> None:
     time = np.arange(500) / 100
     file = tmp_path / "run.csv"
