@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.effects import parse_effect
+from flexros.effects import RobotWithEffects, parse_effect
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.prediction.compiled_plant import CompiledPlant, compiled_plant, grouped, switchable
 from flexros.gap.prediction.predictor import Predictor
+from flexros.robot import load_robot
 from tests.gap.diagnosis_logs import MODEL, ROBOT, candidates_of, data_of
 
 TOGETHER = ("coulomb_friction@motor_1", "viscous_friction@motor_1", "stiffness_error@body_1.rz")
@@ -64,6 +65,16 @@ def test_a_plant_with_fast_states_serves_no_hypothesis_without() -> None:
     plant, every = plant_of("presliding_friction@motor_1", "coulomb_friction@motor_1"), candidates_of()
     assert plant.covers((every["presliding_friction@motor_1"],))
     assert not plant.covers((every["coulomb_friction@motor_1"],))
+
+
+@pytest.mark.parametrize(
+    ("name", "steps"), [("torque_bias", 1), ("actuator_lag", 2), ("delay", 2), ("presliding_friction", 5)]
+)
+def test_a_lag_is_exact_in_long_steps_and_bristles_are_not(name: str, steps: int) -> None:
+    """Steps of fast states made a diagnosis of six axes with a lag several times as long."""
+    candidate = next(one for one in candidates_of().values() if one.effect.name == name)
+    rigid = RobotWithEffects(load_robot("emps"), ())
+    assert CompiledPlant(rigid, (candidate,), (), 0.004).steps.number == steps
 
 
 def test_bristles_take_the_steps_of_delayed_torques_with_which_they_are_compared() -> None:
