@@ -7,7 +7,7 @@ import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from flexros.blas_threads import one_blas_thread
-from flexros.gap import diagnose as diagnose_module
+from flexros.gap import diagnosis_task
 from flexros.gap.diagnose import diagnose
 from flexros.gap.settings import DiagnosisSettings
 from flexros.robot import load_robot
@@ -36,6 +36,6 @@ def test_fits_of_a_diagnosis_have_one_thread_each(monkeypatch: pytest.MonkeyPatc
         assert threads() == {1}
         raise EndError
 
-    monkeypatch.setattr(diagnose_module, "explain", explain)
+    monkeypatch.setattr(diagnosis_task, "explain", explain)
     with threadpool_limits(limits=2, user_api="blas"), pytest.raises(EndError):
         diagnose(record_of(), load_robot("four_mass_linear"), settings=DiagnosisSettings())
