@@ -96,8 +96,8 @@ def one_delay(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> Ca
 def _stopped_early(search: Search, fit: CandidateFit, other: CandidateFit) -> bool:
     """Return whether another fit with a plain effect in place of one comes near, but was not carried to its end.
 
-    A fit ends early where linear theory sees no hope, and the first slopes to tolerated numbers are those of the base.
-    Delay and lag of a motor that differ by a nat at their minima seemed to be 16 nats apart. Of a search in vain such a
+    A fit ends early where linear theory sees no hope, with slopes to tolerated numbers that are not its own: delay and
+    lag of a motor that differ by a nat at their minima seemed to be 16 nats apart. Of a search in vain such a
     difference decides nothing.
 
     Args:
