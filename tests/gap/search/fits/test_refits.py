@@ -7,10 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flexros.arrays import FloatArray
 from flexros.effects import RobotWithEffects
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.fit.null_fit import fit_null
+from flexros.gap.prediction.predictor import Predictor
+from flexros.gap.residuals.fit_data import FitData
 from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.settings import DiagnosisSettings
@@ -19,7 +22,7 @@ from flexros.robot import load_robot
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import load_scenario
-from tests.gap.diagnosis_logs import settings_of
+from tests.gap.diagnosis_logs import search_of, settings_of
 
 pytestmark = pytest.mark.slow
 
@@ -44,3 +47,27 @@ def test_an_effect_of_no_size_does_not_gain_by_its_finer_steps(name: str, level:
     assert rest.predictor.plant.steps.number == kept
     assert search.completed(rest).predictor.plant.steps.number == kept
     assert rest.chi2 - fit.chi2 < np.log(data.n_values)
+
+
+def test_a_fit_without_an_effect_holds_the_slopes_around_the_explanation(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where these are known it takes fewer predictions, and ends as near to the minimum."""
+    tolerance = Tolerance(("body_1.rz.stiffness", "motor_1.inertia"), (0.3, 0.3))
+    search = search_of("coulomb_friction@motor_1:level=0.3", tolerance=tolerance)
+    kept, left_out = "coulomb_friction@motor_1", "viscous_friction@motor_1"
+    both = tuple(one for one in search.candidates() if one.name in (kept, left_out))
+    start = np.array([free.encode(0.0 if free.signed else free.starts[0]) for one in both for free in one.free])
+    predictor = search.null.predictor(both)
+    fit = search.completed(CandidateFit(predictor, np.concatenate([start, np.zeros(2)]), np.inf))
+    sets, residuals = [0], FitData.residuals
+
+    def counted(self: FitData, predictor: Predictor, thetas: FloatArray) -> FloatArray:
+        sets[-1] += thetas.shape[1]
+        return residuals(self, predictor, thetas)
+
+    monkeypatch.setattr(FitData, "residuals", counted)
+    alone = search.without(fit, left_out)
+    search.surroundings(fit)
+    sets.append(0)
+    held = search.without(fit, left_out)
+    assert sets[1] < 0.5 * sets[0]
+    assert held.chi2 < alone.chi2 + 0.1
