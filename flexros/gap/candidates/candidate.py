@@ -291,15 +291,26 @@ def list_candidates(
         if not effect.ranges or effect.harmonics or issubclass(effect, AbstractCurve):
             continue
         for location in distinct_locations(effect, robot, measured=measured, for_curve=for_curve):
-            free = [
-                free_parameter(name, scales.shown(allowed), scales.of(allowed.scale, location))
-                for name, allowed in effect().fitted(robot, location).items()
-            ]
+            free = candidate_at(effect, location, robot, scales).free
             there = [law.effect for law in known if law.location == location]
             reduced = effect().reductions(robot, location, there) if measured or effect.seeks_less else {}
-            free = [below_nominal(one, reduced[one.name]) if reduced.get(one.name) else one for one in free]
-            candidates.append(Candidate(effect, location, tuple(free)))
+            free = tuple(below_nominal(one, reduced[one.name]) if reduced.get(one.name) else one for one in free)
+            candidates.append(Candidate(effect, location, free))
     return tuple(candidates)
+
+
+def candidate_at(effect: type[AbstractEffect], location: str, robot: Robot, scales: Scales) -> Candidate:
+    """Return the candidate of an effect at a location, with its own ranges.
+
+    Args:
+        effect: The effect.
+        location: One of its locations.
+        robot: The nominal robot.
+        scales: Largest torques, speeds and deflections of the log, and the frequencies that it shows.
+    """
+    ranges = effect().fitted(robot, location)
+    free = (free_parameter(name, scales.shown(one), scales.of(one.scale, location)) for name, one in ranges.items())
+    return Candidate(effect, location, tuple(free))
 
 
 def distinct_locations(

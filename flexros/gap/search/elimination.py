@@ -14,7 +14,7 @@ from flexros.gap.fit.estimates import parameters_of, sizes_of
 from flexros.gap.search.worth import compared, more_than_chance, strains, worth
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
@@ -35,9 +35,12 @@ imitation that stays attracts others. Every mode is tried too: springs and inert
 TRIED = 2
 """Effects without which an explanation is fitted at once (chosen): two that do the same compete."""
 
+SEVERAL = 3
+"""Needless effects from which they are left out at once (chosen): of two, two fits decide anyway."""
+
 
 def reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed: float) -> CandidateFit:
-    """Leave out the effects without which hardly more is left, one after the other.
+    """Leave out the effects without which hardly more is left, one after the other, or several that are so together.
 
     Effects that are indispensable by linear theory are not tried, and those that seem least needed by it come first. An
     effect that gains less than its parameters cost is tried also where nothing is left above the floor, and so are the
@@ -51,21 +54,25 @@ def reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed
         fits: All fits so far; new ones are appended.
         removed: Share of the remaining gap that every effect must remove [1].
     """
-    settings, n = search.settings.search, search.data.n_values
+    settings = search.settings.search
     if not search.premises.floor_is_noise:
-        removed = search.settings.search.removed_of_all
+        removed = settings.removed_of_all
     certain = min(settings.indispensable, settings.certain * removed)
+    at_once = True
     while len(fit.hypothesis) > 1:
         if search.torques_decide or search.deadline.stops_finishing():
             return _without_needless(search, fit, fits, removed)
         surroundings = search.surroundings(fit)  # of some rows: they tell how much is lost, not how much is left
         lost = [max(rest.least - surroundings.least, 0.0) for rest in search.removals(fit, surroundings)]
-        left = max(fit.chi2 - n, 0.0)
-        doubtful = [
-            (rise, one.name)
-            for one, rise in zip(fit.hypothesis, lost, strict=True)
-            if rise < certain * (rise + left) or _gains_nothing(search, fit, one, rise)
-        ]
+        doubt = partial(_is_doubtful, search, fit, certain)
+        doubtful = [(rise, one.name) for one, rise in zip(fit.hypothesis, lost, strict=True) if doubt(rise, [one.name])]
+        several = _doubtful_together(search, fit, [name for _, name in sorted(doubtful)], doubt) if at_once else ()
+        if several:
+            fits.append(search.without(fit, *several))
+            at_once = not worth(search, compared(search, best_of_each(fits)), fits[-1], fit, removed)
+            if at_once:
+                fit = fits[-1]
+                continue
         if search.premises.library_is_complete and compared(search, [fit]).beyond_tolerance(fit):
             # numbers of the model that an imitation drew out of tolerance go far without it: linear theory sees no end
             least = sorted((rise, one.name) for one, rise in zip(fit.hypothesis, lost, strict=True))
@@ -79,10 +86,46 @@ def reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed
     return fit
 
 
-def _gains_nothing(search: Search, fit: CandidateFit, one: Candidate, rise: float) -> bool:
-    """Return whether an effect gains less than its parameters cost, by the rise of the sum of squares without it."""
-    n = search.data.n_values
-    return n * log1p(rise / fit.chi2) < compared(search, [fit]).threshold + len(one.free) * log(n)
+def _is_doubtful(search: Search, fit: CandidateFit, certain: float, rise: float, names: Sequence[str]) -> bool:
+    """Return whether effects may be left out by linear theory.
+
+    Args:
+        search: The search.
+        fit: The fit.
+        certain: Share of what a fit without them leaves, from which they are indispensable [1].
+        rise: Rise of the sum of squares without them [1].
+        names: Their names.
+    """
+    return rise < certain * (rise + max(fit.chi2 - search.data.n_values, 0.0)) or _gain_nothing(
+        search, fit, names, rise
+    )
+
+
+def _doubtful_together(
+    search: Search, fit: CandidateFit, names: Sequence[str], doubt: Callable[[float, Sequence[str]], bool]
+) -> Sequence[str]:
+    """Return the most doubtful effects that are so together; none where they are few.
+
+    Two that do the same are needed together, and are left to `_without_one`.
+
+    Args:
+        search: The search.
+        fit: The fit.
+        names: The effects that are doubtful alone, the most doubtful first.
+        doubt: Whether effects are, by the rise of the sum of squares without them and by their names.
+    """
+    surroundings = search.surroundings(fit)
+    sets = [names[:number] for number in range(SEVERAL, min(len(names), len(fit.hypothesis) - 1) + 1)]
+    found: Sequence[str] = ()
+    for tried, rest in zip(sets, search.removals_together(fit, surroundings, sets), strict=True):
+        found = tried if doubt(max(rest.least - surroundings.least, 0.0), tried) else found
+    return found
+
+
+def _gain_nothing(search: Search, fit: CandidateFit, names: Sequence[str], rise: float) -> bool:
+    """Return whether effects gain less than their parameters cost, by the rise of the sum of squares without them."""
+    n, parameters = search.data.n_values, sum(len(one.free) for one in fit.hypothesis if one.name in names)
+    return n * log1p(rise / fit.chi2) < compared(search, [fit]).threshold + parameters * log(n)
 
 
 def _without_one(

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects.encoders.encoder_offset import EncoderOffset
-from flexros.effects.left_out.tool_load import ToolLoad
+from flexros.effects.left_out.tool_load import ToolLoad, last_moved
 from flexros.effects.torque_curve import TorqueCurve
-from flexros.gap.candidates.candidate import Candidate, free_parameter, list_candidates
+from flexros.gap.candidates.candidate import Candidate, candidate_at, free_parameter, list_candidates
 from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.scales import scales_of_motors
 from flexros.gap.candidates.tolerance import Tolerance
@@ -21,10 +21,11 @@ from flexros.gap.fit.torques.arm_torque import arm_torque
 from flexros.gap.fit.torques.balanced import regress_balanced
 from flexros.gap.fit.torques.delay import torque_delay
 from flexros.gap.fit.torques.encoder_zeros import with_zeros
-from flexros.gap.fit.torques.missing_load import may_carry
+from flexros.gap.fit.torques.missing_load import lowered, may_carry
 from flexros.gap.fit.torques.regression import only_coulomb, regress_torque
 from flexros.gap.fit.torques.rough_bodies import is_inertial, with_rough_bodies
 from flexros.gap.fit.torques.solution import is_silent, rest_of
+from flexros.gap.fit.torques.unknown_numbers import UNCERTAIN_LOAD
 from flexros.gap.residuals.torque_errors import torque_errors
 from flexros.gap.search.model_probability import compare
 
@@ -48,6 +49,9 @@ if TYPE_CHECKING:
 RELIEVED_BY_LOAD = 0.65
 """Penalty of tolerated numbers with a load behind springs over that without it, below which it is there [1]
 (chosen)."""
+LEFT_BY_LOAD = 0.2
+"""What a fit with a load leaves on a rigid arm, over what one without it leaves, below which it is there [1]
+(chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +63,7 @@ class TorqueStart:
         model: The nominal model.
         record: The log.
         delay: Delay of commanded positions, or of torques [s].
-        loaded: The same with a load that the robot file may lack, behind springs; None without one.
+        loaded: The same with a load that the robot file may lack, not clear in the torques alone; None without one.
     """
 
     regression: TorqueRegression
@@ -101,8 +105,8 @@ class TorqueStart:
         if mass <= 0:
             return []
         sizes = {"mass": mass, **dict(zip("xyz", (moment / mass).tolist(), strict=True))}
-        every = list_candidates(self.robot, scales, measured=True)
-        return [(one, tuple(sizes[free.name] for free in one.free)) for one in every if one.effect is ToolLoad]
+        load = candidate_at(ToolLoad, "tool", self.robot, scales)
+        return [(load, tuple(sizes[free.name] for free in load.free))]
 
     def _over_position(self, torque: PositionTorque, scales: Scales) -> tuple[Candidate, tuple[float, ...]]:
         """Return a counterbalance or a curve of a motor with the initial values of its sizes."""
@@ -144,21 +148,44 @@ def torque_start(
             clear = np.abs(regression.bias) > data.measurement.tolerated_torque(record)
             regression = replace(regression, bias=np.where(clear, regression.bias, 0.0))
         start = None if regression is None else TorqueStart(regression, model, record, delay)
-        if regression is not None and model.robot.flexible_motors and may_carry(model.robot):
-            torques = regression.position_torques
-            loaded = regress_torque(
-                record,
-                model,
-                Tolerance(),
-                load="point",
-                delay=delay,
-                position_torques=torques,
-                settings=settings.torque_start,
-            )
-            if loaded is not None and loaded.load[0] > 0:
-                loaded = replace(loaded, deviations=np.zeros_like(regression.deviations))
-                start = TorqueStart(regression, model, record, delay, TorqueStart(loaded, model, record, delay))
+        if regression is not None and start is not None:
+            start = replace(start, loaded=_loaded_start(start, tolerance, settings.torque_start))
     return start if start is not None and start.hypothesis() else None
+
+
+def _loaded_start(start: TorqueStart, tolerance: Tolerance, settings: TorqueStartSettings) -> TorqueStart | None:
+    """Return a start with a load that the robot file may lack; None where there is no sign of one.
+
+    Behind springs torques alone do not show it. Where none hide it, most loads are clear before, see `clear_load`, and
+    others leave less of the torques than another mass of the last body does.
+
+    Args:
+        start: What the torques show without it.
+        tolerance: Parameters of the robot that may deviate.
+        settings: Settings of the regression.
+    """
+    robot, torques = start.robot, start.regression.position_torques
+    known = tolerance.largest([f"{last_moved(robot)}.mass"]) < UNCERTAIN_LOAD
+    if not may_carry(robot) or not (robot.flexible_motors or known):
+        return None
+    regress = partial(
+        regress_torque,
+        start.record,
+        start.model,
+        Tolerance(),
+        delay=start.delay,
+        position_torques=torques,
+        settings=settings,
+    )
+    loaded = regress(load="point")
+    if loaded is None or not loaded.load[0] > 0:
+        return None
+    if not robot.flexible_motors:
+        payload = regress(load="body")
+        if payload is None or lowered(payload, loaded, settings) < settings.perhaps_load:
+            return None
+    loaded = replace(loaded, deviations=np.zeros_like(start.regression.deviations))
+    return TorqueStart(loaded, start.model, start.record, start.delay)
 
 
 def _balanced(
@@ -296,7 +323,8 @@ def with_load(
     """Return the effects of a start with a load that the robot file lacks, where a fit shows it clearly.
 
     Behind springs torques alone do not show it clearly: what springs leave is larger than what the load explains. It is
-    clear where it removes a good part of what is left, or much of what else tolerated numbers must deviate by.
+    clear where it removes a good part of what is left, or much of what else tolerated numbers must deviate by. On a
+    rigid arm, where friction, offsets and bodies have the torques to themselves, it must leave far less than these.
 
     Args:
         null: The nominal model, fitted.
@@ -309,10 +337,12 @@ def with_load(
     fit_of_load = None if first is None else base_fit(null, first, settings, stop)
     if fit_of_load is None or fit_of_load.chi2 > base.chi2:
         return base
+    if not loaded.robot.flexible_motors and fit_of_load.chi2 > LEFT_BY_LOAD * base.chi2:
+        return base
     left = max(base.chi2 - null.data.n_values, 0.0)
     removes = left > 0 and base.chi2 - fit_of_load.chi2 > settings.search.removed_of_all * left
     relieves = fit_of_load.prior_penalty < RELIEVED_BY_LOAD * base.prior_penalty
-    return fit_of_load if removes or relieves else base
+    return fit_of_load if removes or relieves or not loaded.robot.flexible_motors else base
 
 
 def _at(null: NullFit, hypothesis: Hypothesis, sizes: FloatArray, deviations: FloatArray) -> CandidateFit:

@@ -101,6 +101,13 @@ class TorqueStartSettings(Settings):
         "above 1000 on an arm whose tool is 7 % of its mass. So the others are not left with more where one motor has "
         "no torque, as where it is not driven: a load that takes the weight of its body away explains that",
     )
+    perhaps_load: float = Field(
+        default=2.0,
+        ge=1,
+        description="the same product, over what another mass of the last body leaves, from which a fit with a load of "
+        "a rigid arm is tried [1] (chosen): 2.9 to 8 on simulated arms whose load is not clear otherwise, 1.0 on the "
+        "same without one",
+    )
     before_bodies: float = Field(
         default=1.5,
         ge=1,

@@ -78,6 +78,10 @@ class Search:
     def removals(self, fit: Fit, surroundings: Any) -> list[Any]:
         return [SimpleNamespace(least=surroundings.least + self.estimated[name]) for name in fit.kept]
 
+    def removals_together(self, fit: Fit, surroundings: Any, sets: list[list[str]]) -> list[Any]:
+        del fit
+        return [SimpleNamespace(least=surroundings.least + sum(self.estimated[name] for name in one)) for one in sets]
+
     def without(self, fit: Fit, *names: str) -> Fit:
         rest = tuple(name for name in fit.kept if name not in names)
         return Fit(rest, self.chi2[frozenset(rest)])
@@ -161,6 +165,38 @@ def test_an_effect_that_gains_nothing_is_left_out_wherever_the_floor_is(chi2: fl
     search: Any = Search({frozenset({COULOMB}): chi2 + 0.1}, {COULOMB: 900.0, BIAS: 0.1}, ())
     search.torques_decide, search.premises = False, premises
     assert elimination.reduced(search, Fit((COULOMB, BIAS), chi2), [], 0.2).names == {COULOMB}  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("viscous", "expected"), [
+    (1.0, {INERTIA}),
+    (30.0, {INERTIA, VISCOUS}),
+], ids=["all needless", "one is needed beside the others"])  # fmt: skip
+def test_several_effects_that_gain_nothing_together_are_left_out_with_one_fit(
+    viscous: float, expected: set[str]
+) -> None:
+    """A sum that gains more than its parameters cost is shortened by the effect that gains most."""
+    several = (COULOMB, BIAS, LOAD)
+    search: Any = Search({frozenset(expected): 1002.0}, dict.fromkeys((*several, VISCOUS), 1.0) | {INERTIA: 900.0}, ())
+    search.estimated[VISCOUS] = viscous
+    search.torques_decide, search.premises = False, MEASURED
+    if viscous > 1:
+        search.chi2[frozenset({INERTIA})] = 1400.0
+    fits: list[Any] = []
+    found = elimination.reduced(search, Fit((*several, VISCOUS, INERTIA), 1000.0), fits, 0.2)  # type: ignore[arg-type]
+    assert found.names == expected
+    assert [fit.names for fit in fits][:1] == [expected]
+
+
+def test_of_several_effects_that_a_fit_needs_one_after_the_other_is_left_out() -> None:
+    """Linear theory does not see what two of them do together."""
+    several = (COULOMB, BIAS, LOAD)
+    search: Any = Search({}, dict.fromkeys(several, 1.0) | {INERTIA: 900.0}, ())
+    search.torques_decide, search.premises = False, MEASURED
+    search.chi2 = {frozenset({INERTIA}): 1500.0, frozenset({INERTIA, BIAS, LOAD}): 1001.0}
+    search.chi2 |= {frozenset({INERTIA, COULOMB, one}): 1002.0 for one in (BIAS, LOAD)}
+    search.chi2 |= {frozenset({INERTIA, one}): 1500.0 for one in (BIAS, LOAD)}
+    found = elimination.reduced(search, Fit((*several, INERTIA), 1000.0), [], 0.2)  # type: ignore[arg-type]
+    assert found.names == {INERTIA, BIAS, LOAD}
 
 
 @pytest.mark.parametrize(("strained", "premises", "expected"), [

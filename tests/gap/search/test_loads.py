@@ -117,3 +117,24 @@ def test_a_load_behind_springs_is_found_with_its_place() -> None:
     assert sizes.keys() == {one.partition(":")[0] for one in (*hidden, *FRICTION)}
     assert sizes["tool_load@tool"]["mass"] == pytest.approx(3, rel=0.05)
     assert sizes["tool_load@tool"]["x"] == pytest.approx(0.3, rel=0.05)
+
+
+@cache
+def rigid_arm() -> Robot:
+    """The same arm without springs, whose file states its rotors."""
+    joints = [
+        {"ry": {"spring": "rigid", "motor": {"inertia": inertia, "viscous_friction": 8.0}}} for inertia in (4.0, 1.5)
+    ]
+    return robot_of("rigid_arm", *joints, length=0.4)
+
+
+@pytest.mark.parametrize(("load", "size"), [
+    ("tool_load@tool:mass=0.4,x=0.5,z=0.3", {"mass": 0.4, "x": 0.5, "z": 0.3}),
+    ("payload_error@tool:relative=0.1", {"relative": 0.1}),
+])  # fmt: skip
+def test_a_light_load_is_found_where_torques_leave_a_doubt(load: str, size: dict[str, float]) -> None:
+    """Without it, offsets, inertias and a payload stand for it, which as a point load would be of the same torques."""
+    record = measured(rigid_arm(), load, *FRICTION, gain=(2e4, 800.0))
+    sizes = sizes_of(record, rigid_arm())
+    assert sizes.keys() == {one.partition(":")[0] for one in (load, *FRICTION)}
+    assert sizes[load.partition(":")[0]] == pytest.approx(size, rel=0.05)

@@ -43,12 +43,12 @@ if TYPE_CHECKING:
 
 UR5E = Path(__file__).parents[3] / "examples" / "ur5e.urdf"
 EVALUATION = (
-    *(f"torque:{seed}" for seed in range(7401, 7408)),
-    *(f"delay:{seed}" for seed in range(7411, 7416)),
-    *(f"elastic:{seed}" for seed in range(7421, 7425)),
-    *(f"backlash:{seed}" for seed in range(7431, 7435)),
-    *(f"servo:{seed}" for seed in range(7441, 7447)),
-    *(f"{mode}:{seed}:{UR5E.name}" for mode, seed in (("torque", 7451), ("delay", 7452))),
+    *(f"torque:{seed}" for seed in range(7501, 7508)),
+    *(f"delay:{seed}" for seed in range(7511, 7516)),
+    *(f"elastic:{seed}" for seed in range(7521, 7525)),
+    *(f"backlash:{seed}" for seed in range(7531, 7535)),
+    *(f"servo:{seed}" for seed in range(7541, 7547)),
+    *(f"{mode}:{seed}:{UR5E.name}" for mode, seed in (("torque", 7551), ("delay", 7552))),
 )
 """Cases of the page; their seeds were not used before it."""
 NAMES = ("fitted", "held", "other")

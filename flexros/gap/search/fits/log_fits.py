@@ -190,6 +190,8 @@ class LogFits:
     ) -> CandidateFit:
         """Fit several effects for a few iterations, and on while what is left still falls.
 
+        In a simulated log that is below the noise already, it goes on while that gains more than a parameter costs.
+
         Args:
             predictor: Predictor of the effects.
             theta: Initial value in the units of the fit, shape (n_fitted,).
@@ -207,8 +209,10 @@ class LogFits:
             stopped = self.deadline.stops_finishing() if finishing else self.deadline.stops()
             if fit.converged or stopped or not np.isfinite(fit.chi2):
                 break
-            before = max(fit.chi2 - n, 0.0)
+            chi2, before = fit.chi2, max(fit.chi2 - n, 0.0)
             fit = few(predictor, fit.theta)
+            if self.premises.floor_is_noise and not before and chi2 - fit.chi2 < np.log(n):
+                break
             if fit.chi2 - n > settings.still_falling * before or _hopeless(fit.chi2 - n, before, further, rival - n):
                 break
         return fit

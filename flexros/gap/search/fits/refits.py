@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 REMEMBERED = 2
 """Explanations whose linearisation is kept (chosen): each has the size of some predictions."""
+NEAR = 2.0
+"""Sum of squares over that of noise below which further effects hardly move tolerated numbers [1] (chosen)."""
 REFINED = 4
 """Rounds in which the parameters of a law in place of a curve are refined alone (chosen)."""
 RICH_STARTS = 2 * LANES
@@ -90,7 +92,8 @@ class Refits(LogFits):
     ) -> CandidateFit:
         """Fit an explanation together with further candidates.
 
-        Where these replace others, derivatives to tolerated numbers stay those around the explanation, if known.
+        Derivatives to tolerated numbers stay those around the explanation, if known, where the candidates replace
+        others or the explanation leaves little more than noise.
 
         Args:
             fit: The explanation.
@@ -105,7 +108,7 @@ class Refits(LogFits):
         deviations = fit.predictor.tolerance.without(fit.deviations, replaced)
         theta = np.concatenate([own, *(addition.start for addition in additions), deviations])
         predictor = self.null.predictor((*rest, *(addition.candidate for addition in additions)), plant)
-        slopes = self._slopes_around(fit) if without else None
+        slopes = self._slopes_around(fit) if without or fit.chi2 < NEAR * self.data.n_values else None
         fit = self._joint(predictor, theta, rival=rival, slopes=slopes)
         harmonic = any(addition.candidate.effect.harmonics for addition in additions)
         return self._near_best_order(fit) if harmonic else fit

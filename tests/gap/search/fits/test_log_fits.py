@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from flexros.gap.deadline import Deadline
 from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.search.fits.candidate_fits import Search
-from flexros.gap.search.fits.log_fits import _hopeless
+from flexros.gap.search.fits.log_fits import LogFits, _hopeless
 from tests.gap.diagnosis_logs import candidates_of, predictor_of, search_of
 
 pytestmark = pytest.mark.slow
@@ -87,3 +88,19 @@ def test_a_joint_fit_ends_that_does_not_fall_fast_enough(
     excess: float, further: int, rival: float, expected: bool
 ) -> None:
     assert _hopeless(excess, 1000.0, further, rival) is expected
+
+
+@pytest.mark.parametrize(("fall", "calls"), [(1.0, 2), (100.0, 5)], ids=["less", "more"])
+def test_a_fit_below_the_noise_goes_on_while_it_gains_more_than_a_parameter_costs(
+    fall: float, calls: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    search = search_of("coulomb_friction@motor_1:level=0.3")
+    found: list[CandidateFit] = []
+
+    def falling(self: LogFits, predictor: Predictor, theta: FloatArray, **_: Any) -> CandidateFit:
+        found.append(CandidateFit(predictor, theta, 0.9 * self.data.n_values - fall * len(found), iterations=5))
+        return found[-1]
+
+    monkeypatch.setattr(LogFits, "_fit", falling)
+    search.reshaped(search.null.fit, ())
+    assert len(found) == calls
