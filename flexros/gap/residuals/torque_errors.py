@@ -22,11 +22,14 @@ import numpy as np
 from scipy.signal import lfilter, lfilter_zi
 
 from flexros.compile.over_rows import over_rows
+from flexros.effects.kinds.arm_law import AbstractArmLaw
 from flexros.effects.kinds.bristle_friction import AbstractBristleFriction
 from flexros.effects.kinds.command_law import AbstractCommandLaw
 from flexros.effects.kinds.dry_friction import AbstractDryFriction
 from flexros.effects.kinds.first_order_lag import AbstractFirstOrderLag
 from flexros.effects.kinds.motor_law import AbstractMotorLaw, AbstractMotorTorque, MotorState
+from flexros.effects.torque_saturation import TorqueSaturation
+from flexros.gap.residuals.arm_law_torque import arm_law_torque
 from flexros.gap.residuals.torque_rows import acting_torque, torque_rows
 from flexros.identify.rigid.motion_estimate import decimate
 from flexros.identify.rigid.standard_parameters import standard_parameters
@@ -124,28 +127,39 @@ class TorqueErrors:
 
     def _of_one(self, predictor: Predictor, theta: FloatArray) -> FloatArray:
         values, zeros = predictor.values(theta), tuple(predictor.encoder_offsets(theta).tolist())
-        needed = self._rows_of_bodies(predictor.robot, tuple(predictor.numbers(theta).items()), zeros).copy()
+        numbers = predictor.numbers(theta)
+        needed = self._rows_of_bodies(predictor.robot, tuple(numbers.items()), zeros).copy()
         gains, late = np.ones(self.robot.n_motors), np.full(self.robot.n_motors, -self.delay)
-        lags: dict[int, float] = {}
+        lags, limits = dict[int, float](), dict[int, float]()
         for candidate, sizes in zip(predictor.hypothesis, values, strict=True):
             if candidate.effect.delays_commands:
                 late[candidate.motors(self.robot)] += sizes["time"]
             effect = candidate.placed(sizes).effect
+            if isinstance(effect, AbstractArmLaw) and not effect.n_states:
+                position = self._positions - np.array(zeros)
+                needed += arm_law_torque(predictor.robot, effect, candidate.location, position, numbers)
             if not isinstance(effect, AbstractMotorLaw) or candidate.location not in self.robot.joint_names:
                 continue
             motor = self.robot.joint_names.index(candidate.location)
             if isinstance(effect, AbstractFirstOrderLag):
                 lags[motor] = lags.get(motor, 0.0) + effect.time_constant
+            elif isinstance(effect, TorqueSaturation):
+                limits[motor] = effect.limit
             elif isinstance(effect, AbstractCommandLaw):
                 gains[motor] *= effect.gain
             else:
-                numbers = tuple(effect.parameter_values.values())
-                needed[:, motor] += self._rows_of(type(effect), motor, numbers, zeros[motor])
+                own = tuple(effect.parameter_values.values())
+                needed[:, motor] += self._rows_of(type(effect), motor, own, zeros[motor])
         torque = self.torque - late * self.rate
-        for motor, lag in lags.items():
-            torque[:, motor] = self._lagged(motor, lag, float(late[motor]))
+        for motor in lags.keys() | limits.keys():
+            torque[:, motor] = self._passed(motor, limits.get(motor, 0.0), lags.get(motor, 0.0), float(late[motor]))
         errors: FloatArray = ((torque - needed / gains) / self.deviation).T.ravel()
         return errors
+
+    @cached_property
+    def _positions(self) -> FloatArray:
+        """Positions of all motors in the rows [rad or m], shape (m, M)."""
+        return decimate(self.motion[1 : 1 + self.robot.n_motors].T, self.factor)[self.counts]
 
     @cached_property
     def _rows_of_bodies(self) -> Callable[[Robot, tuple[tuple[str, float], ...], tuple[float, ...]], FloatArray]:
@@ -159,18 +173,22 @@ class TorqueErrors:
         return lru_cache(maxsize=BODIES)(rows)
 
     @cached_property
-    def _lagged(self) -> Callable[[int, float, float], FloatArray]:
-        """Function of a motor's torque behind a lag of first order and later by some time, in the rows, shape (m,)."""
+    def _passed(self) -> Callable[[int, float, float, float], FloatArray]:
+        """Function of a motor's torque within a limit, 0 for none, behind a lag of first order and later by some time.
 
-        def lagged(motor: int, lag: float, late: float) -> FloatArray:
+        In the rows, shape (m,).
+        """
+
+        def passed(motor: int, limit: float, lag: float, late: float) -> FloatArray:
             time, torque = self.motion[[0, 1 + 2 * self.robot.n_motors + motor]]
+            torque = TorqueSaturation(limit=limit).cut_off(torque) if limit else torque
             slow = 2 * lag / (time[1] - time[0])  # the bilinear transform has the delay of the lag exactly
             numerator, denominator = np.array([1.0, 1.0]) / (1 + slow), np.array([1.0, (1 - slow) / (1 + slow)])
             at_rest = lfilter_zi(numerator, denominator) * torque[0]
-            behind = lfilter(numerator, denominator, torque, zi=at_rest)[0]
+            behind = lfilter(numerator, denominator, torque, zi=at_rest)[0] if lag else torque
             return decimate(np.interp(time - late, time, behind), self.factor)[self.counts]
 
-        return lru_cache(maxsize=KEPT)(lagged)
+        return lru_cache(maxsize=KEPT)(passed)
 
     @cached_property
     def _rows_of(self) -> Callable[[type[AbstractMotorLaw], int, tuple[float, ...], float], FloatArray]:

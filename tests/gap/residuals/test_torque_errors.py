@@ -130,6 +130,27 @@ def test_each_law_takes_its_torque(name: str, numbers: dict[str, float], torque:
     np.testing.assert_allclose(with_law[1], without[1], atol=1e-9)
 
 
+@pytest.mark.parametrize(("body", "relative"), [("body_1", -0.3), ("body_2", 0.2)])
+def test_a_wrong_weight_takes_its_torque(body: str, relative: float) -> None:
+    """As much as the weight of a body that is so much heavier; it was left out, and a payload stood for it."""
+    of, robot = errors_of(), with_rotors()
+    heavy = robot.with_values({f"{body}.mass": (1 + relative) * robot.parameters[f"{body}.mass"].value})
+    without, with_law = (
+        of.errors(*predictor_of(values)).reshape(2, -1).T
+        for values in ({}, {f"gravity_error@{body}": {"relative": relative}})
+    )
+    q = robot.arm_from_gears(motion()[0])
+    still = np.zeros_like(q)
+    weights = [
+        np.array([one.model.arm_inverse_dynamics(*rows, one.model.parameter_values) for rows in zip(q, still, still)])
+        for one in (heavy, robot)
+    ]
+    expected = decimate((weights[0] - weights[1]).reshape(len(q), -1)[:, list(robot.gear_rows)], of.factor)
+    taken = DEVIATION * (without - with_law)
+    np.testing.assert_allclose(np.std(taken, axis=0), np.std(expected, axis=0), rtol=0.05)
+    np.testing.assert_allclose(np.mean(taken, axis=0), np.mean(expected, axis=0), atol=0.05 * np.std(expected))
+
+
 @pytest.mark.parametrize("name", sorted(name for name, one in candidates().items() if takes_torque(one)))
 def test_each_law_takes_the_torque_that_the_feedforward_adds(name: str) -> None:
     """Two evaluations of the same laws: one for many sets of parameters, one with smoothed signs and own states."""
@@ -267,3 +288,18 @@ def test_torques_behind_a_lag_are_those_of_the_lag(delay: float) -> None:
     with_delay = size_of({**friction(), "delay@motor_1": {"time": lag}}, of)[0]
     assert with_lag < 0.5 * with_delay
     assert with_lag < 0.3 * size_of(friction(), of)[0]
+
+
+@pytest.mark.parametrize("delay", [0.0, 2 * T])
+def test_torques_beyond_a_limit_are_those_within_it(delay: float) -> None:
+    record, limit = record_of_arm(imported=True), 20.0
+    beyond = np.abs(record.torque) > limit
+    assert 0.05 < beyond[:, 0].mean() < 0.7
+    commands = replace(record, torque=np.where(beyond, 1.5 * record.torque, record.torque))
+    within = replace(record, torque=np.clip(record.torque, -limit, limit))
+    of, expected = (torque_errors(one, model(), delay, DEVIATION) for one in (commands, within))
+    assert of is not None
+    assert expected is not None
+    limited = {**friction(), "torque_saturation@motor_1": {"limit": limit}}
+    assert size_of(limited, of)[0] == pytest.approx(size_of(friction(), expected)[0], rel=1e-2)
+    assert size_of(limited, of)[0] < 0.9 * size_of(friction(), of)[0]
