@@ -43,12 +43,12 @@ if TYPE_CHECKING:
 
 UR5E = Path(__file__).parents[3] / "examples" / "ur5e.urdf"
 EVALUATION = (
-    *(f"torque:{seed}" for seed in range(7501, 7508)),
-    *(f"delay:{seed}" for seed in range(7511, 7516)),
-    *(f"elastic:{seed}" for seed in range(7521, 7525)),
-    *(f"backlash:{seed}" for seed in range(7531, 7535)),
-    *(f"servo:{seed}" for seed in range(7541, 7547)),
-    *(f"{mode}:{seed}:{UR5E.name}" for mode, seed in (("torque", 7551), ("delay", 7552))),
+    *(f"torque:{seed}" for seed in range(7601, 7608)),
+    *(f"delay:{seed}" for seed in range(7611, 7616)),
+    *(f"elastic:{seed}" for seed in range(7621, 7625)),
+    *(f"backlash:{seed}" for seed in range(7631, 7635)),
+    *(f"servo:{seed}" for seed in range(7641, 7647)),
+    *(f"{mode}:{seed}:{UR5E.name}" for mode, seed in (("torque", 7651), ("delay", 7652))),
 )
 """Cases of the page; their seeds were not used before it."""
 NAMES = ("fitted", "held", "other")
