@@ -217,6 +217,8 @@ def _onto_states(mass: FloatArray, sample_time: float, torque: FloatArray) -> Fl
 def kalman_gain(F: FloatArray, C: FloatArray, Q: FloatArray, R: FloatArray) -> FloatArray:
     """Compute the stationary gain K that corrects the predicted state, x <- x + K (y - C x).
 
+    Where encoders are so good that the eigenvalues of the Riccati equation cannot be sorted, it is solved by doubling.
+
     Args:
         F: Transition matrix of a sample, shape (s, s).
         C: Matrix from states to outputs, shape (m, s).
@@ -229,9 +231,33 @@ def kalman_gain(F: FloatArray, C: FloatArray, Q: FloatArray, R: FloatArray) -> F
     Raises:
         numpy.linalg.LinAlgError: The Riccati equation has no stabilising solution.
     """
-    P = solve_discrete_are(F.T, C.T, Q, R)
+    try:
+        P = solve_discrete_are(F.T, C.T, Q, R)
+    except (np.linalg.LinAlgError, ValueError):  # the latter where the reordering of a QZ decomposition fails
+        P = _riccati_by_doubling(F, C, Q, R)
     gain: FloatArray = P @ C.T @ np.linalg.inv(C @ P @ C.T + R)
     return gain
+
+
+def _riccati_by_doubling(F: FloatArray, C: FloatArray, Q: FloatArray, R: FloatArray) -> FloatArray:
+    """Solve P = F P (I + C' R^-1 C P)^-1 F' + Q by structure-preserving doubling (Anderson 1978).
+
+    Step k is the covariance of the error after 2^k samples that begin without one. Arguments as for `kalman_gain`.
+
+    Raises:
+        numpy.linalg.LinAlgError: It does not converge.
+    """
+    A, G, H = F.T, C.T @ np.linalg.solve(R, C), Q
+    for _ in range(DOUBLINGS):
+        with np.errstate(over="ignore", invalid="ignore"):
+            inverse = np.linalg.inv(np.eye(len(F)) + G @ H)
+            A, G, H, before = A @ inverse @ A, G + A @ inverse @ G @ A.T, H + A.T @ H @ inverse @ A, H
+            G, H = (G + G.T) / 2, (H + H.T) / 2
+        if not np.all(np.isfinite(H)):
+            break
+        if np.abs(H - before).max() <= 1e-12 * np.abs(H).max():
+            return H
+    raise np.linalg.LinAlgError("the Riccati equation does not converge")
 
 
 def _settling(transition: FloatArray) -> int:

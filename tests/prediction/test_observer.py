@@ -9,7 +9,14 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from flexros.prediction.observer import ARM_SHARE, ObserverGain, _noise_of_kind, observer_gain, passed_on
+from flexros.prediction.observer import (
+    ARM_SHARE,
+    ObserverGain,
+    _noise_of_kind,
+    kalman_gain,
+    observer_gain,
+    passed_on,
+)
 from flexros.robot import Robot, load_robot
 from flexros.robot.linear.linearise import linear_model
 from flexros.robot.motors import list_motors
@@ -177,3 +184,25 @@ def test_motors_that_turn_and_that_slide_have_noise_of_their_own_kind() -> None:
     places = robot.motor_rows
     assert found[places[0]] == 1e-6
     assert found[places[1]] == 3e-6
+
+
+def refuses(*_: object) -> None:
+    raise ValueError("Reordering of (A, B) failed")
+
+
+@pytest.mark.parametrize("level", [1e-5, 1.0])
+def test_where_eigenvalues_cannot_be_sorted_the_gain_is_that_of_doubling(
+    level: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With encoders of 2e-5 rad, a play of a gear that a proposed experiment simulated could not be diagnosed."""
+    robot = load_robot("six_axis")
+    noise = np.full(robot.n_motors, 2e-5)
+    sorted_gain = observer_gain(robot, 0.002, level, noise).gain
+    monkeypatch.setattr("flexros.prediction.observer.solve_discrete_are", refuses)
+    np.testing.assert_allclose(observer_gain(robot, 0.002, level, noise).gain, sorted_gain, rtol=1e-5, atol=1e-9)
+
+
+def test_a_mode_that_no_encoder_sees_and_that_grows_has_no_gain(monkeypatch: pytest.MonkeyPatch) -> None:
+    F, C = np.diag([1.2, 0.5]), np.array([[0.0, 1.0]])
+    with pytest.raises(np.linalg.LinAlgError):
+        kalman_gain(F, C, np.eye(2), np.eye(1))
