@@ -36,29 +36,28 @@ Below, an effect is *shown* by the log if a model with all other true effects le
 tolerances of a measured log (5 % of the torques, 3 % of the nominal numbers), and more than two floors. Others cannot
 be found without claims that the log does not support. *False* are named effects that are not hidden. A size is right
 within 25 %, and in its interval within 1.96 of its stated standard deviations. The arms, effects and motions of these
-cases were drawn once and not used before, and run once, by commit 5f1b86fd beside other work on the same two cores.
+cases were drawn once and not used before, and run once, by commit a5cec84f beside other work on the same two cores.
 `explained` says that at most two floors with tolerance are left on held-out data. Below is counted where the third log
 has more than the plain floor then (noise, and tolerances of the torques as white noise), and where it has more than
 those two.
 
 """
 MISSED = """
-## What is missed, and why
+## What is wrong, and why
 
-- A correct log is refused (torque:7403): its load multiplies the torque of the last motor by 2.89, which was taken for
-  a wrong unit. Allowed since then, with this case in view; it was not run again.
-- A backlash of 17 mrad at motor 1 is named at motor 2, with 28 mrad, and takes up the viscous friction there
-  (backlash:7433). It is called `partly_explained`.
-- Viscous friction of 0.0027 Nm s/rad is named beside the Coulomb friction of the last wrist of the UR5e, which is found
-  3.6 % too small (delay:7452), as on the page before.
-- Sizes outside their intervals: the friction beside that backlash (8.4 deviations), a motor inertia that is 48.8 % too
-  small and said to be 42.2 % (7.7, backlash:7434), that wrist friction (5.5), delays by 1 to 2 % (2.3 to 4.6), and two
-  frictions by 0.4 and 2 % (2.2 and 2.4).
-- 13 of the 27 logs had a warning that their clock jumps, where the commands of all joints step. Mended since then.
+- Beside a load that multiplies the torque of the last motor by three, and a torque constant that is 19 % too low at the
+  other, an inertia of 58 % less is named, and the load is 17 % too heavy (torque:7603): the regression that estimates
+  the load knows no wrong torque constants. Of the third log 35 floors are left, less than the two floors with
+  tolerance up to which a log counts as explained.
+- A diagnosis ended in an internal error (backlash:7634): SciPy could not sort the eigenvalues of a Riccati equation of
+  the proposed experiment. Mended; this case and those after it were run by commit 7a95b082.
+- All sizes outside their intervals but a rotor inertia are delays, which are found about 0.1 ms too short: half a step
+  of MuJoCo here.
 
-The 28 cases of the page before (seeds 7301 to 7352) had 116 of 117 shown effects named with 2 false ones, by an older
-commit and without the two floors in what is shown (146 of all 160), and no log refused. The 27 cases before these
-(seeds 6201 to 6252) had 105 of 108 with 4 false ones and two correct logs refused.
+The 28 cases before (seeds 7501 to 7552, commit 5d26139b) had 105 of 106 shown effects named, 4 false ones, 99 of 105
+sizes in their intervals and no log refused. Three of the false ones and the missing effect were of one arm, for whose
+load of 0.3 kg a payload, inertias and a gain stood; such loads are tried in a fit since then (`with_load`). The 28
+before these (seeds 7401 to 7452) had 110 of 112 with 2 false ones and a correct log refused.
 """
 
 
