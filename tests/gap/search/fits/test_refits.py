@@ -15,6 +15,7 @@ from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.residuals.fit_data import FitData
 from flexros.gap.residuals.prepare_fit_data import fit_data
+from flexros.gap.search.fits import refits
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.settings import DiagnosisSettings
 from flexros.record.read import read_record
@@ -71,3 +72,28 @@ def test_a_fit_without_an_effect_holds_the_slopes_around_the_explanation(monkeyp
     held = search.without(fit, left_out)
     assert sets[1] < 0.5 * sets[0]
     assert held.chi2 < alone.chi2 + 0.1
+
+
+def test_further_effects_beside_noise_hold_the_slopes_around_the_explanation(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They move tolerated numbers hardly; beside an explanation that lacks much they would far."""
+    tolerance = Tolerance(("body_1.rz.stiffness", "motor_1.inertia"), (0.3, 0.3))
+    search = search_of("coulomb_friction@motor_1:level=0.3", tolerance=tolerance)
+    friction = next(one for one in search.candidates() if one.name == "coulomb_friction@motor_1")
+    start = np.array([friction.free[0].encode(0.3), *([0.0] * (len(friction.free) - 1)), 0.0, 0.0])
+    fit = search.completed(CandidateFit(search.null.predictor((friction,)), start, np.inf))
+    assert fit.chi2 < refits.NEAR * search.data.n_values
+    further = [one for one in search.candidates() if one.name == "viscous_friction@motor_1"]
+    (addition,) = search.additions(search.directions(further, fit), fit, search.surroundings(fit))
+    sets, residuals = [0], FitData.residuals
+
+    def counted(self: FitData, predictor: Predictor, thetas: FloatArray) -> FloatArray:
+        sets[-1] += thetas.shape[1]
+        return residuals(self, predictor, thetas)
+
+    monkeypatch.setattr(FitData, "residuals", counted)
+    held = search.together(fit, [addition])
+    monkeypatch.setattr(refits, "NEAR", 0.0)
+    sets.append(0)
+    anew = search.together(fit, [addition])
+    assert sets[0] < sets[1]
+    assert held.chi2 < anew.chi2 + 0.1
