@@ -60,8 +60,8 @@ def crowd_truth(folder: Path, case: OpenCase, truth: Truth) -> CrowdTruth | None
     if truth.kind != "crowd":
         return None
     robot = load_robot(folder / ROBOT_FILE)
-    second, third = (checked_log(read_log(folder / log), robot, name=log) for log in case.logs[1:])
     try:
+        second, third = (checked_log(read_log(folder / log), robot, name=log) for log in case.logs[1:])
         return CrowdTruth(third=_third(third, robot, truth), budget=_budget(second, robot, truth))
     except FlexrosError as error:
         return CrowdTruth(third=ThirdLog(failure=str(error)))

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import pytest
 
+from flexros.errors import InputError
 from flexros.gap.schema import Diagnosis
 from flexros.validation.blind.deviation import Deviation
 from flexros.validation.blind.score.answer import Answer
-from flexros.validation.blind.score.crowd_truth import CrowdTruth, TrueShare
+from flexros.validation.blind.score.crowd_truth import CrowdTruth, TrueShare, crowd_truth
 from flexros.validation.blind.score.crowds import CrowdScore, crowd_score
 from flexros.validation.blind.score.third_log import ThirdLog
+from flexros.validation.blind.seal import OpenCase
 from tests.validation.blind.cases import diagnosis, truth
 
 COULOMB, VISCOUS, DELAY = "coulomb_friction@motor_1", "viscous_friction@motor_1", "delay@motor_2"
@@ -129,3 +132,20 @@ def test_sizes_of_right_names_are_held_against_their_intervals() -> None:
         cause["parameters"] = {name: {"value": value, "std": 0.01 * value, "unit": "s"}}
     covered = crowd_score([Answer(hidden, Diagnosis.model_validate(answer))]).covered
     assert (covered.hits, covered.cases) == (1, 2)
+
+
+def test_a_third_log_that_is_refused_ends_no_campaign(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its figures are missing, and its case is counted with a failure."""
+
+    def refuse(*_: object, name: str, **__: object) -> None:
+        raise InputError(f"{name}: the torques are a multiple of what robot e12 needs")
+
+    monkeypatch.setattr("flexros.robot.load_robot", lambda _: None)
+    monkeypatch.setattr("flexros.gap.checked_log.checked_log", refuse)
+    monkeypatch.setattr("flexros.logs.reader.read_log", lambda *_: None)
+    case = OpenCase(name="case_0000", robot="e12", logs=("fit", "holdout", "third"), seal="")
+    found = crowd_truth(tmp_path, case, CROWD)
+    assert found is not None
+    assert found.third is not None
+    assert "a multiple of what robot e12 needs" in found.third.failure
+    assert not found.budget
