@@ -44,6 +44,23 @@ class ArmState:
     location: str
     own: ca.SX
 
+    @classmethod
+    def of_arm(
+        cls, robot: Robot, location: str, position: ca.SX, speed: ca.SX, model: SymbolicModel, parameters: ca.SX
+    ) -> ArmState:
+        """Return the state for a law without own states, of an arm whose gears do not bend.
+
+        Args:
+            robot: The robot.
+            location: Location of the law.
+            position: Arm coordinates [rad or m], SX (N, 1).
+            speed: Their rates, SX (N, 1).
+            model: Symbolic model of the robot.
+            parameters: Its argument p.
+        """
+        motors = ca.SX.zeros(model.n_coordinates - model.n_arm)
+        return cls(position, speed, motors, motors, model, parameters, robot, location, ca.SX(0, 1))
+
     def parameter(self, name: str) -> Value:
         """Return the value or symbol of a parameter of the robot."""
         if name in self.model.parameter_names:

@@ -50,19 +50,8 @@ class ArmForces:
             Forces on the arm coordinates [Nm or N], SX (N, 1).
         """
         model, total = self.robot.model, ca.SX.zeros(self.robot.n_arm)
-        motors = ca.SX.zeros(model.n_coordinates - model.n_arm)
         for law in self.laws:
             assert isinstance(law.effect, AbstractArmLaw)
-            arm = ArmState(
-                position=position,
-                speed=speed,
-                motor_position=motors,
-                motor_speed=motors,
-                model=model,
-                parameters=ca.SX(model.parameter_values),
-                robot=self.robot,
-                location=law.location,
-                own=ca.SX(0, 1),
-            )
+            arm = ArmState.of_arm(self.robot, law.location, position, speed, model, ca.SX(model.parameter_values))
             total += law.effect.force(arm, law.effect.parameter_values)[: self.robot.n_arm]
         return total

@@ -51,17 +51,6 @@ def _torque_of(robot: Robot, kind: type[AbstractArmLaw], location: str) -> ca.Fu
     model, own = robot.symbolic(names), tuple(kind.model_construct().parameter_values)
     gears, given = ca.SX.sym("gears", robot.n_motors), ca.SX.sym("given", len(own) + len(names))
     position = robot.arm_from_gears(gears)
-    motors = ca.SX.zeros(model.n_coordinates - model.n_arm)
-    arm = ArmState(
-        position=position,
-        speed=ca.SX.zeros(robot.n_arm),
-        motor_position=motors,
-        motor_speed=motors,
-        model=model,
-        parameters=given[len(own) :],
-        robot=robot,
-        location=location,
-        own=ca.SX(0, 1),
-    )
+    arm = ArmState.of_arm(robot, location, position, ca.SX.zeros(robot.n_arm), model, given[len(own) :])
     force = kind.model_construct().force(arm, dict(zip(own, ca.vertsplit(given)[: len(own)], strict=True)))
     return ca.Function("arm_law_torque", [gears, given], [ca.densify(-force[list(robot.gear_rows)])], {"cse": True})

@@ -28,7 +28,6 @@ from flexros.effects.kinds.command_law import AbstractCommandLaw
 from flexros.effects.kinds.dry_friction import AbstractDryFriction
 from flexros.effects.kinds.first_order_lag import AbstractFirstOrderLag
 from flexros.effects.kinds.motor_law import AbstractMotorLaw, AbstractMotorTorque, MotorState
-from flexros.effects.torque_saturation import TorqueSaturation
 from flexros.gap.residuals.arm_law_torque import arm_law_torque
 from flexros.gap.residuals.torque_rows import acting_torque, torque_rows
 from flexros.identify.rigid.motion_estimate import decimate
@@ -130,7 +129,7 @@ class TorqueErrors:
         numbers = predictor.numbers(theta)
         needed = self._rows_of_bodies(predictor.robot, tuple(numbers.items()), zeros).copy()
         gains, late = np.ones(self.robot.n_motors), np.full(self.robot.n_motors, -self.delay)
-        lags, limits = dict[int, float](), dict[int, float]()
+        lags, limits = dict[int, float](), dict[int, AbstractCommandLaw]()
         for candidate, sizes in zip(predictor.hypothesis, values, strict=True):
             if candidate.effect.delays_commands:
                 late[candidate.motors(self.robot)] += sizes["time"]
@@ -143,16 +142,16 @@ class TorqueErrors:
             motor = self.robot.joint_names.index(candidate.location)
             if isinstance(effect, AbstractFirstOrderLag):
                 lags[motor] = lags.get(motor, 0.0) + effect.time_constant
-            elif isinstance(effect, TorqueSaturation):
-                limits[motor] = effect.limit
             elif isinstance(effect, AbstractCommandLaw):
                 gains[motor] *= effect.gain
+                if effect.cuts_off:
+                    limits[motor] = effect
             else:
                 own = tuple(effect.parameter_values.values())
                 needed[:, motor] += self._rows_of(type(effect), motor, own, zeros[motor])
         torque = self.torque - late * self.rate
         for motor in lags.keys() | limits.keys():
-            torque[:, motor] = self._passed(motor, limits.get(motor, 0.0), lags.get(motor, 0.0), float(late[motor]))
+            torque[:, motor] = self._passed(motor, limits.get(motor), lags.get(motor, 0.0), float(late[motor]))
         errors: FloatArray = ((torque - needed / gains) / self.deviation).T.ravel()
         return errors
 
@@ -173,15 +172,15 @@ class TorqueErrors:
         return lru_cache(maxsize=BODIES)(rows)
 
     @cached_property
-    def _passed(self) -> Callable[[int, float, float, float], FloatArray]:
-        """Function of a motor's torque within a limit, 0 for none, behind a lag of first order and later by some time.
+    def _passed(self) -> Callable[[int, AbstractCommandLaw | None, float, float], FloatArray]:
+        """Function of a motor's torque within a limit, if any, behind a lag of first order and later by some time.
 
         In the rows, shape (m,).
         """
 
-        def passed(motor: int, limit: float, lag: float, late: float) -> FloatArray:
+        def passed(motor: int, limit: AbstractCommandLaw | None, lag: float, late: float) -> FloatArray:
             time, torque = self.motion[[0, 1 + 2 * self.robot.n_motors + motor]]
-            torque = TorqueSaturation(limit=limit).cut_off(torque) if limit else torque
+            torque = torque if limit is None else limit.cut_off(torque)
             slow = 2 * lag / (time[1] - time[0])  # the bilinear transform has the delay of the lag exactly
             numerator, denominator = np.array([1.0, 1.0]) / (1 + slow), np.array([1.0, (1 - slow) / (1 + slow)])
             at_rest = lfilter_zi(numerator, denominator) * torque[0]

@@ -337,12 +337,12 @@ def with_load(
     fit_of_load = None if first is None else base_fit(null, first, settings, stop)
     if fit_of_load is None or fit_of_load.chi2 > base.chi2:
         return base
-    if not loaded.robot.flexible_motors and fit_of_load.chi2 > LEFT_BY_LOAD * base.chi2:
-        return base
+    if not loaded.robot.flexible_motors:
+        return fit_of_load if fit_of_load.chi2 < LEFT_BY_LOAD * base.chi2 else base
     left = max(base.chi2 - null.data.n_values, 0.0)
     removes = left > 0 and base.chi2 - fit_of_load.chi2 > settings.search.removed_of_all * left
     relieves = fit_of_load.prior_penalty < RELIEVED_BY_LOAD * base.prior_penalty
-    return fit_of_load if removes or relieves or not loaded.robot.flexible_motors else base
+    return fit_of_load if removes or relieves else base
 
 
 def _at(null: NullFit, hypothesis: Hypothesis, sizes: FloatArray, deviations: FloatArray) -> CandidateFit:

@@ -28,6 +28,18 @@ from tests.gap.diagnosis_logs import search_of, settings_of
 pytestmark = pytest.mark.slow
 
 
+def counted_sets(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Count the sets of parameters that are predicted from now on, in the last number of a list."""
+    sets, residuals = [0], FitData.residuals
+
+    def counted(self: FitData, predictor: Predictor, thetas: FloatArray) -> FloatArray:
+        sets[-1] += thetas.shape[1]
+        return residuals(self, predictor, thetas)
+
+    monkeypatch.setattr(FitData, "residuals", counted)
+    return sets
+
+
 @pytest.mark.parametrize(("name", "level", "usual", "kept"), [("elbow", 100.0, 3, 5), ("emps", 20.0, 1, 1)])
 def test_an_effect_of_no_size_does_not_gain_by_its_finer_steps(name: str, level: float, usual: int, kept: int) -> None:
     """At 250 Hz it takes five steps per sample; friction alone takes fewer, which matters behind the springs of one."""
@@ -59,13 +71,7 @@ def test_a_fit_without_an_effect_holds_the_slopes_around_the_explanation(monkeyp
     start = np.array([free.encode(0.0 if free.signed else free.starts[0]) for one in both for free in one.free])
     predictor = search.null.predictor(both)
     fit = search.completed(CandidateFit(predictor, np.concatenate([start, np.zeros(2)]), np.inf))
-    sets, residuals = [0], FitData.residuals
-
-    def counted(self: FitData, predictor: Predictor, thetas: FloatArray) -> FloatArray:
-        sets[-1] += thetas.shape[1]
-        return residuals(self, predictor, thetas)
-
-    monkeypatch.setattr(FitData, "residuals", counted)
+    sets = counted_sets(monkeypatch)
     alone = search.without(fit, left_out)
     search.surroundings(fit)
     sets.append(0)
@@ -84,13 +90,7 @@ def test_further_effects_beside_noise_hold_the_slopes_around_the_explanation(mon
     assert fit.chi2 < refits.NEAR * search.data.n_values
     further = [one for one in search.candidates() if one.name == "viscous_friction@motor_1"]
     (addition,) = search.additions(search.directions(further, fit), fit, search.surroundings(fit))
-    sets, residuals = [0], FitData.residuals
-
-    def counted(self: FitData, predictor: Predictor, thetas: FloatArray) -> FloatArray:
-        sets[-1] += thetas.shape[1]
-        return residuals(self, predictor, thetas)
-
-    monkeypatch.setattr(FitData, "residuals", counted)
+    sets = counted_sets(monkeypatch)
     held = search.together(fit, [addition])
     monkeypatch.setattr(refits, "NEAR", 0.0)
     sets.append(0)
