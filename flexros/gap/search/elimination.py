@@ -8,9 +8,11 @@ from math import hypot, log, log1p
 from typing import TYPE_CHECKING
 
 from flexros.effects.kinds.relative_error import AbstractRelativeError
+from flexros.effects.left_out.tool_load import ToolLoad
 from flexros.effects.torque_bias import TorqueBias
 from flexros.gap.fit.candidate_fit import best_of_each
 from flexros.gap.fit.estimates import parameters_of, sizes_of
+from flexros.gap.fit.torques.missing_load import moved_mass
 from flexros.gap.search.worth import compared, more_than_chance, strains, worth
 
 if TYPE_CHECKING:
@@ -252,13 +254,13 @@ def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
         if candidate.name in shown:
             clear, tolerated = search.settings.search.clear_in_torques, _tolerated(search, candidate)
             most = {one.name: one.high for one in candidate.free}
-            nothing = _tolerated_torque(search, candidate)
+            nothing = _nothing(search, candidate)
             if search.data.record.command is not None:
                 clear_by[candidate.name] = clearness(parameters.values())
             worth_it = any(
                 abs(size.value) > max(clear * hypot(size.std, tolerated), nothing, NOTHING * most[name])
                 for name, size in parameters.items()
-                if size.determined
+                if size.determined and (name == "mass" or candidate.effect is not ToolLoad)
             )
         else:
             worth_it = worth(search, comparison, before, after, removed)
@@ -283,12 +285,17 @@ def _tolerated(search: Search, candidate: Candidate) -> float:
     return search.null.fit.predictor.tolerance.largest(changed)
 
 
-def _tolerated_torque(search: Search, candidate: Candidate) -> float:
-    """Return the constant torque at a motor that counts as no gap [Nm or N]; 0 of other effects."""
+def _nothing(search: Search, candidate: Candidate) -> float:
+    """Return the size up to which an effect that torques show is none, however clear it is [unit of its size].
+
+    It is the torque that counts as no gap, of a constant torque at a motor, and the lightest load; 0 of other effects.
+    """
+    data, robot = search.data, search.null.model.robot
+    if candidate.effect is ToolLoad:
+        return search.settings.torque_start.lightest_load * moved_mass(robot)
     if candidate.effect is not TorqueBias:
         return 0.0
-    data, motor = search.data, search.null.model.robot.joint_names.index(candidate.location)
-    return float(data.measurement.tolerated_torque(data.record)[motor])
+    return float(data.measurement.tolerated_torque(data.record)[robot.joint_names.index(candidate.location)])
 
 
 def _all_at_once(search: Search) -> bool:

@@ -19,7 +19,7 @@ from flexros.gap.search.growth import extended, resumed, tidied, with_more
 from flexros.gap.search.periodic.lines import beside_line
 from flexros.gap.search.regrouping import with_gains, without_tangled
 from flexros.gap.search.richer_laws import with_richer_laws, with_simpler_effects
-from flexros.gap.search.within_floor import grown_within_floor
+from flexros.gap.search.within_floor import grown_to_floor, grown_within_floor
 from flexros.gap.search.within_tolerance import with_far_numbers, without_slight_friction, without_tolerated
 from flexros.gap.search.worth import compared, in_vain, simplest, strains, worth
 
@@ -125,6 +125,9 @@ def explain(search: Search) -> Explanations:
         fits.append(chosen)
     chosen = one_delay(search, with_gains(search, chosen, fits), fits)
     chosen, richer = with_richer_laws(search, chosen, fits)
+    grown = grown_to_floor(search, chosen, directions, fits)
+    if grown is not chosen:
+        chosen, richer = grown, None
     curved = with_curves(search, chosen, directions, fits)
     if curved is not chosen:
         chosen = _beside_curves(search, first, curved, directions, fits)
@@ -133,8 +136,11 @@ def explain(search: Search) -> Explanations:
         if grown is not chosen:
             chosen = exchanged(search, grown, directions, fits)
             chosen = chosen if chosen is grown else one_by_one(search, chosen, fits)
+    simple = with_simpler_effects(search, chosen, fits)
+    if simple.names != chosen.names:  # beside a wrong law, others did not show
+        simple = grown_to_floor(search, simple, directions, fits)
+    chosen = simple
     for step in (
-        with_simpler_effects,
         without_tolerated,
         with_far_numbers,
         without_slight_friction,
@@ -143,6 +149,7 @@ def explain(search: Search) -> Explanations:
         with_other_scales,
     ):
         chosen = step(search, chosen, fits)
+    fits.append(search.beside_jumps(chosen))
     comparison = compared(search, best_of_each(fits))
     (chosen,) = (fit for fit in comparison.fits if fit.names == chosen.names)
     return _pruned(search, explanations_of(search, comparison, chosen, detected=True))

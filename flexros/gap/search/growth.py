@@ -201,6 +201,7 @@ def with_more(
     fits: list[CandidateFit],
     further: float = 0.0,
     known: Sequence[CandidateFit] = (),
+    least: float | None = None,
 ) -> CandidateFit | None:
     """Add candidates to a fit: several whose gains add up, or one of the best.
 
@@ -216,6 +217,8 @@ def with_more(
         fits: All fits so far; new ones are appended.
         further: Share of what is left that the candidates must remove together after those that torques show [1].
         known: Earlier fits, of which one with the same effects is taken in place of a new one of several candidates.
+        least: Share of what is left that each candidate must remove beside those that torques show [1], by default that
+            of every effect; half of it must be predicted, as linear theory underestimates some.
 
     Returns:
         The best of the new fits; None where no candidate is left.
@@ -230,7 +233,8 @@ def with_more(
     group = [distinct[index] for index in surroundings.independent(changes, settings.grouped, settings.kept)]
     if search.torques_decide:
         rest = fit.chi2 - search.data.n_values
-        group = [addition for addition in group if addition.gain > settings.hopeful * settings.removed_of_all * rest]
+        least = settings.removed_of_all if least is None else least
+        group = [addition for addition in group if addition.gain > settings.hopeful * least * rest]
         if not group or sum(addition.gain for addition in group) < settings.hopeful * further * rest:
             return None
     else:
@@ -240,8 +244,8 @@ def with_more(
         sizes = surroundings.sizes(np.stack([addition.change for addition in group], axis=-1))
         group = [addition.sized(size) for addition, size in zip(group, sizes, strict=True)]
     grown = (_known(fit, group, known) or _fitted(search, fit, [group], fits)) if len(group) > 1 else None
-    least = fit.chi2 - _removed(search, fit, settings.removed_by_step) * max(fit.chi2 - search.data.n_values, 0.0)
-    if grown is None or (grown.chi2 > least and not search.torques_decide and not search.deadline.stops()):
+    enough = fit.chi2 - _removed(search, fit, settings.removed_by_step) * max(fit.chi2 - search.data.n_values, 0.0)
+    if grown is None or (grown.chi2 > enough and not search.torques_decide and not search.deadline.stops()):
         alone = _fitted(search, fit, [[addition] for addition in additions[: settings.added]], fits)
         grown = min((one for one in (grown, alone) if one is not None), key=lambda one: one.chi2, default=None)
     return grown

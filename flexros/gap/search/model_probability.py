@@ -59,13 +59,28 @@ class ModelComparison:
         """Return the mean squared weighted prediction error V of a fit [1]; 1 without gap."""
         return fit.chi2 / self.n_values
 
-    def beyond_noise(self, level: float) -> float:
+    def beyond_noise(self, level: float, noise: float | None = None) -> float:
         """Return what a mean squared error has beyond noise, over what the tolerance of torques adds [1].
 
         1 where errors are as large as the tolerance allows for, 0 where they are noise alone. The noise of encoders may
         be most of the floor: beside it, torques that are known exactly hardly lower the level.
+
+        Args:
+            level: The mean squared error [1].
+            noise: That of noise alone [1], see `levels_of_noise`; default: as measured.
         """
-        return max(level - self.noise_level, 0.0) / max(1.0 - self.noise_level, 1e-12)
+        noise = self.noise_level if noise is None else noise
+        return max(level - noise, 0.0) / max(1.0 - noise, 1e-12)
+
+    @property
+    def levels_of_noise(self) -> tuple[float, ...]:
+        """Mean squared errors that noise alone may leave [1]: as measured, and none where a fit refutes that.
+
+        Noise of an encoder is measured from what is not smooth in its positions. An arm that shakes has much of that,
+        and a fit that explains the shaking leaves less than such noise would.
+        """
+        least = min(self.level(fit) for fit in (self.null, *self.fits))
+        return (self.noise_level,) if least >= self.noise_level else (self.noise_level, 0.0)
 
     def gain(self, fit: CandidateFit) -> float:
         """Return twice the gain in log-likelihood over the nominal model, noise estimated: N ln(V0 / V) [1]."""

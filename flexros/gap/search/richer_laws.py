@@ -16,6 +16,8 @@ from flexros.gap.search.regrouping import in_proportion
 from flexros.gap.search.worth import compared, worth
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.search.fits.candidate_fits import Search
@@ -100,12 +102,13 @@ def with_simpler_effects(search: Search, fit: CandidateFit, fits: list[Candidate
         rest = search.completed(search.without(fit, law.name))
         additions = search.additions(search.directions(numbers, rest), rest, search.surroundings(rest))
         promising = [one for one in additions if one.gain > settings.regained * (rest.chi2 - fit.chi2)]
-        trials = [[one] for one in promising[: settings.added]]
-        found = search.parallel("simpler effects", partial(search.together, rest), trials)
+        promising = promising[: settings.added]
+        found = search.parallel("simpler effects", partial(search.together, rest), [[one] for one in promising])
+        found += _in_place(search, [fit], law, [one.candidate for one in promising])
         found += _laws_in_place(search, fit, law)
         if not found:
             continue
-        best = search.completed(min(found, key=lambda one: one.chi2))
+        best = search.beside_jumps(search.completed(min(found, key=lambda one: one.chi2)))
         if best.chi2 <= fit.chi2:
             fits += [rest, *found, best]
             fit = best
@@ -156,12 +159,22 @@ def _laws_in_place(search: Search, fit: CandidateFit, curve: Candidate) -> list[
     every = [one for one in search.candidates(for_curve=True) if one.location in own and one.name not in fit.names]
     laws = [one for one in every if not in_proportion(one) and len(one.free) < len(curve.free)]
     numbers = [one.name for one in fit.hypothesis if one.location == curve.location and in_proportion(one)]
-    begun = [fit, *([search.without(fit, *numbers)] if numbers else [])]
-    plants = search.plants(fit, laws)
+    return _in_place(search, [fit, *([search.without(fit, *numbers)] if numbers else [])], curve, laws)
+
+
+def _in_place(
+    search: Search, fits: Sequence[CandidateFit], law: Candidate, others: Sequence[Candidate]
+) -> list[CandidateFit]:
+    """Fit explanations with each of some candidates in place of a law, begun with all else as it is.
+
+    Without the law, other sizes would go far to make up for it: backlash became so wide that a softer spring, which an
+    added mode had stood for, did not bring it back.
+    """
+    plants = search.plants(fits[0], others)
 
     def in_place(pair: tuple[CandidateFit, Candidate]) -> CandidateFit | None:
-        one, law = pair
-        return search.in_place(one, curve, law, plants[law], np.inf, refined=True)
+        fit, other = pair
+        return search.in_place(fit, law, other, plants[other], np.inf, refined=True)
 
-    pairs = [(one, law) for one in begun for law in laws]
-    return [one for one in search.parallel("laws for curves", in_place, pairs) if one is not None]
+    pairs = [(fit, other) for fit in fits for other in others]
+    return [one for one in search.parallel("effects in place", in_place, pairs) if one is not None]

@@ -1,4 +1,4 @@
-"""Several effects within the floor of a measured log, none of which would be found there alone."""
+"""Several effects of a measured log that hide each other, none of which would be found alone."""
 
 from __future__ import annotations
 
@@ -8,17 +8,61 @@ from flexros.gap.fit.candidate_fit import first_parameters
 from flexros.gap.search.elimination import one_by_one
 from flexros.gap.search.growth import with_more
 from flexros.gap.search.richer_laws import best_richer
-from flexros.gap.search.worth import beyond_noise, compared
+from flexros.gap.search.worth import beyond_noise, compared, worth
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.fit.screening import Directions
     from flexros.gap.search.fits.candidate_fits import Search
 
 RESIZED = 0.5
-"""Change of the size of an effect, over the larger one, from which small effects beside it are none (chosen)."""
+"""Change of the size of an effect, over the larger one, from which small effects beside it are none (chosen), and from
+which it stood for others that are there now."""
+TO_FLOOR = 0.8
+"""Share of what is left above the floor that effects added on trial must remove together [1] (chosen)."""
+
+
+def grown_to_floor(
+    search: Search, chosen: CandidateFit, directions: Sequence[Directions], fits: list[CandidateFit]
+) -> CandidateFit:
+    """Add effects on trial above the floor of an arm with springs, and keep them where they lead within it together.
+
+    Of several effects that hide each other behind springs each removes less than it must before the others are there: a
+    wrong spring, a wrong rotor and friction change the same vibration. Where all of them leave what an explanation may,
+    and little of what was left, they are no imitations of something unknown, of which much would remain. On six axes
+    without springs twenty imitations in a row did not lead there, and took most of the time. Effects found before that
+    have quite other sizes beside them stood for them, and are left out unless they are worth it still.
+
+    Args:
+        search: The search.
+        chosen: The explanation.
+        directions: All candidates but those of harmonics.
+        fits: All fits so far; new ones are appended.
+    """
+    floors = search.settings.ranking.floors
+    if search.premises.floor_is_noise or search.null.model.robot.is_rigid:
+        return chosen
+    if search.deadline.stops() or not _level(search, chosen) > floors:
+        return chosen
+    begin = search.completed(chosen)
+
+    def above_floor(fit: CandidateFit) -> float:
+        return _level(search, fit) - 1.0
+
+    def leads_there(fit: CandidateFit) -> bool:
+        return _level(search, fit) <= floors and above_floor(fit) <= (1 - TO_FLOOR) * above_floor(begin)
+
+    least = search.settings.search.least_on_trial
+    trial, tried = _grown_on_trial(search, begin, directions, above_floor, least, known=fits, further=least)
+    if trial is begin or not leads_there(trial):
+        return chosen
+    kept = one_by_one(search, _without_imitations(search, begin, trial, tried), tried)
+    if kept.names == chosen.names or not leads_there(kept):
+        return chosen
+    fits += [fit for fit in (begin, trial, *tried) if fit.names <= trial.names]
+    return kept
 
 
 def grown_within_floor(
@@ -45,43 +89,105 @@ def grown_within_floor(
         fits: All fits so far; new ones are appended.
         richer: The best explanation with a richer law in place of one of its own, see `best_richer`; None without one.
     """
-    settings, ranking = search.settings.search, search.settings.ranking
+    settings = search.settings.search
     if search.premises.floor_is_noise or search.deadline.stops():
         return chosen
-    if compared(search, [chosen]).level(chosen) > ranking.floors:
+    if _level(search, chosen) > search.settings.ranking.floors:
         return chosen
-    if not beyond_noise(search, chosen) > settings.least_of_tolerance**2:
+
+    def left(fit: CandidateFit) -> float:
+        return beyond_noise(search, fit)
+
+    if not left(chosen) > settings.least_of_tolerance**2:
         return chosen  # no effect that is missing would be as large as one must be
-    begin = trial = search.completed(chosen)
-    tried: list[CandidateFit] = []
-    for _ in range(settings.rounds_within_floor):
-        if search.deadline.stops() or len(trial.hypothesis) >= settings.most_effects:
-            break
-        enough = (1 - settings.removed) * beyond_noise(search, trial)
-        grown = richer if trial is begin else best_richer(search, trial, tried)
-        if grown is None or not beyond_noise(search, grown) < enough:
-            grown = with_more(search, trial, directions, tried, known=fits)
-            if grown is None:
-                break
-            # slopes of the base lead numbers of the model astray where effects are many
-            grown = search.completed(grown)
-        if not beyond_noise(search, grown) < enough:
-            break
-        trial = grown
-    most = settings.within_floor * beyond_noise(search, begin)
-    if trial is begin or not beyond_noise(search, trial) < most:
+    begin = search.completed(chosen)
+    trial, tried = _grown_on_trial(search, begin, directions, left, settings.removed, known=fits, richer=richer)
+    most = settings.within_floor * left(begin)
+    if trial is begin or not left(trial) < most:
         return chosen
     kept = one_by_one(search, trial, tried)
-    if kept.names == chosen.names or not beyond_noise(search, kept) < most or _resized(begin, kept):
+    if kept.names == chosen.names or not left(kept) < most or _resized(begin, kept):
         return chosen
     fits += [fit for fit in (begin, trial, *tried) if fit.names <= trial.names]
     return kept
 
 
-def _resized(before: CandidateFit, after: CandidateFit) -> bool:
-    """Return whether an effect of both fits has another sign in one of them, or less than half of its size."""
+def _grown_on_trial(
+    search: Search,
+    begin: CandidateFit,
+    directions: Sequence[Directions],
+    left: Callable[[CandidateFit], float],
+    least: float,
+    *,
+    known: Sequence[CandidateFit],
+    richer: CandidateFit | None = None,
+    further: float | None = None,
+) -> tuple[CandidateFit, list[CandidateFit]]:
+    """Add effects for as long as each step removes a share of what is left, a richer law first.
+
+    Args:
+        search: The search.
+        begin: The explanation, fitted to the end.
+        directions: All candidates but those of harmonics.
+        left: What a fit leaves [1].
+        least: The share [1].
+        known: Earlier fits.
+        richer: As for `grown_within_floor`.
+        further: Share of what is left above the floor that each candidate must remove [1]; default: as elsewhere.
+
+    Returns:
+        The grown explanation, the same one where nothing removes enough, and all fits on the way.
+    """
+    settings, trial = search.settings.search, begin
+    tried: list[CandidateFit] = []
+    for _ in range(settings.rounds_on_trial):
+        if not left(trial) > 0 or search.deadline.stops() or len(trial.hypothesis) >= settings.most_effects:
+            break
+        enough = (1 - least) * left(trial)
+        grown = richer if trial is begin and richer is not None else best_richer(search, trial, tried)
+        if grown is None or not left(grown) < enough:
+            grown = with_more(search, trial, directions, tried, known=known, least=further)
+            if grown is None:
+                break
+            # slopes of the base lead numbers of the model astray where effects are many
+            grown = search.completed(grown)
+        if not left(grown) < enough:
+            break
+        trial = grown
+    return trial, tried
+
+
+def _without_imitations(
+    search: Search, before: CandidateFit, after: CandidateFit, fits: list[CandidateFit]
+) -> CandidateFit:
+    """Leave out effects of an explanation that have less than half of their size now, unless they are worth it.
+
+    Args:
+        search: The search.
+        before: The explanation.
+        after: The same with further effects.
+        fits: All fits on the way; new ones are appended.
+    """
+    removed = search.settings.search.removed_of_all
+    for name in _resized(before, after):
+        if search.deadline.stops():
+            break
+        rest = search.completed(search.without(after, name))
+        fits.append(rest)
+        if not worth(search, compared(search, [rest, after]), rest, after, removed):
+            after = rest
+    return after
+
+
+def _resized(before: CandidateFit, after: CandidateFit) -> list[str]:
+    """List the effects of both fits that have another sign in one of them, or less than half of their size."""
     sizes, others = first_parameters(before), first_parameters(after)
-    return any(
-        abs(sizes[name] - others[name]) > RESIZED * max(abs(sizes[name]), abs(others[name]))
-        for name in sizes.keys() & others.keys()
-    )
+    return [
+        name
+        for name in sizes
+        if name in others and abs(sizes[name] - others[name]) > RESIZED * max(abs(sizes[name]), abs(others[name]))
+    ]
+
+
+def _level(search: Search, fit: CandidateFit) -> float:
+    return compared(search, [fit]).level(fit)

@@ -201,9 +201,11 @@ def _within_floor(search: Search, comparison: ModelComparison, before: Candidate
     numbers = search.settings.search
     if any(issubclass(one.effect, AbstractCurve) for one in before.hypothesis):
         return comparison.level(after) < numbers.within_floor * comparison.level(before)
-    first = comparison.beyond_noise(comparison.level(before))
-    second = comparison.beyond_noise(comparison.level(after))
-    return second < numbers.within_floor * first and first - second > numbers.least_of_tolerance**2
+    for noise in comparison.levels_of_noise:
+        first, second = (comparison.beyond_noise(comparison.level(fit), noise) for fit in (before, after))
+        if second < numbers.within_floor * first and first - second > numbers.least_of_tolerance**2:
+            return True
+    return False
 
 
 def _constant(search: Search, comparison: ModelComparison, before: CandidateFit, after: CandidateFit) -> bool:

@@ -260,11 +260,18 @@ class SearchSettings(Settings):
         description="size over that of the tolerated torques from which such an effect is one [1] (chosen): with a "
         "tolerance of 5 % of the rms torque, 1 % of it",
     )
-    rounds_within_floor: int = Field(
+    rounds_on_trial: int = Field(
         default=4,
         ge=0,
-        description="most steps of effects that are added on trial within these floors: several that are missing hide "
-        "each other there [1] (chosen)",
+        description="most steps of effects that are added on trial to an explanation of a real machine: several that "
+        "are missing hide each other [1] (chosen)",
+    )
+    least_on_trial: float = Field(
+        default=0.03,
+        gt=0,
+        lt=1,
+        description="share of what is left above the floor that each of these steps must remove there [1] (chosen): "
+        "what counts is what all of them leave",
     )
     line_width: float = Field(
         default=2.0,

@@ -90,6 +90,12 @@ class TorqueStartSettings(Settings):
         description="the same up to which errors of the bodies within their tolerance must not explain it as well [1] "
         "(chosen)",
     )
+    heaviest_load: float = Field(
+        default=10.0,
+        gt=0,
+        description="the same above which it is none [1] (chosen): a regression had made a load of 1424 kg at an "
+        "arm of 3.8 kg",
+    )
     farthest_load: float = Field(
         default=1.0, gt=0, description="largest distance of a load from the last joint [m] (chosen)"
     )

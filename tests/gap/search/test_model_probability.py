@@ -236,6 +236,15 @@ def test_a_fit_that_diverged_gains_nothing() -> None:
     assert comparison(1.2, fitted(np.inf, STRIBECK)).gain(fitted(np.inf, STRIBECK)) == -np.inf
 
 
+def test_noise_that_a_fit_refutes_hides_nothing() -> None:
+    """An encoder of an arm that shakes seems noisier than it is."""
+    for least, levels in ((0.8, (0.8,)), (0.5, (0.8, 0.0))):
+        found = replace(comparison(2.0, fitted(least, COULOMB)), noise_level=0.8)
+        assert found.levels_of_noise == levels
+    assert found.beyond_noise(0.9) == pytest.approx(0.5)
+    assert found.beyond_noise(0.9, 0.0) == pytest.approx(0.9)
+
+
 def test_what_noise_leaves_is_not_significant() -> None:
     exact = np.sqrt(2 / N)
     assert not comparison(1.0).significant(fitted(1 + 2 * exact, COULOMB))

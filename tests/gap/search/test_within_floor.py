@@ -1,4 +1,4 @@
-"""Several effects within the floor of a measured log, which hide each other."""
+"""Several effects of a measured log that hide each other, within its floor and above."""
 
 from __future__ import annotations
 
@@ -19,8 +19,9 @@ def fit(*names: str, level: float) -> Any:
     return SimpleNamespace(names=frozenset(names), hypothesis=names, level=level, chi2=level)
 
 
-def search() -> Any:
+def search(is_rigid: bool = False) -> Any:
     return SimpleNamespace(
+        null=SimpleNamespace(model=SimpleNamespace(robot=SimpleNamespace(is_rigid=is_rigid))),
         settings=DiagnosisSettings(),
         premises=MEASURED,
         deadline=SimpleNamespace(stops=lambda: False),
@@ -38,7 +39,7 @@ def levels(monkeypatch: pytest.MonkeyPatch) -> dict[str, float]:
     for module in (within_floor, worth):
         monkeypatch.setattr(module, "compared", lambda *_: comparison)
 
-    def with_more(_search: Any, one: Any, *_: Any, **_known: Any) -> Any:
+    def with_more(_search: Any, one: Any, *_: Any, **_named: Any) -> Any:
         names = order[: len(one.hypothesis) + 1]
         level = known.get("+".join(names))
         return None if level is None else fit(*names, level=level)
@@ -79,7 +80,7 @@ def test_a_richer_law_that_leaves_less_comes_before_further_effects(
     levels["richer+one"] = 0.81
     order = {"base": ("base", "one", "two"), "richer": ("richer", "one")}
 
-    def with_more(_search: Any, one: Any, *_: Any, **_known: Any) -> Any:
+    def with_more(_search: Any, one: Any, *_: Any, **_named: Any) -> Any:
         names = order[one.hypothesis[0]][: len(one.hypothesis) + 1]
         known = levels.get("+".join(names))
         return None if known is None or len(names) == len(one.hypothesis) else fit(*names, level=known)
@@ -107,3 +108,57 @@ def test_where_hardly_more_than_noise_is_left_nothing_is_tried(levels: dict[str,
 def test_above_the_floors_of_an_explanation_nothing_is_tried(levels: dict[str, float]) -> None:
     begin = fit("base", level=2.1)
     assert within_floor.grown_within_floor(search(), begin, [], []) is begin
+
+
+@pytest.fixture
+def above(levels: dict[str, float]) -> dict[str, float]:
+    """The first further effect alone removes a twentieth of what is above the floor, both together most of it."""
+    levels.clear()
+    levels |= {"base": 21.0, "base+one": 20.0, "base+one+two": 1.8}
+    return levels
+
+
+def test_effects_above_the_floor_that_lead_there_together_are_kept(above: dict[str, float]) -> None:
+    begin = fit("base", level=above["base"])
+    fits: list[Any] = []
+    assert within_floor.grown_to_floor(search(), begin, [], fits).names == {"base", "one", "two"}
+    assert fits
+
+
+def test_above_the_floor_of_an_arm_without_springs_nothing_is_tried(above: dict[str, float]) -> None:
+    begin = fit("base", level=above["base"])
+    assert within_floor.grown_to_floor(search(is_rigid=True), begin, [], []) is begin
+
+
+@pytest.mark.parametrize(("first", "last"), [(20.0, 2.1), (20.5, 1.8)])
+def test_effects_that_do_not_lead_to_the_floor_or_first_remove_nothing_are_none(
+    above: dict[str, float], first: float, last: float
+) -> None:
+    above |= {"base+one": first, "base+one+two": last}
+    begin = fit("base", level=above["base"])
+    assert within_floor.grown_to_floor(search(), begin, [], []) is begin
+
+
+def test_effects_that_remove_little_above_the_floor_are_none(above: dict[str, float]) -> None:
+    above |= {"base": 2.5, "base+one": 2.4, "base+one+two": 1.4}
+    begin = fit("base", level=above["base"])
+    assert within_floor.grown_to_floor(search(), begin, [], []) is begin
+
+
+@pytest.mark.parametrize(("without", "found"), [(1.9, {"one", "two"}), (6.0, {"base", "one", "two"})])
+def test_an_effect_that_stood_for_those_that_are_there_now_is_left_out_unless_it_is_worth_it(
+    above: dict[str, float], without: float, found: set[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def sizes(one: Any) -> dict[str, float]:
+        return {name: 0.4 if name == "base" and len(one.names) > 1 else 1.0 for name in one.names}
+
+    monkeypatch.setattr(within_floor, "first_parameters", sizes)
+    monkeypatch.setattr(within_floor, "worth", lambda _search, _comparison, rest, *_: rest.level > 3.0)
+    trial = search()
+    trial.without = lambda _, name: fit("one", "two", level=without)
+    assert within_floor.grown_to_floor(trial, fit("base", level=above["base"]), [], []).names == found
+
+
+def test_within_the_floor_nothing_is_tried_as_above_it(levels: dict[str, float]) -> None:
+    begin = fit("base", level=levels["base"])
+    assert within_floor.grown_to_floor(search(), begin, [], []) is begin

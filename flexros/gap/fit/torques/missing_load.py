@@ -74,8 +74,8 @@ def load_before_bodies(
     loaded = regress(Tolerance(), load="point")
     if loaded is None or not tolerance.names:
         return None
-    load = _at_a_point(loaded, settings)
-    if load is None or load.mass < settings.light_load * _moved(robot):
+    load = _at_a_point(loaded, robot, settings)
+    if load is None or load.mass < settings.light_load * moved_mass(robot):
         return None
     without = regress(Tolerance(), load=_kind(robot, lacking))
     if without is None or lowered(without, loaded, settings) < settings.before_bodies:
@@ -148,7 +148,7 @@ def load_beside(
     loaded = regress(tolerance, load="point", position_torques=position_torques)
     if loaded is None:
         return None
-    load, moved = _at_a_point(loaded, settings), _moved(robot)
+    load, moved = _at_a_point(loaded, robot, settings), moved_mass(robot)
     if load is None or load.mass < settings.lightest_load * moved or not _explains(loaded, without, settings):
         return None
     if load.mass < settings.light_load * moved:
@@ -158,16 +158,21 @@ def load_beside(
     return loaded, load
 
 
-def _at_a_point(loaded: TorqueRegression, settings: TorqueStartSettings) -> ToolLoad | None:
-    """Return the load of a regression; None for one without mass, or farther from the last joint than any tool."""
+def _at_a_point(loaded: TorqueRegression, robot: Robot, settings: TorqueStartSettings) -> ToolLoad | None:
+    """Return the load of a regression; None for one that no arm carries.
+
+    It has no mass, or far more than all that moves without it, or is farther from the last joint than any tool.
+    """
     mass, moment = float(loaded.load[0]), loaded.load[1:]
-    if mass <= 0 or np.linalg.norm(moment) > settings.farthest_load * mass:
+    if not 0 < mass <= settings.heaviest_load * moved_mass(robot):
+        return None
+    if np.linalg.norm(moment) > settings.farthest_load * mass:
         return None
     x, y, z = (moment / mass).tolist()
     return ToolLoad(mass=mass, x=x, y=y, z=z)
 
 
-def _moved(robot: Robot) -> float:
+def moved_mass(robot: Robot) -> float:
     """Return the mass of all bodies that move [kg]."""
     return sum(robot.parameters[f"body_{k}.mass"].value for k, b in enumerate(robot.spec.bodies, 1) if b.directions)
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.gap.fit.candidate_fit import best_of
 from flexros.gap.fit.least_squares import chi2_of, linearise, starts_of
 from flexros.gap.fit.pruning import without_least_parameter
 from flexros.gap.fit.screening import surroundings_of
@@ -32,6 +34,12 @@ NEAR = 2.0
 """Sum of squares over that of noise below which further effects hardly move tolerated numbers [1] (chosen)."""
 REFINED = 4
 """Rounds in which the parameters of a law in place of a curve are refined alone (chosen)."""
+BESIDE = (0.97, 0.985, 1.015, 1.03)
+"""Factors of a size from which a law whose torque jumps is fitted again (chosen)."""
+HOPS = 4
+"""Times that a law is (chosen)."""
+PROMISES = 0.02
+"""Fall of the sum of squares, over it, by which each of these fits must be better [1] (chosen)."""
 RICH_STARTS = 2 * LANES
 """Most initial values of the further parameters of a rich law (chosen)."""
 
@@ -230,6 +238,36 @@ class Refits(LogFits):
             first = int((~before[:n_effect]).sum())
             start = self._refined(predictor, start, range(first, first + len(own)))
         return self._joint(predictor, start)
+
+    def beside_jumps(self, fit: CandidateFit) -> CandidateFit:
+        """Fit an explanation again from sizes near its own of laws whose torque jumps, such as backlash.
+
+        Each impact moves when a gap becomes wider, so that the sum of squares has minima beside the lowest one: of two
+        axes with five effects, a gap had ended 2.3 % too small and a load 6 %, for which a weight stood then.
+
+        Args:
+            fit: The explanation.
+
+        Returns:
+            The best fit of the same parameters.
+        """
+        laws = [one.effect.jumps for one in fit.hypothesis for _ in one.free]
+        pairs = [(column, factor) for column, jumps in enumerate(laws) if jumps for factor in BESIDE]
+
+        def beside(pair: tuple[int, float], begun: CandidateFit) -> CandidateFit:
+            column, factor = pair
+            start, (low, high) = begun.theta.copy(), begun.predictor.bounds
+            start[column] = np.clip(start[column] + np.log(factor), low[column], high[column])
+            return self._quick(begun.predictor, start)
+
+        for _ in range(HOPS):
+            if not pairs or self.deadline.stops_finishing():
+                break
+            best = best_of([fit, *self.parallel("sizes nearby", partial(beside, begun=fit), pairs)])
+            if not best.chi2 < (1 - PROMISES) * fit.chi2:
+                break
+            fit = self._final(best.predictor, best.theta)
+        return fit
 
     def _refined(self, predictor: Predictor, start: FloatArray, columns: range) -> FloatArray:
         """Refine some parameters of a fit one after the other, with all others as they are.
