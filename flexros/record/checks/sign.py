@@ -16,8 +16,10 @@ if TYPE_CHECKING:
     from flexros.record.balance.torque_balance import BalanceFit
     from flexros.record.checks.checked_record import CheckedRecord
 
-CLEAR = 0.5
-"""Agreement of the inverted torque with the inverse-dynamics torque above which a sign is wrong (chosen)."""
+CLEAR, AGAINST, CERTAIN = 0.5, -0.7, 0.8
+"""Agreement of the inverted torque with the inverse-dynamics torque above which a sign is wrong, and correlation below
+which it is so up to the third number (chosen). On measured robots whose torques agree as well the correlation is -0.85
+and less where these are inverted; -0.51 on one with the right sign whose masses are wrong."""
 
 OPPOSITE, LEAST_SHARE = -0.9, 0.1
 """Correlation of both below which a sign is wrong, where friction leaves at least this share of the torque (chosen).
@@ -122,4 +124,5 @@ def _clear(fit: BalanceFit | None) -> bool:
     """Return whether a negative factor is clear enough to be that of an inverted signal."""
     if fit is None:
         return False
-    return fit.agreement > CLEAR or (fit.correlation < OPPOSITE and fit.share > LEAST_SHARE)
+    agrees = fit.agreement > (CLEAR if fit.correlation < AGAINST else CERTAIN)
+    return agrees or (fit.correlation < OPPOSITE and fit.share > LEAST_SHARE)

@@ -55,6 +55,19 @@ def test_what_little_friction_leaves_shows_no_sign(robots, healthy, share: float
     assert all("motion of motor_1 have" in finding.text for finding in findings)
 
 
+@pytest.mark.parametrize(("correlation", "inverted"), [(-0.51, False), (-0.85, True)])
+def test_bands_that_agree_though_the_whole_torque_does_not_show_no_sign(
+    robots, healthy, correlation: float, inverted: bool
+) -> None:
+    """Masses that are wrong turn the torque of a light joint round in some bands."""
+
+    class Checked(CheckedRecord):
+        own = (BalanceFit(-2.0, 0.6, -0.3, correlation, 0.8), BalanceFit(1.0, 0.9, 0.9, 0.9, 0.5))
+        order_is_wrong, wrongly_assigned, assignment = False, False, None
+
+    assert len(Sign().look(Checked(healthy("elbow"), robots("elbow")))) == inverted
+
+
 @pytest.mark.parametrize(("agreement", "named"), [(0.4, False), (0.05, True)])
 def test_a_better_assignment_comes_before_inverted_torques(robots, healthy, agreement: float, named: bool) -> None:
     """The zero of a joint elsewhere turns the weight that others carry round."""
