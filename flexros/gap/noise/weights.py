@@ -34,6 +34,8 @@ DOMINATES = 3.0
 (chosen): 5 to 10 on the legs of a quadruped robot, 0.2 to 1.6 on the other measured robots that show it."""
 REMEMBERED = 400
 """Samples after which the impulse response of coloured noise has decayed (chosen)."""
+LEAST_TORQUE = 0.3
+"""Share of the changing torque of the first log that counts at least in another one [1] (chosen)."""
 SMOOTH_CUTOFF = 40.0
 """Highest frequency of the motion whose speed the effect of jitter is computed from [Hz] (chosen)."""
 
@@ -54,6 +56,8 @@ class Measurement:
         doubt: The same for a deviation of this log's noise from the assumed one; a gap of that size is none [1].
         signal_tolerance: Share of the rms of a torque that counts as no gap [1].
         warnings: Warnings, one sentence each.
+        torque: Standard deviation of the torques of the log whose noise this is [Nm or N], shape (M,); None where it
+            was not kept.
     """
 
     deviation: FloatArray
@@ -66,14 +70,20 @@ class Measurement:
     doubt: float
     signal_tolerance: float
     warnings: tuple[str, ...]
+    torque: FloatArray | None = None
 
     def tolerated_torque(self, record: Record) -> FloatArray:
         """Return the torques of a log that count as no gap [Nm or N], shape (M,).
 
+        They are a share of what changes of a torque. Where that is hardly anything at a motor, as at one that holds a
+        constant torque, a share of the torque of the first log counts: its errors are not exact there.
+
         Args:
             record: The log.
         """
-        return np.asarray(self.signal_tolerance * np.std(record.torque, axis=0))
+        changing = np.std(record.torque, axis=0)
+        least = 0.0 if self.torque is None else LEAST_TORQUE * self.torque
+        return np.asarray(self.signal_tolerance * np.maximum(changing, least))
 
     def uncertain_torque(self, record: Record) -> FloatArray | None:
         """Return the white torque that counts as no gap [Nm or N], shape (M,); None where torques are known exactly.
@@ -144,6 +154,7 @@ def measurement_of(record: Record, robot: Robot, settings: DiagnosisSettings) ->
         doubt=0.0 if coloured else numbers.doubt * _difference(noise, deviation),
         signal_tolerance=noise.signal_tolerance,
         warnings=(*noise.warnings, *_undeclared(robot, declared)),
+        torque=np.std(record.torque, axis=0),
     )
 
 

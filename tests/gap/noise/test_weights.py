@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from copy import copy
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -53,6 +55,15 @@ def test_noise_a_little_off_the_declared_one_is_allowed_for() -> None:
     assert (found.floor_error, found.doubt) == (0.0, pytest.approx(0.5 * 0.3**2, rel=0.3))
     elsewhere = measurement_in(noisier, ROBOT, measurement_of(record, ROBOT, SETTINGS), SETTINGS)
     assert (elsewhere.floor_error, elsewhere.doubt) == (0.0, found.doubt)
+
+
+@pytest.mark.parametrize(("changing", "tolerated"), [(0.0, 0.3), (0.2, 0.3), (0.5, 0.5)])
+def test_a_torque_that_hardly_changes_is_tolerated_as_in_the_first_log(changing: float, tolerated: float) -> None:
+    """As that of a motor which holds a weight in the log that is held out."""
+    first = replace(measurement(np.ones((1, 1))), signal_tolerance=0.05, torque=np.array([2.0]))
+    torque = 9.0 + 2.0 * changing * np.where(np.arange(100) % 2, 1.0, -1.0)
+    record: Any = SimpleNamespace(torque=torque[:, None])
+    assert first.tolerated_torque(record) == pytest.approx(0.05 * 2.0 * np.array([tolerated]))
 
 
 def test_rounding_adds_its_own_noise() -> None:
