@@ -37,7 +37,7 @@ REFINED = 4
 BESIDE = (0.97, 0.985, 1.015, 1.03)
 """Factors of a size from which a law whose torque jumps is fitted again (chosen)."""
 HOPS = 4
-"""Times that a law is (chosen)."""
+"""Most rounds of such fits (chosen)."""
 PROMISES = 0.02
 """Fall of the sum of squares, over it, by which each of these fits must be better [1] (chosen)."""
 RICH_STARTS = 2 * LANES
