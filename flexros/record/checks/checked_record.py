@@ -25,7 +25,7 @@ from flexros.record.quantization import encoder_step
 from flexros.record.smoothing import noise_power, smooth_motion
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterable, Mapping
 
     from flexros.arrays import BoolArray, FloatArray
     from flexros.record.balance.joint_assignments import JointAssignment
@@ -149,7 +149,15 @@ class CheckedRecord:
     def _torque_of_bodies(self) -> FloatArray:
         """Torque that the rigid arm needs without the friction of its motors [Nm or N], shape (n, M)."""
         names = [f"{name}.viscous_friction" for name in self.robot.joint_names]
-        stated = [name for name in names if name in self.robot.parameters and self.robot.parameters[name].value]
+        return self.torque_without([name for name in names if name in self.robot.parameters])
+
+    def torque_without(self, names: Iterable[str]) -> FloatArray:
+        """Torque that the rigid arm would need without some numbers of the robot file [Nm or N], shape (n, M).
+
+        Args:
+            names: Names of the parameters that are zero then.
+        """
+        stated = [name for name in names if self.robot.parameters[name].value]
         if not stated:
             return self.rigid_torque()
         bare = self.robot.with_values(dict.fromkeys(stated, 0.0))

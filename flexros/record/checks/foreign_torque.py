@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.record.balance.joint_assignments import WEIGHTLESS
 from flexros.record.balance.regression import coefficients
 from flexros.record.checks.checked_record import FOREIGN, SLOW, CheckedRecord
 from flexros.record.checks.other_robot import LEAST
@@ -29,8 +30,9 @@ def without_foreign_torque(record: Record, robot: Robot) -> Record:
 
     Such a torque is far smaller than what the bodies need and, unlike one whose weight is balanced or whose unit is
     wrong, no multiple of that, no harmonic of the position and no friction: a drive without a current sensor, or a
-    current that is not that of the motor. Predictions would run away there, and the prediction of all other joints with
-    them. A log without any other torque stays as it is.
+    current that is not that of the motor. Nor does a link swing freely there, whose acceleration is that of its weight.
+    Predictions would run away there, and the prediction of all other joints with them. A log without any other torque
+    stays as it is.
 
     Args:
         record: The log.
@@ -47,7 +49,7 @@ def without_foreign_torque(record: Record, robot: Robot) -> Record:
     small = unlike & (checked.over_all[1] < SMALL)
     if not small.any():
         return record
-    foreign = small & (_unexplained(checked) > FOREIGN)
+    foreign = small & (_unexplained(checked) > FOREIGN) & (_weight_left(checked) > FOREIGN)
     motors = np.flatnonzero(foreign).tolist()
     if not motors or len({*motors, *record.prescribed}) == robot.n_motors:
         return record
@@ -76,4 +78,32 @@ def _unexplained(checked: CheckedRecord) -> FloatArray:
         rest = given - parts[:, motor] @ coefficients(parts[:, motor], given)
         power = float(np.mean((given - given.mean()) ** 2))
         shares[motor] = float(np.mean(rest**2)) / power if power > 0 else 0.0
+    return shares
+
+
+def _weight_left(checked: CheckedRecord) -> FloatArray:
+    """Return the share of each weight that neither its torque nor its acceleration carries [1], shape (M,).
+
+    Inertias and friction may be any: those of the bodies, each of another size, and of a rotor. One where there is no
+    weight.
+    """
+    robot, valid = checked.robot, checked.record.valid
+    arm, without = checked.rigid_torque(), checked.torque_without(WEIGHTLESS)
+    moving = [f"body_{k}.inertia." for k, body in enumerate(robot.spec.bodies, 1) if body.directions]
+    inertias = [[name for name in robot.parameters if name.startswith(body)] for body in moving]
+    _, speed, acceleration = smooth_motion(checked.position, checked.record.sample_time, SLOW)
+    parts = np.stack(
+        [
+            *(without, speed, np.sign(speed), acceleration, np.ones_like(speed)),
+            *(arm - checked.torque_without(names) for names in inertias),
+        ],
+        axis=-1,
+    )[valid]
+    torque = smooth_motion(bridged(checked.record.torque, valid), checked.record.sample_time, SLOW)[0][valid]
+    shares: FloatArray = np.ones(robot.n_motors)
+    for motor, weight in enumerate((arm - without)[valid].T):
+        given = torque[:, motor] - weight
+        rest = given - parts[:, motor] @ coefficients(parts[:, motor], given)
+        power = float(np.var(weight))
+        shares[motor] = float(np.mean(rest**2)) / power if power > 0 else 1.0
     return shares

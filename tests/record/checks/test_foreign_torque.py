@@ -10,6 +10,7 @@ import pytest
 from flexros.arrays import FloatArray
 from flexros.record.checks.foreign_torque import without_foreign_torque
 from flexros.record.record import Record
+from flexros.simulate.plant import Plant
 from tests.gap.rigid_arm import arm, motion, record_of_arm
 
 
@@ -66,3 +67,20 @@ def test_damping_of_a_simulator_in_the_robot_file_makes_no_torque_foreign() -> N
     record = with_torque(torque)
     assert without_foreign_torque(record, arm()) is record
     assert without_foreign_torque(record, arm().with_values({"motor_2.viscous_friction": 50.0})) is record
+
+
+def test_a_link_that_swings_freely_needs_no_torque() -> None:
+    """Its acceleration is that of its weight, also where the inertias of the robot file are four times too large."""
+    robot, rng = arm(), np.random.default_rng(3)
+    names = [f"body_{k}.inertia.{axis}" for k in (1, 2) for axis in ("xx", "yy", "zz")]
+    wrong = robot.with_values({name: 4 * robot.parameters[name].value for name in names})
+    plant = Plant(robot, 0.005, robot.equilibrium(np.array([0.6, 0.4])), substeps=4)
+    position, torque = np.empty((4000, 2)), np.empty((4000, 2))
+    for k in range(len(position)):
+        position[k] = plant.measure()
+        torque[k] = 0.2 * np.sin(0.02 * k + np.array([0.0, 1.0])) + 0.05 * rng.standard_normal(2)
+        plant.advance(torque[k])
+    swinging = Record("log", 0.005, position, torque, np.ones(len(position), dtype=bool), imported=True)
+    assert without_foreign_torque(swinging, wrong) is swinging
+    noise = replace(swinging, position=record_of_arm(imported=True).position)
+    assert without_foreign_torque(replace(noise, torque=wandering(0.2)), wrong).prescribed
