@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
 _TOKEN = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+")
 _KINDS = {
-    "position": "q qpos jpos pos position positions angle angles theta th",
+    "position": "q qpos jpos pos position positions ang angle angles theta th",
     "velocity": "dq qd qdot qvel jvel vel velocity velocities speed speeds omega",
-    "torque": "tau jtau torque torques trq effort efforts eff moment u",
+    "torque": "tau jtau torque torques torq trq effort efforts eff moment u",
     "acceleration": "ddq qdd qddot acc acceleration accelerations",
     "current": "current currents cur i",
 }
@@ -34,7 +34,7 @@ _TIMES = {"t", "time", "timestamp", "timestamps", "stamp", "clock"}
 _SECONDS = {"s": "s", "sec": "s", "secs": "s", "seconds": "s"} | {unit: unit for unit in TIME_UNITS}
 _FILLING = {
     "joint", "joints", "j", "motor", "m", "axis", "actual", "act", "measured", "meas", "state", "states", "raw",
-    "filtered", "present", "feedback", "fb", "fbk", "est",
+    "filtered", "filt", "unfiltered", "present", "feedback", "fb", "fbk", "est",
     "estimated", "measurement", "value", "rad", "deg", "nm", "in", "of", "the",
 }  # fmt: skip
 """Words of a name that say neither quantity nor joint."""

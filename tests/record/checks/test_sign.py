@@ -90,4 +90,5 @@ def test_torque_of_friction_that_brakes_the_wrong_way_is_named(found, healthy, r
     findings = found("elbow", torque=scaled(torque, 1, -1.0))
     assert findings[0].hopeless
     assert "torque of motor_2 brakes the motion" in findings[0].text
+    assert "(--prescribed motor_2)" in findings[0].text
     assert "motor_1" not in findings[0].text

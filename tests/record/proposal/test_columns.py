@@ -29,6 +29,8 @@ from flexros.record.proposal.columns import clock_of_column, table_signals
      {"position": ["entries.position"], "position_command": ["entries.goal_position"]}),
     (["log.arm.time", "log.arm.q.0", "log.arm.q.1", "log.arm.tau.0", "log.arm.tau.1"],
      {"position": ["log.arm.q.0", "log.arm.q.1"], "measured_torque": ["log.arm.tau.0", "log.arm.tau.1"]}),
+    (["time", "pos_meas1", "pos_filt1", "ang_2", "tau_meas1", "torq_2"],
+     {"position": ["pos_meas1", "ang_2"], "measured_torque": ["tau_meas1", "torq_2"]}),
     (["t", "q1", "q1dot", "effort1"], {"position": ["q1"], "velocity": ["q1dot"], "measured_torque": ["effort1"]}),
 ])  # fmt: skip
 def test_usual_names_tell_their_quantity(names: list[str], expected: dict[str, list[str]]) -> None:
