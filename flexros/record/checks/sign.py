@@ -86,8 +86,8 @@ def _braked(checked: CheckedRecord) -> tuple[Finding, ...]:
     text = (
         f"the torque of {', '.join(names)} brakes the motion that it should drive, as friction of the wrong sign "
         "would: the sign of torque or encoder is inverted there; correct it (sign: -1) when importing, or leave out "
-        "what was recorded while something else moved the joint. Where neither sign is right, the torque is not that of "
-        f"this joint: let its measured motion drive the model (--prescribed {','.join(names)})"
+        "what was recorded while something else moved the joint. Where neither sign is right, the torque is that of "
+        f"another joint or of none: let its measured motion drive the model (--prescribed {','.join(names)})"
     )
     return (Finding(text, hopeless=True),)
 
