@@ -133,13 +133,16 @@ def _grown_on_trial(
         least: The share [1].
         known: Earlier fits.
         richer: As for `grown_within_floor`.
-        further: Share of what is left above the floor that each candidate must remove [1]; default: as elsewhere.
+        further: Share of what is left above the floor that each candidate must remove [1]; default: as elsewhere. Above
+            the floor effects that hid each other remove more with each step; what imitates something unknown removes
+            less, and ends it.
 
     Returns:
         The grown explanation, the same one where nothing removes enough, and all fits on the way.
     """
     settings, trial = search.settings.search, begin
     tried: list[CandidateFit] = []
+    removed = 0.0
     for _ in range(settings.rounds_on_trial):
         if not left(trial) > 0 or search.deadline.stops() or len(trial.hypothesis) >= settings.most_effects:
             break
@@ -153,7 +156,10 @@ def _grown_on_trial(
             grown = search.completed(grown)
         if not left(grown) < enough:
             break
+        before, removed = removed, 1 - left(grown) / left(trial)
         trial = grown
+        if further and removed < before:
+            break
     return trial, tried
 
 

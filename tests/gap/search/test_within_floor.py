@@ -139,6 +139,15 @@ def test_effects_that_do_not_lead_to_the_floor_or_first_remove_nothing_are_none(
     assert within_floor.grown_to_floor(search(), begin, [], []) is begin
 
 
+def test_steps_that_remove_less_and_less_above_the_floor_end(above: dict[str, float]) -> None:
+    """What imitates something unknown does so; without the third step, its effects do not lead to the floor."""
+    above |= {"base+one": 13.0, "base+one+two": 9.0, "base+one+two+three": 1.5}
+    begin = fit("base", level=above["base"])
+    assert within_floor.grown_to_floor(search(), begin, [], []) is begin
+    above |= {"base+one+two": 7.0}
+    assert within_floor.grown_to_floor(search(), begin, [], []).names == {"base", "one", "two", "three"}
+
+
 def test_effects_that_remove_little_above_the_floor_are_none(above: dict[str, float]) -> None:
     above |= {"base": 2.5, "base+one": 2.4, "base+one+two": 1.4}
     begin = fit("base", level=above["base"])
