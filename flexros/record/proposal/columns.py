@@ -31,6 +31,8 @@ _WANTED = {"ref", "reference", "des", "desired", "target", "setpoint", "d"} | {
     "cmd", "command", "commands", "commanded", "goal", "demand", "demanded"
 }  # fmt: skip
 _TIMES = {"t", "time", "timestamp", "timestamps", "stamp", "clock"}
+_STAMPS, _DURATIONS = _TIMES - {"t", "clock"}, {"loop", "cycle", "sample", "step", "delta", "period", "compute"}
+"""Words that make any name one of times, as pi_time, and those beside which it is that of durations."""
 _SECONDS = {"s": "s", "sec": "s", "secs": "s", "seconds": "s"} | {unit: unit for unit in TIME_UNITS}
 _FILLING = {
     "joint", "joints", "j", "motor", "m", "axis", "actual", "act", "measured", "meas", "state", "states", "raw",
@@ -66,11 +68,14 @@ def table_signals(
     """
     signals: dict[str, dict[str, str]] = defaultdict(dict)
     ignored, times, unnamed, group = {}, list[str](), dict[str, str](), _group(names)
+    perhaps = list[str]()
     for name in names:
         words = name_words(name.removeprefix(group))
         if words and words[0] in _TIMES and set(words) <= _TIMES | set(_SECONDS):
             times.append(name)
             continue
+        if _STAMPS & set(words) and not (_DURATIONS | _KIND.keys()) & set(words):
+            perhaps.append(name)
         quantity, joint = _meaning(words, commands)
         if quantity and not _KIND.keys() & set(words):
             unnamed.setdefault(joint, name)
@@ -80,6 +85,9 @@ def table_signals(
             ignored[name] = f"{signals[quantity][joint]} is taken"
         else:
             signals[quantity][joint] = name
+    if timed and not times and perhaps:
+        times = perhaps[:1]
+        ignored.pop(times[0], None)
     lacking = "position" if not signals["position"] else "time" if timed and not times else ""
     if lacking:
         text = (

@@ -31,6 +31,7 @@ from flexros.record.proposal.columns import clock_of_column, table_signals
      {"position": ["log.arm.q.0", "log.arm.q.1"], "measured_torque": ["log.arm.tau.0", "log.arm.tau.1"]}),
     (["time", "pos_meas1", "pos_filt1", "ang_2", "tau_meas1", "torq_2"],
      {"position": ["pos_meas1", "ang_2"], "measured_torque": ["tau_meas1", "torq_2"]}),
+    (["pi_time", "loop_time", "q1", "tau1"], {"position": ["q1"], "measured_torque": ["tau1"]}),
     (["t", "q1", "q1dot", "effort1"], {"position": ["q1"], "velocity": ["q1dot"], "measured_torque": ["effort1"]}),
 ])  # fmt: skip
 def test_usual_names_tell_their_quantity(names: list[str], expected: dict[str, list[str]]) -> None:
@@ -103,7 +104,9 @@ def test_what_is_of_the_tool_is_of_no_joint() -> None:
     assert (found.joints, list(found.ignored)) == (("0", "1"), names[3:])
 
 
-@pytest.mark.parametrize(("names", "lacking"), [(["t", "a", "b"], "position"), (["q1", "tau1"], "time")])
+@pytest.mark.parametrize(
+    ("names", "lacking"), [(["t", "a", "b"], "position"), (["q1", "tau1"], "time"), (["q1", "cycle_time"], "time")]
+)
 def test_a_table_whose_names_tell_nothing_is_refused(names: list[str], lacking: str) -> None:
     with pytest.raises(InputError, match=rf"^log.csv has no column whose name says that it is a {lacking}"):
         table_signals(names, "log.csv")
