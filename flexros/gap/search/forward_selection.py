@@ -136,10 +136,7 @@ def explain(search: Search) -> Explanations:
         if grown is not chosen:
             chosen = exchanged(search, grown, directions, fits)
             chosen = chosen if chosen is grown else one_by_one(search, chosen, fits)
-    simple = with_simpler_effects(search, chosen, fits)
-    if simple.names != chosen.names:  # beside a wrong law, others did not show
-        simple = grown_to_floor(search, simple, directions, fits)
-    chosen = simple
+    chosen = _simplified(search, chosen, directions, fits)
     for step in (
         without_tolerated,
         with_far_numbers,
@@ -153,6 +150,14 @@ def explain(search: Search) -> Explanations:
     comparison = compared(search, best_of_each(fits))
     (chosen,) = (fit for fit in comparison.fits if fit.names == chosen.names)
     return _pruned(search, explanations_of(search, comparison, chosen, detected=True))
+
+
+def _simplified(
+    search: Search, chosen: CandidateFit, directions: Sequence[Directions], fits: list[CandidateFit]
+) -> CandidateFit:
+    """Take simpler effects in place of rich ones, and add those that did not show beside these."""
+    simple = with_simpler_effects(search, chosen, fits)
+    return simple if simple.names == chosen.names else grown_to_floor(search, simple, directions, fits)
 
 
 def _beside_curves(

@@ -55,7 +55,7 @@ def grown_to_floor(
         return _level(search, fit) <= floors and above_floor(fit) <= (1 - TO_FLOOR) * above_floor(begin)
 
     least = search.settings.search.least_on_trial
-    trial, tried = _grown_on_trial(search, begin, directions, above_floor, least, known=fits, further=least)
+    trial, tried = _grown_on_trial(search, begin, directions, above_floor, least, known=fits, hidden=True)
     if trial is begin or not leads_there(trial):
         return chosen
     kept = one_by_one(search, _without_imitations(search, begin, trial, tried), tried)
@@ -121,7 +121,7 @@ def _grown_on_trial(
     *,
     known: Sequence[CandidateFit],
     richer: CandidateFit | None = None,
-    further: float | None = None,
+    hidden: bool = False,
 ) -> tuple[CandidateFit, list[CandidateFit]]:
     """Add effects for as long as each step removes a share of what is left, a richer law first.
 
@@ -133,9 +133,8 @@ def _grown_on_trial(
         least: The share [1].
         known: Earlier fits.
         richer: As for `grown_within_floor`.
-        further: Share of what is left above the floor that each candidate must remove [1]; default: as elsewhere. Above
-            the floor effects that hid each other remove more with each step; what imitates something unknown removes
-            less, and ends it.
+        hidden: Whether effects are sought that hide each other above the floor: each candidate must remove that share
+            too, and steps remove more and more. What imitates something unknown removes less and less, and ends it.
 
     Returns:
         The grown explanation, the same one where nothing removes enough, and all fits on the way.
@@ -149,7 +148,7 @@ def _grown_on_trial(
         enough = (1 - least) * left(trial)
         grown = richer if trial is begin and richer is not None else best_richer(search, trial, tried)
         if grown is None or not left(grown) < enough:
-            grown = with_more(search, trial, directions, tried, known=known, least=further)
+            grown = with_more(search, trial, directions, tried, known=known, least=least if hidden else None)
             if grown is None:
                 break
             # slopes of the base lead numbers of the model astray where effects are many
@@ -158,7 +157,7 @@ def _grown_on_trial(
             break
         before, removed = removed, 1 - left(grown) / left(trial)
         trial = grown
-        if further and removed < before:
+        if hidden and removed < before:
             break
     return trial, tried
 

@@ -49,7 +49,8 @@ def without_foreign_torque(record: Record, robot: Robot) -> Record:
     small = unlike & (checked.over_all[1] < SMALL)
     if not small.any():
         return record
-    foreign = small & (_unexplained(checked) > FOREIGN) & (_weight_left(checked) > FOREIGN)
+    foreign = small & (_unexplained(checked) > FOREIGN)
+    foreign = foreign & (_weight_left(checked) > FOREIGN) if foreign.any() else foreign
     motors = np.flatnonzero(foreign).tolist()
     if not motors or len({*motors, *record.prescribed}) == robot.n_motors:
         return record
@@ -73,12 +74,8 @@ def _unexplained(checked: CheckedRecord) -> FloatArray:
     parts = np.stack(
         [arm, speed, np.sign(speed), acceleration, np.cos(position), np.sin(position), np.ones_like(position)], axis=-1
     )[record.valid]
-    shares: FloatArray = np.zeros(checked.robot.n_motors)
-    for motor, given in enumerate(torque[record.valid].T):
-        rest = given - parts[:, motor] @ coefficients(parts[:, motor], given)
-        power = float(np.mean((given - given.mean()) ** 2))
-        shares[motor] = float(np.mean(rest**2)) / power if power > 0 else 0.0
-    return shares
+    given = torque[record.valid]
+    return _left(given, parts, given, nothing=0.0)
 
 
 def _weight_left(checked: CheckedRecord) -> FloatArray:
@@ -100,10 +97,20 @@ def _weight_left(checked: CheckedRecord) -> FloatArray:
         axis=-1,
     )[valid]
     torque = smooth_motion(bridged(checked.record.torque, valid), checked.record.sample_time, SLOW)[0][valid]
-    shares: FloatArray = np.ones(robot.n_motors)
-    for motor, weight in enumerate((arm - without)[valid].T):
-        given = torque[:, motor] - weight
-        rest = given - parts[:, motor] @ coefficients(parts[:, motor], given)
-        power = float(np.var(weight))
-        shares[motor] = float(np.mean(rest**2)) / power if power > 0 else 1.0
+    weight = (arm - without)[valid]
+    return _left(torque - weight, parts, weight, nothing=1.0)
+
+
+def _left(torque: FloatArray, parts: FloatArray, whole: FloatArray, nothing: float) -> FloatArray:
+    """Return the power that parts of any size leave of torques, over that in which others change [1], shape (M,).
+
+    Args:
+        torque: The torques [Nm or N], shape (n, M).
+        parts: The parts of each, shape (n, M, k).
+        whole: The others [Nm or N], shape (n, M).
+        nothing: The share where these do not change [1].
+    """
+    rest = [one - parts[:, motor] @ coefficients(parts[:, motor], one) for motor, one in enumerate(torque.T)]
+    left, power = np.mean(np.square(rest), axis=1), np.var(whole, axis=0)
+    shares: FloatArray = np.divide(left, power, out=np.full(len(power), nothing), where=power > 0)
     return shares
