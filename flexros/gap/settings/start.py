@@ -135,6 +135,13 @@ class TorqueStartSettings(Settings):
         "more of the torques than within that of the robot file (`explained_by_load`) [1] (chosen): such files have "
         "rough numbers, or those of another version",
     )
+    rough_inertias: float = Field(
+        default=1.0,
+        gt=0,
+        description="tolerance of the inertias of bodies about their centres of mass, relative, where `rough_bodies` "
+        "explain the torques: what these leave no less of than all numbers of the bodies (`before_bodies`) are errors "
+        "of inertias [1] (chosen)",
+    )
     relieved: float = Field(
         default=1.5,
         ge=1,

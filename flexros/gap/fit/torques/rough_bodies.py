@@ -41,6 +41,18 @@ def with_rough_bodies(tolerance: Tolerance, rough: float) -> Tolerance:
     return replace(tolerance, deviations=tuple(max(deviation, rough * is_inertial(name)) for name, deviation in pairs))
 
 
+def with_rough_inertias(tolerance: Tolerance, rough: float) -> Tolerance:
+    """Return a tolerance in which the inertias of bodies about their centres of mass deviate by at least some share.
+
+    Args:
+        tolerance: The tolerance.
+        rough: The share [1].
+    """
+    pairs = zip(tolerance.names, tolerance.deviations, strict=True)
+    deviations = (max(deviation, rough * (is_inertial(name) and ".inertia." in name)) for name, deviation in pairs)
+    return replace(tolerance, deviations=tuple(deviations))
+
+
 def fitted_bodies(robot: Robot, factors: Mapping[str, float]) -> list[PlacedEffect]:
     """Return the differences of the bodies of a robot whose numbers are scaled by factors.
 

@@ -16,10 +16,16 @@ from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.torques.balanced import regress_balanced
 from flexros.gap.fit.torques.delay import torque_delay
 from flexros.gap.fit.torques.encoder_zeros import with_zeros
-from flexros.gap.fit.torques.missing_load import bodies_are_off, clear_load, load_before_bodies, may_carry
+from flexros.gap.fit.torques.missing_load import bodies_are_off, clear_load, load_before_bodies, lowered, may_carry
 from flexros.gap.fit.torques.missing_rotors import least_rotors, stops_at_once
 from flexros.gap.fit.torques.regression import at_zeros, only_coulomb, regress_torque
-from flexros.gap.fit.torques.rough_bodies import CENTER, fitted_bodies, is_inertial, with_rough_bodies
+from flexros.gap.fit.torques.rough_bodies import (
+    CENTER,
+    fitted_bodies,
+    is_inertial,
+    with_rough_bodies,
+    with_rough_inertias,
+)
 from flexros.gap.fit.torques.solution import rest_of
 from flexros.gap.settings import TorqueStartSettings
 
@@ -260,18 +266,23 @@ def _with_load_or_bodies(
     robot = model.robot
     regress = partial(regress_torque, record, model, delay=delay, settings=settings)
     may_be_rough = not as_stated and not robot.flexible_motors  # what springs leave is no error of bodies
-    wide, of_rough = with_rough_bodies(tolerance, settings.rough_bodies), None
+    wide, of_rough, rough = with_rough_bodies(tolerance, settings.rough_bodies), None, settings.rough_bodies
     if may_be_rough and wide != tolerance:
         of_rough = regress_balanced(record, model, wide, delay=delay, settings=settings)
     if of_rough is not None and not bodies_are_off(of_rough, regression, regress, record, settings):
         of_rough = None
+    if of_rough is not None:
+        wide = with_rough_inertias(tolerance, settings.rough_inertias)
+        of_inertias = regress_balanced(record, model, wide, delay=delay, settings=settings)
+        if of_inertias is not None and lowered(of_inertias, of_rough, settings) < settings.before_bodies:
+            of_rough, rough = of_inertias, 0.0
     loaded, load = clear_load(regress, robot, tolerance, n_lacking, settings)
     if loaded is None and of_rough is None and may_be_rough and may_carry(robot):
         beside = partial(regress, position_torques=regression.position_torques)
         loaded, load = load_before_bodies(beside, robot, tolerance, n_lacking, settings) or (None, None)
     if loaded is not None and (of_rough is None or rest_of(loaded) < rest_of(of_rough)):
         return _Shown(loaded, load)  # what explains more stands for both
-    return _Shown(regression) if of_rough is None else _Shown(of_rough, rough=settings.rough_bodies)
+    return _Shown(regression) if of_rough is None else _Shown(of_rough, rough=rough)
 
 
 def _clear_zeros(
