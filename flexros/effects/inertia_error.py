@@ -38,7 +38,7 @@ class InertiaError(AbstractRelativeError):
     def sought_if_measured(self, robot: Robot, location: str) -> bool:
         """Return whether torques move a rigid arm, and no inertia of a motor does what this one does.
 
-        Springs blur what torques show of bodies. To the first motor, its own inertia and that of the first body are one.
+        Springs blur what torques show of bodies. To the first motor, its inertia and that of the first body are one.
         """
         if robot.commands != "torque" or robot.flexible_motors:
             return False

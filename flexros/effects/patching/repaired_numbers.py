@@ -15,6 +15,7 @@ from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.effects.friction.presliding_friction import PreslidingFriction
 from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.gravity_error import GravityError
+from flexros.effects.inertia_error import InertiaError
 from flexros.effects.left_out.body_difference import BodyDifference
 from flexros.effects.servos.servo_command_lag import ServoCommandLag
 from flexros.effects.torque_gain_error import TorqueGainError
@@ -56,6 +57,10 @@ def repaired_numbers(patched: PatchedRobot) -> RepairedNumbers:
     """
     model = patched.model
     rewritten = {one.location for one in patched.placed if isinstance(one.effect, BodyDifference)}
+    inertias: dict[str, float] = {}
+    for one in patched.placed:
+        if isinstance(one.effect, InertiaError):
+            inertias[one.location] = inertias.get(one.location, 1.0) * (1 + one.effect.relative)
     scale = joint_side(model.robot)
     joints = [_Joint(model.robot, motor, scale) for motor in model.robot.motors]
     weights: dict[str, float] = {}
@@ -80,28 +85,37 @@ def repaired_numbers(patched: PatchedRobot) -> RepairedNumbers:
     return RepairedNumbers(
         tuple(joint.numbers() for joint in joints),
         tuple(
-            _of_body(k, body, nominal, weights.get(f"body_{k}", 0.0), rewritten=f"body_{k}" in rewritten)
+            _of_body(
+                name := f"body_{k}",
+                body,
+                nominal,
+                weights.get(name, 0.0),
+                inertias.get(name, 1.0),
+                rewritten=name in rewritten,
+            )
             for k, (body, nominal) in enumerate(zip(model.robot.spec.bodies, patched.base.spec.bodies), start=1)
         ),
         tuple(not_held),
     )
 
 
-def _of_body(number: int, body: Body, nominal: Body, weight_error: float, *, rewritten: bool) -> BodyNumbers:
+def _of_body(
+    name: str, body: Body, nominal: Body, weight_error: float, inertia_factor: float, *, rewritten: bool
+) -> BodyNumbers:
     """Return the numbers of a body; a mass that moves its centre of mass is a load on it."""
-    if rewritten:
-        place = ", ".join(f"{value:.4g}" for value in body.center_of_mass.value)
-        words = f"mass {body.mass.value:.6g} kg, centre {place} m, and inertia"
-        return BodyNumbers(f"body_{number}", body.label, 1.0, weight_error, rewritten=words)
     mass, own = body.mass.value, nominal.mass.value
     moment = mass * np.array(body.center_of_mass.value) - own * np.array(nominal.center_of_mass.value)
     moved = np.abs(moment - (mass - own) * np.array(nominal.center_of_mass.value)).max() > SAME * abs(mass)
+    if rewritten or (moved and inertia_factor != 1):
+        place = ", ".join(f"{value:.4g}" for value in body.center_of_mass.value)
+        words = f"mass {mass:.6g} kg, centre {place} m, and inertia"
+        return BodyNumbers(name, body.label, 1.0, weight_error, rewritten=words)
     if moved and mass > own:
         x, y, z = (moment / (mass - own)).tolist()
-        load = LoadNumbers(mass - own, (x, y, z))
-        return BodyNumbers(f"body_{number}", body.label, 1.0, weight_error, load)
-    factor = _ratio(mass, own, body.inertia.matrix(), nominal.inertia.matrix())
-    return BodyNumbers(f"body_{number}", body.label, factor, weight_error)
+        return BodyNumbers(name, body.label, 1.0, weight_error, LoadNumbers(mass - own, (x, y, z)))
+    inertia = body.inertia.matrix() / inertia_factor
+    factor = _ratio(mass, own, inertia, nominal.inertia.matrix())
+    return BodyNumbers(name, body.label, factor, weight_error, inertia_factor=inertia_factor)
 
 
 def joint_side(robot: Robot) -> float:

@@ -76,7 +76,8 @@ class BodyNumbers:
         mass_factor: Mass and inertia over those of the robot without effects [1].
         weight_error: Unmodelled share of its weight, without change of inertia [1].
         load: Point mass that moves its centre of mass, None for none; the factor is 1 then.
-        rewritten: Mass and centre of mass that no factor and no load says, in words; the factor is 1 then.
+        rewritten: Mass and centre of mass that no factor and no load says, in words; the factors are 1 then.
+        inertia_factor: Inertia about the centre of mass, beyond that of `mass_factor`, with the mass kept [1].
     """
 
     body: str
@@ -85,6 +86,19 @@ class BodyNumbers:
     weight_error: float
     load: LoadNumbers | None = None
     rewritten: str = ""
+    inertia_factor: float = 1.0
+
+    @property
+    def change(self) -> tuple[str, str]:
+        """Name and size of what a diagnosis corrects, but for the weight."""
+        if self.rewritten:
+            return "numbers", self.rewritten
+        if self.load is not None:
+            return "load", self.load.words
+        if not same(self.inertia_factor, 1.0):
+            mass = "" if same(self.mass_factor, 1.0) else f", mass x {self.mass_factor:.6g}"
+            return "inertia", f"x {self.mass_factor * self.inertia_factor:.6g}{mass}"
+        return "payload", f"mass x {self.mass_factor:.6g}"
 
 
 @dataclass(frozen=True)

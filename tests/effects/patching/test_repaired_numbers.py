@@ -57,6 +57,16 @@ def test_payload_is_a_factor(tmp_path: Path) -> None:
     assert [body.mass_factor for body in bodies] == [1, pytest.approx(1.2)]
 
 
+def test_an_inertia_is_a_factor_beyond_that_of_the_mass(tmp_path: Path) -> None:
+    payload = "effect: payload_error, location: tool, parameters: {relative: 0.2}"
+    inertia = "effect: inertia_error, location: body_2, parameters: {relative: -0.6}"
+    body = numbers(tmp_path, payload, inertia).bodies[1]
+    assert (body.mass_factor, body.inertia_factor) == pytest.approx((1.2, 0.4))
+    assert body.change == ("inertia", "x 0.48, mass x 1.2")
+    difference = "effect: body_difference, location: body_2, parameters: {x: 0.01}"
+    assert numbers(tmp_path, difference, inertia).bodies[1].change[0] == "numbers"
+
+
 def test_motor_side_with_several_gears_is_refused(tmp_path: Path) -> None:
     data = load_robot("elbow").spec.model_dump_json()
     file = tmp_path / "motor.yaml"

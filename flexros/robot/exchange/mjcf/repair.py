@@ -129,9 +129,11 @@ class _Repair:
 
     def body(self, body: BodyNumbers, arm: MjcfArm, names: Mapping[str, str]) -> None:
         """Scale mass and inertia, and the weight, of the bodies that a joint carries."""
-        if body.load is not None or body.rewritten:
+        changed = body.load is not None or body.rewritten or not same(body.inertia_factor, 1.0)
+        if changed:
             self._numbers(body, arm, names)
-        if same(body.mass_factor, 1.0) and body.weight_error == 0:
+        scaled = not changed and not same(body.mass_factor, 1.0)
+        if not scaled and body.weight_error == 0:
             return
         joint = next((each for each in self.robot.joints[::-1] if f"body_{each.body + 1}" == body.body), None)
         carrier = None if joint is None else self._carrier(joint, arm, names)
@@ -145,7 +147,7 @@ class _Repair:
             if mass == 0:
                 continue
             element = self._element("body", label)
-            if not same(body.mass_factor, 1.0):
+            if scaled:
                 self._scale(element, index, body.mass_factor)
                 self.expected.append(("body_mass", index, mass * body.mass_factor))
                 self._note(body.body, "mass", f"body {label} inertial", mass, mass * body.mass_factor, "kg")
@@ -189,14 +191,19 @@ class _Repair:
         label = str(self.model.body(index).name)
         wanted.write(self._element("body", label))
         self.expected.append(("body_mass", index, wanted.mass))
+        if not same(body.inertia_factor, 1.0):
+            for entry, before, value in zip(("xx", "yy", "zz"), np.diag(own.inertia), np.diag(wanted.inertia)):
+                place = f"body {label} inertial {entry}"
+                self._note(body.body, "inertia", place, float(before), float(value), "kg m2")
+            if same(wanted.mass, own.mass):
+                return
         what = "mass" if body.load is None else f"mass with a load of {body.load.mass:.6g} kg"
         self._note(body.body, what, f"body {label} inertial", own.mass, wanted.mass, "kg")
         for axis, before, value in zip("xyz", own.center.tolist(), wanted.center.tolist()):
             self._note(body.body, f"centre of mass {axis}", f"body {label} inertial pos", before, value, "m")
 
     def _list_numbers(self, body: BodyNumbers, reason: str) -> None:
-        name, size = ("numbers", body.rewritten) if body.load is None else ("load", body.load.words)
-        self.not_held.append(NotHeld(body.body, name, size, reason))
+        self.not_held.append(NotHeld(body.body, *body.change, reason))
 
     def _wanted(self, body: BodyNumbers, arm: MjcfArm, carrier: ArmJoint) -> BodyInertia:
         """Return the numbers, in its frame, of the body of a joint that carries a body of the robot.

@@ -156,41 +156,56 @@ class _Repair:
         self._lost(body.body, "weight", body.weight_error, "relative", "{kind} has one mass for weight and inertia")
         if body.rewritten and not self.new:
             self.not_held.append(NotHeld(body.body, "numbers", body.rewritten, REWRITTEN))
-        if self.new or (same(body.mass_factor, 1.0) and body.load is None):
+        unchanged = same(body.mass_factor, 1.0) and same(body.inertia_factor, 1.0) and body.load is None
+        if self.new or unchanged:
             return
         wanted = (body.label, body.body)
         link = next((each for each in self.root.iter("link") if each.attributes.get("name") in wanted), None)
-        inertial = None if link is None else link.find("inertial")
-        mass = None if inertial is None else inertial.find("mass")
-        if link is None or inertial is None or mass is None:
+        if link is None or self._mass_of(link) is None:
             reason = f"no link '{body.label or body.body}' with a mass was found"
-            size = f"mass x {body.mass_factor:.6g}" if body.load is None else body.load.words
-            self.not_held.append(NotHeld(body.body, "payload", size, reason))
+            self.not_held.append(NotHeld(body.body, *body.change, reason))
             return
         if body.load is not None:
             self._load(link, body.body, body.load)
             return
-        for each in self._carried(link.attributes["name"]):
+        carried = [each for each in self._carried(link.attributes["name"]) if (self._mass_of(each) or 0.0) > LEAST]
+        if len(carried) > 1 and not same(body.inertia_factor, 1.0):
+            names = ", ".join(each.attributes["name"] for each in carried)
+            reason = f"it is that of several links as one ({names}); an export without a base file has it"
+            self.not_held.append(NotHeld(body.body, *body.change, reason))
+            return
+        for each in carried:
             self._scale(each, body)
 
-    def _scale(self, link: XmlElement, body: BodyNumbers) -> None:
-        """Scale mass and inertia of a link; one without a mass, or with that of a placeholder, stays."""
+    def _mass_of(self, link: XmlElement) -> float | None:
+        """Return the mass of a link [kg]; None where it states none."""
         inertial = link.find("inertial")
         mass = None if inertial is None else inertial.find("mass")
-        if inertial is None or mass is None:
-            return
+        if mass is None:
+            return None
+        return self._float(mass.attributes.get("value") or mass.content, f"link {link.attributes['name']} mass")
+
+    def _scale(self, link: XmlElement, body: BodyNumbers) -> None:
+        """Scale mass and inertia of a link that has a mass."""
+        inertial = link.find("inertial")
+        mass = None if inertial is None else inertial.find("mass")
+        assert inertial is not None
+        assert mass is not None
         place = f"link {link.attributes['name']} inertial"
-        before = self._float(mass.attributes.get("value") or mass.content, f"{place} mass")
-        if before <= LEAST:
-            return
-        self._write(mass, "value", body.mass_factor * before)
-        inertia = inertial.find("inertia")
+        if not same(body.mass_factor, 1.0):
+            before = self._float(mass.attributes.get("value") or mass.content, f"{place} mass")
+            self._write(mass, "value", body.mass_factor * before)
+            self.written.append(Written(body.body, "mass", place, before, body.mass_factor * before, "kg"))
+        inertia, factor = inertial.find("inertia"), body.mass_factor * body.inertia_factor
         for entry in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz") if inertia else ():
             assert inertia is not None
             own = inertia if self.kind == "urdf" else inertia.find(entry)
-            if own is not None and (value := own.attributes.get(entry) or own.content):
-                self._write(own, entry, body.mass_factor * self._float(value, f"{place} {entry}"))
-        self.written.append(Written(body.body, "mass", place, before, body.mass_factor * before, "kg"))
+            if own is None or not (value := own.attributes.get(entry) or own.content):
+                continue
+            before = self._float(value, f"{place} {entry}")
+            self._write(own, entry, factor * before)
+            if not same(body.inertia_factor, 1.0) and before:
+                self.written.append(Written(body.body, "inertia", f"{place} {entry}", before, factor * before, "kg m2"))
 
     def _load(self, link: XmlElement, body: str, load: LoadNumbers) -> None:
         """Add a point mass to a link of a URDF."""

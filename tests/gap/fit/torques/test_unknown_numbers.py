@@ -103,6 +103,16 @@ def test_bodies_that_are_far_off_are_allowed_for() -> None:
     assert not unknown_numbers(record, RobotWithEffects(arm(), ()), exact).rough
 
 
+@pytest.mark.slow
+def test_inertias_that_are_far_off_do_not_make_masses_rough() -> None:
+    """A file may state them about the joint; then they are candidates, and the rotors are right."""
+    file = RobotWithEffects(arm().with_values({"body_2.inertia.yy": 0.24, "body_2.inertia.zz": 0.24}), ())
+    found = unknown_numbers(record_of_arm(imported=True), file, tolerance_of(file.robot, {}))
+    assert not found.rough
+    assert found.load is None
+    np.testing.assert_allclose(list(found.inertias.values()), INERTIA, rtol=0.1)
+
+
 @pytest.mark.parametrize("driven", [False, True])
 def test_a_motor_that_is_not_driven_does_not_make_bodies_rough(*, driven: bool) -> None:
     """Bodies without weight would explain that it has no torque."""

@@ -111,13 +111,23 @@ def test_payload_and_weight(repair: Repair) -> None:
 
 LOAD = "  - {effect: tool_load, location: tool, parameters: {mass: 2, x: 0.05, y: -0.04, z: 0.1}}\n"
 DIFFERENCE = "  - {{effect: body_difference, location: {}, parameters: {{mass: {}, x: {}}}}}\n"
+INERTIA = "  - {effect: inertia_error, location: body_5, parameters: {relative: 0.3}}\n"
+HEAVIER = INERTIA.replace("body_5", "body_6") + (
+    "  - {effect: payload_error, location: tool, parameters: {relative: 0.2}}\n"
+)
 TURNED = ARM.replace('euler="90 0 0">', 'euler="20 30 40">')
 
 
 @pytest.mark.parametrize("text", [ARM, TURNED], ids=["along the axes", "turned"])
 @pytest.mark.parametrize(
     ("effect", "rows"),
-    [(LOAD, 4), (DIFFERENCE.format("body_2", 0.5, 0.01), 4), (DIFFERENCE.format("body_5", 0.1, 0.001), 4)],
+    [
+        (LOAD, 4),
+        (DIFFERENCE.format("body_2", 0.5, 0.01), 4),
+        (DIFFERENCE.format("body_5", 0.1, 0.001), 4),
+        (INERTIA, 3),
+        (HEAVIER, 7),
+    ],
 )
 def test_loads_and_numbers_of_bodies_move_the_arm_as_they_do_the_robot(
     effect: str, rows: int, text: str, tmp_path: Path

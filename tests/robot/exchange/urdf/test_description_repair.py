@@ -69,6 +69,25 @@ def test_rest_of_the_base_stays_and_the_difference_is_listed(to: Format, patched
 
 
 @pytest.mark.parametrize("to", ["urdf", "sdf"])
+def test_an_inertia_is_scaled_and_the_mass_kept(to: Format, tmp_path: Path) -> None:
+    base, patch = base_file(tmp_path, to), tmp_path / "patch.yaml"
+    patch.write_text(
+        "robot: elbow\neffects:\n  - {effect: inertia_error, location: body_2, parameters: {relative: -0.6}}\n"
+    )
+    exported = export_model(load_patched(patch), to, base)
+    assert not [row for row in exported.not_held if row.location == "body_2"]
+    assert {row.quantity for row in exported.written} == {"inertia"}
+    assert all(row.value == pytest.approx(0.4 * (row.before or 0.0)) for row in exported.written)
+    if to == "urdf":
+        tool = "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1'/></inertial>"
+        weld = "<joint name='weld' type='fixed'><parent link='body_2'/><child link='tool'/></joint>"
+        base.write_text(base.read_text().replace("</robot>", f"{weld}<link name='tool'>{tool}</link></robot>"))
+        (row,) = [row for row in export_model(load_patched(patch), to, base).not_held if row.location == "body_2"]
+        assert (row.name, row.size) == ("inertia", "x 0.4")
+        assert "several links as one (body_2, tool)" in row.reason
+
+
+@pytest.mark.parametrize("to", ["urdf", "sdf"])
 def test_what_has_no_place_is_listed(to: Format, patched: PatchedRobot) -> None:
     rows = {(row.location, row.name): row.size for row in export_model(patched, to).not_held}
     assert rows["motor_1", "rotor inertia"] == "60 kg m2"
