@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pytest
 
-from flexros.effects import parse_effect
 from flexros.effects.inertia_error import InertiaError
 from flexros.gap.diagnose import diagnose
 from flexros.robot import load_robot
@@ -14,8 +13,7 @@ from tests.ur5e import ur5e
 
 
 def test_the_inertia_alone_is_scaled() -> None:
-    placed = parse_effect("inertia_error@body_2:relative=-0.75", "test")
-    changed = placed.effect.changed(arm(), placed.location)
+    changed = InertiaError(relative=-0.75).changed(arm(), "body_2")
     differing = {name for name, one in changed.parameters.items() if one.value != arm().parameters[name].value}
     assert differing == {"body_2.inertia.xx", "body_2.inertia.yy", "body_2.inertia.zz"}
     assert changed.parameters["body_2.inertia.yy"].value == pytest.approx(0.01)
