@@ -49,7 +49,7 @@ class RotorInertia(AbstractChangedValues):
 
     def sought_if_measured(self, robot: Robot, location: str) -> bool:
         """Return whether a servo moves a motor whose inertia the robot file leaves out."""
-        return robot.commands == "position" and robot.parameters[f"{location}.inertia"].value == 0
+        return not robot.flexible_motors and robot.parameters[f"{location}.inertia"].value == 0
 
     def values(self, robot: Robot, location: str) -> dict[str, float]:
         """Return the inertia of the motor."""
