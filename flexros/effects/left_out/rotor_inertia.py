@@ -21,8 +21,8 @@ class RotorInertia(AbstractChangedValues):
     """Inertia of rotor and gear in a model that has none, such as one imported from a URDF.
 
     Seen through the gear, it is often larger than that of the bodies it moves. A diagnosis estimates it where the file
-    gives none: as a number that is unknown, or as a candidate like others where servos moved the log, which then has no
-    torques. Where the file gives one, an error of it is a motor inertia error.
+    gives none: as a number that is unknown where the torques show it clearly, else as a candidate like others. Where
+    the file gives one, an error of it is a motor inertia error.
     """
 
     name: ClassVar[str] = "rotor_inertia"
@@ -48,8 +48,8 @@ class RotorInertia(AbstractChangedValues):
         return False
 
     def sought_if_measured(self, robot: Robot, location: str) -> bool:
-        """Return whether a servo moves a motor whose inertia the robot file leaves out."""
-        return not robot.flexible_motors and robot.parameters[f"{location}.inertia"].value == 0
+        """Return whether the model has no inertia of the motor: the torques did not show it clearly."""
+        return robot.parameters[f"{location}.inertia"].value == 0
 
     def values(self, robot: Robot, location: str) -> dict[str, float]:
         """Return the inertia of the motor."""

@@ -9,9 +9,9 @@ from tests.gap.servo_logs import servo_robot
 
 
 @pytest.mark.parametrize(
-    ("commands", "inertia", "sought"), [("position", 0.0, True), ("position", 0.05, False), ("torque", 0.0, False)]
+    ("commands", "inertia", "sought"), [("position", 0.0, True), ("position", 0.05, False), ("torque", 0.0, True)]
 )
-def test_it_is_a_candidate_where_servos_move_a_motor_without_one(commands: str, inertia: float, sought: bool) -> None:
+def test_it_is_a_candidate_where_the_motor_has_none(commands: str, inertia: float, sought: bool) -> None:
     robot = servo_robot().with_values({"motor_1.inertia": inertia})
     robot = robot.commanded_by("position") if commands == "position" else robot
     assert RotorInertia().sought_if_measured(robot, "motor_1") == sought
