@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, ClassVar
 
 from flexros.effects.kinds.relative_error import AbstractRelativeError
 from flexros.robot.symbolic.body_frame import moved_bodies
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from flexros.effects.kinds.base import Stage
+    from flexros.effects.kinds.ranges import Range
     from flexros.robot import Robot
+
+REDUCED = (-0.2, -0.5, -0.8)
+"""Initial values where only a smaller inertia is sought [1] (chosen)."""
 
 
 class InertiaError(AbstractRelativeError):
@@ -43,8 +50,29 @@ class InertiaError(AbstractRelativeError):
         if robot.commands != "torque" or robot.flexible_motors:
             return False
         first = robot.joints[0].body + 1
-        return location != f"body_{first}" or robot.parameters[f"{robot.joint_names[0]}.inertia"].value == 0
+        return location != f"body_{first}" or lacks_rotor(robot, location)
+
+    def fitted(self, robot: Robot, location: str) -> Mapping[str, Range]:
+        """Return the range; without positive values where the motor of the body has no inertia, which is missing then.
+
+        To its own motor a body with more inertia is one with a rotor.
+        """
+        if not lacks_rotor(robot, location):
+            return self.ranges
+        return {"relative": replace(self.ranges["relative"], starts=REDUCED, positive=0.0)}
 
     def numbers(self, robot: Robot, location: str) -> tuple[str, ...]:
         """Return the entries of the inertia of the body."""
         return tuple(name for name in robot.parameters if name.startswith(f"{location}.inertia."))
+
+
+def lacks_rotor(robot: Robot, body: str) -> bool:
+    """Return whether the motor of the joint that moves a body has no inertia.
+
+    Args:
+        robot: The robot.
+        body: The body, e.g. "body_2".
+    """
+    index = int(body.removeprefix("body_")) - 1
+    motor = [joint.motor for joint in robot.joints if joint.body <= index and joint.motor is not None][-1]
+    return robot.motors[motor].specification.inertia.value == 0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from flexros.effects.inertia_error import InertiaError
+from flexros.gap.candidates.candidate import Scales, candidate_at
 from flexros.gap.diagnose import diagnose
 from flexros.robot import load_robot
 from tests.gap.diagnosis_logs import settings_of
@@ -31,6 +32,14 @@ def test_measured_torques_of_a_rigid_arm_show_it_where_no_motor_inertia_does_the
     assert [sought(driven, body) for body in ("body_1", "body_2")] == [False, True]
     assert not sought(load_robot("elbow"), "body_2")  # springs
     assert not InertiaError().sought(arm(), "body_2")
+
+
+def test_more_inertia_is_a_rotor_where_the_motor_has_none() -> None:
+    driven = arm().with_values({"motor_2.inertia": 0.3})
+    assert InertiaError().fitted(driven, "body_2")["relative"].positive is None
+    (free,) = candidate_at(InertiaError, "body_2", arm(), Scales({})).free
+    assert free.bounds == (-0.1, 0.0)
+    assert max(free.starts) < 0
 
 
 @pytest.mark.slow

@@ -130,7 +130,9 @@ def _does_as_well(search: Search, rest: Surroundings, changes: NDArray[Any], bef
     return bool(n * np.log(max(left, 1e-300) / before) < (1 + SLACK) * saved)
 
 
-def with_gains(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
+def with_gains(
+    search: Search, fit: CandidateFit, fits: list[CandidateFit], before: CandidateFit | None = None
+) -> CandidateFit:
     """Free gains of torques beside an explanation of a measured log, and leave out the numbers that stand for them.
 
     A gain that is too large makes all numbers of a model look too small by the same factor: those of the rotor that
@@ -143,10 +145,12 @@ def with_gains(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> C
         search: The search.
         fit: The explanation.
         fits: All fits so far; new ones are appended.
+        before: An earlier explanation, in whose place the result is; default: this one.
 
     Returns:
-        An explanation with no more effects that leaves less, or the same.
+        An explanation with no more effects that leaves less than the earlier one, or the same as given.
     """
+    before = before or fit
     if search.premises.library_is_complete or search.deadline.stops():
         return fit
     robot = search.null.model.robot
@@ -167,7 +171,7 @@ def with_gains(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> C
     sized = [one.sized(size) for one, size in zip(additions, sizes, strict=True)]
     tried = [search.completed(search.together(nominal, sized))]
     small = search.completed(one_by_one(search, tried[0], tried))
-    if small.names == fit.names or len(small.hypothesis) > len(fit.hypothesis) or small.chi2 > fit.chi2:
+    if small.names == fit.names or len(small.hypothesis) > len(before.hypothesis) or small.chi2 > before.chi2:
         return fit
     fits += [*tried, small]
     return small

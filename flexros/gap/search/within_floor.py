@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from flexros.gap.fit.candidate_fit import first_parameters
 from flexros.gap.search.elimination import one_by_one
 from flexros.gap.search.growth import with_more
+from flexros.gap.search.regrouping import with_gains
 from flexros.gap.search.richer_laws import best_richer
 from flexros.gap.search.worth import beyond_noise, compared, worth
 
@@ -105,8 +106,18 @@ def grown_within_floor(
     most = settings.within_floor * left(begin)
     if trial is begin or not left(trial) < most:
         return chosen
-    kept = one_by_one(search, trial, tried)
-    if kept.names == chosen.names or not left(kept) < most or _resized(begin, kept):
+    if search.null.model.robot.is_rigid:
+        kept = one_by_one(search, trial, tried)
+        if _resized(begin, kept):
+            return chosen
+    else:
+        trial = _without_imitations(search, begin, trial, tried)
+        kept = with_gains(search, trial, tried, begin)
+        if kept is not trial:
+            fits += [begin, kept]
+            return grown_within_floor(search, kept, directions, fits)
+        kept = one_by_one(search, trial, tried)
+    if kept.names == chosen.names or not left(kept) < most:
         return chosen
     fits += [fit for fit in (begin, trial, *tried) if fit.names <= trial.names]
     return kept
