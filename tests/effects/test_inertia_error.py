@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from flexros.effects.inertia_error import InertiaError
-from flexros.gap.candidates.candidate import Scales, candidate_at
+from flexros.gap.candidates.candidate import candidate_at
+from flexros.gap.candidates.scales import Scales
 from flexros.gap.diagnose import diagnose
 from flexros.robot import load_robot
 from tests.gap.diagnosis_logs import settings_of
