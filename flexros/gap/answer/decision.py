@@ -267,7 +267,7 @@ def rivals_of(
     return tuple(
         fit
         for fit, probability in probabilities.items()
-        if fit is not chosen and (fit in elsewhere or probability * settings.rival >= probabilities[chosen])
+        if fit.names != chosen.names and (fit in elsewhere or probability * settings.rival >= probabilities[chosen])
     )
 
 
@@ -275,7 +275,7 @@ def best_rival(explanations: Explanations) -> CandidateFit | None:
     """Return the most probable explanation with other effects than the chosen one; None where nothing was detected."""
     if not explanations.detected:
         return None
-    return next((fit for fit in explanations.rivals if fit is not explanations.chosen), None)
+    return next((fit for fit in explanations.rivals if fit.names != explanations.chosen.names), None)
 
 
 def groups_of(

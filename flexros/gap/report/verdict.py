@@ -149,9 +149,10 @@ def _ambiguous(diagnosis: Diagnosis) -> str:
     if guessed and not diagnosis.ambiguity_groups:
         return f"There is a gap. {guessed} {_closed(diagnosis.gap)}".strip()
     probability = {(cause.effect, cause.location): cause.probability for cause in diagnosis.causes}
-    chances = {rival: probability.get((rival.effect, rival.location), 0.0) for rival in _rivals(diagnosis)}
-    rivals = sorted(chances, key=lambda rival: -chances[rival])
-    names = [f"{named(rival)} ({share_words(chances[rival])})" for rival in rivals]
+    chances = [(probability.get((one.effect, one.location), 0.0), one) for one in _rivals(diagnosis)]
+    chances.sort(key=lambda pair: -pair[0])
+    rivals = [one for _, one in chances]
+    names = [f"{named(one)} ({share_words(chance)})" for chance, one in chances]
     sure = [cause for cause in diagnosis.causes if cause.probability >= _SURE and not _in(cause, rivals)]
     addition = f"; in addition there {'are' if len(sure) > 1 else 'is'} {causes_words(sure)}" if sure else ""
     alone = len(names) == 1

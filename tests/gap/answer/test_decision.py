@@ -124,6 +124,13 @@ def test_an_explanation_that_predicts_other_data_worse_than_the_nominal_model_is
     assert verdict_of(found, worse=True) == "unknown_effect"
 
 
+def test_another_fit_of_the_same_effects_is_no_rival() -> None:
+    """It may have another initial value or range; there is nothing to tell apart."""
+    found = findings(fitted(1.0, COULOMB), [fitted(1.0, COULOMB)], [0.6, 0.4], TRUTH)
+    assert verdict_of(found) == "explained"
+    assert best_rival(found.explanations) is found.explanations.null
+
+
 @pytest.mark.parametrize(("probabilities", "verdict"), [([0.6, 0.4], "ambiguous"), ([0.9, 0.1], "explained")])
 def test_rivals_within_a_factor_make_the_answer_ambiguous(probabilities: list[float], verdict: str) -> None:
     found = findings(fitted(1.0, COULOMB), [fitted(1.0, STIFFNESS)], probabilities, TRUTH)
