@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from flexros.gap.fit.candidate_fit import first_parameters
@@ -33,8 +34,7 @@ def grown_to_floor(
     Of several effects that hide each other behind springs each removes less than it must before the others are there: a
     wrong spring, a wrong rotor and friction change the same vibration. Where all of them leave what an explanation may,
     and little of what was left, they are no imitations of something unknown, of which much would remain. On six axes
-    without springs twenty imitations in a row did not lead there, and took most of the time. Effects found before that
-    have quite other sizes beside them stood for them, and are left out unless they are worth it still.
+    without springs twenty imitations in a row did not lead there, and took most of the time.
 
     Args:
         search: The search.
@@ -56,14 +56,8 @@ def grown_to_floor(
         return _level(search, fit) <= floors and above_floor(fit) <= (1 - TO_FLOOR) * above_floor(begin)
 
     least = search.settings.search.least_on_trial
-    trial, tried = _grown_on_trial(search, begin, directions, above_floor, least, known=fits, hidden=True)
-    if trial is begin or not leads_there(trial):
-        return chosen
-    kept = one_by_one(search, _without_imitations(search, begin, trial, tried), tried)
-    if kept.names == chosen.names or not leads_there(kept):
-        return chosen
-    fits += [fit for fit in (begin, trial, *tried) if fit.names <= trial.names]
-    return kept
+    trial = _grown_on_trial(search, begin, directions, above_floor, least, known=fits, hidden=True)
+    return _kept(search, chosen, trial, leads_there, fits)
 
 
 def grown_within_floor(
@@ -79,9 +73,10 @@ def grown_within_floor(
     it, as it does where the torques are known far better. Of several that are missing none does so before the others
     are there. So they are added for as long as each step removes a good part of what is left. Where little is left
     then, the needless ones are left out again, one by one, each judged with all others in place; where not, what is
-    left is of another kind, and none of them is a finding. Nor are effects beside which those found before would have
-    quite other sizes: with a vibration at the tool of an arm of three servos, a rotor that is 33 % larger than in the
-    file was 76 % smaller, for a hundredth of the floor.
+    left is of another kind, and none of them is a finding.
+
+    Behind springs, gains that are wrong at both motors became two rotors, friction, and a load, and showed no earlier
+    than beside the effects that were added: beside them fewer effects with gains leave less than all before.
 
     Args:
         search: The search.
@@ -102,24 +97,60 @@ def grown_within_floor(
     if not left(chosen) > settings.least_of_tolerance**2:
         return chosen  # no effect that is missing would be as large as one must be
     begin = search.completed(chosen)
-    trial, tried = _grown_on_trial(search, begin, directions, left, settings.removed, known=fits, richer=richer)
+    trial = _grown_on_trial(search, begin, directions, left, settings.removed, known=fits, richer=richer)
     most = settings.within_floor * left(begin)
-    if trial is begin or not left(trial) < most:
+    if left(trial.end) < most and not search.null.model.robot.is_rigid:
+        gains = with_gains(search, trial.end, trial.tried, begin)
+        if gains is not trial.end:
+            fits += [begin, gains]
+            return grown_within_floor(search, gains, directions, fits)
+    return _kept(search, chosen, trial, lambda fit: left(fit) < most, fits)
+
+
+@dataclass(frozen=True, eq=False)
+class _Trial:
+    """Effects added on trial.
+
+    Attributes:
+        begin: The explanation before, fitted to the end.
+        end: With all of them; the same one where none was added.
+        tried: All fits on the way; those of what follows are appended.
+    """
+
+    begin: CandidateFit
+    end: CandidateFit
+    tried: list[CandidateFit]
+
+
+def _kept(
+    search: Search,
+    chosen: CandidateFit,
+    trial: _Trial,
+    enough: Callable[[CandidateFit], bool],
+    fits: list[CandidateFit],
+) -> CandidateFit:
+    """Return what of the effects that were added on trial is needed; the explanation before where that is not enough.
+
+    Behind springs, effects found before that have quite other sizes beside the new ones stood for them, and are left
+    out first, unless they are worth it still. Without springs such new ones are none: with a vibration at the tool of
+    an arm of three servos, a rotor that is 33 % larger than in the file was 76 % smaller, for a hundredth of the floor.
+
+    Args:
+        search: The search.
+        chosen: The explanation before.
+        trial: The effects.
+        enough: Whether a fit leaves little enough.
+        fits: All fits so far; new ones are appended.
+    """
+    if trial.end is trial.begin or not enough(trial.end):
         return chosen
-    if search.null.model.robot.is_rigid:
-        kept = one_by_one(search, trial, tried)
-        if _resized(begin, kept):
-            return chosen
-    else:
-        trial = _without_imitations(search, begin, trial, tried)
-        kept = with_gains(search, trial, tried, begin)
-        if kept is not trial:
-            fits += [begin, kept]
-            return grown_within_floor(search, kept, directions, fits)
-        kept = one_by_one(search, trial, tried)
-    if kept.names == chosen.names or not left(kept) < most:
+    rigid, end = search.null.model.robot.is_rigid, trial.end
+    if not rigid:
+        end = _without_imitations(search, trial.begin, end, trial.tried)
+    kept = one_by_one(search, end, trial.tried)
+    if kept.names == chosen.names or not enough(kept) or (rigid and _resized(trial.begin, kept)):
         return chosen
-    fits += [fit for fit in (begin, trial, *tried) if fit.names <= trial.names]
+    fits += [fit for fit in (trial.begin, trial.end, *trial.tried) if fit.names <= trial.end.names]
     return kept
 
 
@@ -133,7 +164,7 @@ def _grown_on_trial(
     known: Sequence[CandidateFit],
     richer: CandidateFit | None = None,
     hidden: bool = False,
-) -> tuple[CandidateFit, list[CandidateFit]]:
+) -> _Trial:
     """Add effects for as long as each step removes a share of what is left, a richer law first.
 
     Args:
@@ -146,9 +177,6 @@ def _grown_on_trial(
         richer: As for `grown_within_floor`.
         hidden: Whether effects are sought that hide each other above the floor: each candidate must remove that share
             too, and steps remove more and more. What imitates something unknown removes less and less, and ends it.
-
-    Returns:
-        The grown explanation, the same one where nothing removes enough, and all fits on the way.
     """
     settings, trial = search.settings.search, begin
     tried: list[CandidateFit] = []
@@ -170,7 +198,7 @@ def _grown_on_trial(
         trial = grown
         if hidden and removed < before:
             break
-    return trial, tried
+    return _Trial(begin, trial, tried)
 
 
 def _without_imitations(
