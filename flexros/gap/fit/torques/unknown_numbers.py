@@ -269,13 +269,15 @@ def _with_load_or_bodies(
     wide, of_rough, rough = with_rough_bodies(tolerance, settings.rough_bodies), None, settings.rough_bodies
     if may_be_rough and wide != tolerance:
         of_rough = regress_balanced(record, model, wide, delay=delay, settings=settings)
-    if of_rough is not None and not bodies_are_off(of_rough, regression, regress, record, settings):
-        of_rough = None
+    off = of_rough is not None and bodies_are_off(of_rough, regression, regress, record, settings)
     if of_rough is not None:
         wide = with_rough_inertias(tolerance, settings.rough_inertias)
         of_inertias = regress_balanced(record, model, wide, delay=delay, settings=settings)
         if of_inertias is not None and lowered(of_inertias, of_rough, settings) < settings.before_bodies:
-            of_rough, rough = of_inertias, 0.0
+            off, rough = lowered(regression, of_inertias, settings) > settings.before_bodies, 0.0
+            of_rough = of_inertias
+    if not off:
+        of_rough = None
     loaded, load = clear_load(regress, robot, tolerance, n_lacking, settings)
     if loaded is None and of_rough is None and may_be_rough and may_carry(robot):
         beside = partial(regress, position_torques=regression.position_torques)
