@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects import effects
+from flexros.effects.kinds.command_law import AbstractCommandLaw
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.effects.kinds.tool_error import AbstractToolError
 from flexros.gap.candidates.candidate import alike, list_candidates, names_of
@@ -106,6 +107,7 @@ class Search(Refits):
             if self.competitors.contain(candidate)
             and self._known(candidate)
             and not (self.data.record.measured_torque and candidate.cuts_off)
+            and not self._acts_on_nothing(candidate)
             and (tool or not issubclass(candidate.effect, AbstractToolError))
         )
 
@@ -125,6 +127,14 @@ class Search(Refits):
             return ()
         found = harmonics_in_place(fit, replaced, self.data, self.settings.search)
         return tuple(candidate for candidate in found if self.competitors.contain(candidate))
+
+    def _acts_on_nothing(self, candidate: Candidate) -> bool:
+        """Whether a candidate changes the torque of motors that have none throughout the log, as where they swing."""
+        if not (issubclass(candidate.effect, AbstractCommandLaw) or candidate.effect.delays_commands):
+            return False
+        record, names = self.data.record, self.null.model.robot.joint_names
+        changed = [names.index(candidate.location)] if candidate.location in names else slice(None)
+        return record.command is None and not record.torque[:, changed].any()
 
     def _known(self, candidate: Candidate) -> bool:
         """Whether the numbers that a candidate changes are known well enough for an error of them to be a cause."""

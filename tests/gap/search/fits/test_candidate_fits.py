@@ -66,6 +66,15 @@ def test_a_measured_torque_is_not_limited() -> None:
     assert left_out == {"torque_saturation@motor_1"}
 
 
+def test_where_no_torque_acts_none_has_a_gain_or_a_delay() -> None:
+    """A pendulum that swings freely has a column of zeros: a gain of +282 % had been named, which changes nothing."""
+    search = search_of()
+    record = replace(search.data.record, torque=np.zeros_like(search.data.record.torque))
+    swings = replace(search, null=replace(search.null, data=replace(search.data, record=record)))
+    left_out = {one.effect.name for one in search.candidates()} - {one.effect.name for one in swings.candidates()}
+    assert left_out == {"torque_gain_error", "torque_saturation", "actuator_lag", "delay"}
+
+
 @pytest.mark.parametrize("threads", [1, 3])
 def test_the_true_effect_fits_best_with_any_number_of_threads(threads: int) -> None:
     search = replace(search_of(FRICTION), threads=threads)
