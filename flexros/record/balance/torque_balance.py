@@ -166,7 +166,7 @@ class TorqueBalance:
         given = self.given[use, torque] * np.exp(-2j * np.pi * self.frequency[use] * delay)
         return given, self.needed[use, motion]
 
-    def unexplained(self, torque: int, motion: int) -> float:
+    def unexplained(self, torque: int, motion: int, delay: float = 0.0) -> float:
         """Return the power of a torque that the motion of a motor leaves unexplained, over all of it, 0 ... 1.
 
         Friction, the inertia of an unknown rotor and any multiple of the inverse-dynamics torque are fitted to all
@@ -175,13 +175,14 @@ class TorqueBalance:
         Args:
             torque: Motor whose torque it is.
             motion: Motor whose motion it is.
+            delay: Delay of the torque with respect to its stamp [s].
         """
         use = self.clear[:, motion]
-        given = self.given[use, torque]
+        given, needed = self._compared(torque, motion, delay)
         power = float(np.sum(np.abs(given) ** 2))
         if use.sum() < FEWEST_BINS or power == 0:
             return 1.0
-        regressors = np.column_stack([self.needed[use, motion], self.own[use, motion]])
+        regressors = np.column_stack([needed, self.own[use, motion]])
         return float(np.sum(np.abs(_without(regressors, given, np.ones(len(given)))) ** 2)) / power
 
     def delay(self) -> Delay:
