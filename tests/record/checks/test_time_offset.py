@@ -46,7 +46,7 @@ def test_half_a_sample_is_told_only(found, healthy) -> None:
 @pytest.mark.parametrize("time", [-0.03, 0.02])
 def test_an_offset_at_which_the_motion_explains_less_of_the_torques_is_none(healthy, time: float) -> None:
     """Phases of slow bands, which dry friction of a large gear turns, had shown 34 ms where there are none."""
-    checked = CheckedRecord(healthy("e12"), load_robot("e12"))
+    checked = CheckedRecord(healthy("elbow"), load_robot("elbow"))
     checked.__dict__["delay"] = Delay(time, 1e-3, 0.1)
     assert not TimeOffset().look(checked)
 
