@@ -301,6 +301,7 @@ DRAWINGS: dict[str, tuple[Callable[[str], Panels], str]] = {
         lambda text: [gear_loop(text, (40.0, 15.0, 5.0), "slow swing, three amplitudes")],
         "hysteresis@motor_1:level=8,angle=1e-4",
     ),
+    "center_error": (holding, "center_error@body_2:z=0.05"),
     "inertia_error": (lambda text: [responses(text)], "inertia_error@body_1:relative=0.4"),
     "kinematic_error": (tool_error, "kinematic_error@body_2:length=1e-3"),
     "load_dependent_friction": (over_load, "load_dependent_friction@motor_1:share=0.15"),

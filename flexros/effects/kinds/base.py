@@ -88,6 +88,8 @@ class AbstractEffect(Settings, ABC):
     """Whether a diagnosis seeks its `reductions` in every log, not in those of real machines alone."""
     jumps: ClassVar[bool] = False
     """Whether predictions with it jump where parameters change a little, as where a contact begins a step earlier."""
+    together: ClassVar[bool] = False
+    """Whether initial values of its parameters belong together, one of each; else all combinations are tried."""
     delays_commands: ClassVar[bool] = False
     """Whether it delays commands by its parameter `time` [s]. A predictor then shifts the recorded samples."""
 

@@ -74,11 +74,8 @@ class ToolLoad(AbstractChangedValues):
     def fitted(self, robot: Robot, location: str) -> Mapping[str, Range]:
         """Return mass and place, without the coordinate along an axis about which all joints turn: nothing shows it."""
         del location
-        if any(joint.mode is not None or any(joint.orientation) for joint in robot.joints):
-            return self.ranges
-        axes = {"xyz"[joint.axis] for joint in robot.joints if joint.rotary}
-        hidden = axes if len(axes) == 1 else set() if axes else set("xyz")
-        return {name: allowed for name, allowed in self.ranges.items() if name not in hidden}
+        seen = seen_axes(robot)
+        return {name: allowed for name, allowed in self.ranges.items() if name not in "xyz" or name in seen}
 
     def values(self, robot: Robot, location: str) -> dict[str, float]:
         """Return mass, centre of mass and inertia of the last body that moves, with the load."""
@@ -94,6 +91,19 @@ class ToolLoad(AbstractChangedValues):
         found = {f"{body}.mass": mass}
         found |= {f"{body}.center_of_mass.{axis}": float(value) for axis, value in zip("xyz", common, strict=True)}
         return found | {f"{body}.inertia.{entry}": float(inertia[ENTRIES[entry]]) for entry in INERTIA_COMPONENTS}
+
+
+def seen_axes(robot: Robot) -> tuple[str, ...]:
+    """Return the axes along which a log shows where a mass is: not the one about which all joints turn.
+
+    Args:
+        robot: The robot.
+    """
+    if any(joint.mode is not None or any(joint.orientation) for joint in robot.joints):
+        return tuple("xyz")
+    axes = {"xyz"[joint.axis] for joint in robot.joints if joint.rotary}
+    hidden = axes if len(axes) == 1 else set() if axes else set("xyz")
+    return tuple(axis for axis in "xyz" if axis not in hidden)
 
 
 def last_moved(robot: Robot) -> str:

@@ -102,15 +102,15 @@ def repaired_numbers(patched: PatchedRobot) -> RepairedNumbers:
 def _of_body(
     name: str, body: Body, nominal: Body, weight_error: float, inertia_factor: float, *, rewritten: bool
 ) -> BodyNumbers:
-    """Return the numbers of a body; a mass that moves its centre of mass is a load on it."""
+    """Return the numbers of a body; a further mass that moves its centre of mass is a load on it."""
     mass, own = body.mass.value, nominal.mass.value
     moment = mass * np.array(body.center_of_mass.value) - own * np.array(nominal.center_of_mass.value)
     moved = np.abs(moment - (mass - own) * np.array(nominal.center_of_mass.value)).max() > SAME * abs(mass)
-    if rewritten or (moved and inertia_factor != 1):
+    if rewritten or (moved and (mass <= own or inertia_factor != 1)):
         place = ", ".join(f"{value:.4g}" for value in body.center_of_mass.value)
         words = f"mass {mass:.6g} kg, centre {place} m, and inertia"
         return BodyNumbers(name, body.label, 1.0, weight_error, rewritten=words)
-    if moved and mass > own:
+    if moved:
         x, y, z = (moment / (mass - own)).tolist()
         return BodyNumbers(name, body.label, 1.0, weight_error, LoadNumbers(mass - own, (x, y, z)))
     inertia = body.inertia.matrix() / inertia_factor

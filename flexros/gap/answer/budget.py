@@ -168,21 +168,28 @@ def _model_numbers(findings: Findings) -> tuple[ModelNumber, ...]:
             ]
             continue
         assert isinstance(placed.effect, AbstractChangedValues)
-        (parameter,) = parameters.values()  # the values are linear in it
+        parts = []  # the values are linear in each parameter
+        for name, parameter in parameters.items():
+            alone = candidate.placed({name: parameter.value}).effect
+            assert isinstance(alone, AbstractChangedValues)
+            parts.append((alone.values(robot, candidate.location), parameter))
         for name, value in placed.effect.values(robot, candidate.location).items():
             nominal = robot.parameters[name].value
-            if value != nominal:
-                numbers.append(
-                    ModelNumber(
-                        location=candidate.location,
-                        name=name,
-                        nominal=nominal,
-                        value=value,
-                        std=abs(value - nominal) / abs(parameter.value) * parameter.std,
-                        unit=robot.parameters[name].unit,
-                        determined=parameter.determined,
-                    )
+            if value == nominal:
+                continue
+            own = [(values[name] - nominal, parameter) for values, parameter in parts if values[name] != nominal]
+            deviations = [change / parameter.value * parameter.std for change, parameter in own]
+            numbers.append(
+                ModelNumber(
+                    location=candidate.location,
+                    name=name,
+                    nominal=nominal,
+                    value=value,
+                    std=float(np.linalg.norm(deviations)),
+                    unit=robot.parameters[name].unit,
+                    determined=all(parameter.determined for _, parameter in own),
                 )
+            )
     return (*_estimated(findings), *numbers)
 
 

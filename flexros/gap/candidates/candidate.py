@@ -295,7 +295,7 @@ def list_candidates(
             there = [law.effect for law in known if law.location == location]
             reduced = effect().reductions(robot, location, there) if measured or effect.seeks_less else {}
             free = tuple(below_nominal(one, reduced[one.name]) if reduced.get(one.name) else one for one in free)
-            candidates.append(Candidate(effect, location, free))
+            candidates.append(Candidate(effect, location, free, together=effect.together))
     return tuple(candidates)
 
 
@@ -310,7 +310,7 @@ def candidate_at(effect: type[AbstractEffect], location: str, robot: Robot, scal
     """
     ranges = effect().fitted(robot, location)
     free = (free_parameter(name, scales.shown(one), scales.of(one.scale, location)) for name, one in ranges.items())
-    return Candidate(effect, location, tuple(free))
+    return Candidate(effect, location, tuple(free), together=effect.together)
 
 
 def distinct_locations(

@@ -67,6 +67,14 @@ def test_an_inertia_is_a_factor_beyond_that_of_the_mass(tmp_path: Path) -> None:
     assert numbers(tmp_path, difference, inertia).bodies[1].change[0] == "numbers"
 
 
+def test_a_centre_of_mass_elsewhere_is_said_with_the_mass(tmp_path: Path) -> None:
+    moved = "effect: center_error, location: body_2, parameters: {z: 0.02}"
+    name, size = numbers(tmp_path, moved).bodies[1].change
+    center = load_robot("elbow").spec.bodies[1].center_of_mass.value
+    assert name == "numbers"
+    assert size == f"mass 45 kg, centre {center[0]:.4g}, {center[1]:.4g}, {center[2] + 0.02:.4g} m, and inertia"
+
+
 def test_motor_side_with_several_gears_is_refused(tmp_path: Path) -> None:
     data = load_robot("elbow").spec.model_dump_json()
     file = tmp_path / "motor.yaml"
