@@ -138,9 +138,9 @@ class TorqueStartSettings(Settings):
     rough_inertias: float = Field(
         default=1.0,
         gt=0,
-        description="tolerance of the inertias of bodies about their centres of mass, relative, where `rough_bodies` "
-        "explain the torques: what these leave no less of than all numbers of the bodies (`before_bodies`) are errors "
-        "of inertias [1] (chosen)",
+        description="tolerance of the inertias of bodies about their centres of mass, relative, with which the rotors "
+        "are estimated where it explains more of the torques than that of the robot file, and no less than "
+        "`rough_bodies` of all numbers (both by `before_bodies`) [1] (chosen)",
     )
     relieved: float = Field(
         default=1.5,

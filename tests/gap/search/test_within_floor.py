@@ -47,6 +47,7 @@ def levels(monkeypatch: pytest.MonkeyPatch) -> dict[str, float]:
     monkeypatch.setattr(within_floor, "with_more", with_more)
     monkeypatch.setattr(within_floor, "best_richer", lambda *_: None)
     monkeypatch.setattr(within_floor, "one_by_one", lambda _search, one, _fits: one)
+    monkeypatch.setattr(within_floor, "with_gains", lambda _search, one, *_: one)
     monkeypatch.setattr(within_floor, "first_parameters", lambda one: dict.fromkeys(one.names, 1.0))
     return known
 
@@ -60,7 +61,19 @@ def test_effects_beside_which_others_would_have_quite_another_size_are_none(
 
     monkeypatch.setattr(within_floor, "first_parameters", sizes)
     begin = fit("base", level=levels["base"])
-    assert within_floor.grown_within_floor(search(), begin, [], []).names == found
+    assert within_floor.grown_within_floor(search(is_rigid=True), begin, [], []).names == found
+
+
+def test_behind_springs_gains_take_the_place_of_what_stood_for_them(
+    levels: dict[str, float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """They show beside the effects that were added; the search goes on from them."""
+    monkeypatch.setattr(within_floor, "with_gains", lambda _search, one, _fits, before: fit("gain", level=1.0))
+    begin = fit("base", level=levels["base"])
+    fits: list[Any] = []
+    assert within_floor.grown_within_floor(search(), begin, [], fits).names == {"gain"}
+    assert [one.names for one in fits] == [{"base"}, {"gain"}]
+    assert within_floor.grown_within_floor(search(is_rigid=True), begin, [], []).names == {"base", "one", "two"}
 
 
 def test_effects_that_leave_little_together_are_kept(levels: dict[str, float]) -> None:
