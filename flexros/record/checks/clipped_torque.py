@@ -23,6 +23,9 @@ LEAST_SHARE = 5e-4
 SUDDEN = 0.2
 """Steps to and from a flat top over the range of the torque, from which it is a step of the command (chosen)."""
 
+ROUNDED = 1.5
+"""Steps of the record to and from a flat top up to which it is the rounding of a smooth one [1] (chosen)."""
+
 CONTINUOUS = 0.3
 """Share of different values above which a torque is continuous; steps and binary signals have flat tops of their own
 (chosen)."""
@@ -78,12 +81,12 @@ def _flat_tops(values: FloatArray) -> list[float]:
     """Return the extremes at which a continuous signal has flat tops."""
     if len(np.unique(values)) < CONTINUOUS * len(values):
         return []
-    levels = []
+    levels, step = [], ROUNDED * float(np.diff(np.unique(values)).min())
     for level in (float(values.max()), float(values.min())):
         begin, length = runs(np.abs(values - level) <= 1e-9 * abs(level))
         before = np.abs(values[np.maximum(begin - 1, 0)] - level)
         after = np.abs(values[np.minimum(begin + length, len(values) - 1)] - level)
-        cut = np.minimum(before, after) < SUDDEN * np.ptp(values)
+        cut = (np.minimum(before, after) < SUDDEN * np.ptp(values)) & (np.maximum(before, after) > step)
         flat = int(length[(length >= PLATEAU) & cut].sum())
         if flat > LEAST_SHARE * len(values) and level != 0.0:
             levels.append(level)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from flexros.record.checks import clipped_torque
+
 pytestmark = pytest.mark.slow
 
 
@@ -16,6 +18,13 @@ def test_torque_clipped_below_the_limit_is_reported(found, healthy) -> None:
         f"the torque of motor_1 is clipped at {level:.6g} and -{level:.6g}, but the robot file allows 351.506" in text
         for text in texts
     )
+
+
+def test_a_rounded_torque_has_flat_tops_that_are_not_clipped() -> None:
+    """In the steps of a recorder a smooth extremum has equal samples, one step from those beside it."""
+    smooth = 5.0 * np.sin(np.linspace(0.0, 6.0, 2000))
+    assert clipped_torque._flat_tops(np.round(smooth, 3)) == []
+    assert clipped_torque._flat_tops(np.round(np.minimum(smooth, 4.0), 3)) == [4.0]
 
 
 def test_torque_at_the_limit_of_the_robot_is_reported_as_such(found, healthy) -> None:
