@@ -266,25 +266,47 @@ def _with_load_or_bodies(
     robot = model.robot
     regress = partial(regress_torque, record, model, delay=delay, settings=settings)
     may_be_rough = not as_stated and not robot.flexible_motors  # what springs leave is no error of bodies
-    wide, of_rough, rough = with_rough_bodies(tolerance, settings.rough_bodies), None, settings.rough_bodies
-    if may_be_rough and wide != tolerance:
-        of_rough = regress_balanced(record, model, wide, delay=delay, settings=settings)
-    off = of_rough is not None and bodies_are_off(of_rough, regression, regress, record, settings)
-    if of_rough is not None:
-        wide = with_rough_inertias(tolerance, settings.rough_inertias)
-        of_inertias = regress_balanced(record, model, wide, delay=delay, settings=settings)
-        if of_inertias is not None and lowered(of_inertias, of_rough, settings) < settings.before_bodies:
-            off, rough = lowered(regression, of_inertias, settings) > settings.before_bodies, 0.0
-            of_rough = of_inertias
-    if not off:
-        of_rough = None
+    bodies = _of_bodies(regression, record, model, tolerance, delay, settings) if may_be_rough else None
     loaded, load = clear_load(regress, robot, tolerance, n_lacking, settings)
-    if loaded is None and of_rough is None and may_be_rough and may_carry(robot):
+    if loaded is None and not (bodies and bodies.rough) and may_be_rough and may_carry(robot):
         beside = partial(regress, position_torques=regression.position_torques)
         loaded, load = load_before_bodies(beside, robot, tolerance, n_lacking, settings) or (None, None)
-    if loaded is not None and (of_rough is None or rest_of(loaded) < rest_of(of_rough)):
+    if loaded is not None and (bodies is None or rest_of(loaded) < rest_of(bodies.regression)):
         return _Shown(loaded, load)  # what explains more stands for both
-    return _Shown(regression) if of_rough is None else _Shown(of_rough, rough=rough)
+    return bodies or _Shown(regression)
+
+
+def _of_bodies(
+    regression: TorqueRegression,
+    record: Record,
+    model: RobotWithEffects,
+    tolerance: Tolerance,
+    delay: float,
+    settings: TorqueStartSettings,
+) -> _Shown | None:
+    """Return what bodies explain whose inertias, or whose numbers altogether, are far off; None where neither does.
+
+    Where inertias alone do as well, masses and centres keep their tolerance, and the search names the inertias.
+
+    Args:
+        regression: With bodies within their tolerance.
+        record: The log.
+        model: The nominal model.
+        tolerance: Parameters of the robot that may deviate.
+        delay: Delay of the torques beyond that of the model [s].
+        settings: Settings of the regressions.
+    """
+    regress = partial(regress_balanced, record, model, delay=delay, settings=settings)
+    wide = with_rough_bodies(tolerance, settings.rough_bodies)
+    of_all = None if wide == tolerance else regress(wide)
+    if of_all is None:
+        return None
+    of_inertias = regress(with_rough_inertias(tolerance, settings.rough_inertias))
+    if of_inertias is not None and lowered(of_inertias, of_all, settings) < settings.before_bodies:
+        return _Shown(of_inertias) if lowered(regression, of_inertias, settings) > settings.before_bodies else None
+    with_load = partial(regress_torque, record, model, delay=delay, settings=settings)
+    off = bodies_are_off(of_all, regression, with_load, record, settings)
+    return _Shown(of_all, rough=settings.rough_bodies) if off else None
 
 
 def _clear_zeros(
