@@ -152,13 +152,21 @@ def _ambiguous(diagnosis: Diagnosis) -> str:
     chances = [(probability.get((one.effect, one.location), 0.0), one) for one in _rivals(diagnosis)]
     chances.sort(key=lambda pair: -pair[0])
     rivals = [one for _, one in chances]
-    names = [f"{named(one)} ({share_words(chance)})" for chance, one in chances]
+    names = [f"{named(one)} ({_chance(diagnosis, one, chance)})" for chance, one in chances]
     sure = [cause for cause in diagnosis.causes if cause.probability >= _SURE and not _in(cause, rivals)]
     addition = f"; in addition there {'are' if len(sure) > 1 else 'is'} {causes_words(sure)}" if sure else ""
     alone = len(names) == 1
     doubt = f"does not show whether there is {names[0]}" if alone else f"cannot distinguish {first_few(names, 'from')}"
     text = f"There is a gap, and this log {doubt}{addition}. {_closed(diagnosis.gap)} {guessed} {_next(diagnosis)}"
     return " ".join(text.split())
+
+
+def _chance(diagnosis: Diagnosis, rival: EffectLocation, probability: float) -> str:
+    """Say how probable a rival is, or with which tolerances where it is not with those that are stated."""
+    for row in diagnosis.tolerance_sensitivity if not probability else ():
+        if (row.effect, row.location) == (rival.effect, rival.location) and row.changes:
+            return f"with {'halved' if row.halved > row.doubled else 'doubled'} tolerances"
+    return share_words(probability)
 
 
 def _unknown(diagnosis: Diagnosis) -> str:

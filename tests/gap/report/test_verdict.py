@@ -110,6 +110,15 @@ def test_of_many_rivals_the_most_probable_are_reported(diagnosed: Diagnosed) -> 
     assert "hysteresis at motor_1 (56 %), backlash at motor_1 (43 %), torque bias at motor_1 (0 %) from 2" in text
 
 
+def test_a_rival_with_other_tolerances_alone_is_said_to_be_one(guessed: Diagnosis) -> None:
+    """Its probability with the stated ones, 0 %, does not say why it is a rival."""
+    never = tuple(
+        one.model_copy(update={"probability": 0.0}) if one.effect == "backlash" else one for one in guessed.causes
+    )
+    text = verdict_sentence(guessed.model_copy(update={"causes": never}))
+    assert "from backlash at motor_1 (with doubled tolerances)" in text
+
+
 def test_an_effect_whose_presence_is_not_decided_is_reported_alone(diagnosed: Diagnosed) -> None:
     diagnosis = diagnosed("ambiguous").diagnosis
     alone = diagnosis.model_copy(update={"ambiguity_groups": (diagnosis.ambiguity_groups[0][:1],)})
