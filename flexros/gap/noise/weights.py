@@ -39,6 +39,9 @@ LEAST_TORQUE = 0.3
 SMOOTH_CUTOFF = 40.0
 """Highest frequency of the motion whose speed the effect of jitter is computed from [Hz] (chosen)."""
 
+MOVED = 1e-3
+"""Motion of a joint from which its positions show the noise of an encoder [rad] (chosen): a held one shows none."""
+
 
 @dataclass(frozen=True, eq=False)
 class Measurement:
@@ -153,7 +156,7 @@ def measurement_of(record: Record, robot: Robot, settings: DiagnosisSettings) ->
         floor_error=float(np.hypot(error, numbers.rounding_error * rounding.mean())),
         doubt=0.0 if coloured else numbers.doubt * _difference(noise, deviation),
         signal_tolerance=noise.signal_tolerance,
-        warnings=(*noise.warnings, *_undeclared(robot, declared)),
+        warnings=(*noise.warnings, *_undeclared(record, robot, declared)),
         torque=np.std(record.torque, axis=0),
     )
 
@@ -165,7 +168,7 @@ def _declared(record: Record, robot: Robot, noise: Noise) -> FloatArray:
     return np.where(robot.encoder_noise > 0, robot.encoder_noise, measured)
 
 
-def _undeclared(robot: Robot, used: FloatArray) -> tuple[str, ...]:
+def _undeclared(record: Record, robot: Robot, used: FloatArray) -> tuple[str, ...]:
     """Say which noise is used for encoders whose robot file declares none."""
     names = [
         f"{name}: {used[motor]:.2g}" for motor, name in enumerate(robot.joint_names) if not robot.encoder_noise[motor]
@@ -176,7 +179,7 @@ def _undeclared(robot: Robot, used: FloatArray) -> tuple[str, ...]:
     quiet = [
         name
         for name, motor, noise, stated in zip(robot.joint_names, robot.motors, used, robot.encoder_noise, strict=True)
-        if motor.rotary and not stated and noise < UNBELIEVABLE
+        if motor.rotary and not stated and noise < UNBELIEVABLE and np.ptp(record.position[:, motor.index]) > MOVED
     ]
     if not quiet:
         return (text,)

@@ -172,16 +172,18 @@ def test_a_robot_file_without_noise_takes_that_of_the_log() -> None:
     assert any("declares no encoder noise" in text for text in found.warnings)
 
 
-@pytest.mark.parametrize(("noise", "said"), [(1e-10, True), (1e-8, False)])
-def test_positions_without_the_noise_of_an_encoder_are_said(
-    noise: float, said: bool, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(("noise", "moves", "said"), [(1e-10, True, True), (1e-8, True, False), (1e-10, False, False)])
+def test_positions_without_the_noise_of_an_encoder_are_said_of_joints_that_move(
+    noise: float, moves: bool, said: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     silent = copy(ROBOT)
     silent.__dict__["encoder_noise"] = np.zeros(1)
     seen = Noise(np.array([noise]), np.zeros((1, 0)), 0.0, ("above the band",))
     monkeypatch.setattr(weights, "measure_noise", lambda *_: seen)
     monkeypatch.setattr(weights, "encoder_step", lambda *_: 0.0)
-    found = weights.measurement_of(record_of(), silent, SETTINGS)
+    record = record_of()
+    record = record if moves else replace(record, position=1e-5 * record.position)
+    found = weights.measurement_of(record, silent, SETTINGS)
     assert any("have less noise than any encoder" in text for text in found.warnings) is said
 
 
