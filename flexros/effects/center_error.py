@@ -28,13 +28,16 @@ STARTS = {axis: tuple(FIRST * np.kron(np.eye(3)[k], [1.0, -1.0])) for k, axis in
 class CenterError(AbstractChangedValues):
     """The centre of mass of a body is elsewhere; its mass and its inertia about it are kept.
 
-    Robot files have it on the line from joint to joint where housings, cables and counterweights move it off.
+    Robot files have it on the line from joint to joint where housings, cables and counterweights move it off. A
+    diagnosis seeks it where `--effects` names it: with its three numbers it imitates others on measured robots, as a
+    wrong mass.
     """
 
     name: ClassVar[str] = "center_error"
     words: ClassVar[str] = "centre of mass error"
     stage: ClassVar[Stage] = "load"
     together: ClassVar[bool] = True
+    on_request: ClassVar[bool] = True
     signatures: ClassVar[tuple[str, ...]] = ("torque_over_position", "torque_over_acceleration", "frequency_response")
     fingerprint: ClassVar[str] = (
         "a disturbance torque in all joints that move the body, by its weight at another place, and by its acceleration"

@@ -90,6 +90,8 @@ class AbstractEffect(Settings, ABC):
     """Whether predictions with it jump where parameters change a little, as where a contact begins a step earlier."""
     together: ClassVar[bool] = False
     """Whether initial values of its parameters belong together, one of each; else all combinations are tried."""
+    on_request: ClassVar[bool] = False
+    """Whether it competes in a diagnosis only where the settings name it."""
     delays_commands: ClassVar[bool] = False
     """Whether it delays commands by its parameter `time` [s]. A predictor then shifts the recorded samples."""
 

@@ -60,7 +60,8 @@ def competitors(robot: Robot, settings: SearchSettings, prescribed: Sequence[int
             if name not in known:
                 raise unknown_name("effect", name, known, "search.effects")
     without = frozenset(robot.joint_names[motor] for motor in prescribed)
-    competing = Competitors(frozenset(settings.effects or known), locations_of(robot, settings.joints), without)
+    names = settings.effects or [name for name, effect in known.items() if not effect.on_request]
+    competing = Competitors(frozenset(names), locations_of(robot, settings.joints), without)
     if competing.locations is not None and not any(
         location in competing.locations - without
         for name in competing.effects

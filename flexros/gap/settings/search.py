@@ -67,7 +67,9 @@ class FitSettings(Settings):
 class SearchSettings(Settings):
     """Which hypotheses are fitted."""
 
-    effects: tuple[str, ...] = Field(default=(), description="names of the effects that compete; empty: all")
+    effects: tuple[str, ...] = Field(
+        default=(), description="names of the effects that compete; empty: all but those on request"
+    )
     joints: tuple[str, ...] = Field(
         default=(),
         description="motors, by name or by that of their joint, at which effects compete: there, in the springs up to "

@@ -63,6 +63,7 @@ def test_every_effect_is_compensated_or_reported(name: str) -> None:
         "presliding_friction": "level=1,stiffness=1e6",
         "torque_saturation": "limit=1",
         "body_difference": "mass=0.01",
+        "center_error": "x=0.01",
         "rotor_inertia": "added=0.01",
         "tool_load": "mass=0.01",
     }.get(name, f"{getattr(kind, 'size', 'relative')}=0.01")

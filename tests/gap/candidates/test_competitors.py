@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from flexros.effects import effects
+from flexros.effects.center_error import CenterError
 from flexros.errors import InputError
 from flexros.gap.candidates.candidate import distinct_locations
 from flexros.gap.candidates.competitors import competitors, locations_of
@@ -66,3 +67,8 @@ def test_what_does_not_exist_is_refused(given: dict[str, tuple[str, ...]], argum
     with pytest.raises(InputError, match=text) as caught:
         competitors(ELBOW, SearchSettings(**given))
     assert caught.value.argument == argument
+
+
+def test_an_effect_on_request_competes_where_it_is_named() -> None:
+    assert not competitors(ELBOW, SearchSettings()).include(CenterError)
+    assert competitors(ELBOW, SearchSettings(effects=("center_error",))).include(CenterError)
