@@ -179,21 +179,19 @@ class _Repair:
 
     def _mass_of(self, link: XmlElement) -> float | None:
         """Return the mass of a link [kg]; None where it states none."""
-        inertial = link.find("inertial")
-        mass = None if inertial is None else inertial.find("mass")
+        mass = _mass_element(link)
         if mass is None:
             return None
         return self._float(mass.attributes.get("value") or mass.content, f"link {link.attributes['name']} mass")
 
     def _scale(self, link: XmlElement, body: BodyNumbers) -> None:
         """Scale mass and inertia of a link that has a mass."""
-        inertial = link.find("inertial")
-        mass = None if inertial is None else inertial.find("mass")
+        inertial, mass, before = link.find("inertial"), _mass_element(link), self._mass_of(link)
         assert inertial is not None
         assert mass is not None
+        assert before is not None
         place = f"link {link.attributes['name']} inertial"
         if not same(body.mass_factor, 1.0):
-            before = self._float(mass.attributes.get("value") or mass.content, f"{place} mass")
             self._write(mass, "value", body.mass_factor * before)
             self.written.append(Written(body.body, "mass", place, before, body.mass_factor * before, "kg"))
         inertia, factor = inertial.find("inertia"), body.mass_factor * body.inertia_factor
@@ -277,3 +275,8 @@ class _Repair:
         if np.abs(value) > 0:
             size = f"{value:.6g} {unit}"
             self.not_held.append(NotHeld(location, name, size, reason.format(kind=self.kind.upper())))
+
+
+def _mass_element(link: XmlElement) -> XmlElement | None:
+    inertial = link.find("inertial")
+    return None if inertial is None else inertial.find("mass")
