@@ -30,10 +30,11 @@ from flexros.gap.fit.torques.solution import rest_of
 from flexros.gap.settings import TorqueStartSettings
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from flexros.effects import RobotWithEffects
     from flexros.gap.fit.candidate_fit import CandidateFit
+    from flexros.gap.fit.torques.missing_load import Regress
     from flexros.gap.fit.torques.solution import TorqueRegression
     from flexros.record.record import Record
     from flexros.robot import Robot
@@ -266,7 +267,8 @@ def _with_load_or_bodies(
     robot = model.robot
     regress = partial(regress_torque, record, model, delay=delay, settings=settings)
     may_be_rough = not as_stated and not robot.flexible_motors  # what springs leave is no error of bodies
-    bodies = _of_bodies(regression, record, model, tolerance, delay, settings) if may_be_rough else None
+    balanced = partial(regress_balanced, record, model, delay=delay, settings=settings)
+    bodies = _of_bodies(regression, record, tolerance, balanced, regress, settings) if may_be_rough else None
     loaded, load = clear_load(regress, robot, tolerance, n_lacking, settings)
     if loaded is None and not (bodies and bodies.rough) and may_be_rough and may_carry(robot):
         beside = partial(regress, position_torques=regression.position_torques)
@@ -279,9 +281,9 @@ def _with_load_or_bodies(
 def _of_bodies(
     regression: TorqueRegression,
     record: Record,
-    model: RobotWithEffects,
     tolerance: Tolerance,
-    delay: float,
+    balanced: Callable[[Tolerance], TorqueRegression | None],
+    regress: Regress,
     settings: TorqueStartSettings,
 ) -> _Shown | None:
     """Return what bodies explain whose inertias, or whose numbers altogether, are far off; None where neither does.
@@ -291,21 +293,19 @@ def _of_bodies(
     Args:
         regression: With bodies within their tolerance.
         record: The log.
-        model: The nominal model.
         tolerance: Parameters of the robot that may deviate.
-        delay: Delay of the torques beyond that of the model [s].
+        balanced: The regression of a tolerance, beside a counterbalance where there is one.
+        regress: The regression of a tolerance and a load.
         settings: Settings of the regressions.
     """
-    regress = partial(regress_balanced, record, model, delay=delay, settings=settings)
     wide = with_rough_bodies(tolerance, settings.rough_bodies)
-    of_all = None if wide == tolerance else regress(wide)
+    of_all = None if wide == tolerance else balanced(wide)
     if of_all is None:
         return None
-    of_inertias = regress(with_rough_inertias(tolerance, settings.rough_inertias))
+    of_inertias = balanced(with_rough_inertias(tolerance, settings.rough_inertias))
     if of_inertias is not None and lowered(of_inertias, of_all, settings) < settings.before_bodies:
         return _Shown(of_inertias) if lowered(regression, of_inertias, settings) > settings.before_bodies else None
-    with_load = partial(regress_torque, record, model, delay=delay, settings=settings)
-    off = bodies_are_off(of_all, regression, with_load, record, settings)
+    off = bodies_are_off(of_all, regression, regress, record, settings)
     return _Shown(of_all, rough=settings.rough_bodies) if off else None
 
 
