@@ -79,6 +79,12 @@ class TorqueStartSettings(Settings):
         description="the same over that of the bodies it moves [1] (chosen): bodies that are stated without tolerance "
         "are not known better",
     )
+    no_body: float = Field(
+        default=10.0,
+        ge=0,
+        description="inertia of a rotor, over that of the bodies it moves, from which the robot file lacks it though "
+        "it explains little of the torque [1] (chosen): noise of the torque would throw about bodies that light",
+    )
     lightest_load: float = Field(
         default=0.005,
         ge=0,

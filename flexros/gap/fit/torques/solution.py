@@ -52,6 +52,8 @@ class TorqueRegression:
         servo_stiffness: Relative error of the stiffness of every servo [1], shape (M,); zeros where torques are known.
         position_torques: Torques of motors over their own positions, with their sizes.
         zeros: Offsets of encoders by the index of their motor [rad or m]; empty without one.
+        faint_inertia: Added inertia of every motor, also where it explains too little to stand out [kg m2 or kg],
+            shape (M,).
         inertia_deviation: Standard deviation of the added inertias [kg m2 or kg], shape (M,): of coloured errors, and
             of what bodies within their tolerance have in common with rotors; infinite where it is none.
     """
@@ -67,6 +69,7 @@ class TorqueRegression:
     servo_stiffness: FloatArray
     position_torques: tuple[PositionTorque, ...] = ()
     zeros: Mapping[int, float] = field(default_factory=dict)
+    faint_inertia: FloatArray = field(default_factory=partial(np.zeros, 0))
     inertia_deviation: FloatArray = field(default_factory=partial(np.zeros, 0))
 
 
@@ -210,6 +213,7 @@ def solve(A: FloatArray, b: FloatArray, sought: Sought, settings: TorqueStartSet
             motor: before + float(change)
             for (motor, before), change in zip(sought.zeros.items(), found.values[sought.of_zeros], strict=True)
         },
+        faint_inertia=np.where(sought.moving, found.values[sought.of_kind("inertia")], 0.0),
         inertia_deviation=_deviation(A, b, sought, found)[sought.of_kind("inertia")],
     )
 

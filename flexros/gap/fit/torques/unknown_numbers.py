@@ -349,7 +349,14 @@ def _clear_rotors(
     lacking: Sequence[str],
     settings: TorqueStartSettings,
 ) -> dict[str, float]:
-    """Return the inertias of the rotors that a model lacks and a regression shows clearly [kg m2 or kg]."""
-    found = dict(zip(robot.joint_names, regression.inertia.tolist(), strict=True))
+    """Return the inertias of the rotors that a model lacks and a regression shows [kg m2 or kg].
+
+    It shows them clearly, or bodies alone are so light that it is the best guess, which prediction errors improve.
+    """
+    clear = dict(zip(robot.joint_names, regression.inertia.tolist(), strict=True))
+    faint = dict(zip(robot.joint_names, regression.faint_inertia.tolist(), strict=True))
     least = least_rotors(robot, of_bodies, regression, settings)
-    return {name: found[name] for name in lacking if found[name] > least[name]}
+    shown = {name: clear[name] for name in lacking if clear[name] > least[name]}
+    return shown | {
+        name: faint[name] for name in lacking if name not in shown and faint[name] > settings.no_body * of_bodies[name]
+    }

@@ -78,6 +78,33 @@ def test_friction_that_torques_show_stays() -> None:
     assert given.parameters["motor_1.viscous_friction"].value == FILE
 
 
+@pytest.mark.parametrize(("flange", "guessed"), [(2e-5, True), (2e-3, False)])
+def test_a_rotor_that_torques_show_faintly_is_a_guess_beside_light_bodies(flange: float, *, guessed: bool) -> None:
+    """A bare motor: without rotor, noise of its torque would throw the flange about."""
+    motor = arm_of_one(flange)
+    speed, acceleration = (0.05 * values[:, :1] for values in motion()[1:])
+    noise = 0.05 * np.random.default_rng(3).standard_normal(speed.shape)
+    log = record_of_arm(imported=True)
+    record = replace(
+        log, position=0.05 * log.position[:, :1], torque=0.1 * np.sign(speed) + 2e-3 * acceleration + noise
+    )
+    found = unknown_numbers(record, RobotWithEffects(motor, ()), Tolerance()).inertias
+    assert list(found) == ["motor_1"] * guessed
+    if guessed:
+        assert 2e-4 < found["motor_1"] < 2e-2
+
+
+def arm_of_one(inertia: float) -> Robot:
+    """Return a motor that turns a flange about the vertical [kg m2], without rotor in its file."""
+    file = yaml.safe_load(ARM)
+    file["bodies"] = [
+        {"mass": 0.05, "center_of_mass": [0, 0, 0], "inertia": dict.fromkeys(("xx", "yy", "zz"), inertia)}
+        | {"directions": {"rz": {"spring": "rigid", "motor": {"inertia": 0}}}, "length": [0.02, 0, 0]}
+    ]
+    file["outputs"] = {"joints": {"coordinates": ["body_1.rz"]}}
+    return robot_from_data(file, "flange.yaml")
+
+
 ROUGH = {"body_1.mass": 8.0, "body_1.center_of_mass.x": 0.24, "body_2.mass": 2.5, "body_2.center_of_mass.x": 0.22}
 """Numbers of the bodies in a file that is a third off."""
 
