@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
     from flexros.robot.linear.linearise import LinearModel
 
-SHORTEST, LONGEST, LONGEST_BENT = 5e-4, 1e-2, 2.5e-3
+SHORTEST, LONGEST, LONGEST_BENT = 5e-4, 1.25e-2, 2.5e-3
 """Bounds of the step [s] (chosen): effects with fast states need the first. Torques of a log are held from sample to
 sample, and jumps of dry friction are placed within a step; but friction that depends on the speed is the same in all of
 a step, and servos follow jumps of their commands, so that these take steps of at most the third."""

@@ -15,6 +15,7 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.logs.stamps import START_NS
+from flexros.logs.wrapped_positions import with_joined_positions
 from flexros.record.even_grid import even_grid
 from flexros.record.further_sensors import further_sensors
 from flexros.record.missing_samples import pauses, runs
@@ -71,10 +72,13 @@ def read_record(
     Raises:
         InputError: There is no usable position or torque, or the joints do not fit the robot.
     """
-    recorded = log.joint_states.position
-    if recorded is None:
+    if log.joint_states.position is None:
         raise InputError(f"{name}: joint_states has no positions; record them")
     warnings, imported = list(log.warnings), bool(log.provenance.get("import"))
+    if not log.provenance.get("scenario"):
+        log = with_joined_positions(log, warnings)
+    recorded = log.joint_states.position
+    assert recorded is not None
     if imported:
         log = recovered(log, warnings)
     reader = TopicReader(log, robot, name, warnings)

@@ -186,7 +186,7 @@ def _without_needless(search: Search, fit: CandidateFit, fits: list[CandidateFit
     return fit
 
 
-def one_by_one(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
+def one_by_one(search: Search, fit: CandidateFit, fits: list[CandidateFit], most: float = float("inf")) -> CandidateFit:
     """Leave out the effects of a measured log that are not worth their parameters, each after a fit without it.
 
     Linear theory proposes them, the one that seems least needed first. Effects that torques show are left out where
@@ -198,9 +198,10 @@ def one_by_one(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> C
         search: The search.
         fit: The fit.
         fits: All fits so far; new ones are appended.
+        most: Sum of squares from which no more is left out, as the result is of no use.
     """
     removed, kept = search.settings.search.removed_of_all, set[str]()
-    while len(fit.hypothesis) > 1 and not search.deadline.stops():
+    while len(fit.hypothesis) > 1 and fit.chi2 <= most and not search.deadline.stops():
         needless = [name for name in _needless(search, fit, removed) if name not in kept]
         if not needless:
             break

@@ -39,6 +39,10 @@ OF_MOTORS: Mapping[type[AbstractEffect], str] = MappingProxyType(
 """Numbers of a motor that a gain of its torque scales, by the effects that are errors of them."""
 ALIKE = 0.02
 """Share of what changes do that fewer ones may leave of it by linear theory, in a measured log [1] (chosen)."""
+MINOR = 0.1
+"""Share of what several gains do that is left to other changes [1] (chosen)."""
+LESS = 0.2
+"""Share of what an explanation leaves that gains must explain before what stands for them is left out [1] (chosen)."""
 RISE = 0.1
 """Rise of the sum of squares with fewer effects, over the sum, in a measured log [1] (chosen)."""
 SLACK = 10.0
@@ -167,14 +171,36 @@ def with_gains(
     changes = np.stack([one.change for one in additions], axis=-1)
     if around.least - around.left(changes) < comparison.threshold:
         return fit
-    sizes = around.sizes(changes)
-    sized = [one.sized(size) for one, size in zip(additions, sizes, strict=True)]
+    matter = _that_matter(around, changes)
+    sizes = around.sizes(changes[:, matter])
+    sized = [additions[one].sized(size) for one, size in zip(matter, sizes, strict=True)]
     tried = [search.completed(search.together(nominal, sized))]
-    small = search.completed(one_by_one(search, tried[0], tried))
-    if small.names == fit.names or len(small.hypothesis) > len(before.hypothesis) or small.chi2 > before.chi2:
+    if tried[0].chi2 > (1 - LESS) * before.chi2:  # what they stand for cannot go
+        return fit
+    rest = one_by_one(search, tried[0], tried, before.chi2)
+    if rest.names == fit.names or len(rest.hypothesis) > len(before.hypothesis):
+        return fit
+    small = search.completed(rest)
+    if small.chi2 > before.chi2:
         return fit
     fits += [*tried, small]
     return small
+
+
+def _that_matter(around: Surroundings, changes: NDArray[Any]) -> list[int]:
+    """Return which of several changes do most of what all of them do, by linear theory.
+
+    Args:
+        around: The explanation that they come to.
+        changes: Changes of the prediction errors, shape (n_rows, k).
+    """
+    kept, gain = list(range(changes.shape[1])), around.least - around.left(changes)
+    while len(kept) > 1:
+        left = [around.left(changes[:, [one for one in kept if one != gone]]) for gone in kept]
+        if around.least - min(left) < (1 - MINOR) * gain:
+            break
+        kept.pop(int(np.argmin(left)))
+    return kept
 
 
 def in_proportion(candidate: Candidate) -> bool:

@@ -19,6 +19,7 @@ from flexros.logs.foreign.signal_source import AbstractSignalSource, open_source
 from flexros.logs.foreign.usable_rows import FEWEST, LostValues, check_size, usable_times
 from flexros.logs.stamps import START_NS
 from flexros.logs.time_series import OWN_SERIES, ImuSeries, JointSeries, Log
+from flexros.logs.wrapped_positions import joined
 from flexros.one_line import one_line
 from flexros.provenance import versions
 
@@ -157,20 +158,13 @@ def _read(
         used, notes = usable_times(time, clock_name)
         time = time + ((signal.origin - origin) * 1e-9 + entry.time_offset)
         quantity = f"{entry.quantity} of {entry.component}"
-        numbers = signal.values if entry.period is None else _unwrapped(signal.values, used, entry.period)
+        numbers = signal.values if entry.period is None else joined(signal.values, entry.period, used)
         values = lost.marked(entry.factor * numbers + entry.offset, used, str(path), entry.label, quantity)
         check_size(values, signal.values, column)
         mapped.append(_Mapped(entry, column, time[used], values[used], origin, signal.notes))
         left_out += notes
     left_out += lost.notes
     return mapped
-
-
-def _unwrapped(values: FloatArray, used: BoolArray, period: float) -> FloatArray:
-    """Return positions that go on where their encoder begins again after a period; rows that do not count stay."""
-    whole, rows = values.copy(), used & np.isfinite(values)
-    whole[rows] = np.unwrap(values[rows], period=period)
-    return whole
 
 
 def _added(entry: MappedColumn, signals: dict[str, Signal], path: Path) -> Signal:

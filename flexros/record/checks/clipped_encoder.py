@@ -25,6 +25,9 @@ CONTINUOUS = 0.5
 JUMP = 0.4
 """Step between two samples over the range of an encoder above which it wrapped around (chosen)."""
 
+OTHERS = 0.25
+"""All steps that are no such ones over the largest [1] (chosen)."""
+
 FAR = 20.0
 """Such a step over the median one of those that are not zero (chosen): an encoder that stands still steps by its
 resolution, which is all the range it has."""
@@ -73,7 +76,8 @@ class ClippedEncoder(AbstractCheck):
 def _wraps(steps: FloatArray, span: float, step: float) -> bool:
     """Whether the largest step is one of the whole range among small ones."""
     largest, usual = float(steps.max(initial=0.0)), float(np.median(steps[steps > 0]))
-    return largest > JUMP * span and largest > FAR * max(usual, step) and float(np.median(steps)) < 1e-3 * span
+    others = float(steps[steps <= JUMP * span].max(initial=0.0))
+    return largest > JUMP * span and largest > FAR * max(usual, step) and others < OTHERS * largest
 
 
 def _flat_tops(values: FloatArray, step: float, valid: BoolArray) -> BoolArray:

@@ -16,6 +16,7 @@ from flexros.logs.foreign.quantities import TIME_UNITS
 from flexros.logs.foreign.signal_source import Signal, open_source
 from flexros.logs.foreign.sources.ros_bag import RosBag
 from flexros.logs.foreign.usable_rows import FEWEST
+from flexros.logs.wrapped_positions import joined, wrap_period
 from flexros.record.proposal.assumption import Assumption
 from flexros.record.proposal.columns import TORQUES, clock_of_column, table_signals
 from flexros.record.proposal.effort_unit import effort_unit
@@ -242,6 +243,11 @@ class _Proposer:
     def _values(self, quantity: str, match: JointMatch) -> Signal:
         return self.signals[self.topics.signals[quantity][match.joint]]
 
+    def _period(self, quantity: str, match: JointMatch) -> float | None:
+        """Return the range after which positions of a joint that turns on begin again; None where they do not."""
+        turns = quantity in POSITIONS and self.rotary[self.matches.index(match)]
+        return wrap_period(self._values(quantity, match).values) if turns else None
+
     def _is_finite(self, quantity: str) -> bool:
         """Whether a quantity has finite values at every joint, else it is left out with the reason."""
         own = self.topics.signals[quantity]
@@ -279,9 +285,11 @@ class _Proposer:
         checked = degrees or self.robot is not None
         if not turning:
             ground = "all motors of the model slide"
-        self.assumptions.append(
-            Assumption("position", f"in {unit if turning else 'm'}", f"{ground}{self.endless}", checked)
-        )
+        taken = f"in {unit if turning else 'm'}"
+        for match in self.matches:
+            period = self._period("position", match)
+            taken += "" if period is None else f", beginning again after {period:.4g} at {match.motor}"
+        self.assumptions.append(Assumption("position", taken, f"{ground}{self.endless}", checked))
         if "velocity" not in self.quantities:
             return
         opposite = [motor for (quantity, motor), sign in self.signs.items() if quantity == "velocity" and sign < 0]
@@ -296,8 +304,10 @@ class _Proposer:
         for match, position in zip(self.matches, positions, strict=True):
             velocity = self._values("velocity", match)
             assert position.time is not None
+            period = self._period("position", match)
+            values = position.values if period is None else joined(position.values, period)
             if len(velocity.values) == len(position.values):
-                result = compare_velocity(position.time, position.values, velocity.values)
+                result = compare_velocity(position.time, values, velocity.values)
                 compared.append(result.factor)
                 self.signs["velocity", match.motor] = -1 if result.sign < 0 else 1
         return compared
@@ -375,6 +385,7 @@ class _Proposer:
                         joint=match.motor,
                         sign=1 if sign > 0 else -1,
                         unit=unit,
+                        period=self._period(quantity, match),
                         scale=scale,
                     )
                 )

@@ -43,6 +43,8 @@ def _column(entry: MappedColumn) -> str:
     if entry.sign < 0:
         parts.append("sign: -1")
     parts.append(f"unit: {entry.unit}")
+    if entry.period is not None:
+        parts.append(f"period: {entry.period:.10g}")
     if entry.scale is not None:
         parts.append(f"scale: {{value: {entry.scale.value:g}, unit: {entry.scale.unit}}}")
     return f"  - {{{', '.join(parts)}}}"

@@ -11,7 +11,7 @@ from flexros.record.proposal.text import mapping_text
 
 def test_file_is_the_mapping_with_its_assumptions(tmp_path: Path) -> None:
     columns = (
-        MappedColumn(column="/s.position[a b]", quantity="position", joint="motor_1", sign=-1, unit="rad"),
+        MappedColumn(column="/s.position[a b]", quantity="position", joint="motor_1", sign=-1, unit="rad", period=25.0),
         MappedColumn(
             column="/s.effort[a b]",
             quantity="measured_torque",

@@ -93,3 +93,15 @@ def test_the_mapping_turns_position_velocity_and_torque(table: Callable[[list[in
 def test_the_mapping_of_right_signs_has_none(table: Callable[[list[int]], Path]) -> None:
     found = propose_mapping(table([1, 1]), arm())
     assert all(one.sign > 0 for one in found.mapping.columns)
+
+
+def test_the_mapping_of_positions_that_begin_again_has_their_range(table: Callable[[list[int]], Path]) -> None:
+    path = table([1, 1])
+    rows = np.loadtxt(path, delimiter=",", skiprows=1)
+    rows[:, 1] = (rows[:, 1] + 0.2 * rows[:, 0] + 0.3) % 1.5
+    np.savetxt(path, rows, delimiter=",", header="t,q1,q2,dq1,dq2,tau1,tau2", comments="")
+    found = propose_mapping(path, arm())
+    assert [one.period for one in found.mapping.columns if one.quantity == "position"] == [1.5, None]
+    (position,) = (one for one in found.assumptions if one.about == "position")
+    assert "beginning again after 1.5 at motor_1" in position.taken
+    assert np.abs(np.diff(found.log.joint_states.position, axis=0)).max() < 0.1
