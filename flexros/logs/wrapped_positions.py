@@ -84,8 +84,13 @@ def with_joined_positions(log: Log, warnings: list[str]) -> Log:
             f"the positions of {name} begin again after {period:.4g} and were joined: it turned on; where the encoder "
             "was reset instead, cut the log there"
         )
-    series = {topic: getattr(log, topic) for topic in ("joint_states", "joint_commands", "joint_reference")}
-    return replace(log, **{topic: _with_joined(own, wrapped, states) for topic, own in series.items() if own})
+    commands, reference = log.joint_commands, log.joint_reference
+    return replace(
+        log,
+        joint_states=_with_joined(states, wrapped, states),
+        joint_commands=None if commands is None else _with_joined(commands, wrapped, states),
+        joint_reference=None if reference is None else _with_joined(reference, wrapped, states),
+    )
 
 
 def _with_joined(series: JointSeries, periods: Mapping[str, float], states: JointSeries) -> JointSeries:

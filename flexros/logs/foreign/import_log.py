@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from flexros.arrays import BoolArray, FloatArray, IntArray
+    from flexros.arrays import FloatArray, IntArray
     from flexros.logs.foreign.mapping import Clock, LogMapping, MappedColumn
     from flexros.logs.foreign.signal_source import Signal
 
