@@ -20,7 +20,7 @@ STRETCH = 256
 FEWEST = 4
 """Fewest stretches that show a spectrum (chosen)."""
 BANDS = 16
-"""Bands from zero to half the sampling rate; the one of least power shows white noise alone (chosen)."""
+"""Bands from zero to half the sampling rate; the one of least power beside the motion shows white noise alone (chosen)."""
 ONE_DEVIATION = 0.6827
 """Share of normal numbers within one standard deviation [1]."""
 MATTERS = 0.05
@@ -32,9 +32,10 @@ def without_torque_noise(record: Record, robot: Robot) -> Record:
     """Take white noise out of the torques that a recorder measured (Wiener 1949).
 
     Such noise does not act on the robot, and a model that takes it for torques predicts better behind a lag, which
-    takes some of it away. Of the power density S of a torque the part 1 - s^2 / S is torque, where s^2 is that of the
-    band of least power, but no more than noise of that size usually changes between samples: a few shocks have a white
-    spectrum as well, and act.
+    takes some of it away. Of the power density S of a torque the part 1 - s^2 / S is torque, where s^2 is the least one
+    of all bands of what is not coherent with the motion: a controller that follows noise of encoders, and a chirp, make
+    torques in all bands that act. It is no more than noise of that size usually changes between samples: a few shocks
+    have a white spectrum as well, and act.
 
     Args:
         record: The log, imported from a real machine; commands act with all that is on them, and stay.
@@ -51,7 +52,8 @@ def without_torque_noise(record: Record, robot: Robot) -> Record:
     for motor in np.flatnonzero(record.predicted).tolist():
         values = bridged(torque[:, [motor]], record.valid)[:, 0]
         density = _density(values)
-        noise[motor] = min(np.sqrt(density.reshape(BANDS, -1).mean(axis=1).min()), _usual(values))
+        incoherent = density * _incoherent_share(values, bridged(record.position[:, [motor]], record.valid)[:, 0])
+        noise[motor] = min(np.sqrt(incoherent.reshape(BANDS, -1).mean(axis=1).min()), _usual(values))
         if noise[motor] > MATTERS * np.std(values):
             shares[motor] = float(noise[motor] / np.std(values))
             passed = np.maximum(1 - noise[motor] ** 2 / density, 0.0)
@@ -74,6 +76,21 @@ def _density(values: FloatArray) -> FloatArray:
     from scipy.signal import welch  # here, because it loads slowly
 
     return np.asarray(welch(values, nperseg=STRETCH, detrend="linear")[1][1:] / 2)
+
+
+def _incoherent_share(values: FloatArray, position: FloatArray) -> FloatArray:
+    """Return the share of the power density of a torque that is not coherent with the motion, (STRETCH / 2,).
+
+    Of n averages of independent signals it would be 1 - 1 / n.
+    """
+    from scipy.signal import coherence
+
+    motion = np.gradient(np.gradient(position))  # white where the torque is
+    if not motion.any():
+        return np.ones(STRETCH // 2)
+    shared = np.nan_to_num(coherence(values, motion, nperseg=STRETCH, detrend="linear")[1][1:])
+    averages = 2 * len(values) // STRETCH - 1
+    return np.asarray(np.minimum((1 - shared) / (1 - 1 / averages), 1.0))
 
 
 def _usual(values: FloatArray) -> float:

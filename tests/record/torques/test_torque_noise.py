@@ -83,3 +83,17 @@ def test_means_over_more_samples_have_less() -> None:
     assert found.torque_noise is not None
     assert fewer.torque_noise is not None
     np.testing.assert_allclose(fewer.torque_noise, found.torque_noise / 2)
+
+
+def test_a_torque_in_all_bands_that_moves_the_motor_is_no_noise() -> None:
+    """As that of a chirp, or of a controller that follows the noise of encoders."""
+    record = record_of_arm(imported=True)
+    broad = 5.0 * np.random.default_rng(8).standard_normal(record.n_samples)
+    torque, position = record.torque.copy(), record.position.copy()
+    torque[:, 0] += broad
+    position[:, 0] += np.cumsum(np.cumsum(broad - broad.mean())) * record.sample_time**2
+    shaken = replace(record, torque=torque, noted=torque, position=position)
+    found = without_torque_noise(shaken, arm())
+    assert found.torque_noise is not None
+    assert found.torque_noise[0] < 0.5
+    np.testing.assert_array_equal(found.torque, torque)
