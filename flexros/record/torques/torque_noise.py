@@ -20,7 +20,7 @@ STRETCH = 256
 FEWEST = 4
 """Fewest stretches that show a spectrum (chosen)."""
 BANDS = 16
-"""Bands from zero to half the sampling rate; the one of least power beside the motion shows white noise alone (chosen)."""
+"""Bands from zero to half the sampling rate; that of least power beside the motion shows white noise alone (chosen)."""
 ONE_DEVIATION = 0.6827
 """Share of normal numbers within one standard deviation [1]."""
 MATTERS = 0.05
