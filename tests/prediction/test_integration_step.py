@@ -75,7 +75,7 @@ def test_steps_are_implicit_where_motions_die_out_within_a_sample() -> None:
 @pytest.mark.parametrize(("sample_time", "options", "number"), [
     (0.004, {}, 3),
     (0.02, {}, 3),
-    (0.1, {}, 10),  # no longer than 10 ms
+    (0.1, {}, 8),  # no longer than 12.5 ms
     (0.02, {"fast": True}, 5),
     (0.004, {"rough": True}, 2),
 ])  # fmt: skip
