@@ -45,7 +45,11 @@ def diagnose(
         "--joints",
         help="Motors at which effects compete: there, in their springs and bodies, e.g. motor_2,motor_3.",
     ),
-    effects: str = typer.Option("", "--effects", help="Effects that compete, e.g. coulomb_friction,backlash."),
+    effects: str = typer.Option(
+        "",
+        "--effects",
+        help="Effects that compete, e.g. coulomb_friction,backlash; center_error competes only where it is named here.",
+    ),
     time_limit: float = typer.Option(
         None, "--time-limit", help="Time after which the search ends and what it found is written as partial [s]."
     ),

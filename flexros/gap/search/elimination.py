@@ -272,7 +272,8 @@ def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
     ordered = [one for _, one in sorted(needless, key=lambda pair: -pair[0])]  # the least one is last
     first = {one.location: one.name for one in sorted(ordered, key=lambda one: -clear_by.get(one.name, 0.0))}
     further = {one.location: one.name for one in ordered if one.name not in shown}
-    return list((first | further).values())
+    rises = {candidate.name: least for least, candidate in needless}
+    return sorted((first | further).values(), key=lambda name: rises[name])
 
 
 def _tolerated(search: Search, candidate: Candidate) -> float:
