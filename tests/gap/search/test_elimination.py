@@ -125,6 +125,17 @@ def test_of_two_effects_that_do_much_the_same_the_better_one_stays() -> None:
     assert len(fits) == 1
 
 
+def test_of_effects_at_other_places_that_seem_needless_the_least_needed_one_goes_first() -> None:
+    """A lag of one motor beside a delay of all: without either, the other one is needed."""
+    delay, lag = "delay@all", "actuator_lag@motor_1"
+    left = {(COULOMB, delay): 2100.0, (COULOMB, lag): 2200.0, (COULOMB,): 3000.0}
+    rises = {COULOMB: 900.0, delay: 200.0, lag: 100.0}
+    search: Any = Search({frozenset(names): chi2 for names, chi2 in left.items()}, rises, (COULOMB,))
+    search.completed = lambda fit: fit
+    kept = elimination.one_by_one(search, Fit((COULOMB, delay, lag), 2000.0), [])  # type: ignore[arg-type]
+    assert kept.names == {COULOMB, delay}
+
+
 def test_of_unclear_effects_of_a_servo_the_least_clear_one_goes_first(monkeypatch: pytest.MonkeyPatch) -> None:
     """Inertia and viscous friction have a common factor: without the one that is nearly zero, the other is clear."""
 
