@@ -28,7 +28,7 @@ _KINDS = {
 }
 _KIND = {word: kind for kind, words in _KINDS.items() for word in words.split()}
 _WANTED = {"ref", "reference", "des", "desired", "target", "setpoint", "d"} | {
-    "cmd", "command", "commands", "commanded", "goal", "demand", "demanded"
+    "cmd", "command", "commands", "commanded", "goal", "demand", "demanded", "action"
 }  # fmt: skip
 _TIMES = {"t", "time", "timestamp", "timestamps", "stamp", "clock"}
 _STAMPS, _DURATIONS = _TIMES - {"t", "clock"}, {"loop", "cycle", "sample", "step", "delta", "period", "compute"}
@@ -37,7 +37,7 @@ _SECONDS = {"s": "s", "sec": "s", "secs": "s", "seconds": "s"} | {unit: unit for
 _FILLING = {
     "joint", "joints", "j", "motor", "m", "axis", "actual", "act", "measured", "meas", "state", "states", "raw",
     "filtered", "filt", "unfiltered", "present", "feedback", "fb", "fbk", "est",
-    "estimated", "measurement", "value", "rad", "deg", "nm", "in", "of", "the",
+    "estimated", "measurement", "observation", "value", "rad", "deg", "nm", "in", "of", "the",
 }  # fmt: skip
 """Words of a name that say neither quantity nor joint."""
 _STATES = {"enable", "enabled", "limit", "limits", "error", "errors", "err", "mode", "status", "flag"}

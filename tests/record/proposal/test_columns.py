@@ -32,6 +32,8 @@ from flexros.record.proposal.columns import clock_of_column, table_signals
     (["time", "pos_meas1", "pos_filt1", "ang_2", "tau_meas1", "torq_2"],
      {"position": ["pos_meas1", "ang_2"], "measured_torque": ["tau_meas1", "torq_2"]}),
     (["pi_time", "loop_time", "q1", "tau1"], {"position": ["q1"], "measured_torque": ["tau1"]}),
+    (["timestamp", "action.elbow_flex.pos", "observation.elbow_flex.pos"],
+     {"position": ["observation.elbow_flex.pos"], "position_command": ["action.elbow_flex.pos"]}),
     (["t", "q1", "q1dot", "effort1"], {"position": ["q1"], "velocity": ["q1dot"], "measured_torque": ["effort1"]}),
 ])  # fmt: skip
 def test_usual_names_tell_their_quantity(names: list[str], expected: dict[str, list[str]]) -> None:

@@ -14,6 +14,7 @@ from scipy.signal import find_peaks, lfilter
 
 from flexros.effects.kinds.ranges import HIGHEST_ORDER
 from flexros.gap.settings import SearchSettings
+from flexros.record.quantization import encoder_step
 from flexros.robot.linear.linearise import linear_model
 from flexros.robot.spring import Spring
 
@@ -36,6 +37,8 @@ FEWEST_MEASURED = 2.0
 with fewer it is like a torque over the angle that no law explains, as of a cable."""
 NOISE = (1e-1, 1e-2, 1e-3)
 """Powers of the noise of the errors over the largest of a disturbance of unit power [1] (chosen)."""
+BY_STEPS = 0.5
+"""Highest order over the steps of an encoder in a turn of the rotor [1] (chosen): two steps show a period."""
 MOST_AT_ONE = 3.0
 """Most samples at an angle that count, over the median of all angles [1] (chosen)."""
 AT_REST = 0.05
@@ -114,7 +117,7 @@ class OrderSearch:
             Harmonics by gain, the largest first.
         """
         angle = self._angle(motor)
-        resolution, highest = 2 * np.pi / max(float(np.ptp(angle)), 1e-12), self._highest(angle)
+        resolution, highest = 2 * np.pi / max(float(np.ptp(angle)), 1e-12), self._highest(motor, angle)
         lowest = resolution * (1.0 if self.data.record.premises.library_is_complete else FEWEST_MEASURED)
         if highest <= lowest:
             return ()
@@ -174,12 +177,20 @@ class OrderSearch:
         angle: FloatArray = self.robot.rotor_turns[motor] * self._states[:, self.robot.motor_rows[motor]]
         return angle
 
-    def _highest(self, angle: FloatArray) -> float:
-        """Return the highest order that the sample time resolves in half of the motion [1]."""
+    def _highest(self, motor: int, angle: FloatArray) -> float:
+        """Return the highest order that the sample time resolves in half of the motion, and the encoder by its steps.
+
+        What is rounded to steps errs with their order.
+        """
         steps = np.abs(np.diff(angle))
         moving = steps[steps > AT_REST * np.quantile(steps, 0.95)]
         middle = float(np.median(moving)) if moving.size else 0.0
-        return min(HIGHEST_ORDER, 2 * np.pi * self._settings.fastest_order / max(middle, 1e-12))
+        step = abs(self.robot.rotor_turns[motor]) * encoder_step(self.data.record, motor)
+        return min(
+            HIGHEST_ORDER,
+            2 * np.pi * self._settings.fastest_order / max(middle, 1e-12),
+            2 * np.pi * BY_STEPS / max(step, 1e-12),
+        )
 
     def _factor(self, motor: int, entry: Entry) -> FloatArray | float:
         """Return the factor of the harmonic at its entry: the torque, or the stiffness over the linear one."""

@@ -45,10 +45,13 @@ def mjcf_export(robot: Robot, numbers: RepairedNumbers) -> Export:
 
 
 def delay_attributes(delay: float, step: float) -> dict[str, str]:
-    """Return the attributes of an actuator for a delay [s]: the buffer holds the controls of that time."""
+    """Return the attributes of an actuator for a delay [s]: the buffer holds the controls of that time.
+
+    Between two steps of the simulator the control of the delay is interpolated.
+    """
     if delay <= 0:
         return {}
-    return {"delay": number(delay), "nsample": str(int(np.ceil(delay / step - 1e-9)))}
+    return {"delay": number(delay), "nsample": str(int(np.ceil(delay / step - 1e-9))), "interp": "linear"}
 
 
 class _Writer:

@@ -52,6 +52,17 @@ def test_a_wave_is_found_where_it_enters(effect: str, entry: Entry, amplitude: f
     assert found.amplitude == pytest.approx(amplitude, rel=0.4)
 
 
+def test_the_steps_of_an_encoder_are_no_order() -> None:
+    """What is rounded errs with the order of the steps in a turn, as with a harmonic of it."""
+    search = order_search()
+    wave = 1e-4 * np.sin(70.0 * search._angle(0))
+    search._residual = errors_of(search, "encoder", wave)
+    assert search.search(0, "encoder")[0].order == pytest.approx(70.0, abs=0.3 * resolution())
+    stepping = replace(search.data.record, encoder_steps=(2 * np.pi / 70.0,))
+    search.data = replace(search.data, record=stepping)
+    assert all(one.order < 36.0 for one in search.search(0, "encoder"))
+
+
 def test_an_order_that_counts_behind_a_gear_may_be_high() -> None:
     """24 periods per turn of a rotor behind a gear of 100, on a robot whose file does not tell the ratio."""
     search = order_search()
@@ -107,12 +118,12 @@ def test_orders_stay_within_what_the_log_resolves() -> None:
     """A spectrum without peaks, or a peak at its end, has no order beyond it."""
     search = order_search()
     angle = search._angle(0)
-    highest = search._highest(angle)
+    highest = search._highest(0, angle)
     wave = 0.005 * np.sin(0.999 * highest * angle)
     search._residual = errors_of(search, "encoder", wave)
     found = search.search(0, "encoder", most=4)
     assert all(resolution() <= one.order <= highest for one in found)
-    search._highest = lambda angle: 1.01 * resolution()  # type: ignore[method-assign]
+    search._highest = lambda motor, angle: 1.01 * resolution()  # type: ignore[method-assign]
     assert search.search(0, "encoder") == ()
 
 

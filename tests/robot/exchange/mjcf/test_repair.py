@@ -94,6 +94,7 @@ def test_delay_of_an_actuator(repair: Repair) -> None:
     model = mujoco.MjModel.from_xml_string(exported.text)
     assert model.actuator_delay[0] == 0.0042
     assert model.actuator_history[0, 0] == 5
+    assert 'interp="linear"' in exported.text
 
 
 def test_payload_and_weight(repair: Repair) -> None:
