@@ -160,7 +160,9 @@ def _with_load(
 ) -> list[CandidateFit]:
     """Return the fits from all starts with a load that the robot file leaves out, or those found, without one.
 
-    It is tried with the best fit, which goes on before: what few iterations leave may hide what a load does.
+    It is tried with the best fit, which goes on before: what few iterations leave may hide what a load does. Within
+    the floor, which counts what tolerances allow for, wrong gains and inertias stand for a load: there it must remove a
+    good part of all that is left.
 
     Args:
         fits: Fits of the log.
@@ -175,8 +177,9 @@ def _with_load(
     best = fits.longer(first)
     own = [pair for pair in bare if pair[0].name in best.names]
     loaded = fits.longer(fits.screened([*own, *load], first_parameters(best)))
-    left = best.chi2 - fits.null.data.n_values
-    if left > 0 and best.chi2 - loaded.chi2 > fits.settings.search.removed_of_all * left:
+    settings, left = fits.settings.search, best.chi2 - fits.null.data.n_values
+    least = settings.removed_of_all * left if left > 0 else settings.removed * best.chi2  # within the floor
+    if best.chi2 - loaded.chi2 > least:
         return [loaded, *fits.every(plan([*bare, *load]), fits.screened, 0.3, 0.6)]
     return [best if one is first else one for one in found]
 

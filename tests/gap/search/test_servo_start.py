@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,6 +18,7 @@ from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.fit.null_fit import NullFit, fit_null
 from flexros.gap.fit.torques.regression import regress_torque
 from flexros.gap.residuals.prepare_fit_data import fit_data
+from flexros.gap.search import servo_start
 from flexros.gap.search.servo_start import fit_of_servos, limited_servos
 from flexros.gap.settings import DiagnosisSettings, SearchSettings
 from flexros.logs.stamps import stamps_ns
@@ -195,3 +198,24 @@ def test_a_load_that_the_file_leaves_out_is_found_beside_late_commands() -> None
     assert values["delay@all"]["time"] == pytest.approx(0.01, rel=0.05)
     assert not any(name.startswith("servo_command_lag") for name in values)
     assert values["motor_inertia_error@motor_2"]["relative"] == pytest.approx(0.4, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("best", "loaded", "taken"), [(3.0, 2.5, True), (3.0, 2.7, False), (0.8, 0.4, True), (0.8, 0.6, False)]
+)
+def test_a_load_must_remove_a_good_part_also_within_the_floor(best: float, loaded: float, *, taken: bool) -> None:
+    """Gains and inertias of five servos left less than tolerances allow for, and half of that beside the load."""
+    n = 1000
+    without, beside = (SimpleNamespace(chi2=level * n, names=frozenset[str]()) for level in (best, loaded))
+    fits: Any = SimpleNamespace(
+        null=SimpleNamespace(data=SimpleNamespace(n_values=n)),
+        settings=DiagnosisSettings(),
+        likeliest=lambda found: found[0],
+        screened=lambda *_: beside,
+        longer=lambda one: one,
+        every=lambda *_: [],
+    )
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(servo_start, "first_parameters", lambda _: {})
+        found = servo_start._with_load(fits, [without], lambda _: [], [], [])  # type: ignore[list-item]
+    assert found == ([beside] if taken else [without])

@@ -185,7 +185,7 @@ class OrderSearch:
         steps = np.abs(np.diff(angle))
         moving = steps[steps > AT_REST * np.quantile(steps, 0.95)]
         middle = float(np.median(moving)) if moving.size else 0.0
-        step = abs(self.robot.rotor_turns[motor]) * encoder_step(self.data.record, motor)
+        step = float(abs(self.robot.rotor_turns[motor])) * encoder_step(self.data.record, motor)
         return min(
             HIGHEST_ORDER,
             2 * np.pi * self._settings.fastest_order / max(middle, 1e-12),
