@@ -40,6 +40,8 @@ _FILLING = {
     "estimated", "measurement", "observation", "value", "rad", "deg", "nm", "in", "of", "the",
 }  # fmt: skip
 """Words of a name that say neither quantity nor joint."""
+_MEASURED = {"actual", "act", "measured", "meas", "present", "feedback", "fb", "fbk", "observation"}
+"""Words of a name that make it a position where no other one is, and the same joint has a command."""
 _STATES = {"enable", "enabled", "limit", "limits", "error", "errors", "err", "mode", "status", "flag"}
 """Words of a name that make its column no signal of the quantity: torque_enable, current_limit, position_error."""
 _OF_TOOL = {"ee", "eef", "tcp", "flange", "cartesian", "pose"}
@@ -85,6 +87,12 @@ def table_signals(
             ignored[name] = f"{signals[quantity][joint]} is taken"
         else:
             signals[quantity][joint] = name
+    if not signals["position"]:  # as present_1 beside goal_1
+        for name in [name for name in ignored if _MEASURED & set(name_words(name.removeprefix(group)))]:
+            quantity, joint = _meaning([*name_words(name.removeprefix(group)), "position"], commands)
+            if quantity == "position" and joint in unnamed.keys() - signals[quantity].keys():
+                signals[quantity][joint] = name
+                ignored.pop(name)
     if timed and not times and perhaps:
         times = perhaps[:1]
         ignored.pop(times[0], None)
