@@ -35,13 +35,12 @@ _STAMPS, _DURATIONS = _TIMES - {"t", "clock"}, {"loop", "cycle", "sample", "step
 """Words that make any name one of times, as pi_time, and those beside which it is that of durations."""
 _SECONDS = {"s": "s", "sec": "s", "secs": "s", "seconds": "s"} | {unit: unit for unit in TIME_UNITS}
 _FILLING = {
-    "joint", "joints", "j", "motor", "m", "axis", "actual", "act", "measured", "meas", "state", "states", "raw",
-    "filtered", "filt", "unfiltered", "present", "feedback", "fb", "fbk", "est",
-    "estimated", "measurement", "observation", "value", "rad", "deg", "nm", "in", "of", "the",
+    "joint", "joints", "j", "motor", "m", "axis", "state", "states", "raw", "filtered", "filt",
+    "unfiltered", "est", "estimated", "measurement", "value", "rad", "deg", "nm", "in", "of", "the",
 }  # fmt: skip
 """Words of a name that say neither quantity nor joint."""
 _MEASURED = {"actual", "act", "measured", "meas", "present", "feedback", "fb", "fbk", "observation"}
-"""Words of a name that make it a position where no other one is, and the same joint has a command."""
+"""Words of no joint, which make a name that of a position where no other one is, and the same joint has a command."""
 _STATES = {"enable", "enabled", "limit", "limits", "error", "errors", "err", "mode", "status", "flag"}
 """Words of a name that make its column no signal of the quantity: torque_enable, current_limit, position_error."""
 _OF_TOOL = {"ee", "eef", "tcp", "flange", "cartesian", "pose"}
@@ -156,7 +155,7 @@ def _meaning(words: Sequence[str], commands: str) -> tuple[str | None, str]:
     kind, wanted = kinds[0], bool(_WANTED & set(words))
     if kind == "position" and "dot" in words:
         kind = "velocity"
-    left = [word for word in words if word not in _WANTED | _KIND.keys() | {"dot"}]
+    left = [word for word in words if word not in _WANTED | _MEASURED | _KIND.keys() | {"dot"}]
     own = [word for word in left if word not in _FILLING]
     joint = "_".join(left if any(word.isalpha() for word in own) else own)
     if kind == "acceleration":

@@ -55,6 +55,12 @@ def test_named_joints_keep_their_names() -> None:
     assert found.joints == ("shoulder_pan_joint", "elbow_joint")
 
 
+def test_words_of_measurements_are_no_joints() -> None:
+    for names in (["action.elbow_flex.pos", "observation.elbow_flex.pos"], ["goal_elbow_flex", "present_elbow_flex"]):
+        found = table_signals(["t", *names], "log.csv")
+        assert {tuple(own) for own in found.signals.values()} == {("elbow_flex",)}
+
+
 def test_what_is_left_out_has_a_reason() -> None:
     found = table_signals(["t", "q1", "q1_filtered", "tau1", "current1", "ddq1", "temperature"], "log.csv")
     assert {name: reason.split()[0] for name, reason in found.ignored.items()} == {
