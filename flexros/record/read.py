@@ -72,13 +72,12 @@ def read_record(
     Raises:
         InputError: There is no usable position or torque, or the joints do not fit the robot.
     """
-    if log.joint_states.position is None:
+    recorded = log.joint_states.position
+    if recorded is None:
         raise InputError(f"{name}: joint_states has no positions; record them")
     warnings, imported = list(log.warnings), bool(log.provenance.get("import"))
     if not log.provenance.get("scenario"):
         log = with_joined_positions(log, warnings)
-    recorded = log.joint_states.position
-    assert recorded is not None
     if imported:
         log = recovered(log, warnings)
     reader = TopicReader(log, robot, name, warnings)

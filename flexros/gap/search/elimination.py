@@ -228,7 +228,9 @@ def _missed(search: Search, fit: CandidateFit, rest: CandidateFit, removed: floa
 
 
 def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
-    """List effects that are not worth their parameters by linear theory, one of each motor while there is time.
+    """List effects that are not worth their parameters by linear theory, the least missed first.
+
+    While there is time it is one of each motor.
 
     Effects that torques show are worth it where their size is clearly not zero: at a joint that moves little or carries
     little they remove a small part of the gap of all joints, and are as real as at the others. A size that changes
@@ -267,13 +269,14 @@ def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
             worth_it = worth(search, comparison, before, after, removed)
         if least < max(without) and not worth_it:
             needless.append((least, candidate))
+    least_first = [one for _, one in sorted(needless, key=lambda pair: pair[0])]
     if _all_at_once(search):
-        return [candidate.name for _, candidate in sorted(needless, key=lambda pair: pair[0])]
-    ordered = [one for _, one in sorted(needless, key=lambda pair: -pair[0])]  # the least one is last
+        return [one.name for one in least_first]
+    ordered = least_first[::-1]  # of those of a location the last one counts
     first = {one.location: one.name for one in sorted(ordered, key=lambda one: -clear_by.get(one.name, 0.0))}
     further = {one.location: one.name for one in ordered if one.name not in shown}
-    rises = {candidate.name: least for least, candidate in needless}
-    return sorted((first | further).values(), key=lambda name: rises[name])
+    kept = (first | further).values()
+    return [one.name for one in least_first if one.name in kept]
 
 
 def _tolerated(search: Search, candidate: Candidate) -> float:

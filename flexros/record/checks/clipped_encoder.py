@@ -77,7 +77,8 @@ def _wraps(steps: FloatArray, span: float, step: float) -> bool:
     """Whether the largest step is one of the whole range among small ones."""
     largest, usual = float(steps.max(initial=0.0)), float(np.median(steps[steps > 0]))
     others = float(steps[steps <= JUMP * span].max(initial=0.0))
-    return largest > JUMP * span and largest > FAR * max(usual, step) and others < OTHERS * largest
+    small = float(np.median(steps)) < 1e-3 * span or others < OTHERS * largest
+    return largest > JUMP * span and largest > FAR * max(usual, step) and small
 
 
 def _flat_tops(values: FloatArray, step: float, valid: BoolArray) -> BoolArray:

@@ -14,7 +14,7 @@ from flexros.logs.foreign.quantities import TIME_UNITS
 from flexros.record.proposal.found_signals import FoundSignals
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Collection, Mapping, Sequence
 
     from flexros.arrays import FloatArray
 
@@ -86,12 +86,9 @@ def table_signals(
             ignored[name] = f"{signals[quantity][joint]} is taken"
         else:
             signals[quantity][joint] = name
-    if not signals["position"]:  # as present_1 beside goal_1
-        for name in [name for name in ignored if _MEASURED & set(name_words(name.removeprefix(group)))]:
-            quantity, joint = _meaning([*name_words(name.removeprefix(group)), "position"], commands)
-            if quantity == "position" and joint in unnamed.keys() - signals[quantity].keys():
-                signals[quantity][joint] = name
-                ignored.pop(name)
+    if not signals["position"]:
+        signals["position"] = _measured_positions({name: name.removeprefix(group) for name in ignored}, unnamed)
+        ignored = {name: why for name, why in ignored.items() if name not in signals["position"].values()}
     if timed and not times and perhaps:
         times = perhaps[:1]
         ignored.pop(times[0], None)
@@ -117,6 +114,22 @@ def table_signals(
     ordered = {quantity: dict(sorted(own.items(), key=_place)) for quantity, own in signals.items() if own}
     time = times[0] if timed else ""
     return FoundSignals(file, ordered, ignored, True, time, frozenset(currents), unnamed)
+
+
+def _measured_positions(names: Mapping[str, str], commanded: Collection[str]) -> dict[str, str]:
+    """Return columns that are measured where the same joint is commanded, as present_1 beside goal_1, by joint.
+
+    Args:
+        names: Their names without what all begin with, by column.
+        commanded: Joints with commands whose names say no quantity either.
+    """
+    found: dict[str, str] = {}
+    for column, name in names.items():
+        words = name_words(name)
+        quantity, joint = _meaning([*words, "position"], "position")
+        if _MEASURED & set(words) and quantity == "position" and joint in commanded:
+            found.setdefault(joint, column)
+    return found
 
 
 def name_words(name: str) -> list[str]:

@@ -85,7 +85,7 @@ def _incoherent_share(values: FloatArray, position: FloatArray) -> FloatArray:
     """
     from scipy.signal import coherence
 
-    motion = np.gradient(np.gradient(position))  # white where the torque is
+    motion = np.gradient(np.gradient(position))  # about as flat in frequency as the torque
     if not motion.any():
         return np.ones(STRETCH // 2)
     shared = np.nan_to_num(coherence(values, motion, nperseg=STRETCH, detrend="linear")[1][1:])

@@ -136,6 +136,13 @@ def test_of_effects_at_other_places_that_seem_needless_the_least_needed_one_goes
     assert kept.names == {COULOMB, delay}
 
 
+def test_nothing_is_left_out_where_the_result_would_be_of_no_use() -> None:
+    search: Any = Search({frozenset({COULOMB}): 2010.0}, {COULOMB: 900.0, VISCOUS: 10.0}, ())
+    begin: Any = Fit((COULOMB, VISCOUS), 2000.0)
+    assert elimination.one_by_one(search, begin, [], most=1999.0) is begin
+    assert elimination.one_by_one(search, begin, [], most=2001.0).names == {COULOMB}
+
+
 def test_of_unclear_effects_of_a_servo_the_least_clear_one_goes_first(monkeypatch: pytest.MonkeyPatch) -> None:
     """Inertia and viscous friction have a common factor: without the one that is nearly zero, the other is clear."""
 

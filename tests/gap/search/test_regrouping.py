@@ -10,7 +10,7 @@ import pytest
 
 from flexros.gap.fit.least_squares import fit
 from flexros.gap.search import regrouping
-from flexros.gap.search.regrouping import in_proportion, regrouped, without_tangled
+from flexros.gap.search.regrouping import _that_matter, in_proportion, regrouped, without_tangled
 from flexros.gap.settings import DiagnosisSettings
 from tests.gap.diagnosis_logs import candidates_of, predictor_of, search_of
 
@@ -94,3 +94,11 @@ def test_of_effects_that_balance_each_other_one_stays_where_it_is_enough(
     assert found.names == ({"payload_error", "viscous_friction"} if enough else {*clear})
     search.premises = SimpleNamespace(library_is_complete=True)
     assert without_tangled(search, whole, fits) is whole
+
+
+def test_gains_that_matter_do_most_of_what_all_of_them_do() -> None:
+    """The second one does a hundredth of it, and the others half each."""
+    worth = np.array([50.0, 1.0, 49.0])
+    around: Any = SimpleNamespace(least=200.0, left=lambda changes: 200.0 - float(changes.sum()))
+    assert _that_matter(around, worth[None, :]) == [0, 2]
+    assert _that_matter(around, worth[None, 1:2]) == [0]

@@ -34,6 +34,15 @@ def test_encoder_that_wraps_around_is_refused(found, healthy) -> None:
     assert "'period' in the mapping" in finding.text
 
 
+def test_encoder_that_is_reset_in_fast_motion_is_refused(found, healthy) -> None:
+    """Half of its steps are a hundredth of its range and more."""
+    position = healthy("elbow").position.copy()
+    position[:, 0] = 20.0 * np.sin(0.2 * np.arange(len(position)))
+    position[10_000:, 0] += 100.0
+    assert np.median(np.abs(np.diff(position[:, 0]))) > 0.01 * np.ptp(position[:, 0])
+    assert "the position of motor_1 jumps by" in found("elbow", position=position)[0].text
+
+
 def test_motor_that_moves_on_in_a_hole_of_the_log_does_not_wrap_around(found, healthy) -> None:
     """A motor that turns far while two seconds are missing is elsewhere behind the hole."""
     record = healthy("elbow")

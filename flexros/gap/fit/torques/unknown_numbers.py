@@ -356,7 +356,8 @@ def _clear_rotors(
     clear = dict(zip(robot.joint_names, regression.inertia.tolist(), strict=True))
     faint = dict(zip(robot.joint_names, regression.faint_inertia.tolist(), strict=True))
     least = least_rotors(robot, of_bodies, regression, settings)
-    shown = {name: clear[name] for name in lacking if clear[name] > least[name]}
-    return shown | {
-        name: faint[name] for name in lacking if name not in shown and faint[name] > settings.no_body * of_bodies[name]
+    return {
+        name: faint[name]
+        for name in lacking
+        if clear[name] > least[name] or faint[name] > settings.no_body * of_bodies[name]
     }
