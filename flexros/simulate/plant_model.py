@@ -215,9 +215,10 @@ class PlantModel:
             return torque
         extended = np.concatenate([state, np.zeros(self.n_states - len(state))])
         if servos:
-            near = state[list(self.robot.motor_rows)]
             return np.where(
-                self._servo_gains("integral", parameters) > 0, near, self._sagging(state, torque, parameters)
+                self._servo_gains("integral", parameters) > 0,
+                self._measured(extended, parameters).full().ravel(),
+                self._sagging(state, torque, parameters),
             )
         beyond, slope = (value.full() for value in self._torque_beyond_command(extended, torque, parameters))
         # the laws are linear in the torque, so one Newton step is exact
@@ -228,7 +229,7 @@ class PlantModel:
     def _sagging(self, state: FloatArray, torque: FloatArray, parameters: FloatArray) -> FloatArray:
         """Compute the commands of servos without integral parts, as `command_at_rest`."""
         extended = np.concatenate([state, np.zeros(self.n_states - len(state))])
-        near = state[list(self.robot.motor_rows)]  # where no torque limit is reached
+        near = self._measured(extended, parameters).full().ravel()  # where no torque limit is reached
         beyond, slope = (value.full() for value in self._torque_beyond_command(extended, near, parameters))
         lacking = beyond.ravel() + near - torque
         return np.asarray(near - np.linalg.lstsq(np.eye(len(near)) + slope, lacking, rcond=None)[0])
@@ -349,6 +350,13 @@ class PlantModel:
             angle = plant.motor(law, plant.u).angle
             measured[motor] = effect.read(measured[motor], angle, plant.values(law))
         return ca.Function("sensor", [y, plant.x, plant.p], [ca.densify(measured)])
+
+    @cached_property
+    def _measured(self) -> ca.Function:
+        """Positions that servos act on, from (x, p)."""
+        plant = self._plant
+        measured = ca.vertcat(*[plant.measured(index) for index in range(self.robot.n_motors)])
+        return ca.Function("measured", [plant.x, plant.p], [ca.densify(measured)])
 
     @cached_property
     def _torque_beyond_command(self) -> ca.Function:

@@ -153,7 +153,7 @@ class PlantSymbols:
             motor = self.robot.motors[index]
             led = index in self.leading  # commands come with the lead of the feedforward, which no error is
             wanted = self.x[self.led_rows.start + self.leading.index(index)] if led else commands[index]
-            error, limit = wanted - self.q[motor.row], motor.torque_limit
+            error, limit = wanted - self.measured(index), motor.torque_limit
             rate = self.robot_value(f"{motor.name}.{SERVO}integral") * error
             if math.isfinite(limit):
                 torque = self._unlimited(index, commands)
@@ -183,11 +183,21 @@ class PlantSymbols:
             found.append(command + (before - command) * ca.exp(-step / ca.fmax(lead, 1e-12)))
         return ca.vertcat(ca.SX(0, 1), *found)
 
+    def measured(self, index: int) -> ca.SX:
+        """Return the position that the servo of a motor acts on: as its encoder shows it, without noise and steps."""
+        motor = self.robot.motors[index]
+        position = self.q[motor.row]
+        angle = float(self.robot.rotor_turns[index]) * position
+        for law, effect in self.laws.sensors:
+            if law.motor == index and not effect.as_noise:
+                position = effect.read(position, angle, self.values(law))
+        return position
+
     def _unlimited(self, index: int, commands: ca.SX) -> ca.SX:
         """Return the torque of a servo without its limit."""
         motor = self.robot.motors[index]
         gain = {name: self.robot_value(f"{motor.name}.{SERVO}{name}") for name in ("stiffness", "damping")}
-        torque = gain["stiffness"] * (commands[index] - self.q[motor.row]) - gain["damping"] * self.v[motor.row]
+        torque = gain["stiffness"] * (commands[index] - self.measured(index)) - gain["damping"] * self.v[motor.row]
         if index in self.integrating:
             torque += self.x[self.integral_rows.start + self.integrating.index(index)]
         return torque

@@ -19,6 +19,7 @@ from tests.gap.servo_logs import servo_log, servo_robot
 pytestmark = pytest.mark.slow
 
 MODEL = RobotWithEffects(servo_robot(), ())
+ZERO = "encoder_offset@motor_1:offset=0.1"
 STIFF, FRICTION = "servo_stiffness_error@motor_1:relative=-0.2", "coulomb_friction@motor_1:level=0.25"
 
 
@@ -57,6 +58,16 @@ def test_gain_and_friction_are_named() -> None:
     assert any("position commands" in text for text in result.limits)
     numbers = {number.name: number for number in result.diagnosis.model_numbers}
     assert numbers["motor_1.servo_stiffness"].value == pytest.approx(48.0, rel=0.03)
+
+
+def test_another_zero_of_the_encoder_is_named_beside_gain_and_friction() -> None:
+    logs = [replace(record_of(STIFF, FRICTION, ZERO, seed=seed), imported=True) for seed in (0, 5)]
+    others = ("coulomb_friction", "servo_stiffness_error", "gravity_error", "torque_bias")
+    settings = settings_of(*others, "encoder_offset")
+    found = diagnose(logs[0], MODEL, holdout=logs[1], settings=settings).diagnosis
+    causes = {cause.effect: cause for cause in found.causes if cause.probability > 0.5}
+    assert set(causes) == {"servo_stiffness_error", "coulomb_friction", "encoder_offset"}
+    assert causes["encoder_offset"].parameters["offset"].value == pytest.approx(0.1, abs=0.005)
 
 
 def test_a_rotor_that_the_file_leaves_out_is_found() -> None:

@@ -32,8 +32,9 @@ class EncoderOffset(AbstractSensor):
 
     With the offset d the measurement is d larger than the position. The arm is then elsewhere than the model has it,
     and what shows is its weight and its inertia there. Around a vertical axis of the first joint, and along an axis, no
-    torque depends on the position, so that a diagnosis does not seek one there. Under position commands the encoder's
-    zero is that of the commands as well, and is not sought either.
+    torque depends on the position, so that a diagnosis does not seek one there. A servo acts on what its encoder
+    measures, so that it brings the measured position to the command, and the arm elsewhere: the horn of a hobby servo
+    that is put on one tooth beside.
 
     Reference: Hollerbach, Khalil, Gautier 2016, Springer Handbook of Robotics, chapter 8: joint offsets.
     """
@@ -57,7 +58,7 @@ class EncoderOffset(AbstractSensor):
 
     def sought(self, robot: Robot, location: str) -> bool:
         """Return whether a torque of the robot depends on the position of the motor."""
-        return robot.commands == "torque" and robot.joint_names.index(location) in _felt(robot)
+        return robot.joint_names.index(location) in _felt(robot)
 
     def constant_error(self) -> float:
         """Return the offset."""

@@ -37,9 +37,6 @@ if TYPE_CHECKING:
     from flexros.robot.specification import Body
 
 ASYMMETRIC = "the two directions have one level; the mean is written"
-WRONG_ZERO = (
-    "it is in the encoder, not in the arm: correct the zero of the joint, or add it to positions that are measured"
-)
 NO_LAW = "no joint parameter represents it: add it as a force, or keep it in FlexROS"
 
 
@@ -150,6 +147,7 @@ class _Joint:
     limit: float = field(init=False)
     delay: float = field(init=False)
     lag: float = 0.0
+    zero: float = 0.0
 
     def __post_init__(self) -> None:
         self.damping = self.motor.specification.viscous_friction.value
@@ -166,11 +164,10 @@ class _Joint:
             TorqueSaturation: self._saturation,
             Delay: self._delay,
             ServoCommandLag: self._filter,
+            EncoderOffset: self._zero,
         }
         if type(effect) in takers:
             return takers[type(effect)](effect)
-        if isinstance(effect, EncoderOffset):
-            return False, WRONG_ZERO
         if isinstance(effect, ActuatorLag):
             return False, "a first-order lag: in MuJoCo an actuator `general` with dyntype filter and dynprm"
         return False, NO_LAW
@@ -198,6 +195,7 @@ class _Joint:
             servo_stiffness=None if servo is None else self.gain * servo.stiffness.value / squared,
             servo_damping=None if servo is None else self.gain * servo.damping.value / squared,
             servo_lag=None if servo is None else self.lag,
+            zero=self.zero * self.scale,
         )
 
     def _viscous(self, effect: ViscousFriction) -> tuple[bool, str]:
@@ -223,6 +221,10 @@ class _Joint:
     def _filter(self, effect: ServoCommandLag) -> tuple[bool, str]:
         held, self.lag = self.lag == 0, self.lag + effect.time_constant
         return held, "two filters in series are written as one"
+
+    def _zero(self, effect: EncoderOffset) -> tuple[bool, str]:
+        self.zero += effect.offset
+        return True, ""
 
     def _delay(self, effect: Delay) -> tuple[bool, str]:
         self.delay += effect.time

@@ -87,6 +87,7 @@ def _rows(joint: JointNumbers) -> tuple[tuple[str, str, str], ...]:
         ("torque gain", "torque_gain", "1"),
         ("delay", "delay", "s"),
         ("gear ratio", "gear_ratio", "1"),
+        ("zero of the encoder", "zero", unit_of("position", joint.rotary)),
         *(servo if joint.servo_stiffness is not None else ()),
     )
 

@@ -26,6 +26,7 @@ class JointNumbers:
         servo_stiffness: Torque per position error of its position loop [Nm/rad or N/m], None without a servo.
         servo_damping: Torque per speed of that loop [Nm s/rad or N s/m], None without a servo.
         servo_lag: Time constant of a filter of its commands [s], 0 for none, None without a servo.
+        zero: Measured position where the robot file has its zero [rad or m]: the encoder has another one.
     """
 
     motor: str
@@ -41,6 +42,7 @@ class JointNumbers:
     servo_stiffness: float | None = None
     servo_damping: float | None = None
     servo_lag: float | None = None
+    zero: float = 0.0
 
 
 @dataclass(frozen=True)

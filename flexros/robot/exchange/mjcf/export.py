@@ -132,6 +132,9 @@ class _Writer:
         }
         if motor.friction:
             attributes["solreffriction"] = numbers_text((FRICTION_STEPS * step, 1.0))
+        if motor.zero:
+            attributes["ref"] = number(motor.zero)
+            self._note(motor.motor, "zero of the encoder", "joint ref", motor.zero, unit_of("position", joint.rotary))
         self._joint(element, motor.motor, joint, attributes)
         unit = {kind: unit_of(kind, joint.rotary) for kind in ("damping", "inertia", "torque")}
         self._note(motor.motor, "viscous friction", "joint damping", motor.damping, unit["damping"])

@@ -53,6 +53,7 @@ def repair_mjcf(base: Path, robot: Robot, numbers: RepairedNumbers, joints: Mapp
     names = motor_joints(robot, [joint.name for joint in arm.joints], joints, str(base))
     for joint in numbers.joints:
         repair.joint(joint, names[joint.motor])
+        repair.zero(joint, names[joint.motor], arm)
         repair.actuators.actuator(joint, names[joint.motor])
     repair.springs()
     for body in numbers.bodies:
@@ -103,6 +104,33 @@ class _Repair:
             element.set(attribute, numbers_text(values))
             self.expected.append((f"dof_{attribute}", dof, values[0]))
             self._note(joint.motor, quantity, f"joint {name} {attribute}", before, wanted, unit)
+
+    def zero(self, joint: JointNumbers, name: str, arm: MjcfArm) -> None:
+        """Write another zero of the encoder: the position of the joint where the bodies are as the file draws them.
+
+        The rest of a spring in the joint stays where it is in the arm.
+        """
+        if joint.zero == 0:
+            return
+        element, index = self._element("joint", name), int(self.model.joint(name).id)
+        address = int(self.model.jnt_qposadr[index])
+        moved = next(each.sign for each in arm.joints if each.index == index) * joint.zero
+        angle = 1.0 if self.radian or not joint.rotary else float(np.degrees(1.0))
+        unit = unit_of("position", joint.rotary)
+        places = [("zero of the encoder", "ref", "qpos0")]
+        if self.model.jnt_stiffness[index]:
+            places.append(("rest of its spring", "springref", "qpos_spring"))
+        for quantity, attribute, array in places:
+            before = float(getattr(self.model, array)[address])
+            element.set(attribute, number(angle * (before + moved)))
+            self.expected.append((array, address, before + moved))
+            self._note(joint.motor, quantity, f"joint {name} {attribute}", before, before + moved, unit)
+
+    @property
+    def radian(self) -> bool:
+        """Whether angles of the file are in radians; MuJoCo's default is degrees."""
+        compilers = [child for child in self.root.children if child.tag == "compiler"]
+        return any(each.attributes.get("angle") == "radian" for each in compilers)
 
     def springs(self) -> None:
         """Write stiffness and damper of elastic directions and gears where the file has joints for them."""
@@ -231,13 +259,19 @@ class _Repair:
         for array, index, wanted in self.expected:
             found = float(getattr(model, array)[index])
             if abs(found - wanted) > 1e-6 * abs(wanted):
-                owner = model.body(index) if array == "body_mass" else model.joint(int(model.dof_jntid[index]))
+                owner = model.body(index) if array == "body_mass" else self._joint_of(array, index)
                 raise InputError(
-                    f"{self.source}: {array.split('_')[1]} of {owner.name} was set to {wanted:.6g}, but MuJoCo makes "
-                    f"it {found:.6g}: another setting overrides it, such as inertiafromgeom or settotalmass of "
+                    f"{self.source}: {array.rpartition('_')[2]} of {owner.name} was set to {wanted:.6g}, but MuJoCo "
+                    f"makes it {found:.6g}: another setting overrides it, such as inertiafromgeom or settotalmass of "
                     "<compiler>, or a <flag> that disables it; remove that setting"
                 )
         self.actuators.check(model)
+
+    def _joint_of(self, array: str, index: int) -> Any:
+        """Return the joint of an entry of an array over positions or degrees of freedom."""
+        if array.startswith("qpos"):
+            return self.model.joint(int(np.flatnonzero(self.model.jnt_qposadr == index)[0]))
+        return self.model.joint(int(self.model.dof_jntid[index]))
 
     def _scale(self, element: XmlElement, index: int, factor: float) -> None:
         mass = number(factor * float(self.model.body_mass[index]))

@@ -34,6 +34,9 @@ MOVABLE = ("revolute", "continuous", "prismatic")
 NO_ARMATURE = "joints of {kind} have no rotor inertia; set it in the simulator, e.g. as armature"
 NO_SPRING = "the deflection of a gear or link is no joint in {kind}"
 NO_SERVO = "{kind} has no position loop: set its gains in the controller, e.g. of ros2_control"
+WRONG_ZERO = (
+    "it is in the encoder, not in the arm: correct the zero of the joint, or subtract it from measured positions"
+)
 NO_COMMAND = "{kind} says nothing of commands: set it in the controller"
 
 
@@ -150,6 +153,7 @@ class _Repair:
         self._lost(joint.motor, "servo damping", joint.servo_damping or 0.0, damping, NO_SERVO)
         self._lost(joint.motor, "lag of the control", joint.servo_lag or 0.0, "s", NO_SERVO)
         self._lost(joint.motor, "torque gain", joint.torque_gain - 1, "relative", NO_COMMAND)
+        self._lost(joint.motor, "zero of the encoder", joint.zero, unit_of("position", joint.rotary), WRONG_ZERO)
 
     def body(self, body: BodyNumbers) -> None:
         """Scale mass and inertia of a link."""

@@ -110,6 +110,22 @@ def test_payload_and_weight(repair: Repair) -> None:
     assert after.body_gravcomp[after.body("fore").id] == pytest.approx(-0.1)
 
 
+@pytest.mark.parametrize("text", [ARM, ARM.replace('ref="10"', 'stiffness="5" ref="10" springref="20"')])
+def test_another_zero_of_an_encoder_turns_the_bodies_and_moves_no_spring(text: str, repair: Repair) -> None:
+    exported = repair("  - {effect: encoder_offset, location: motor_2, parameters: {offset: 0.1}}\n", text)
+    before, after = (mujoco.MjModel.from_xml_string(each) for each in (text, exported.text))
+    found = []
+    for model, shown in ((before, 0.3), (after, 0.3 - 0.1)):  # the axis of j2 is against that of the robot file
+        data = mujoco.MjData(model)
+        data.qpos[:] = [0.2, shown, 0.4, 0.5, 0.01, 0.1]
+        mujoco.mj_forward(model, data)
+        found.append((data.xpos.copy(), data.qfrc_spring.copy()))
+    for nominal, repaired in zip(*found, strict=True):
+        np.testing.assert_allclose(repaired, nominal, atol=1e-12)
+    assert next(row.place for row in exported.written if row.location == "motor_2") == "joint j2 ref"
+    assert exported.not_held == ()
+
+
 LOAD = "  - {effect: tool_load, location: tool, parameters: {mass: 2, x: 0.05, y: -0.04, z: 0.1}}\n"
 DIFFERENCE = "  - {{effect: body_difference, location: {}, parameters: {{mass: {}, x: {}}}}}\n"
 INERTIA = "  - {effect: inertia_error, location: body_5, parameters: {relative: 0.3}}\n"
