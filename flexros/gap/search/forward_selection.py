@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -286,6 +286,28 @@ def _left_behind(search: Search, comparison: ModelComparison, fit: CandidateFit,
     return clearly and worth(search, comparison, fit, chosen, search.settings.search.removed)
 
 
+def _with_shared_effects(
+    search: Search, comparison: ModelComparison, rivals: Sequence[CandidateFit]
+) -> ModelComparison:
+    """Return a comparison with fits of what likely rivals share with the most probable explanation.
+
+    The form error of the effects in which two explanations differ is a share of what these close beside the effects
+    that both have. Where those were never fitted alone, a part of them stands for them, and what the others close
+    counts as well: then a small effect of a crowd seems as doubtful as the largest one.
+    """
+    for _ in range(search.settings.search.rounds):
+        probabilities = comparison.probabilities(rivals)
+        best = rivals[int(np.argmax(probabilities))]
+        likely = probabilities > search.settings.ranking.likely
+        shared = {fit.names & best.names for fit, one in zip(rivals, likely, strict=True) if one}
+        lacking = shared - {frozenset(), *(fit.names for fit in comparison.fits)}
+        if not lacking or search.deadline.stops():
+            break
+        fitted = [search.without(best, *(best.names - names)) for names in sorted(lacking, key=sorted)]
+        comparison = replace(comparison, fits=(*comparison.fits, *fitted))
+    return comparison
+
+
 def explanations_of(
     search: Search, comparison: ModelComparison, chosen: CandidateFit, *, detected: bool
 ) -> Explanations:
@@ -312,6 +334,7 @@ def explanations_of(
         return simplest(search, comparison, fit, small) is fit
 
     rivals = [comparison.null, *filter(rivals_with, small)]
+    comparison = _with_shared_effects(search, comparison, rivals)
     probabilities = comparison.probabilities(rivals)
     order = np.argsort(-probabilities, kind="stable")
     return Explanations(
