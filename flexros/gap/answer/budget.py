@@ -17,6 +17,7 @@ from flexros.effects.left_out.rotor_inertia import RotorInertia
 from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_moved
 from flexros.gap.answer.decision import effect_location
 from flexros.gap.answer.partial_repairs import PartialRepairs
+from flexros.gap.answer.strained_numbers import strained_numbers
 from flexros.gap.answer.unexplained import unexplained
 from flexros.gap.answer.waterfall import waterfalls
 from flexros.gap.fit.estimates import fit_covariance, parameters_of
@@ -194,7 +195,7 @@ def _model_numbers(findings: Findings) -> tuple[ModelNumber, ...]:
 
 
 def _estimated(findings: Findings) -> list[ModelNumber]:
-    """List the numbers that the robot file lacks, as the chosen explanation has them.
+    """List the numbers that the robot file lacks, or that are far out of tolerance, as the chosen explanation has them.
 
     A log shows the inertia of a rotor together with that of the bodies that always turn with it, and of masses and
     centres some combinations alone: what the file leaves open of the others is a doubt about each.
@@ -229,7 +230,23 @@ def _estimated(findings: Findings) -> list[ModelNumber]:
                 determined=bool(with_uninformed[name] <= 1.0),
             )
         )
-    return numbers
+    strained = strained_numbers(findings)
+    return [*numbers, *(_moved(name, factor, robot, float(relative[name])) for name, factor in strained.items())]
+
+
+def _moved(name: str, factor: float, robot: Robot, relative: float) -> ModelNumber:
+    """Return a number that the answer moves far out of its tolerance; `relative` is the deviation of its factor [1]."""
+    parameter = robot.parameters[name]
+    value = factor * parameter.value
+    return ModelNumber(
+        location=name.partition(".")[0],
+        name=name,
+        nominal=parameter.value,
+        value=value,
+        std=abs(value) * relative,
+        unit=parameter.unit,
+        determined=relative * factor <= abs(factor - 1.0),
+    )
 
 
 def _of_body(difference: BodyDifference, body: str, robot: Robot, relative: Mapping[str, float]) -> list[ModelNumber]:

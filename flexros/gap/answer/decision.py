@@ -12,6 +12,7 @@ from flexros.effects.encoders.encoder_quantization import EncoderQuantization
 from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.kinds.base import PlacedEffect
 from flexros.gap.answer.given_model import GivenModel
+from flexros.gap.answer.strained_numbers import as_effects, strained_numbers
 from flexros.gap.fit.constancy import constancies
 from flexros.gap.fit.estimates import beyond_search, placed_effects
 from flexros.gap.fit.torques.unknown_numbers import UnknownNumbers
@@ -341,8 +342,9 @@ def rank_key(name: str, findings: Findings, verdict: Verdict) -> tuple[float, fl
 def repair_of(findings: Findings) -> tuple[PlacedEffect, ...]:
     """Return the effects that repair the model: unknown numbers, the chosen explanation, and rounding of encoders.
 
-    An effect at the limit of its search is left out. One whose deviation is above its size stays: the search keeps an
-    effect only where more than chance is lost without it, and what it takes up would else spoil the others.
+    Numbers of the model that the explanation moves far out of their tolerance belong to it: sizes are those beside
+    them. An effect at the limit of its search is left out. One whose deviation is above its size stays: the search
+    keeps an effect only where more than chance is lost without it, and what it takes up would else spoil the others.
     """
     names = findings.model.robot.joint_names
     rounding = (PlacedEffect(EncoderQuantization(step=one.step), names[one.motor]) for one in findings.quantizations)
@@ -355,7 +357,9 @@ def repair_of(findings: Findings) -> tuple[PlacedEffect, ...]:
         if beside:  # found beside the friction that the model was given instead of that of its file
             placed[placed.index(beside[0])] = _together(number, beside[0])
             numbers = tuple(one for one in numbers if one is not number)
-    return (*numbers, *placed, *rounding)
+    repair = (*numbers, *placed, *rounding)
+    strained = strained_numbers(findings) if placed else {}
+    return (*repair, *as_effects(findings.given.robot, repair, strained))
 
 
 def _together(one: PlacedEffect, other: PlacedEffect) -> PlacedEffect:

@@ -9,6 +9,7 @@ import numpy as np
 from flexros.effects.kinds.command_law import AbstractCommandLaw
 from flexros.effects.torque_drift import TorqueDrift
 from flexros.gap.answer.hanging_sizes import hanging_sizes
+from flexros.gap.answer.strained_numbers import strained_numbers
 from flexros.gap.fit.estimates import placed_effects
 from flexros.gap.fit.torques.regression import ONE_WAY
 
@@ -24,9 +25,8 @@ SCALED, SEVERAL = 0.3, 2
 """Size of an error of the torque gain, and number of motors that have one, from which a wrong unit is likelier than
 such drives [1] (chosen): torque constants drop by 10 % when hot."""
 
-STRAINED, SHOWN = 4.0, 3
-"""Deviation of a number of the model over its tolerance from which it is stated, and how many at most (chosen): of some
-forty numbers of an arm of six axes one is beyond three now and then."""
+SHOWN = 3
+"""Numbers of the model beyond their tolerance that are stated one by one [1] (chosen)."""
 
 CONSTANT_ONE_WAY = ("coulomb_friction", "torque_bias")
 """Effects that are one constant torque at a motor that moves in one direction only."""
@@ -106,26 +106,20 @@ def _without_finding(findings: Findings) -> list[str]:
 
 
 def _strained(findings: Findings) -> list[str]:
-    """State the numbers of the model that the answer moves far out of their tolerance.
-
-    Where the prior of tolerances counts little beside many samples, numbers that are tolerated take up what an effect
-    like a payload would, and the answer would not say so.
-    """
-    chosen = findings.explanations.chosen
-    tolerance = chosen.predictor.tolerance
-    sizes = np.asarray(tolerance.by_name(chosen.deviations))
-    lacked = findings.unknown.names(findings.model.robot)  # the patch states these
-    far = [k for k in np.argsort(-np.abs(sizes)) if abs(sizes[k]) > STRAINED and tolerance.names[k] not in lacked]
-    if not far:
+    """State the numbers of the model that the answer moves far out of their tolerance."""
+    factors = strained_numbers(findings)
+    if not factors:
         return []
+    tolerance = findings.explanations.chosen.predictor.tolerance
+    stated = dict(zip(tolerance.names, tolerance.deviations, strict=True))
     named = [
-        f"{tolerance.names[k]} {_changed(sizes[k] * tolerance.deviations[k])}, {abs(sizes[k]):.2g} times its tolerance"
-        for k in far[:SHOWN]
+        f"{name} {_changed(np.log(factor))}, {abs(np.log(factor)) / stated[name]:.2g} times its tolerance"
+        for name, factor in list(factors.items())[:SHOWN]
     ]
-    more = f" and {len(far) - SHOWN} more" if len(far) > SHOWN else ""
+    more = f" and {len(factors) - SHOWN} more" if len(factors) > SHOWN else ""
     return [
-        f"the answer moves numbers of the model beyond their tolerance: {'; '.join(named)}{more}. They are not in the "
-        "patch and may stand for an effect such as a load: measure them, or correct them in the robot file"
+        f"the answer moves numbers of the model beyond their tolerance: {'; '.join(named)}{more}. A patch holds them, "
+        "but for lengths. They may stand for an effect such as a load: measure them, or correct them in the robot file"
     ]
 
 

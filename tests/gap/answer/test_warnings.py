@@ -37,7 +37,7 @@ def test_torques_of_several_motors_that_act_by_other_factors_have_another_unit(
 
 def test_numbers_far_out_of_tolerance_are_stated() -> None:
     tolerance = Tolerance(("body_1.mass", "body_1.inertia.yy"), (0.02, 0.02))
-    chosen = SimpleNamespace(predictor=SimpleNamespace(tolerance=tolerance), deviations=np.array([5.0, 1.0]))
+    chosen: Any = SimpleNamespace(predictor=SimpleNamespace(tolerance=tolerance), deviations=np.array([5.0, 1.0]))
     lacked: set[str] = set()
     findings: Any = SimpleNamespace(
         explanations=SimpleNamespace(chosen=chosen),

@@ -1,0 +1,43 @@
+"""Numbers of the model beyond their tolerance, as part of a repair."""
+
+from __future__ import annotations
+
+import pytest
+
+from flexros.effects import parse_effect, place_effects
+from flexros.gap.answer.strained_numbers import as_effects
+from flexros.robot import load_robot
+
+FACTORS = {
+    "body_7.mass": 0.7,
+    "motor_2.inertia": 1.3,
+    "body_2.rz.stiffness": 1.2,
+    "body_3.center_of_mass.x": 0.8,
+    "motor_1.viscous_friction": 1.5,
+    "body_2.length.z": 1.02,
+}
+
+
+def test_a_repair_adds_what_numbers_and_effects_change_as_a_fit_does() -> None:
+    robot = load_robot("six_axis")
+    factors = {name: factor for name, factor in FACTORS.items() if robot.parameters[name].value != 0}
+    assert len(factors) >= 4
+    placed = [
+        parse_effect("payload_error@tool:relative=-0.2", "test"),
+        parse_effect("motor_inertia_error@motor_2:relative=0.5", "test"),
+    ]
+    repaired = place_effects(robot, (*placed, *as_effects(robot, placed, factors)))
+    alone = place_effects(robot, placed).robot.parameters
+    for name, factor in factors.items():
+        nominal, now = robot.parameters[name].value, repaired.robot.parameters[name].value
+        changed = alone[name].value + (factor - 1) * nominal
+        if name == "motor_1.viscous_friction":  # a law adds to that of the robot file
+            (law,) = (one for one in repaired.laws if one.effect.name == "viscous_friction")
+            now += law.effect.parameter_values["coefficient"]
+        assert now == pytest.approx(nominal if "length" in name else changed, rel=1e-12)
+
+
+def test_numbers_of_no_possible_body_are_left_out() -> None:
+    robot = load_robot("six_axis")
+    heavy = parse_effect("payload_error@tool:relative=-0.9", "test")
+    assert as_effects(robot, [heavy], {"body_7.mass": 0.05}) == ()
