@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from flexros.blas_threads import one_blas_thread
+from flexros.errors import InputError
 from flexros.gap.candidates.tolerance import tolerance_of, with_torque_tolerance
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.null_fit import fit_null
@@ -16,9 +17,11 @@ from flexros.gap.held_out.errors_ahead import errors_ahead
 from flexros.gap.held_out.gap_floor import over_expected_floor, tolerance_floor, unknown_rounding
 from flexros.gap.held_out.gap_numbers import gap_numbers, settled
 from flexros.gap.held_out.left_over import LeftOver
+from flexros.gap.noise.weights import measurement_of
 from flexros.gap.prediction.driven_model import driven_model
 from flexros.gap.progress import Stages
 from flexros.gap.residuals.fit_samples import at_rate_of_fits, part_of_fits
+from flexros.gap.residuals.observed_model import NOTHING, ObservedModel
 from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.search.model_probability import allowing_for_doubt, compare
 from flexros.gap.settings import DiagnosisSettings
@@ -118,7 +121,7 @@ def measure_gap(
     stated = tolerance_of(model.robot, tolerance or {}, record.prescribed)
     unknown = unknown_numbers(record, model, stated, settings.torque_start, as_stated=True)
     record = replace(record, warnings=(*record.warnings, *unknown.warnings))
-    data = fit_data(record, unknown.given_to(model), settings)
+    data = _data(record, unknown.given_to(model), repaired, settings)
     null, before = _fitted(model, unknown, data, tolerance or {}, settings, deadline), None
     if repaired is not None:
         stages.begin("repaired model", 1.0)
@@ -134,6 +137,21 @@ def measure_gap(
     numbers = gap_numbers(before, after, record.sample_time, with_tolerance=floor)
     warnings = settled(data.record, numbers.closed_fraction).warnings
     return MeasuredGap(numbers, left, (*warnings, *_cut_short(deadline)))
+
+
+def _data(
+    record: Record, model: RobotWithEffects, repaired: RobotWithEffects | None, settings: DiagnosisSettings
+) -> FitData:
+    """Weigh a log by the nominal model, or by the repaired one where the nominal model cannot follow it at all."""
+    try:
+        return fit_data(record, model, settings)
+    except InputError:
+        if repaired is None:
+            raise
+        given = driven_model(repaired, record)
+        measurement = measurement_of(record, given.robot, settings)
+        observed = ObservedModel.of(record, given, measurement, settings.residuals)
+        return fit_data(record, model, settings, measurement, around=(observed.predictor, NOTHING[:, 0]))
 
 
 def _cut_short(deadline: Deadline) -> tuple[str, ...]:

@@ -50,6 +50,15 @@ def test_such_a_log_is_refused_as_holdout_before_the_search() -> None:
     assert set(calls) == {"nominal model"}
 
 
+def test_the_gap_of_a_patch_is_measured_where_the_model_without_it_runs_away() -> None:
+    light = place_effects(ELBOW.with_values({"motor_1.inertia": 1e-8, "motor_2.inertia": 1e-8}), ())
+    with pytest.raises(InputError, match="the prediction of the nominal model diverges"):
+        measure_gap(swinging_up(0.1), light)
+    found = measure_gap(swinging_up(0.1), light, repaired=place_effects(ELBOW, ())).numbers
+    assert found.after is not None
+    assert 1.0 < found.after < 1e9 < found.before
+
+
 def test_derivatives_stay_finite_where_a_prediction_runs_away() -> None:
     model = place_effects(ELBOW, ())
     data = fit_data(swinging_up(0.1), model, DiagnosisSettings())
