@@ -205,36 +205,50 @@ def linearise(
         theta: Parameters in the units of the fit, shape (n_fitted,).
         tolerance_slopes: As for `fit`.
     """
-    P = len(theta) if tolerance_slopes is None else predictor.n_effect
+    own, every = predictor.n_effect, len(theta)
+    coarse = predictor.coarse if tolerance_slopes is None and every - own >= LANES else None
+    exactly = own if tolerance_slopes is not None or coarse is not None else every
     _, high = predictor.bounds
     steps = STEP * predictor.fineness
     steps = np.where(theta + steps > high, -steps, steps)
     # the first lane of the first pass has the parameters themselves, all others a step: lanes yield the same bits
-    begins = [-1, *range(LANES - 1, P, LANES)]
-    groups = [range(begin, min(begin + LANES, P)) for begin in begins]
+    passes = [(predictor, group) for group in _groups(0, exactly)]
+    if coarse is not None:  # they change a prediction a little and smoothly
+        passes += [(coarse, group) for group in _groups(own, every)]
 
-    def stepped(group: range) -> FloatArray:
+    def stepped(one: tuple[Predictor, list[int]]) -> FloatArray:
+        used, group = one
         sets = np.repeat(theta[:, None], len(group), axis=1)
         for lane, index in enumerate(group):
             if index >= 0:
                 sets[index, lane] += steps[index]
-        return data.residuals(predictor, sets)[:, : len(group)]
+        return data.residuals(used, sets)[:, : len(group)]
 
-    with ThreadPoolExecutor(data.settings.cores if len(groups) > 1 else 1) as pool:
-        for group, residual in zip(groups, pool.map(stepped, groups), strict=True):
+    J: FloatArray | None = None
+    with ThreadPoolExecutor(data.settings.cores if len(passes) > 1 else 1) as pool:
+        for (_, group), residual in zip(passes, pool.map(stepped, passes), strict=True):
             if group[0] < 0:
-                base, J = residual[:, 0].copy(), np.empty((len(residual), len(theta)), order="F")
-                if tolerance_slopes is not None:
-                    J[:, P:] = tolerance_slopes
+                around = residual[:, 0].copy()
                 group, residual = group[1:], residual[:, 1:]
-            slopes = (residual - base[:, None]) / steps[list(group)]
+            if J is None:
+                base, J = around, np.empty((len(residual), every), order="F")
+                if tolerance_slopes is not None:
+                    J[:, own:] = tolerance_slopes
+            slopes = (residual - around[:, None]) / steps[group]
             slopes = np.where(np.abs(slopes) < DIVERGED, slopes, 0.0)
-            J[:, list(group)] = without_jumps(slopes) if predictor.jumps else slopes
+            J[:, group] = without_jumps(slopes) if predictor.jumps else slopes
+    assert J is not None
     prior = np.zeros(len(theta))
     prior[predictor.n_effect :] = data.misfit
     chi2 = float(_sums(predictor, data, base[:, None], theta[:, None])[0])
     gradient = J.T @ base if np.isfinite(chi2) else np.zeros(len(theta))
     return Linearised(chi2, base, J, gradient + prior * theta, J.T @ J + np.diag(prior))
+
+
+def _groups(begin: int, end: int) -> list[list[int]]:
+    """Divide the numbers of parameters into passes; -1, for no step, is the first of all."""
+    numbers = [-1, *range(begin, end)]
+    return [numbers[first : first + LANES] for first in range(0, len(numbers), LANES)]
 
 
 def without_jumps(slopes: FloatArray) -> FloatArray:

@@ -9,6 +9,8 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.gap.noise.encoder_noise import measure_noise
+from flexros.record.balance.joint_assignments import WEIGHTLESS
+from flexros.record.checks.checked_record import CheckedRecord
 from flexros.record.missing_samples import bridged_motion
 from flexros.record.quantization import encoder_quantization, encoder_step
 from flexros.record.smoothing import smooth_motion
@@ -157,8 +159,24 @@ def measurement_of(record: Record, robot: Robot, settings: DiagnosisSettings) ->
         doubt=0.0 if coloured else numbers.doubt * _difference(noise, deviation),
         signal_tolerance=noise.signal_tolerance,
         warnings=(*noise.warnings, *_undeclared(record, robot, declared)),
-        torque=np.std(record.torque, axis=0),
+        torque=_usual_torque(record, robot, noise.signal_tolerance),
     )
+
+
+def _usual_torque(record: Record, robot: Robot, tolerance: float) -> FloatArray:
+    """Return the standard deviation of the torques of a log [Nm or N], shape (M,), as shares of which errors count.
+
+    A joint without a drive has no torque, known exactly, but weight and inertia are in balance there, and neither is
+    known exactly: of a measured log the larger one counts.
+    """
+    changing = np.std(record.torque, axis=0)
+    silent = ~(changing > 0)
+    if not tolerance or record.command is not None or not silent.any():
+        return changing
+    checked = CheckedRecord(record, robot)
+    moving = checked.torque_without(WEIGHTLESS)
+    parts = np.maximum(np.std(checked.rigid_torque() - moving, axis=0), np.std(moving, axis=0))
+    return np.where(silent, parts / LEAST_TORQUE, changing)
 
 
 def _declared(record: Record, robot: Robot, noise: Noise) -> FloatArray:

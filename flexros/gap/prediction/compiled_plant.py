@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import lru_cache
+from functools import cached_property, lru_cache, partial
 from typing import TYPE_CHECKING
 
 import casadi as ca
@@ -37,6 +37,8 @@ LANES = 8
 """Parameter sets that are predicted in parallel."""
 PLANTS = 16
 """Plants that are kept (chosen)."""
+FEWER = 2
+"""Times that long steps must be fewer to serve for changes of a prediction [1] (chosen): they are compiled as well."""
 STEPS_OF_STATES = 2
 """Fewest steps per sample with bristles or lags (chosen): as many as delayed torques, with which they compete, need.
 The error of one step of 0.5 ms with bristles was 0.6 % of what a delay gained, far more than what tells it from a
@@ -92,30 +94,38 @@ class CompiledPlant:
         known = [law.effect for law in model.laws]
         fast = any(one.needs_short_steps for one in (*known, *map(_acting, self.laws)))
         self.parts = parts_of(self.robot, candidates)
+        needed = partial(
+            integration_steps,
+            self.robot,
+            sample_time,
+            most_friction(model, candidates),
+            may_be_implicit=self.robot.is_rigid,
+            fast=fast,
+            curved=self.model.friction_follows_speed,
+        )
         if steps is None:
-            steps = integration_steps(
-                self.robot,
-                sample_time,
-                most_friction(model, candidates),
-                may_be_implicit=self.robot.is_rigid,
-                fast=fast,
-                curved=self.model.friction_follows_speed,
-                rough=rough,
-            )
+            steps = needed(rough=rough)
             least = 1 if rough or not any(map(_bends_or_lags, self.laws)) else STEPS_OF_STATES
             steps = replace(steps, number=max(least, steps.number))
-        of_part = -(-steps.number // self.parts)
+        of_part, self._few = (-(-one.number // self.parts) for one in (steps, needed(rough=True)))
         self.steps = replace(steps, number=of_part * self.parts)
-        self.loop = PredictionLoop(
+        self._loop = partial(
+            PredictionLoop,
             self.model.functions(
                 feed_through(self.robot.n_motors), implicit=steps.implicit, placed=self.robot.is_rigid
             ),
             sample_time=sample_time / self.parts,
             delay=self.delay if self.parts == 1 else 0.0,  # else the halves are those of the whole delay
-            substeps=of_part,
             lanes=LANES,
         )
+        self.loop = self._loop(substeps=of_part)
         self._sensors: dict[tuple[tuple[str, int], ...], tuple[FunctionOverSamples, bool]] = {}
+
+    @cached_property
+    def coarse_loop(self) -> PredictionLoop | None:
+        """The same predictor with few long steps, for changes of a prediction; None where that saves little."""
+        worth = not self.steps.implicit and self.steps.number >= FEWER * self._few * self.parts
+        return self._loop(substeps=self._few) if worth else None
 
     def sensors(self, wanted: Sequence[tuple[str, int]]) -> tuple[FunctionOverSamples, bool]:
         """Return the outputs of further sensors over samples, and whether they depend on the input of the model.

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -84,6 +86,16 @@ class Predictor:
         self._inputs = PlantInputs(plant, hypothesis, sample_time)
         self._places = [plant.place(one) if is_law(one) else None for one in hypothesis]
         self._sets: dict[bytes, ParameterSet] = {}
+
+    @cached_property
+    def coarse(self) -> Predictor | None:
+        """The same predictor with few long steps, for changes of a prediction; None where that saves little."""
+        loop = self.plant.coarse_loop
+        if loop is None:
+            return None
+        twin = copy(self)
+        twin.loop = loop
+        return twin
 
     @property
     def n_effect(self) -> int:

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from flexros.arrays import FloatArray
+from flexros.effects import place_effects
 from flexros.gap.candidates.candidate import FreeParameter
-from flexros.gap.candidates.tolerance import Tolerance
+from flexros.gap.candidates.tolerance import Tolerance, tolerance_of
 from flexros.gap.fit.candidate_fit import CandidateFit, best_of, best_of_each
 from flexros.gap.fit.least_squares import (
     FIT,
@@ -25,7 +26,10 @@ from flexros.gap.fit.least_squares import (
 from flexros.gap.prediction.compiled_plant import LANES
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.residuals.fit_data import FitData
+from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.settings import DiagnosisSettings
+from flexros.record.record import Record
+from flexros.robot import load_robot
 from tests.gap.diagnosis_logs import WHOLE, candidates_of, data_of, encoded, predictor_of
 
 pytestmark = pytest.mark.slow
@@ -248,6 +252,23 @@ def test_slopes_are_derivatives_of_the_weighted_errors() -> None:
         assert np.linalg.norm(line.slopes[:, k] - difference) < 0.01 * np.linalg.norm(difference)
     np.testing.assert_allclose(line.gradient, line.slopes.T @ line.residual)
     np.testing.assert_allclose(line.information, line.slopes.T @ line.slopes)
+
+
+def test_derivatives_to_tolerated_numbers_by_few_long_steps_are_those_by_many() -> None:
+    robot, T, n = load_robot("elbow"), 2e-3, 1000
+    time = T * np.arange(n)[:, None] + np.arange(robot.n_motors)
+    noise = robot.encoder_noise * np.random.default_rng(1).normal(size=time.shape)
+    record = Record("log", T, 0.02 * np.sin(2 * np.pi * time) + noise, 5 * np.sin(3 * time), np.ones(n, dtype=bool))
+    model, tolerance = place_effects(robot, ()), tolerance_of(robot, {"stiffness": 0.01, "inertia": 0.01})
+    data = fit_data(record, model, DiagnosisSettings())
+    predictor = Predictor(model, (), tolerance, T)
+    assert tolerance.n_free >= LANES
+    assert predictor.coarse is not None
+    few = linearise(predictor, data, np.zeros(tolerance.n_free)).slopes
+    vars(predictor)["coarse"] = None
+    many = linearise(predictor, data, np.zeros(tolerance.n_free)).slopes
+    assert np.any(few != many)
+    assert np.all(np.linalg.norm(few - many, axis=0) < 0.01 * np.linalg.norm(many, axis=0))
 
 
 def test_a_few_values_that_jump_are_no_derivatives() -> None:

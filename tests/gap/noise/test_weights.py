@@ -57,6 +57,16 @@ def test_noise_a_little_off_the_declared_one_is_allowed_for() -> None:
     assert (elsewhere.floor_error, elsewhere.doubt) == (0.0, found.doubt)
 
 
+def test_a_joint_without_a_drive_tolerates_a_share_of_its_weight() -> None:
+    driven = record_of_arm(imported=True)
+    passive = replace(driven, torque=driven.torque * [1.0, 0.0])
+    found = measurement_of(passive, arm(), SETTINGS).tolerated_torque(passive)
+    angle = passive.position.sum(axis=1)
+    weight = 3 * 9.81 * 0.15 * np.std(np.cos(angle))
+    assert found[1] == pytest.approx(0.05 * weight, rel=0.2)
+    assert found[0] == pytest.approx(0.05 * np.std(driven.torque[:, 0]))
+
+
 @pytest.mark.parametrize(("changing", "tolerated"), [(0.0, 0.3), (0.2, 0.3), (0.5, 0.5)])
 def test_a_torque_that_hardly_changes_is_tolerated_as_in_the_first_log(changing: float, tolerated: float) -> None:
     """As that of a motor which holds a weight in the log that is held out."""
