@@ -133,7 +133,8 @@ def measure_gap(
         return measure_gap(moved, model, repaired=repaired, tolerance=tolerance, settings=settings, progress=progress)
     errors = _errors(null, data)
     before, after = (errors, None) if before is None else (before, errors)
-    left, floor = _left_over(null, data, errors.mean), tolerance_floor(null.fit, data)
+    floor = tolerance_floor(null.fit, data)
+    left = _left_over(null, data, errors.mean, floor)
     numbers = gap_numbers(before, after, record.sample_time, with_tolerance=floor)
     warnings = settled(data.record, numbers.closed_fraction).warnings
     return MeasuredGap(numbers, left, (*warnings, *_cut_short(deadline)))
@@ -184,7 +185,7 @@ def _errors(null: NullFit, data: FitData) -> AheadErrors:
     return over_expected_floor(errors_ahead(null.fit, data), null.model, data)
 
 
-def _left_over(null: NullFit, data: FitData, ahead: float) -> LeftOver:
+def _left_over(null: NullFit, data: FitData, ahead: float, with_tolerance: float | None) -> LeftOver:
     """Return what a model leaves one sample ahead, and what of it is noise and tolerance, as a diagnosis has it."""
     settings, names = data.settings.ranking, null.model.robot.joint_names
     comparison = allowing_for_doubt(compare(data, null.fit, settings=settings), data)
@@ -193,5 +194,6 @@ def _left_over(null: NullFit, data: FitData, ahead: float) -> LeftOver:
         most=1.0 + settings.significant * comparison.spread,
         most_of_machine=None if data.record.premises.floor_is_noise else settings.floors,
         ahead=ahead,
+        most_ahead=settings.floors * (with_tolerance or 1.0),
         lacking=tuple(names[encoder.motor] for encoder in unknown_rounding(null.model, data.measurement)),
     )

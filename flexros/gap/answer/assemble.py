@@ -187,7 +187,7 @@ def _diagnosis(
     gap = gap_numbers(errors.before, errors.after, sample_time, errors.rival, errors.with_tolerance)
     whole = verdict != "no_gap"
     budget = budget_of(findings, errors.before, errors.after or errors.before) if whole else without_gap(findings)
-    warnings = (*of_records, *sensor_warnings(findings), *answer_warnings(findings, gap, worse=errors.worse))
+    warnings = (*answer_warnings(findings, gap, worse=errors.worse), *of_records, *sensor_warnings(findings))
     following = _next(findings, verdict, stages, deadline) if settings.next_experiment else None
     return Diagnosis(
         schema=2,

@@ -196,7 +196,7 @@ def verdict_of(
         fitted = allowing_for_doubt(comparison, findings.data)
         shows = fitted.significant(explanations.chosen) or held_out_gap(findings)
         measured = not findings.data.record.premises.floor_is_noise
-        if shows and not (measured and max(*_levels(findings), left) <= findings.settings.floors):
+        if shows and not (measured and _within_floor(findings, left, with_tolerance)):
             return "unknown_effect"
         return "explained" if findings.quantizations else "no_gap"
     if worse and held_out_gap(findings):

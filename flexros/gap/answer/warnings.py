@@ -74,10 +74,10 @@ def answer_warnings(findings: Findings, gap: GapNumbers, *, worse: bool) -> list
             f"without {', '.join(sorted(given.kept))}, which the model lacks, motors are predicted hardly better 0.1 s "
             "ahead than by their last position: the gap before the repair is that of the model with them"
         )
-    warnings += _without_finding(findings)
     return [
-        *warnings,
         *_strained(findings),
+        *warnings,
+        *_without_finding(findings),
         *_unit_warnings(findings),
         *_drift_warnings(findings),
         *_one_way_warnings(findings),

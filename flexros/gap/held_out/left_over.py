@@ -12,9 +12,10 @@ class LeftOver:
     Attributes:
         level: Mean squared prediction error one sample ahead over its floor variance [1].
         most: Up to where it is noise and tolerance [1].
-        most_of_machine: Up to where it is so too in a log of a real machine in which the gap 0.1 s ahead is no larger
-            either [1]; None in a simulated log.
+        most_of_machine: Up to where it is so too in a log of a real machine in which the gap 0.1 s ahead is small [1];
+            None in a simulated log.
         ahead: That gap [1].
+        most_ahead: Up to where that gap is small: as for an explanation, floors with the tolerance of torques [1].
         lacking: Motors whose encoder has a coarse rounding that the model lacks, which is a gap.
     """
 
@@ -22,10 +23,12 @@ class LeftOver:
     most: float
     most_of_machine: float | None
     ahead: float
+    most_ahead: float
     lacking: tuple[str, ...] = ()
 
     @property
     def significant(self) -> bool:
         """Whether it is a gap."""
-        within = self.most_of_machine is not None and max(self.level, self.ahead) <= self.most_of_machine
+        machine = self.most_of_machine
+        within = machine is not None and self.level <= machine and self.ahead <= self.most_ahead
         return (self.level > self.most and not within) or bool(self.lacking)

@@ -124,7 +124,10 @@ def left_line(left: LeftOver) -> str:
         f"{gap_words(left.level, 4)}, up to {gap_words(left.most, 4)} is noise and tolerance"
     )
     if left.most_of_machine is not None:
-        text += f", or up to {gap_words(left.most_of_machine)} where it is no more 0.1 s ahead either"
+        text += (
+            f", or up to {gap_words(left.most_of_machine)} where the gap 0.1 s ahead, {gap_words(left.ahead)} here, is "
+            f"at most {gap_words(left.most_ahead)}"
+        )
     if left.lacking:
         text += f"; the model lacks the rounding of the encoder of {', '.join(left.lacking)}, which is a gap"
     return text

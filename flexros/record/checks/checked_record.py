@@ -20,7 +20,7 @@ from flexros.record.balance.joint_assignments import (
 from flexros.record.balance.posture import Motion, postures
 from flexros.record.balance.spectra import torque_balance
 from flexros.record.balance.torque_balance import Delay
-from flexros.record.missing_samples import bridged_motion
+from flexros.record.missing_samples import bridged, bridged_motion
 from flexros.record.quantization import encoder_step
 from flexros.record.smoothing import noise_power, smooth_motion
 
@@ -162,6 +162,19 @@ class CheckedRecord:
             return self.rigid_torque()
         bare = self.robot.with_values(dict.fromkeys(stated, 0.0))
         return rigid_inverse_dynamics(bare, self.position, self.record.sample_time, SLOW)
+
+    @cached_property
+    def slow_parts(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Torques below `SLOW`, those that the rigid arm needs, and parts that a drive adds, in valid samples.
+
+        Parts are those of viscous and Coulomb friction, of a rotor, and an offset, of any size: shapes (n, M), (n, M)
+        and (n, M, 4).
+        """
+        record, valid = self.record, self.record.valid
+        _, speed, acceleration = smooth_motion(self.position, record.sample_time, SLOW)
+        torque = smooth_motion(bridged(record.torque, valid), record.sample_time, SLOW)[0]
+        parts = np.stack([speed, np.sign(speed), acceleration, np.ones_like(speed)], axis=-1)
+        return torque[valid], self.rigid_torque()[valid], parts[valid]
 
     @cached_property
     def delay(self) -> Delay:

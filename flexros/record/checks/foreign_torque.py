@@ -67,15 +67,10 @@ def _unexplained(checked: CheckedRecord) -> FloatArray:
     Parts are a multiple of what the bodies need, friction, a rotor, an offset, and a spring or a gas cylinder that
     carries weight: its torque is a harmonic of the position.
     """
-    record, T = checked.record, checked.record.sample_time
-    position, speed, acceleration = smooth_motion(checked.position, T, SLOW)
-    arm = checked.rigid_torque()
-    torque = smooth_motion(bridged(record.torque, record.valid), T, SLOW)[0]
-    parts = np.stack(
-        [arm, speed, np.sign(speed), acceleration, np.cos(position), np.sin(position), np.ones_like(position)], axis=-1
-    )[record.valid]
-    given = torque[record.valid]
-    return _left(given, parts, given, nothing=0.0)
+    torque, arm, of_drive = checked.slow_parts
+    position = smooth_motion(checked.position, checked.record.sample_time, SLOW)[0][checked.record.valid]
+    parts = np.concatenate([np.stack([arm, np.cos(position), np.sin(position)], axis=-1), of_drive], axis=-1)
+    return _left(torque, parts, torque, nothing=0.0)
 
 
 def _weight_left(checked: CheckedRecord) -> FloatArray:

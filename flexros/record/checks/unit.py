@@ -6,11 +6,14 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from flexros.record.balance.regression import coefficients
 from flexros.record.balance.spectra import rotor_unknown
 from flexros.record.checks.base import AbstractCheck, Finding
+from flexros.record.checks.checked_record import TINY
 from flexros.record.checks.degrees import like_degrees
 
 if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
     from flexros.record.balance.torque_balance import BalanceFit
     from flexros.record.checks.checked_record import CheckedRecord
     from flexros.robot import Robot
@@ -45,6 +48,10 @@ SHARED, AS_SHARE = 0.8, 1.15
 """Agreement of a torque with a multiple of the inverse-dynamics torque from which its factor tells the unit, and how
 far the factor may be from a share of the limit (chosen): errors of gain, inertia and payload of realistic size."""
 
+AS_WELL, ROTOR = 1.5, 2
+"""Power that is left of a torque with the factor one, over what is left with any, up to which that explains it as well
+[1] (chosen); place of the rotor in `CheckedRecord.slow_parts`."""
+
 LIKE = 1.3
 """Factor within which a level is attributed to a known mistake (chosen)."""
 
@@ -60,14 +67,17 @@ class Unit(AbstractCheck):
         if checked.order_is_wrong or checked.fits_nominal_rate or checked.wrongly_assigned:
             return ()
         robot = checked.robot
+        beside = _factors_beside_drives(checked)
+        compared = {k: fit for k, fit in enumerate(checked.own) if fit is not None and beside.get(k) != 1.0}
         off = {
             motor: fit
-            for motor, fit in enumerate(checked.own)
-            if fit is not None and fit.factor > 0 and _is_significant(fit) and abs(np.log(fit.factor)) > np.log(NOTED)
+            for motor, fit in compared.items()
+            if fit.factor > 0 and _is_significant(fit) and abs(np.log(fit.factor)) > np.log(NOTED)
         }
         if text := _share_of_limits(checked):
             return (Finding(text, hopeless=True, like_parameters=True),)
         refused = {motor: fit for motor, fit in off.items() if abs(np.log(fit.factor)) > np.log(REFUSED)}
+        refused = {k: fit for k, fit in refused.items() if k not in beside or abs(np.log(beside[k])) > np.log(BARE)}
         if refused and not _model_may_be_rough(checked, refused):
             common = _common_causes(refused, robot)
             text = "" if common else like_degrees(checked)  # friction and weight blur the factor of single motors
@@ -84,6 +94,32 @@ class Unit(AbstractCheck):
             )
             for motor, fit in off.items()
         )
+
+
+def _factors_beside_drives(checked: CheckedRecord) -> dict[int, float]:
+    """Return the factors of what bodies need beside friction, a rotor and an offset of any size, by motor [1].
+
+    Where a joint carries little, those may be many times what its bodies need, as in a short or slow motion. The factor
+    is 1 where that leaves about as little of the torque as any other one. Empty where what bodies need does not show in
+    such torques: then any unit would do.
+    """
+    rotors, factors, shown = rotor_unknown(checked.robot), dict[int, float](), 1.0
+    for motor in (k for k, fit in enumerate(checked.own) if fit is not None):
+        torque, arm, every = (one[:, motor] for one in checked.slow_parts)
+        parts = every if rotors[motor] else np.delete(every, ROTOR, axis=1)
+        together = np.column_stack([parts, arm])
+        as_is = _left(torque - arm, parts)
+        if as_is < AS_WELL * _left(torque, together):
+            factors[motor] = 1.0
+            shown *= _left(torque, parts) / as_is
+        else:
+            factors[motor] = max(float(coefficients(together, torque)[-1]), TINY)
+    return factors if shown > AS_WELL else {}
+
+
+def _left(torque: FloatArray, parts: FloatArray) -> float:
+    """Return the power of a torque that parts of any size leave."""
+    return float(np.var(torque - parts @ coefficients(parts, torque)))
 
 
 def _share_of_limits(checked: CheckedRecord) -> str:

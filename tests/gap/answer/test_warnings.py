@@ -40,7 +40,7 @@ def test_numbers_far_out_of_tolerance_are_stated() -> None:
     chosen: Any = SimpleNamespace(predictor=SimpleNamespace(tolerance=tolerance), deviations=np.array([5.0, 1.0]))
     lacked: set[str] = set()
     findings: Any = SimpleNamespace(
-        explanations=SimpleNamespace(chosen=chosen),
+        explanations=SimpleNamespace(chosen=chosen, detected=True),
         unknown=SimpleNamespace(names=lambda _: lacked),
         model=SimpleNamespace(robot=None),
     )
@@ -50,6 +50,9 @@ def test_numbers_far_out_of_tolerance_are_stated() -> None:
     lacked.add("body_1.mass")
     assert not warnings._strained(findings)  # what the model lacked is stated elsewhere, and in the patch
     lacked.clear()
+    findings.explanations.detected = False
+    assert not warnings._strained(findings)  # torques are not exact
+    findings.explanations.detected = True
     chosen.deviations = np.array([2.0, 1.0])
     assert not warnings._strained(findings)
 

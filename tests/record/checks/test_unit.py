@@ -15,6 +15,7 @@ from flexros.record.checks import unit
 from flexros.record.checks.base import Finding
 from flexros.record.checks.run import findings
 from flexros.record.checks.unit import Unit, _common_causes, _refusal, _share_of_limits
+from flexros.record.smoothing import smooth_motion
 from flexros.robot import load_robot
 
 pytestmark = pytest.mark.slow
@@ -87,6 +88,15 @@ def test_friction_and_rotors_that_a_urdf_lacks_may_be_most_of_the_torque(ur5e, u
     assert not any(finding.hopeless for finding in problems)
 
 
+def test_rotors_and_friction_far_beyond_what_bodies_need_are_no_unit(ur5e, ur5e_record) -> None:
+    """Beside them the bodies need what they should; without them factors of 28 and more would be left."""
+    _, speed, acceleration = smooth_motion(ur5e_record.position, ur5e_record.sample_time, 10.0)
+    torque = ur5e_record.torque + 20 * np.tanh(speed / 0.02) + 30 * acceleration
+    problems = findings(replace(ur5e_record, torque=torque), ur5e)
+    assert not any(finding.hopeless for finding in problems)
+    assert any(finding.hopeless for finding in findings(replace(ur5e_record, torque=8 * torque), ur5e))
+
+
 @pytest.mark.parametrize(("torque", "words"), [(1000.0, "motor_2"), (np.array([1, 1, 1, 1, 1000, 1]), "motor_5")])
 def test_wrong_units_of_such_a_robot_are_refused(ur5e, ur5e_record, torque, words: str) -> None:
     wrong = replace(ur5e_record, torque=torque * ur5e_record.torque)
@@ -114,6 +124,7 @@ def test_a_load_multiplies_the_torque_of_a_light_wrist_without_gravity_too(
         balance=SimpleNamespace(needed=np.array([[50.0, 30.0, 10.0, 1.0, 1.0, 0.1]])),
         record=SimpleNamespace(position=np.zeros((2, 6)), valid=np.ones(2, dtype=bool)),
         own=tuple(BalanceFit(factor, 0.95, 0.5, 0.95, 0.9) for factor in factors),
+        slow_parts=(np.zeros((2, 6)), np.zeros((2, 6)), np.zeros((2, 6, 4))),
     )
     assert any(finding.hopeless for finding in Unit().look(checked)) is hopeless
 
