@@ -36,6 +36,7 @@ class EffortUnit:
         signs: -1 where the effort is opposite to the torque of the motor, length M.
         compared: Effort over torque of the model by motor, where they are alike [1].
         level: Geometric mean of their sizes, weighted by the torque of the model [1]; NaN where none are alike.
+        alone: Whether one joint of several shows another unit, which a spring or a load there may do as well.
     """
 
     unit: str
@@ -43,6 +44,7 @@ class EffortUnit:
     signs: tuple[int, ...]
     compared: Mapping[str, float]
     level: float
+    alone: bool = False
 
 
 def effort_unit(record: Record, robot: Robot, *, current: bool = False) -> EffortUnit:
@@ -67,8 +69,10 @@ def effort_unit(record: Record, robot: Robot, *, current: bool = False) -> Effor
     names = {robot.joint_names[k]: each.factor for k, each in clear.items()}
     factors = {k: abs(each.factor) for k, each in clear.items()}
     level = float(np.exp(np.average(np.log(list(factors.values())), weights=[each.power for each in clear.values()])))
-    if 1 / TORQUE < level < TORQUE and not current:
-        return EffortUnit("Nm", (), signs, names, level)
+    is_torque = 1 / TORQUE < level < TORQUE
+    alone = not is_torque and len(clear) == 1 < robot.n_motors - 1
+    if (is_torque or alone) and not current:
+        return EffortUnit("Nm", (), signs, names, level, alone)
     for unit, size in (("mNm", 1e3), ("kNm", 1e-3)):
         if 1 / LIKE < level / size < LIKE and not current:
             return EffortUnit(unit, (), signs, names, level)

@@ -153,6 +153,8 @@ def about_effort(topic: str, found: EffortUnit, robot: Robot, said: str) -> Assu
         f"effort over the torque that the model needs: {sizes}; weighted by that torque {found.level:.3g}, and a "
         "torque is within 0.37 to 2.7"
     )
+    if found.alone:
+        ground += "; one joint alone shows no unit: a spring or a load there does as much"
     if found.unit == "A":
         ground += "; these constants make the weights of the model true, so an error of the torque gain cannot be found"
-    return Assumption("effort", taken, ground, found.unit != "A")
+    return Assumption("effort", taken, ground, found.unit != "A" and not found.alone)

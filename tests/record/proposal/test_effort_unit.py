@@ -35,3 +35,12 @@ def test_a_wrist_that_shows_nothing_counts_like_the_others(ur5e_record: Record, 
     assert effort_unit(replace(ur5e_record, torque=torque), ur5e).signs == (1,) * 6
     one = np.array([1, -1, 1, 1, 1, 1])
     assert effort_unit(replace(ur5e_record, torque=one * torque), ur5e).signs == tuple(one)
+
+
+def test_one_joint_of_six_shows_no_unit(ur5e_record: Record, ur5e: Any) -> None:
+    torque = np.random.default_rng(3).normal(size=ur5e_record.torque.shape) * ur5e_record.torque.std(axis=0)
+    torque[:, 1] = 0.3 * ur5e_record.torque[:, 1]
+    found = effort_unit(replace(ur5e_record, torque=torque), ur5e)
+    assert list(found.compared) == [ur5e.joint_names[1]]
+    assert (found.unit, found.alone) == ("Nm", True)
+    assert effort_unit(replace(ur5e_record, torque=torque), ur5e, current=True).unit == "A"
