@@ -9,6 +9,7 @@ import numpy as np
 from flexros.effects.kinds.command_law import AbstractCommandLaw
 from flexros.effects.torque_drift import TorqueDrift
 from flexros.gap.answer.hanging_sizes import hanging_sizes
+from flexros.gap.answer.short_events import short_events
 from flexros.gap.answer.strained_numbers import strained_numbers
 from flexros.gap.fit.estimates import placed_effects
 from flexros.gap.fit.torques.regression import ONE_WAY
@@ -75,6 +76,7 @@ def answer_warnings(findings: Findings, gap: GapNumbers, *, worse: bool) -> list
             "ahead than by their last position: the gap before the repair is that of the model with them"
         )
     return [
+        *short_events(findings),
         *_strained(findings),
         *warnings,
         *_without_finding(findings),
