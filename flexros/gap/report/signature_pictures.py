@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -49,8 +50,14 @@ def signature_pictures(candidate: RankedCandidate, result: DiagnosisResult) -> t
     if data is None:
         return ()
     pictures = (kind().picture(data, candidate.location) for kind in pictures_for(candidate.effect))
-    drawn = [signature for signature in pictures if signature is not None and signature.series]
+    drawn = [signature for picture in pictures if picture is not None and (signature := _shown(picture)).series]
     return tuple(Picture(_figure(signature), f"{signature.title}. {signature.reading}") for signature in drawn[:MOST])
+
+
+def _shown(signature: Signature) -> Signature:
+    """Return a picture without curves that have no point: of a short log no part has enough samples for a mean."""
+    series = {name: curve for name, curve in signature.series.items() if np.isfinite(curve.y).any()}
+    return replace(signature, series=series)
 
 
 def _figure(signature: Signature) -> go.Figure:

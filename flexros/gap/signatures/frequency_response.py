@@ -44,8 +44,6 @@ class FrequencyResponsePicture(AbstractSignature):
             if robot is not None:
                 response = frequency_response(linear_model(robot), frequency)[:, motor, motor]
                 series[name] = Curve(frequency, (2 * np.pi * frequency) ** 2 * np.abs(response))
-        if not len(series["log"].x):
-            del series["log"]
         return Picture(
             title=f"Frequency response, {data.robot.joint_names[motor]}",
             x_label="frequency [Hz]",

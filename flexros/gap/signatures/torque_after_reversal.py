@@ -40,8 +40,6 @@ class TorqueAfterReversal(AbstractSignature):
             against = -(torque[last >= 0] * sign[since])[moved]
             log_travel, mean = binned(np.log(travel[moved]), against, BINS)
             series[name] = Curve(np.exp(log_travel), mean)
-        if not len(series["before"].x):
-            return None
         return Picture(
             title=f"Disturbance torque after reversals, {data.robot.joint_names[motor]}",
             x_label=f"travel since the last reversal [{unit}]",

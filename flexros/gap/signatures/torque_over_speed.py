@@ -37,8 +37,6 @@ class TorqueOverSpeed(AbstractSignature):
         series["single samples, before"] = Curve(
             *thinned(speed[::step], data.motor_disturbance(motor)["before"][::step]), style="points"
         )
-        if not len(series["before"].x):
-            return None
         return Picture(
             title=f"Disturbance torque over speed, {data.robot.joint_names[motor]}",
             x_label=f"speed of the motor [{unit}/s]",

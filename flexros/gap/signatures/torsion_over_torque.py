@@ -28,7 +28,7 @@ class TorsionOverTorque(AbstractSignature):
         motor, rows = data.motor_of(location), data.rows
         torque_unit, unit = data.units(motor)
         torsion, nominal = data.motion.torsion[rows, motor], data.motion.gear_torque[rows, motor]
-        if not len(rows) or not np.isfinite(torsion).any():
+        if len(rows) < 2 or not np.isfinite(torsion).any():
             return None
         disturbance = {name: torque[rows, motor] for name, torque in data.gear_disturbance.items()}
         stiffness = float(nominal @ nominal / (nominal @ torsion)) if nominal @ torsion else np.inf

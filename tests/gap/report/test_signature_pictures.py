@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -12,7 +13,7 @@ from flexros.gap.report import signature_pictures as module
 from flexros.gap.report.evidence import EvidenceSection
 from flexros.gap.report.signature_pictures import signature_pictures
 from flexros.gap.result import DiagnosisResult
-from flexros.gap.signatures.base import AbstractSignature, Curve, Picture
+from flexros.gap.signatures.base import AbstractSignature, Curve, Picture, signatures
 from flexros.gap.signatures.signature_data import SignatureData
 from flexros.prediction.observer import observer_gain
 
@@ -81,3 +82,26 @@ def test_outliers_of_a_cloud_do_not_flatten_the_curves() -> None:
     }
     figure = module._figure(Picture("", "", "", told, ""))
     assert figure.layout.yaxis.range == pytest.approx((-2.0, 1.5), rel=0.2)
+
+
+@pytest.mark.parametrize("samples", [0, 1, 2, 9, 60])
+@pytest.mark.parametrize("name", signatures())
+def test_logs_of_few_samples_are_drawn(
+    name: str, samples: int, result: DiagnosisResult, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """No part of the abscissa has enough samples for a mean then; single samples are shown, or nothing."""
+    monkeypatch.setattr(module, "pictures_for", lambda effect: (signatures()[name],))
+    data = result.signature_data
+    assert data is not None
+    valid = np.zeros(data.record.n_samples, dtype=bool)
+    valid[4000 : 4000 + samples] = True
+    states = 0.01 * np.random.default_rng(0).normal(size=(len(valid), 2 * data.robot.n_coordinates))
+    short = replace(
+        data,
+        record=replace(data.record, valid=valid),
+        before=replace(data.before, states=states),
+        after=data.before,
+        repaired=data.robot,
+    )
+    for picture in signature_pictures(result.ranking[0], replace(result, signature_data=short)):
+        assert all(np.isfinite(trace.y).any() for trace in picture.figure.data)
