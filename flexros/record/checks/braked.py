@@ -29,7 +29,8 @@ def without_braked_rests(record: Record, robot: Robot) -> Record:
     """Return a record in which stretches do not count where all torques are exactly zero and the arm does not fall.
 
     A drive that is switched off notes no torque at all. Where the arm rests then although its weight would move it,
-    brakes carry the weight: a model without them falls, and effects would be named for that.
+    brakes carry the weight: a model without them falls, and effects would be named for that. Of pauses between joined
+    runs, in which nothing was measured, the reading tells: only samples beside them are counted.
 
     Args:
         record: The log.
@@ -41,8 +42,9 @@ def without_braked_rests(record: Record, robot: Robot) -> Record:
     known = HEAVY * np.sqrt(np.mean(torque[np.any(torque, axis=1)] ** 2, axis=0))
     braked = np.zeros(record.n_samples, dtype=bool)
     for begin, length in zip(*runs(~np.any(torque, axis=1)), strict=True):
-        rows = slice(int(begin), int(begin + length))
-        if length >= LEAST_STRETCH and _held(robot, record.position[rows], length * record.sample_time, known):
+        rows = int(begin) + np.flatnonzero(record.valid[begin : begin + length])
+        duration = len(rows) * record.sample_time
+        if length >= LEAST_STRETCH and len(rows) and _held(robot, record.position[rows], duration, known):
             braked[rows] = True
     if not braked.any():
         return record

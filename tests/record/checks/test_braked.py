@@ -38,6 +38,18 @@ def test_samples_of_an_arm_that_brakes_hold_do_not_count() -> None:
     )
 
 
+def test_pauses_between_joined_runs_are_not_counted_again() -> None:
+    """The last half of the rest was not measured."""
+    rests = braked()
+    valid = rests.valid.copy()
+    valid[BEFORE // 2 : BEFORE] = False
+    record = without_braked_rests(replace(rests, valid=valid), arm())
+    assert record.warnings[-1].startswith("all torques are exactly zero for 1 s, the first time at 0 s")
+    assert not record.valid[:BEFORE].any()
+    nothing = np.r_[np.zeros(BEFORE, dtype=bool), rests.valid[BEFORE:]]
+    assert not without_braked_rests(replace(rests, valid=nothing), arm()).warnings
+
+
 def test_the_record_of_a_log_leaves_them_out(tmp_path) -> None:
     table, mapping = tmp_path / "log.csv", tmp_path / "log.yaml"
     record = braked()
