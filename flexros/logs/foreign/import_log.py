@@ -63,10 +63,11 @@ class _Mapped:
 def import_log(mapping: LogMapping, files: Sequence[Path]) -> Log:
     """Read files of another recorder as a log.
 
-    The columns may be in several files of the same clock. The first row gets the stamp 1 s; the provenance keeps its
-    time in the file. Values that are not finite stay NaN, and of rows with the same time the first is kept; the
-    warnings count both. Quantities of one topic that were sampled at different times (other file, other time offset)
-    are interpolated linearly at the times of the topic's first quantity; the warnings report it where those are others.
+    The columns may be in several files of the same clock, and the times in each of them or in a file of their own. The
+    first row gets the stamp 1 s; the provenance keeps its time in the file. Values that are not finite stay NaN, and of
+    rows with the same time the first is kept; the warnings count both. Quantities of one topic that were sampled at
+    different times (other file, other time offset) are interpolated linearly at the times of the topic's first
+    quantity; the warnings report it where those are others.
 
     Args:
         mapping: Quantity and unit of every column.
@@ -140,21 +141,21 @@ def _read(
     left_out: list[str],
 ) -> list[_Mapped]:
     """Read, check and convert all columns, file by file; return them in the order of the mapping."""
-    read: dict[Path, dict[str, Signal]] = {}
-    for path, source in sources.items():
-        entries = [entry for holder, entry in present if holder == path]
-        if not entries:
+    clocks = _clocks(mapping, sources, present)
+    wanted: dict[Path, list[str]] = {path: [] for path in sources}
+    for (path, entry), (clock, holder) in zip(present, clocks, strict=True):
+        wanted[path] += entry.factors
+        if clock is not None and clock.column in sources[holder].names:
+            wanted[holder].append(clock.column)
+    for path, columns in wanted.items():
+        if not columns and path not in {holder for _, holder in clocks}:
             raise InputError(f"{path} has none of the columns of mapping {mapping.name}; leave the file out")
-        clocks = [clock_of(mapping, entry, path.name) for entry in entries]
-        wanted = [column for entry in entries for column in entry.factors]
-        wanted += [clock.column for clock in clocks if clock is not None and clock.column in source.names]
-        read[path] = source.read(list(dict.fromkeys(wanted)))
+    read = {path: sources[path].read(list(dict.fromkeys(columns))) for path, columns in wanted.items()}
     origin = min(signal.origin for signals in read.values() for signal in signals.values())
     mapped, lost = [], LostValues()
-    for path, entry in present:
+    for (path, entry), (clock, holder) in zip(present, clocks, strict=True):
         signal, column = _added(entry, read[path], path), f"{path}, column '{entry.label}'"
-        clock = clock_of(mapping, entry, path.name)
-        time, clock_name = _times(mapping, clock, signal, read[path], sources[path].names, column, str(path))
+        time, clock_name = _times(mapping, clock, signal, read[holder], sources[holder].names, column, str(holder))
         used, notes = usable_times(time, clock_name)
         time = time + ((signal.origin - origin) * 1e-9 + entry.time_offset)
         quantity = f"{entry.quantity} of {entry.component}"
@@ -165,6 +166,31 @@ def _read(
         left_out += notes
     left_out += lost.notes
     return mapped
+
+
+def _clocks(
+    mapping: LogMapping, sources: dict[Path, AbstractSignalSource], present: list[tuple[Path, MappedColumn]]
+) -> list[tuple[Clock | None, Path]]:
+    """Return the clock of each column and the file of its times: that of the column, or one that holds times alone."""
+    alone = [path for path in sources if path not in {holder for holder, _ in present}]
+    clocks = []
+    for path, entry in present:
+        clock = clock_of(mapping, entry, path.name, [other.name for other in alone])
+        holders = [path] if clock is None or _has_times(path, sources, clock) else []
+        if clock is not None and not holders:
+            holders = [other for other in alone if _has_times(other, sources, clock)]
+        if len(holders) > 1:
+            raise InputError(
+                f"mapping {mapping.name}: the times of {path.name} are in several files "
+                f"({', '.join(other.name for other in holders)}); name one of them by the key 'file' of 'time'"
+            )
+        clocks.append((clock, holders[0] if holders else path))
+    return clocks
+
+
+def _has_times(path: Path, sources: dict[Path, AbstractSignalSource], clock: Clock) -> bool:
+    """Whether a clock is that of a file: the one that it names, or one that has its column."""
+    return fnmatch(path.name, clock.file) if clock.file else clock.column in sources[path].names
 
 
 def _added(entry: MappedColumn, signals: dict[str, Signal], path: Path) -> Signal:
@@ -212,8 +238,8 @@ def _times(
         raise unknown_name(f"time column of mapping {mapping.name}", clock.column, names, path)
     if len(time) != len(signal.values):
         raise InputError(
-            f"{column} has {len(signal.values)} rows, but its time '{clock.column if clock else ''}' has {len(time)}; "
-            "make them equally long"
+            f"{column} has {len(signal.values)} rows, but its time '{clock.column if clock else ''}' of {path} has "
+            f"{len(time)}; make them equally long"
         )
     return time, clock_name
 

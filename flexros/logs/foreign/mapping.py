@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fnmatch import fnmatch
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from pydantic import Field, model_validator
 
@@ -12,6 +12,9 @@ from flexros.config.settings import Settings, validate
 from flexros.config.yaml_file import read_yaml
 from flexros.errors import unknown_name
 from flexros.logs.foreign.quantities import QUANTITIES, TIME_UNITS, UNITS, units_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
 
 MAPPINGS = Path(__file__).parents[1] / "mappings"
 """Folder of the built-in mapping files."""
@@ -45,7 +48,11 @@ class Clock(Settings):
 
     column: str = Field("", description="name of the time column")
     unit: str = Field("s", description="unit of the time column: s, ms, us or ns")
-    file: str = Field("", description="name of the files with this clock, with wildcards * and ?; all if left out")
+    file: str = Field(
+        "",
+        description="name of the files with this clock, with wildcards * and ?; all if left out. Or of a file of times "
+        "alone, whose rows are those of files without another clock",
+    )
     offset: float = Field(0.0, description="added to the times [s], for files whose clocks start at different times")
     rate: float | None = Field(None, gt=0, le=1e6, description="rows per second [Hz], if there is no time column")
 
@@ -190,18 +197,20 @@ class LogMapping(Settings):
         return self
 
 
-def clock_of(mapping: LogMapping, entry: MappedColumn, file: str) -> Clock | None:
+def clock_of(mapping: LogMapping, entry: MappedColumn, file: str, alone: Iterable[str] = ()) -> Clock | None:
     """Return the clock of a column: its own, or the first of the mapping that fits its file; None without one.
 
     Args:
         mapping: The mapping.
         entry: The column.
         file: Name of its file.
+        alone: Names of files that hold no column of the mapping, whose times count where no clock fits the file.
     """
     if entry.time is not None:
         return entry.time
     clocks = mapping.time if isinstance(mapping.time, tuple) else () if mapping.time is None else (mapping.time,)
-    return next((clock for clock in clocks if not clock.file or fnmatch(file, clock.file)), None)
+    fitting = (clock for name in (file, *alone) for clock in clocks if not clock.file or fnmatch(name, clock.file))
+    return next(fitting, None)
 
 
 def mapping_names() -> tuple[str, ...]:

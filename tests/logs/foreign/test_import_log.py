@@ -233,7 +233,7 @@ def test_lost_positions_of_a_motor_are_lost_beyond_it(mapping_of, table, write_c
 
 def test_unequal_lengths(mapping_of, table, tmp_path: Path) -> None:
     np.savez(tmp_path / "a.npz", t=table["t"][:-1], q=table["q"])
-    with pytest.raises(InputError, match="column 'q' has 50 rows, but its time 't' has 49; make them equally long"):
+    with pytest.raises(InputError, match="column 'q' has 50 rows, but its time 't' of .* has 49; make them"):
         import_log(mapping_of(Q), [tmp_path / "a.npz"])
 
 
@@ -311,6 +311,33 @@ def test_files_have_clocks_of_their_own(mapping_of, write_csv, tmp_path: Path) -
     clocks = [{"column": "stamp", "unit": "ms", "file": "u*", "offset": 0.005}, {"column": "t"}]
     log = import_log(mapping_of(Q, U, time=clocks), [q, u])
     assert np.all(log.joint_commands.stamp - log.joint_states.stamp == 5_000_000)
+
+
+@pytest.mark.parametrize(
+    "clock", [{"column": "t"}, {"column": "t", "file": "time.*"}, {"column": "[0]", "file": "*.txt"}]
+)
+def test_times_are_in_a_file_of_their_own(mapping_of, table, write_csv, tmp_path: Path, clock: dict) -> None:
+    files = [tmp_path / name for name in ("q.npz", "u.npz", "time.npz", "time.txt")]
+    for file, key in zip(files[:3], "qut", strict=True):
+        np.savez(file, **{key: table[key]})
+    np.savetxt(files[3], table["t"])
+    log = import_log(mapping_of(Q, U, time=clock), [*files[:2], files[3 if clock["column"] == "[0]" else 2]])
+    np.testing.assert_array_equal(log.joint_states.position[:, 0], table["q"])
+    np.testing.assert_array_equal(log.joint_states.stamp, 10**9 + 10**6 * np.arange(50))
+    np.testing.assert_array_equal(log.joint_commands.stamp, log.joint_states.stamp)
+
+
+def test_files_of_times_must_be_one_of_as_many_rows(mapping_of, table, tmp_path: Path) -> None:
+    files = [tmp_path / name for name in ("q.npz", "t1.npz", "t2.npz")]
+    np.savez(files[0], q=table["q"])
+    for file in files[1:]:
+        np.savez(file, t=table["t"][1:])
+    with pytest.raises(InputError, match="times of q.npz are in several files .t1.npz, t2.npz.; name one"):
+        import_log(mapping_of(Q), files)
+    with pytest.raises(InputError, match="q.npz, column 'q' has 50 rows, but its time 't' of .*t1.npz has 49"):
+        import_log(mapping_of(Q), files[:2])
+    with pytest.raises(InputError, match="unknown time column of mapping mine 'x' in .*t1.npz: allowed are t"):
+        import_log(mapping_of(Q, time={"column": "x", "file": "t1*"}), files[:2])
 
 
 def test_a_column_has_a_clock_of_its_own(mapping_of, write_csv, tmp_path: Path) -> None:
