@@ -19,9 +19,10 @@ if TYPE_CHECKING:
 SAME_RATE = 1e-3
 """Relative difference of sample times up to which two records have the same rate [1] (chosen)."""
 
-MOST_RAISED = 0.05
-"""Relative increase of the rate up to which a record is resampled [1] (chosen): beyond it there would be more samples
-than measurements, whose noise is not independent."""
+MOST_RAISED = 0.2
+"""Relative increase of the rate up to which a record is resampled [1] (chosen): beyond it there would be far more
+samples than measurements, whose noise is not independent. The mean rate of a recorder with late samples, whose usual
+interval is the same, varies from log to log by a tenth."""
 
 FASTEST = 2000.0
 """Highest rate of a real machine's log that is used as it is [Hz] (chosen): above, samples cost time and tell nothing

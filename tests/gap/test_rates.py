@@ -20,13 +20,21 @@ FRICTION = "coulomb_friction@motor_1:level=0.05"
 pytestmark = pytest.mark.slow
 
 
-def test_a_holdout_of_a_slightly_higher_rate_is_resampled() -> None:
-    record, other = record_of(FRICTION), resampled(record_of(FRICTION, seed=2), 0.98 * ROBOT.sample_time)
+@pytest.mark.parametrize("interval", [0.98, 1.15])
+def test_a_holdout_of_a_slightly_other_rate_is_resampled(interval: float) -> None:
+    record, other = record_of(FRICTION), resampled(record_of(FRICTION, seed=2), interval * ROBOT.sample_time)
     result = diagnose(record, ROBOT, holdout=other, settings=settings_of("coulomb_friction", "viscous_friction"))
     (cause,) = result.diagnosis.causes
     assert cause.effect == "coulomb_friction"
     assert cause.parameters["level"].value == pytest.approx(0.05, rel=0.05)
     assert result.diagnosis.gap.closed_fraction > 0.9
+
+
+def test_a_holdout_of_a_slightly_lower_rate_shows_no_gap_where_there_is_none() -> None:
+    other = resampled(record_of(seed=2), 1.15 * ROBOT.sample_time)
+    result = diagnose(record_of(), ROBOT, holdout=other, settings=settings_of("coulomb_friction", "viscous_friction"))
+    assert result.diagnosis.verdict == "no_gap"
+    assert result.diagnosis.gap.before < 1.1
 
 
 def test_a_holdout_of_a_much_lower_rate_is_refused() -> None:
