@@ -115,18 +115,20 @@ def _propose(bag: Path, model: str, out: Path | None, proposed: Path | None, rat
     from flexros.record.proposal.text import mapping_text
 
     path = proposed or Path(f"{out or bag.stem}_mapping.yaml")
-    for each in (path, out):
-        if each is not None and each.exists():
-            raise InputError(f"{each} exists already; give another name or remove it")
+    if out is not None and out.exists():
+        raise InputError(f"{out} exists already; give another name or remove it")
     with progress_shown() as show:
         show("robot", 0.0)
         robot = _robot(model) if model else robot_in_bag(bag)
         show("reading", 0.1)
         found = propose_mapping(bag, robot, lambda text: show(text, 0.5), rate=rate)
+        text = mapping_text(found.mapping, found.assumptions)
+        if path.exists() and not (path.is_file() and path.read_bytes() == text.encode()):
+            raise InputError(f"{path} exists already and says something else; give another name or remove it")
         if out is not None:
             show("writing", 0.9)
             write_log(found.log, out)
-        write_result(path, mapping_text(found.mapping, found.assumptions), "mapping")
+        write_result(path, text, "mapping")
     rows = _rows(found.log)
     if as_json:
         assumed = [asdict(each) for each in found.assumptions]

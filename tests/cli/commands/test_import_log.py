@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -144,6 +145,15 @@ def test_what_does_not_go_together(flexros, files, tmp_path: Path, monkeypatch, 
     assert ended.code == 2
     assert message in ended.err
     assert not (tmp_path / "log").exists()
+
+
+def test_a_log_that_was_removed_is_imported_again(flexros, bag, tmp_path: Path) -> None:
+    """Its mapping, which is still there, says the same."""
+    log = tmp_path / "log"
+    for _ in range(2):
+        ended = flexros("import", bag, "--model", "two_mass", "--out", str(log))
+        assert ended.code == 0, ended.err
+        shutil.rmtree(log)
 
 
 def test_existing_mapping_is_kept(flexros, bag, tmp_path: Path) -> None:
