@@ -40,6 +40,8 @@ def import_urdf(
     if as_json:
         _print_import(imported, out, second)
         return
+    for note in imported.notes:
+        say(note)
     say(f"{out} written; replace each 'rigid' by the stiffness of the gear")
     if second:
         say(f"{second} written: {effects}; give it as the model where this friction counts")

@@ -119,10 +119,11 @@ def _propose(bag: Path, model: str, out: Path | None, proposed: Path | None, rat
         raise InputError(f"{out} exists already; give another name or remove it")
     with progress_shown() as show:
         show("robot", 0.0)
-        robot = _robot(model) if model else robot_in_bag(bag)
+        robot, assumed = _robot(model) if model else (robot_in_bag(bag), [])
         show("reading", 0.1)
         found = propose_mapping(bag, robot, lambda text: show(text, 0.5), rate=rate)
-        text = mapping_text(found.mapping, found.assumptions)
+        assumed += found.assumptions
+        text = mapping_text(found.mapping, assumed)
         if path.exists() and not (path.is_file() and path.read_bytes() == text.encode()):
             raise InputError(f"{path} exists already and says something else; give another name or remove it")
         if out is not None:
@@ -131,12 +132,12 @@ def _propose(bag: Path, model: str, out: Path | None, proposed: Path | None, rat
         write_result(path, text, "mapping")
     rows = _rows(found.log)
     if as_json:
-        assumed = [asdict(each) for each in found.assumptions]
         log = None if out is None else str(out)
         warnings = list(found.log.warnings)
-        print_json({"log": log, "mapping": str(path), "assumptions": assumed, "topics": rows, "warnings": warnings})
+        told = [asdict(each) for each in assumed]
+        print_json({"log": log, "mapping": str(path), "assumptions": told, "topics": rows, "warnings": warnings})
         return
-    _print_assumptions(found.assumptions)
+    _print_assumptions(assumed)
     if out is not None:
         _print(rows, found.log)
     say(f"Mapping: {path}")
@@ -150,16 +151,19 @@ def _propose(bag: Path, model: str, out: Path | None, proposed: Path | None, rat
         suggest(f"flexros analyze {shlex.quote(str(out))}    tracking and timing")
 
 
-def _robot(model: str) -> Robot:
-    """Load a robot, or make one from a URDF."""
+def _robot(model: str) -> tuple[Robot, list[Assumption]]:
+    """Load a robot, or make one from a URDF; return it and what was assumed of the URDF."""
     from flexros.config.yaml_file import parse_yaml
     from flexros.effects.patching.patched_robot import load_model
+    from flexros.record.proposal.assumption import Assumption
     from flexros.robot import robot_from_data
-    from flexros.robot.exchange.urdf.robot_import import skeleton_from_urdf
+    from flexros.robot.exchange.urdf.robot_import import robot_from_urdf
 
     if model.endswith(_DESCRIPTIONS):
-        return robot_from_data(parse_yaml(skeleton_from_urdf(Path(model)), model), model)
-    return load_model(model).robot
+        imported = robot_from_urdf(Path(model))
+        assumed = [Assumption("robot", note, f"joints of {model}", True) for note in imported.notes]
+        return robot_from_data(parse_yaml(imported.text, model), model), assumed
+    return load_model(model).robot, []
 
 
 def _print_assumptions(assumptions: Sequence[Assumption]) -> None:

@@ -124,6 +124,12 @@ def test_import_urdf_prints_joints_and_effects_for_programs(flexros: Flexros, ur
     assert (effect["effect"], effect["location"], effect["value"]) == ("coulomb_friction", "motor_1", 0.3)
 
 
+def test_import_urdf_says_what_it_assumes(flexros: Flexros, urdf: Path, tmp_path: Path) -> None:
+    urdf.write_text(URDF.replace("<link name='b'/>", ""))
+    ended = flexros("import-urdf", str(urdf), "--out", str(tmp_path / "a.yaml"))
+    assert (ended.code, "the base link b, which the URDF does not declare" in " ".join(ended.out.split())) == (0, True)
+
+
 def test_import_urdf_without_dry_friction_writes_no_patch(flexros: Flexros, urdf: Path, tmp_path: Path) -> None:
     urdf.write_text(URDF.replace("friction='0.3'", ""))
     ended = flexros("import-urdf", str(urdf), "--out", str(tmp_path / "a.yaml"), "--json")

@@ -162,3 +162,23 @@ def test_existing_mapping_is_kept(flexros, bag, tmp_path: Path) -> None:
     assert ended.code == 2
     assert (tmp_path / "log_mapping.yaml").read_text() == "mine"
     assert not (tmp_path / "log").exists()
+
+
+def test_what_is_assumed_of_a_urdf_is_listed(flexros, tmp_path: Path) -> None:
+    (tmp_path / "a.urdf").write_text(
+        "<robot name='a'><link name='c'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1'/></inertial></link>"
+        "<joint name='j' type='revolute'><parent link='world'/><child link='c'/><axis xyz='0 0 1'/></joint></robot>"
+    )
+    (tmp_path / "log.csv").write_text("time,q1\n" + "".join(f"{0.01 * k},{np.sin(0.01 * k)}\n" for k in range(100)))
+    ended = flexros(
+        "import",
+        str(tmp_path / "log.csv"),
+        "--model",
+        str(tmp_path / "a.urdf"),
+        "--out",
+        str(tmp_path / "log"),
+        "--json",
+    )
+    assert ended.code == 0, ended.err
+    first = json.loads(ended.out)["assumptions"][0]
+    assert (first["about"], "base link world" in first["taken"]) == ("robot", True)

@@ -131,7 +131,9 @@ def _robot(text: str, file: str, tip: str, drawing: str = "") -> ImportedRobot:
     head["gravity"] = _numbers(base @ [0, 0, -9.81])
     if drawing and any(link.find("visual") is not None for link in tree.links.values()):
         head["drawing"] = drawing
-    return ImportedRobot(_text(head, bodies, outputs, tags), tuple(effects), tuple(imported), ())
+    notes = (f"the base link {tree.undeclared}, which the URDF does not declare, is one without mass",)
+    written = _text(head, bodies, outputs, tags)
+    return ImportedRobot(written, tuple(effects), tuple(imported), (), notes if tree.undeclared else ())
 
 
 def _refuse_joints(joints: Sequence[UrdfJoint], file: str) -> None:

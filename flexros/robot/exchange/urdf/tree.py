@@ -85,6 +85,7 @@ class UrdfTree:
         links: Elements of the links by their names.
         children: Joints by the link that carries them.
         joints: All joints by the link behind them.
+        undeclared: Base link that joints name and the URDF does not declare; empty for none.
     """
 
     source: str
@@ -92,6 +93,7 @@ class UrdfTree:
     links: Mapping[str, ElementTree.Element]
     children: Mapping[str, Sequence[UrdfJoint]]
     joints: Mapping[str, UrdfJoint]
+    undeclared: str = ""
 
     def chain(self, tip: str = "") -> list[UrdfJoint]:
         """Return the joints from the base to a link.
@@ -210,6 +212,8 @@ class UrdfTree:
 def read_tree(text: str, source: str) -> UrdfTree:
     """Read the tree of a URDF.
 
+    A base link that joints name without its declaration, as `world` where a simulator knows it, is one without mass.
+
     Args:
         text: The URDF.
         source: Where it comes from: a file or a topic.
@@ -219,12 +223,23 @@ def read_tree(text: str, source: str) -> UrdfTree:
     """
     root = _parse(text, source)
     links = {link.get("name", ""): link for link in root.findall("link")}
+    undeclared = _undeclared_base(root, links)
+    if undeclared:
+        links[undeclared] = ElementTree.Element("link", name=undeclared)
     joints = [_joint(element, links, source) for element in root.findall("joint")]
     _refuse_loops(joints, source)
     children: dict[str, list[UrdfJoint]] = {}
     for joint in joints:
         children.setdefault(joint.parent, []).append(joint)
-    return UrdfTree(source, root.get("name", ""), links, children, {joint.child: joint for joint in joints})
+    by_child = {joint.child: joint for joint in joints}
+    return UrdfTree(source, root.get("name", ""), links, children, by_child, undeclared)
+
+
+def _undeclared_base(root: ElementTree.Element, links: Collection[str]) -> str:
+    """Return the only undeclared link that joints name as a parent, if it carries all others; else an empty name."""
+    parents, children = ({end.get("link", "") for end in root.findall(f"joint/{kind}")} for kind in ("parent", "child"))
+    unknown = parents - children - set(links)
+    return unknown.pop() if len(unknown) == 1 and set(links) <= children else ""
 
 
 def _parse(text: str, file: str) -> ElementTree.Element:

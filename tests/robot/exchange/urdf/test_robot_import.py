@@ -158,6 +158,21 @@ def test_wrong_entry_is_named(urdf: Path, old: str, new: str, message: str) -> N
         skeleton_from_urdf(urdf)
 
 
+def test_an_undeclared_base_is_a_link_without_mass(urdf: Path) -> None:
+    """As `world`, which some simulators know by its name; another unknown link is a mistake."""
+    declared = robot_from_urdf(urdf)
+    urdf.write_text(URDF.replace('<link name="base"/>', "").replace('"base"', '"world"'))
+    imported = robot_from_urdf(urdf)
+    assert imported.text == declared.text
+    assert imported.notes == ("the base link world, which the URDF does not declare, is one without mass",)
+    assert not declared.notes
+    urdf.write_text(URDF.replace('<parent link="base"/>', '<parent link="bass"/>'))
+    with pytest.raises(
+        InputError, match="joint 'shoulder' names the parent link 'bass', but the links are base, upper"
+    ):
+        robot_from_urdf(urdf)
+
+
 @pytest.mark.parametrize(("axis", "turn", "opposite"), [("0 0 -1", "0", True), ("0 0 -1", "3.141592653589793", False)])
 def test_axis_that_points_the_other_way_in_the_base_is_remarked(
     urdf: Path, axis: str, turn: str, opposite: bool
