@@ -43,8 +43,10 @@ _MEASURED = {"actual", "act", "measured", "meas", "present", "feedback", "fb", "
 """Words of no joint, which make a name that of a position where no other one is, and the same joint has a command."""
 _STATES = {"enable", "enabled", "limit", "limits", "error", "errors", "err", "mode", "status", "flag"}
 """Words of a name that make its column no signal of the quantity: torque_enable, current_limit, position_error."""
-_OF_TOOL = {"ee", "eef", "tcp", "flange", "cartesian", "pose"}
-"""Words of a name that make it one of the tool, and of no joint: ee_pos, tcp_speed."""
+_ELSEWHERE = dict.fromkeys(("ee", "eef", "tcp", "flange", "cartesian", "pose"), "of the tool") | dict.fromkeys(
+    ("imu", "gyro", "gyroscope", "accelerometer"), "of an inertial sensor"
+)
+"""Words of a name that make it one of something else than a joint: ee_pos, tcp_speed, imu_vel."""
 TORQUES = ("measured_torque", "torque_command")
 """Quantities that drive the robot by torques."""
 _OF_CURRENT = {"measured_current": "measured_torque", "current_command": "torque_command"}
@@ -163,8 +165,8 @@ def _meaning(words: Sequence[str], commands: str) -> tuple[str | None, str]:
         return None, "its name says no quantity"
     if states := [word for word in words if word in _STATES]:
         return None, f"a state of the drive or a limit by its word {states[0]}"
-    if words_of_tool := [word for word in words if word in _OF_TOOL]:
-        return None, f"of the tool, by its word {words_of_tool[0]}: map it by hand"
+    if elsewhere := [word for word in words if word in _ELSEWHERE]:
+        return None, f"{_ELSEWHERE[elsewhere[0]]}, by its word {elsewhere[0]}: map it by hand"
     kind, wanted = kinds[0], bool(_WANTED & set(words))
     if kind == "position" and "dot" in words:
         kind = "velocity"

@@ -92,7 +92,7 @@ def about_joints(robot: Robot | None, matches: Sequence[JointMatch]) -> Assumpti
     if robot is None:
         return Assumption("joints", text, "no model was given: the joints of the log in their order", False)
     if any(match.found == "order" for match in matches):
-        ground, sure = f"no name of robot {robot.name} is in the log: by their order", False
+        ground, sure = f"no name of robot {robot.name} is in the log: guessed by their order", False
     elif any(match.found != "name" for match in matches):
         ground, sure = "the names in the log end with those of the model", True
     else:

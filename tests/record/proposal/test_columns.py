@@ -109,8 +109,8 @@ def test_states_of_a_drive_are_no_signals() -> None:
     assert (found.joints, list(found.ignored)) == (("1",), names[3:])
 
 
-def test_what_is_of_the_tool_is_of_no_joint() -> None:
-    names = ["t", "q[0]", "q[1]", "ee_pos[0]", "ee_pos[1]", "tcp_speed"]
+def test_what_is_of_the_tool_or_an_inertial_sensor_is_of_no_joint() -> None:
+    names = ["t", "q[0]", "q[1]", "ee_pos[0]", "ee_pos[1]", "tcp_speed", "raw_imu_pos"]
     found = table_signals(names, "log.csv")
     assert (found.joints, list(found.ignored)) == (("0", "1"), names[3:])
 

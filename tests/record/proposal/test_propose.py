@@ -199,6 +199,17 @@ def test_columns_of_unequal_length_are_refused_with_their_lengths(rate: float | 
         propose_mapping(file, None, rate=rate)
 
 
+def test_joints_of_other_names_are_guessed_by_their_order(tmp_path: Path) -> None:
+    """What is no joint, as an inertial sensor, does not count among them."""
+    time = np.arange(500) / 100
+    file, names = tmp_path / "run.csv", "t,shoulder_pos,elbow_pos,raw_imu_pos"
+    rows = np.column_stack([time, np.sin(time), np.cos(time), time])
+    np.savetxt(file, rows, delimiter=",", header=names, comments="")
+    (joints,) = about(propose_mapping(file, load_robot("elbow")), "joints")
+    assert joints.taken == "motor_1 = shoulder, motor_2 = elbow"
+    assert ("guessed by their order" in joints.ground, joints.checked) == (True, False)
+
+
 def test_a_column_of_a_table_that_lacks_a_joint_is_said_with_its_name(tmp_path: Path) -> None:
     time = np.arange(500) / 100
     file = tmp_path / "run.csv"
