@@ -169,14 +169,14 @@ def _usual_torque(record: Record, robot: Robot, tolerance: float) -> FloatArray:
     A joint without a drive has no torque, known exactly, but weight and inertia are in balance there, and neither is
     known exactly: of a measured log the larger one counts.
     """
-    changing = np.std(record.torque, axis=0)
+    changing: FloatArray = np.std(record.torque, axis=0)
     silent = ~(changing > 0)
     if not tolerance or record.command is not None or not silent.any():
         return changing
     checked = CheckedRecord(record, robot)
     moving = checked.torque_without(WEIGHTLESS)
     parts = np.maximum(np.std(checked.rigid_torque() - moving, axis=0), np.std(moving, axis=0))
-    return np.where(silent, parts / LEAST_TORQUE, changing)
+    return np.asarray(np.where(silent, parts / LEAST_TORQUE, changing))
 
 
 def _declared(record: Record, robot: Robot, noise: Noise) -> FloatArray:
