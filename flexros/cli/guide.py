@@ -130,7 +130,7 @@ def _after_kinematics(given: Mapping[str, Any], _: int) -> str:
 
 
 def _after_import_urdf(given: Mapping[str, Any], _: int) -> str:
-    return f"flexros robot {word(given['out'])}    its modes, once each 'rigid' is replaced"
+    return f"flexros robot {word(given['out'])}    its numbers, and its modes with elastic gears"
 
 
 def _after_import_mjcf(given: Mapping[str, Any], _: int) -> str:

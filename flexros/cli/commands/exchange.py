@@ -42,7 +42,7 @@ def import_urdf(
         return
     for note in imported.notes:
         say(note)
-    say(f"{out} written; replace each 'rigid' by the stiffness of the gear")
+    say(f"{out} written with rigid gears; where one is elastic, replace its 'rigid' by the stiffness")
     if second:
         say(f"{second} written: {effects}; give it as the model where this friction counts")
 

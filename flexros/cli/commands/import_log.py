@@ -145,10 +145,20 @@ def _propose(bag: Path, model: str, out: Path | None, proposed: Path | None, rat
         suggest(f"correct what is wrong in the mapping, then flexros import {path} {bag} --out LOG")
         return
     say(f"Log: {out}")
-    if robot is not None and model and not model.endswith(_DESCRIPTIONS):
+    if not _drives(found.log):
+        again = f"flexros import {path} {bag} --out LOG"
+        suggest(f"map what drives the robot, torques or commanded positions, by hand, then {again}")
+    elif robot is not None and model and not model.endswith(_DESCRIPTIONS):
         suggest(f"flexros gap {shlex.quote(str(out))} --model {shlex.quote(model)}    how far they are apart")
     else:
         suggest(f"flexros analyze {shlex.quote(str(out))}    tracking and timing")
+
+
+def _drives(log: Log) -> bool:
+    """Return whether a log has torques or commanded positions, without which nothing can be predicted."""
+    series = (log.joint_states, log.joint_commands)
+    commanded = log.joint_commands is not None and log.joint_commands.position is not None
+    return commanded or any(one is not None and one.effort is not None for one in series)
 
 
 def _robot(model: str) -> tuple[Robot, list[Assumption]]:

@@ -182,3 +182,10 @@ def test_what_is_assumed_of_a_urdf_is_listed(flexros, tmp_path: Path) -> None:
     assert ended.code == 0, ended.err
     first = json.loads(ended.out)["assumptions"][0]
     assert (first["about"], "base link world" in first["taken"]) == ("robot", True)
+
+
+def test_a_log_that_nothing_drives_is_to_be_completed(flexros, tmp_path: Path) -> None:
+    (tmp_path / "log.csv").write_text("time,q1\n" + "".join(f"{0.01 * k},{np.sin(0.01 * k)}\n" for k in range(100)))
+    ended = flexros("import", str(tmp_path / "log.csv"), "--model", "two_mass", "--out", str(tmp_path / "log"))
+    assert ended.code == 0, ended.err
+    assert "map what drives the robot, torques or commanded positions, by hand" in ended.err + ended.out
