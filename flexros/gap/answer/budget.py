@@ -191,7 +191,26 @@ def _model_numbers(findings: Findings) -> tuple[ModelNumber, ...]:
                     determined=all(parameter.determined for _, parameter in own),
                 )
             )
-    return (*_estimated(findings), *numbers)
+    return _together([*_estimated(findings), *numbers])
+
+
+def _together(numbers: Sequence[ModelNumber]) -> tuple[ModelNumber, ...]:
+    """Return each number once: a fit adds what an effect and a tolerated deviation change of it."""
+    found: dict[str, ModelNumber] = {}
+    for one in numbers:
+        other = found.get(one.name)
+        found[one.name] = (
+            one
+            if other is None
+            else one.model_copy(
+                update={
+                    "value": other.value + one.value - one.nominal,
+                    "std": float(np.hypot(other.std, one.std)),
+                    "determined": other.determined and one.determined,
+                }
+            )
+        )
+    return tuple(found.values())
 
 
 def _estimated(findings: Findings) -> list[ModelNumber]:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 
 from flexros.effects.left_out.body_difference import BodyDifference
-from flexros.gap.answer.budget import _of_body
+from flexros.gap.answer.budget import _of_body, _together
 from flexros.gap.diagnose import diagnose
+from flexros.gap.schema import ModelNumber
 from flexros.gap.settings import DiagnosisSettings, SearchSettings
 from tests.gap.rigid_arm import arm, record_of_arm
 
@@ -18,6 +19,15 @@ def test_numbers_of_a_body_are_listed_where_they_differ_clearly_and_beyond_their
     assert (row.location, row.name, row.nominal, row.unit) == ("body_2", "body_2.mass", 3.0, "kg")
     assert (row.value, row.std) == pytest.approx((3.6, 0.18))
     assert not _of_body(difference, "body_2", arm(), {"body_2.mass": 0.2, "body_2.center_of_mass.x": 1e-3})
+
+
+def test_a_number_that_an_effect_and_its_tolerance_change_is_listed_once() -> None:
+    effect, moved = (
+        ModelNumber(location="tool", name="body_1.mass", nominal=6.0, value=value, std=std, unit="kg")
+        for value, std in ((3.0, 0.3), (4.0, 0.4))
+    )
+    (row,) = _together([effect, moved])
+    assert (row.value, row.std) == pytest.approx((1.0, 0.5))
 
 
 @pytest.mark.slow
