@@ -22,6 +22,10 @@ if TYPE_CHECKING:
 LOW_FRACTION, LEAST_GAP = 0.5, 2.0
 """Closed fraction below which, and gap above which, it is warned that the explanation may not hold elsewhere [1]."""
 
+SIZEABLE, LEAST_FLOOR = 0.25, 2.0
+"""Share of the gap that the tolerance of torques makes from which what is left is about that, and the least such gap
+[1] (chosen)."""
+
 SCALED, SEVERAL = 0.3, 2
 """Size of an error of the torque gain, and number of motors that have one, from which a wrong unit is likelier than
 such drives [1] (chosen): torque constants drop by 10 % when hot."""
@@ -69,6 +73,7 @@ def answer_warnings(findings: Findings, gap: GapNumbers, *, worse: bool) -> list
         "withdrawn, and what it stood for is not known; that log took part in the choice, so check the patch on a third"
         for name in findings.withdrawn
     ]
+    warnings += _within_tolerance(findings, gap)
     given = findings.as_given
     if explanations.detected and given.kept:
         warnings.append(
@@ -84,6 +89,17 @@ def answer_warnings(findings: Findings, gap: GapNumbers, *, worse: bool) -> list
         *_drift_warnings(findings),
         *_one_way_warnings(findings),
         *hanging_sizes(findings),
+    ]
+
+
+def _within_tolerance(findings: Findings, gap: GapNumbers) -> list[str]:
+    """Say where what is left is about what the tolerance of torques allows for: effects below that do not show."""
+    share, floor = findings.data.measurement.signal_tolerance, gap.tolerance_floor
+    if gap.after is None or floor is None or floor < LEAST_FLOOR or not SIZEABLE < gap.after / floor < 1 / SIZEABLE:
+        return []
+    return [
+        f"what is left is about what torques that are off by {100 * share:g} % of their rms leave, and effects below that "
+        "do not show: if these torques are known better, as those of a simulator, diagnose with --tolerance torque=0.005"
     ]
 
 

@@ -35,6 +35,17 @@ def test_torques_of_several_motors_that_act_by_other_factors_have_another_unit(
     assert all("motor_1: 0.52" in text and "motor_2: 0.34" in text for text in texts)
 
 
+@pytest.mark.parametrize(
+    ("after", "floor", "warned"), [(18.3, 20.8, True), (1.2, 20.8, False), (300.0, 20.8, False), (1.0, None, False)]
+)
+def test_what_the_tolerance_of_torques_may_hide_is_told(after: float, floor: float | None, warned: bool) -> None:
+    findings: Any = SimpleNamespace(data=SimpleNamespace(measurement=SimpleNamespace(signal_tolerance=0.05)))
+    gap: Any = SimpleNamespace(after=after, tolerance_floor=floor)
+    texts = warnings._within_tolerance(findings, gap)
+    assert bool(texts) is warned
+    assert all("off by 5 % of their rms" in text and "--tolerance torque=0.005" in text for text in texts)
+
+
 def test_numbers_far_out_of_tolerance_are_stated() -> None:
     tolerance = Tolerance(("body_1.mass", "body_1.inertia.yy"), (0.02, 0.02))
     chosen: Any = SimpleNamespace(predictor=SimpleNamespace(tolerance=tolerance), deviations=np.array([5.0, 1.0]))
