@@ -98,8 +98,9 @@ def _within_tolerance(findings: Findings, gap: GapNumbers) -> list[str]:
     if gap.after is None or floor is None or floor < LEAST_FLOOR or not SIZEABLE < gap.after / floor < 1 / SIZEABLE:
         return []
     return [
-        f"what is left is about what torques that are off by {100 * share:g} % of their rms leave, and effects below that "
-        "do not show: if these torques are known better, as those of a simulator, diagnose with --tolerance torque=0.005"
+        f"what is left is about what torques that are off by {100 * share:g} % of their rms leave, and effects below "
+        "that do not show: if these torques are known better, as those of a simulator, diagnose with --tolerance "
+        "torque=0.005"
     ]
 
 
