@@ -57,8 +57,7 @@ SUMMARY = """
 
 "Named" counts deviations that are published or follow from least squares: effect and joint, with a probability of at
 least 50 %, and with a size within 25 % of the stated range. Shares of the gap are the smallest and the largest of the
-logs that were not fitted. Times are of a machine that did other work at times: processor times below tell more. It was
-slow as well: for the hobby servo it took 30 s of processor time with code that had taken 11 s on another day.
+logs that were not fitted. Times are of one of two cores beside other work: processor times below tell more.
 
 """
 
