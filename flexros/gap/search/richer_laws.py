@@ -105,13 +105,19 @@ def with_simpler_effects(search: Search, fit: CandidateFit, fits: list[Candidate
         promising = promising[: settings.added]
         found = search.parallel("simpler effects", partial(search.together, rest), [[one] for one in promising])
         found += _in_place(search, [fit], law, [one.candidate for one in promising])
-        found += _laws_in_place(search, fit, law)
+        lawful = _laws_in_place(search, fit, law)
+        found += lawful
         if not found:
             continue
         best = search.beside_jumps(search.completed(min(found, key=lambda one: one.chi2)))
-        if best.chi2 <= fit.chi2:
-            fits += [rest, *found, best]
-            fit = best
+        if lawful and best.chi2 > fit.chi2:  # a curve takes up a part of what else is missing
+            best = search.completed(min(lawful, key=lambda one: one.chi2))
+            if worth(search, compared(search, [best, fit]), best, fit, settings.removed_of_all):
+                continue
+        elif best.chi2 > fit.chi2:
+            continue
+        fits += [rest, *found, best]
+        fit = best
     return fit
 
 
