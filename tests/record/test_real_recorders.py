@@ -14,6 +14,7 @@ from flexros.effects import RobotWithEffects
 from flexros.gap.noise.encoder_noise import measure_noise
 from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.settings import DiagnosisSettings
+from flexros.gap.settings.log import NoiseSettings
 from flexros.logs.foreign.import_log import import_log
 from flexros.logs.foreign.mapping import load_mapping
 from flexros.record.checks.run import findings
@@ -39,7 +40,8 @@ def recorded(folder: Path, file: str, mapping: str, robot: str) -> tuple[Record,
 
 def test_one_lost_command_leaves_a_log_of_which_slow_modes_settle_for_seconds() -> None:
     record, robot = recorded(PENDULUM, "C_143704.csv", "mapping.yaml", "robot_without_friction.yaml")
-    data = fit_data(record, RobotWithEffects(robot, ()), DiagnosisSettings())
+    exact = DiagnosisSettings(noise=NoiseSettings(signal_tolerance=0.0))
+    data = fit_data(record, RobotWithEffects(robot, ()), exact)
     assert data.gain.settling > 0.9 * record.n_samples
     assert data.counted.mean() > 0.99
 

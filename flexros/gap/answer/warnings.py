@@ -99,8 +99,8 @@ def _within_tolerance(findings: Findings, gap: GapNumbers) -> list[str]:
         return []
     return [
         f"what is left is about what torques that are off by {100 * share:g} % of their rms leave, and effects below "
-        "that do not show: if these torques are known better, as those of a simulator, diagnose with --tolerance "
-        "torque=0.005"
+        "that do not show: if these torques are known better, as those of a simulator, state a tolerance of torque of "
+        "0.005"
     ]
 
 

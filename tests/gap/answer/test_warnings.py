@@ -43,7 +43,7 @@ def test_what_the_tolerance_of_torques_may_hide_is_told(after: float, floor: flo
     gap: Any = SimpleNamespace(after=after, tolerance_floor=floor)
     texts = warnings._within_tolerance(findings, gap)
     assert bool(texts) is warned
-    assert all("off by 5 % of their rms" in text and "--tolerance torque=0.005" in text for text in texts)
+    assert all("off by 5 % of their rms" in text and "tolerance of torque of 0.005" in text for text in texts)
 
 
 def test_numbers_far_out_of_tolerance_are_stated() -> None:
