@@ -155,9 +155,18 @@ def explain(search: Search) -> Explanations:
 def _simplified(
     search: Search, chosen: CandidateFit, directions: Sequence[Directions], fits: list[CandidateFit]
 ) -> CandidateFit:
-    """Take simpler effects in place of rich ones, and add those that did not show beside these."""
+    """Take simpler effects in place of rich ones, and add those that did not show beside these.
+
+    Beside a law that takes the place of a curve, what made up for the curve gives way, and the search goes on.
+    """
     simple = with_simpler_effects(search, chosen, fits)
-    return simple if simple.names == chosen.names else grown_to_floor(search, simple, directions, fits)
+    if simple.names == chosen.names:
+        return simple
+    if search.from_torques and len(curves_of(simple.hypothesis)) < len(curves_of(chosen.hypothesis)):
+        around = search.directions(search.candidates(), simple)
+        simple = extended(search, with_dropped(search, simple, fits), around, fits, again=True)
+        simple = tidied(search, simple, around, fits)
+    return grown_to_floor(search, simple, directions, fits)
 
 
 def _beside_curves(
