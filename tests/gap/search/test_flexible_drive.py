@@ -14,6 +14,7 @@ from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.diagnose import diagnose
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.residuals.prepare_fit_data import fit_data
+from flexros.gap.search import richer_laws
 from flexros.gap.search.curves import with_curves
 from flexros.gap.search.fits.refits import at_limits
 from flexros.gap.search.prepare import prepare_search
@@ -166,7 +167,7 @@ def test_a_spring_with_a_knee_that_is_worth_it_stays() -> None:
     assert with_simpler_effects(search, right, []) is right
 
 
-def test_backlash_takes_the_place_of_a_curve_that_stands_for_it() -> None:
+def test_backlash_takes_the_place_of_a_curve_that_stands_for_it(monkeypatch: pytest.MonkeyPatch) -> None:
     curves = (*RIVALS, "spring_curve")
     truth = ("backlash@motor_1:gap=1e-3", FRICTION[1])
     search, friction = search_and_fit(truth, ("viscous_friction@motor_1",), curves)
@@ -175,6 +176,10 @@ def test_backlash_takes_the_place_of_a_curve_that_stands_for_it() -> None:
     right = with_simpler_effects(search, wrong, [])
     assert right.names == {"backlash@motor_1", "viscous_friction@motor_1"}
     assert right.chi2 < wrong.chi2
+    curve = replace(wrong, chi2=0.9 * right.chi2)  # as of one that takes up what else is missing
+    for worth in (True, False):
+        monkeypatch.setattr(richer_laws, "worth", lambda *_, worth=worth: worth)
+        assert (with_simpler_effects(search, curve, []) is curve) is worth
 
 
 def test_hysteresis_that_no_number_stands_for_stays() -> None:
