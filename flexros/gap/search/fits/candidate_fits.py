@@ -36,6 +36,11 @@ if TYPE_CHECKING:
     from flexros.prediction.integration_step import IntegrationSteps
 
 
+SELDOM, ONE_SIZE = 0.1, 0.8
+"""Share of the samples in which the torque behind a relay may be smaller, and its least size in the others, over the
+largest [1] (chosen)."""
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Search(Refits):
     """The common ground of all fits of candidates to one log.
@@ -92,7 +97,8 @@ class Search(Refits):
     def candidates(self, *, for_curve: bool = False) -> tuple[Candidate, ...]:
         """List the candidates that come from the ranges of effects; those of harmonics follow from a fit.
 
-        A measured torque is what a limit left of it, so that no limit competes.
+        A measured torque is what a limit left of it, so that no limit competes, nor does one of a torque that only
+        changes its sign: that would scale all of it.
 
         Args:
             for_curve: Whether those are listed that are tried in place of a curve.
@@ -106,10 +112,16 @@ class Search(Refits):
             )
             if self.competitors.contain(candidate)
             and self._known(candidate)
-            and not (self.data.record.measured_torque and candidate.cuts_off)
+            and not (candidate.cuts_off and (self.data.record.measured_torque or self._switches(candidate.location)))
             and not self._acts_on_nothing(candidate)
             and (tool or not issubclass(candidate.effect, AbstractToolError))
         )
+
+    def _switches(self, motor: str) -> bool:
+        """Return whether the torque of a motor has one size and changes its sign alone, as behind a relay."""
+        record = self.data.record
+        size = np.abs(record.torque[record.valid, self.null.model.robot.joint_names.index(motor)])
+        return bool(np.quantile(size, SELDOM) > ONE_SIZE * size.max())
 
     def harmonics(self, fit: CandidateFit) -> tuple[Candidate, ...]:
         """List the candidates with the orders of the rotors at which the residuals of a fit repeat."""

@@ -75,6 +75,16 @@ def test_where_no_torque_acts_none_has_a_gain_or_a_delay() -> None:
     assert left_out == {"torque_gain_error", "torque_saturation", "actuator_lag", "delay"}
 
 
+def test_behind_a_relay_no_limit_competes() -> None:
+    """It would scale the whole torque: one of a tenth had been named, with masses and friction as small."""
+    search = search_of()
+    record = replace(search.data.record, torque=10 * np.sign(search.data.record.torque))
+    relay = replace(search, null=replace(search.null, data=replace(search.data, record=record)))
+    assert {one.name for one in search.candidates()} - {one.name for one in relay.candidates()} == {
+        "torque_saturation@motor_1"
+    }
+
+
 @pytest.mark.parametrize("threads", [1, 3])
 def test_the_true_effect_fits_best_with_any_number_of_threads(threads: int) -> None:
     search = replace(search_of(FRICTION), threads=threads)
