@@ -110,14 +110,12 @@ def with_simpler_effects(search: Search, fit: CandidateFit, fits: list[Candidate
         if not found:
             continue
         best = search.beside_jumps(search.completed(min(found, key=lambda one: one.chi2)))
-        if lawful and best.chi2 > fit.chi2:  # a curve takes up a part of what else is missing
+        if best.chi2 > fit.chi2 and lawful:  # a curve takes up a part of what else is missing
             best = search.completed(min(lawful, key=lambda one: one.chi2))
-            if worth(search, compared(search, [best, fit]), best, fit, settings.removed_of_all):
-                continue
-        elif best.chi2 > fit.chi2:
-            continue
-        fits += [rest, *found, best]
-        fit = best
+        comparison = compared(search, [best, fit])
+        if best.chi2 <= fit.chi2 or (lawful and not worth(search, comparison, best, fit, settings.removed_of_all)):
+            fits += [rest, *found, best]
+            fit = best
     return fit
 
 
