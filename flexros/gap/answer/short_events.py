@@ -23,14 +23,16 @@ LEAST = 2.0
 
 def short_events(findings: Findings) -> list[str]:
     """Say when most of what is left happened, where that is short: it spoils the sizes of all effects."""
-    given = findings.explanations.chosen, findings.held_chosen
-    parts = [(data, fit, spans(data, fit)) for data, fit in zip((findings.data, findings.held), given, strict=True)]
+    found = {
+        "": spans(findings.data, findings.explanations.chosen),
+        "held-out log: ": spans(findings.held, findings.held_chosen),
+    }
     return [
-        f"{'held-out log: ' * (data is findings.held)}half of what is left lies within "
-        f"{' and '.join(f'{first:.4g} to {last:.4g} s' for first, last in found)}: if something touched the robot or a "
-        "joint met its stop there, take these samples out of the log and diagnose again, as they spoil all sizes"
-        for data, _, found in parts
-        if found
+        f"{log}half of what is left lies within {' and '.join(f'{first:.4g} to {last:.4g} s' for first, last in parts)}"
+        ": if something touched the robot or a joint met its stop there, take these samples out of the log and "
+        "diagnose again, as they spoil all sizes"
+        for log, parts in found.items()
+        if parts
     ]
 
 

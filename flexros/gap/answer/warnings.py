@@ -136,9 +136,10 @@ def _strained(findings: Findings) -> list[str]:
         for name, factor in list(factors.items())[:SHOWN]
     ]
     more = f" and {len(factors) - SHOWN} more" if len(factors) > SHOWN else ""
+    held = " A patch holds those that effects change." if findings.explanations.detected else ""
     return [
-        f"the answer moves numbers of the model beyond their tolerance: {'; '.join(named)}{more}. A patch holds them, "
-        "but for lengths. They may stand for an effect such as a load: measure them, or correct them in the robot file"
+        f"the answer moves numbers of the model beyond their tolerance: {'; '.join(named)}{more}.{held} They may stand "
+        "for an effect such as a load: measure them, or correct them in the robot file"
     ]
 
 

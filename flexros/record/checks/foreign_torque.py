@@ -10,7 +10,6 @@ from flexros.record.balance.joint_assignments import WEIGHTLESS
 from flexros.record.balance.regression import coefficients
 from flexros.record.checks.checked_record import FOREIGN, SLOW, CheckedRecord
 from flexros.record.checks.other_robot import LEAST
-from flexros.record.missing_samples import bridged
 from flexros.record.prescribed_motion import with_prescribed_motion, without_prescribed
 from flexros.record.smoothing import smooth_motion
 
@@ -80,20 +79,13 @@ def _weight_left(checked: CheckedRecord) -> FloatArray:
     weight.
     """
     robot, valid = checked.robot, checked.record.valid
-    arm, without = checked.rigid_torque(), checked.torque_without(WEIGHTLESS)
+    torque, arm, of_drive = checked.slow_parts
+    without = checked.torque_without(WEIGHTLESS)[valid]
     moving = [f"body_{k}.inertia." for k, body in enumerate(robot.spec.bodies, 1) if body.directions]
     inertias = [[name for name in robot.parameters if name.startswith(body)] for body in moving]
-    _, speed, acceleration = smooth_motion(checked.position, checked.record.sample_time, SLOW)
-    parts = np.stack(
-        [
-            *(without, speed, np.sign(speed), acceleration, np.ones_like(speed)),
-            *(arm - checked.torque_without(names) for names in inertias),
-        ],
-        axis=-1,
-    )[valid]
-    torque = smooth_motion(bridged(checked.record.torque, valid), checked.record.sample_time, SLOW)[0][valid]
-    weight = (arm - without)[valid]
-    return _left(torque - weight, parts, weight, nothing=1.0)
+    of_bodies = [without, *(arm - checked.torque_without(names)[valid] for names in inertias)]
+    parts = np.concatenate([np.stack(of_bodies, axis=-1), of_drive], axis=-1)
+    return _left(torque - (arm - without), parts, arm - without, nothing=1.0)
 
 
 def _left(torque: FloatArray, parts: FloatArray, whole: FloatArray, nothing: float) -> FloatArray:

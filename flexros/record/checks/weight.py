@@ -6,11 +6,9 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from flexros.record.balance.inverse_dynamics import rigid_inverse_dynamics
 from flexros.record.balance.joint_assignments import WEIGHTLESS
 from flexros.record.balance.regression import coefficients
 from flexros.record.checks.base import AbstractCheck, Finding
-from flexros.record.checks.checked_record import SLOW
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray, IntArray
@@ -43,8 +41,8 @@ class Weight(AbstractCheck):
         record, robot = checked.record, checked.robot
         if not any(robot.spec.gravity.value) or checked.balance is None or checked.order_is_wrong:
             return ()
-        unloaded = rigid_inverse_dynamics(robot.with_values(WEIGHTLESS), checked.position, record.sample_time, SLOW)
-        unloaded, weight = unloaded[record.valid], (checked.rigid_torque() - unloaded)[record.valid]
+        unloaded = checked.torque_without(WEIGHTLESS)[record.valid]
+        weight = checked.rigid_torque()[record.valid] - unloaded
         torque = record.torque[record.valid]
         carrying = np.flatnonzero((np.std(weight, axis=0) > CARRIES * np.std(torque, axis=0)) & checked.moves)
         if len(carrying) < FEWEST:
