@@ -10,7 +10,7 @@ from flexros.gap.fit.candidate_fit import best_of_each
 from flexros.gap.search.bristles import with_bristles
 from flexros.gap.search.elimination import reduced
 from flexros.gap.search.exchange import corrected, exchanged
-from flexros.gap.search.fits.refits import at_limits
+from flexros.gap.search.fits.refits import at_limits, ended_at_last
 from flexros.gap.search.periodic.overtones import with_overtones
 from flexros.gap.search.regrouping import regrouped
 from flexros.gap.search.worth import (
@@ -287,6 +287,25 @@ def _fitted(
 ) -> CandidateFit | None:
     """Fit an explanation with each of some groups of candidates; new fits are appended, the best one is returned."""
     together = search.parallel("effects together", lambda trial: search.together(fit, trial), trials)
-    grown = search.visible([search.with_visible(one) for one in together])
+    visible = search.visible([search.with_visible(one) for one in together])
+    grown = [one for one in (_without_ended(search, fit, one) for one in visible) if one is not None]
     fits += grown
-    return grown[0] if grown else None
+    return min(grown, key=lambda one: one.chi2, default=None)
+
+
+def _without_ended(search: Search, fit: CandidateFit, grown: CandidateFit) -> CandidateFit | None:
+    """Leave out further effects of a measured log that ended at the last limits of their search; None where all did.
+
+    They are no findings. Beside one of them, a limit of torques that stood for the weight of a cable and the friction
+    of the motor, effects were left out that could not come back when it was left out in the end.
+
+    Args:
+        search: The search.
+        fit: The fit before.
+        grown: The same with further effects.
+    """
+    further = grown.names - fit.names
+    ended = further & ended_at_last(grown) if search.torques_decide else set()
+    if ended == further:
+        return None
+    return search.without(grown, *ended) if ended else grown

@@ -18,6 +18,7 @@ from flexros.gap.search.model_probability import ModelComparison, compare
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from flexros.arrays import FloatArray
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.search.fits.additions import Addition
@@ -179,17 +180,33 @@ def _completes(comparison: ModelComparison, before: CandidateFit, after: Candida
 def _beyond_tolerance_of_a_motor(
     search: Search, comparison: ModelComparison, before: CandidateFit, after: CandidateFit
 ) -> bool:
-    """Return whether further effects remove a good part of what is above the floor, and more than a motor's tolerance.
+    """Return whether further effects remove more than the tolerance of a motor's torque, which does not excuse them.
 
     What an explanation may leave is two floors of all motors together. An effect at one of them may be larger than the
-    tolerance of its torque, which then does not excuse it: a ripple of a sixth of the rms torque of one of six motors
-    was a third of what was left above the floor. So many floors of single motors are removed as the mean over all of
-    them falls, times their number.
+    tolerance of its torque: a ripple of a sixth of the rms torque of one of six motors was a third of what was left
+    above the floor, and ripples at two of them were within it beside four motors that left little. So many floors of
+    single motors are removed as the mean over all of them falls, times their number, of a good part of what is above
+    the floor. So it is of what is above the floor of one motor; an estimate by linear theory says nothing of single
+    motors, and a fit decides.
     """
-    if comparison.level(before) <= 1.0 or comparison.removed(before, after) < search.settings.search.removed_of_all:
-        return False
+    removed = search.settings.search.removed_of_all
     motors = search.data.record.position.shape[1]
-    return bool(motors * (comparison.level(before) - comparison.level(after)) > 1.0)
+    of_motors = motors * (comparison.level(before) - comparison.level(after))
+    if not of_motors > 1.0:
+        return False
+    if comparison.level(before) > 1.0 and comparison.removed(before, after) >= removed:
+        return True
+    if before.names == after.names:
+        return True
+    first, second = (_levels_of_motors(search, fit) for fit in (before, after))
+    return bool(np.any(first - second > np.maximum(1.0, removed * (first - 1.0))))
+
+
+def _levels_of_motors(search: Search, fit: CandidateFit) -> FloatArray:
+    """Return the mean squared prediction errors of each motor over its floor [1], shape (n_motors,)."""
+    n, M = search.data.record.position.shape
+    squares: FloatArray = np.sum(fit.residual(search.data)[: M * n].reshape(M, n) ** 2, axis=1)
+    return squares / search.data.values_of_motors
 
 
 def _within_floor(search: Search, comparison: ModelComparison, before: CandidateFit, after: CandidateFit) -> bool:
@@ -229,16 +246,13 @@ def _at_one_motor(search: Search, comparison: ModelComparison, before: Candidate
     What no effect explains at one motor may be far more than all the rest: beside it, effects at the others remove
     little of the whole. Both must be fits: an estimate by linear theory says nothing of single motors.
     """
-    n, M = search.data.record.position.shape
-    if not search.premises.library_is_complete or M == 1 or before.names == after.names:
+    one_motor = search.data.record.position.shape[1] == 1
+    if not search.premises.library_is_complete or one_motor or before.names == after.names:
         return False
-    first, second = (
-        np.maximum(np.sum(fit.residual(search.data)[: M * n].reshape(M, n) ** 2, axis=1), 1e-300)
-        for fit in (before, after)
-    )
-    counted = search.data.values_of_motors
-    removed = (first - second) / np.maximum(first - counted, 1e-12)
-    gained = counted * np.log(first / second) + comparison.penalty(before) - comparison.penalty(after)
+    first, second = (np.maximum(_levels_of_motors(search, fit), 1e-300) for fit in (before, after))
+    removed = (first - second) / np.maximum(first - 1.0, 1e-12)
+    cost = comparison.penalty(after) - comparison.penalty(before)
+    gained = search.data.values_of_motors * np.log(first / second) - cost
     return bool(np.any((removed > search.settings.search.removed_at_motor) & (gained > comparison.threshold)))
 
 

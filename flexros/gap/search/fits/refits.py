@@ -367,6 +367,19 @@ def at_limits(fit: CandidateFit) -> list[tuple[Candidate, str]]:
     ]
 
 
+def ended_at_last(fit: CandidateFit) -> set[str]:
+    """Return the names of the effects of a fit whose sizes ended where their search cannot be widened.
+
+    Args:
+        fit: The fit.
+    """
+    return {
+        one.name
+        for one, name in at_limits(fit)
+        if one.widened(name) is None and one.with_usual(name) is None and one.without_part(name) is None
+    }
+
+
 def _common_factor(fit: CandidateFit, locations: Collection[str]) -> str:
     """Return the name of an effect that may have taken others at its motor to a limit with it; empty for none.
 
