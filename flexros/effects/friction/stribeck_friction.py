@@ -49,8 +49,8 @@ class StribeckFriction(AbstractYieldingFriction):
     )
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {
-            "extra": Range("torque", 1e-6, 1.0, starts=5),
-            "velocity": Range("speed", 1e-4, 0.3, starts=5, vanishes="never"),
+            "extra": Range("torque", 1e-6, 1.0, starts=(0.001, 0.004, 0.016, 0.06, 0.2)),
+            "velocity": Range("speed", 1e-4, 0.3, starts=(0.001, 0.004, 0.015, 0.05, 0.15), vanishes="never"),
             "exponent": Range("relative", 0.5, 4.0, starts=1, source="0.5 to 2 and more (Armstrong-Helouvry 1991)"),
             **BRISTLES,
         }

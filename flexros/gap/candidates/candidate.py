@@ -112,10 +112,21 @@ class Candidate:
         """List the indices of the motors where it acts: its own one, or every motor of "all"."""
         return [motor for motor, name in enumerate(robot.joint_names) if self.location in ("all", name)]
 
-    def starts(self) -> list[tuple[float, ...]]:
-        """List initial values of all free parameters in the units of the fit."""
+    def starts(self, *, of_one_size: bool = False) -> list[tuple[float, ...]]:
+        """List initial values of all free parameters in the units of the fit.
+
+        Args:
+            of_one_size: Whether of the initial values of the size of a law that others shape the middle one alone
+                counts; linear theory scales it.
+        """
         encoded = [[free.encode(value) for value in free.starts] for free in self.free]
-        return list(zip(*encoded, strict=True) if self.together else product(*encoded))
+        if self.together:
+            return list(zip(*encoded, strict=True))
+        if of_one_size and len(self.free) > 1 and issubclass(self.effect, AbstractLaw):
+            sizes = (values for free, values in zip(self.free, encoded, strict=True) if free.name == self.effect.size)
+            for values in sizes:
+                values[:] = [values[len(values) // 2]]
+        return list(product(*encoded))
 
     def neutral(self, free: FreeParameter) -> float | None:
         """Return the value of a parameter that switches the effect off, in the unit of the fit.

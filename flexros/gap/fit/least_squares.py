@@ -83,17 +83,18 @@ def initial_values(predictor: Predictor) -> FloatArray:
     return np.vstack([values, np.zeros((predictor.tolerance.n_free, values.shape[1]))])
 
 
-def starts_of(hypothesis: Hypothesis, most: int = FIT.most_starts) -> FloatArray:
+def starts_of(hypothesis: Hypothesis, most: int = FIT.most_starts, *, of_one_size: bool = False) -> FloatArray:
     """List all combinations of the initial values of some candidates, or `most` of them, evenly spread.
 
     Args:
         hypothesis: The candidates.
         most: Largest number of combinations.
+        of_one_size: As for `Candidate.starts`.
 
     Returns:
         Their parameters in the units of the fit, shape (n_effect, n_combinations).
     """
-    combinations = [sum(parts, ()) for parts in product(*(candidate.starts() for candidate in hypothesis))]
+    combinations = [sum(parts, ()) for parts in product(*(one.starts(of_one_size=of_one_size) for one in hypothesis))]
     n_effect = sum(len(candidate.free) for candidate in hypothesis)
     grid = np.array(combinations, dtype=float).reshape(len(combinations), n_effect)
     kept = np.unique(np.linspace(0, len(grid) - 1, min(len(grid), most)).round().astype(int))

@@ -201,7 +201,8 @@ class Search(Refits):
         self, fit: CandidateFit, residuals: Mapping[IntegrationSteps, FloatArray], pair: tuple[Candidate, CompiledPlant]
     ) -> Directions:
         candidate, plant = pair
-        own = starts_of((candidate,), self.settings.fit.most_starts if fit is self.null.fit else LANES)
+        alone = fit is self.null.fit
+        own = starts_of((candidate,), self.settings.fit.most_starts if alone else LANES, of_one_size=not alone)
         predictor = self.null.predictor((*fit.hypothesis, candidate), plant)
         residual = residuals.get(predictor.plant.steps, residuals[fit.predictor.plant.steps])
         return directions_of(predictor, self.data, fit.theta, own, residual, self.rows, self.deadline.stops)
