@@ -111,7 +111,8 @@ def _with_better_torques(task: DiagnosisTask, found: SearchedLog) -> tuple[Diagn
         return task, found
     while found.explanations.detected and found.explanations.beside is None and not task.deadline.stops():
         chosen = found.explanations.chosen
-        tried = tolerance_on_trial(task.settings.noise.signal_tolerance, found.beyond_noise(chosen))
+        counts = task.settings.noise.signal_tolerance
+        tried = tolerance_on_trial(counts, found.beyond_noise(chosen), again=counts < assumed.signal_tolerance)
         if tried is None:
             break
         note = (

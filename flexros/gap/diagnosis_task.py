@@ -123,7 +123,8 @@ class DiagnosisTask:
         Args:
             record: The log.
             begun: An explanation that the search begins with; default: what the torques show.
-            most: What that may leave beyond noise, over the tolerance of torques; with more, it is the answer [1].
+            most: What that may leave beyond noise, over the tolerance of torques; with more, or where no candidates
+                promise to explain most of it, it is the answer [1].
         """
         settings, deadline, stages = self.settings, self.deadline, Stages(self.progress)
         stages.begin("nominal model", NOMINAL)
@@ -164,7 +165,8 @@ class DiagnosisTask:
         if base is not None and most < math.inf and _beyond_noise(search, base, held_data) > most:
             explanations = explanations_of(search, compared(search, [base]), base, detected=True)
         else:
-            search, explanations = found_looser(search, explain(search), fitted, tolerated)
+            promised = 0.0 if begun is None else 1 - settings.search.within_floor
+            search, explanations = found_looser(search, explain(search, promised), fitted, tolerated)
         if search.null is not null:
             null, prediction = search.null, prediction_of(search.null.fit, search.null.data)
         best = explanations.chosen if search.resumed else null.fit

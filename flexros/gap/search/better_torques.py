@@ -10,9 +10,13 @@ from __future__ import annotations
 
 import math
 
-MOST = 0.5
+MOST = 1.0
 """Mean squared error that an explanation leaves beyond noise, over that of the assumed tolerance, up to which torques
-may be better [1] (chosen)."""
+may be better [1]: within the tolerance."""
+
+STILL = 0.5
+"""The same after a search on trial: over the assumed tolerance where torques are better, and over that on trial where
+they may be better still [1] (chosen)."""
 
 STRICTER = 0.4
 """Tolerance on trial over what an explanation leaves [1] (chosen)."""
@@ -25,17 +29,18 @@ MOST_BEGUN = 2.0
 where torques are those of a simulator, 7 on a linear drive whose friction no law describes that well."""
 
 
-def tolerance_on_trial(tolerance: float, left: float) -> float | None:
+def tolerance_on_trial(tolerance: float, left: float, *, again: bool = False) -> float | None:
     """Return a smaller tolerance of the torques for a search on trial.
 
     Args:
-        tolerance: The assumed one, relative to the rms of a torque [1].
-        left: Mean squared error beyond noise that the explanation leaves, over that of the assumed tolerance [1].
+        tolerance: The one that counts now, relative to the rms of a torque [1].
+        left: Mean squared error beyond noise that the explanation leaves, over that of this tolerance [1].
+        again: Whether this tolerance was on trial itself.
 
     Returns:
         The tolerance [1]; None where torques are not much better than assumed.
     """
-    if left > MOST:
+    if left > (STILL if again else MOST):
         return None
     tried = max(float(f"{STRICTER * math.sqrt(left) * tolerance:.1g}"), LEAST)
     return tried if tried < tolerance / 2 else None
@@ -53,7 +58,7 @@ def are_better(tolerance: float, tried: float, left: float) -> bool:
         tried: The one on trial [1].
         left: Mean squared error beyond noise that the explanation leaves, over that of the one on trial [1].
     """
-    return left * tried**2 < MOST * tolerance**2
+    return left * tried**2 < STILL * tolerance**2
 
 
 def most_begun(tolerance: float, tried: float) -> float:

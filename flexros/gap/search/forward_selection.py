@@ -15,7 +15,7 @@ from flexros.gap.search.curves import curves_of, in_place_of_laws, with_curves
 from flexros.gap.search.elimination import one_by_one, reduced, with_asymmetry, with_dropped, without_unclear
 from flexros.gap.search.exchange import exchanged, one_delay
 from flexros.gap.search.fits.refits import at_limits
-from flexros.gap.search.growth import extended, resumed, tidied, with_more
+from flexros.gap.search.growth import extended, promises, resumed, tidied, with_more
 from flexros.gap.search.periodic.lines import beside_line
 from flexros.gap.search.regrouping import with_gains, without_tangled
 from flexros.gap.search.richer_laws import with_richer_laws, with_simpler_effects
@@ -73,7 +73,7 @@ class Explanations:
         return self.comparison.remainder(self.chosen)
 
 
-def explain(search: Search) -> Explanations:
+def explain(search: Search, promised: float = 0.0) -> Explanations:
     """Search a log for causes.
 
     Every effect alone, then forward selection: several candidates at a time whose gains add up, all fitted again
@@ -84,6 +84,8 @@ def explain(search: Search) -> Explanations:
 
     Args:
         search: The log, the nominal model fitted to it and the settings.
+        promised: Share of what the base leaves that candidates must promise to remove together, else it is the
+            explanation [1].
 
     Returns:
         All fits and the chosen explanation.
@@ -91,6 +93,8 @@ def explain(search: Search) -> Explanations:
     settings = search.settings.search
     null = search.null.fit
     directions = search.directions(search.candidates())
+    if promised and not promises(search, search.base, directions, promised):
+        return explanations_of(search, compared(search, [search.base]), search.base, detected=True)
     if search.from_torques or search.resumed:
         fits = [search.base]
     else:

@@ -224,13 +224,10 @@ def with_more(
         The best of the new fits; None where no candidate is left.
     """
     settings, surroundings = search.settings.search, search.surroundings(fit)
-    every = [*directions, *search.directions(search.harmonics(fit))]
-    additions = simple_first(search, fit, search.additions(every, fit, surroundings))[: settings.screened]
+    additions = _additions(search, fit, directions)
     if not additions:
         return None
-    distinct = list({one.candidate.name: one for one in reversed(additions)}.values())[::-1]  # the best order of each
-    changes = np.stack([addition.change for addition in distinct], axis=-1)
-    group = [distinct[index] for index in surroundings.independent(changes, settings.grouped, settings.kept)]
+    group = _independent(search, fit, additions)
     if search.torques_decide:
         rest = fit.chi2 - search.data.n_values
         least = settings.removed_of_all if least is None else least
@@ -249,6 +246,38 @@ def with_more(
         alone = _fitted(search, fit, [[addition] for addition in additions[: settings.added]], fits)
         grown = min((one for one in (grown, alone) if one is not None), key=lambda one: one.chi2, default=None)
     return grown
+
+
+def promises(search: Search, fit: CandidateFit, directions: Sequence[Directions], share: float) -> bool:
+    """Return whether candidates that gain nearly as much together as alone promise to remove a share of what is left.
+
+    Half of it is enough, as linear theory underestimates some.
+
+    Args:
+        search: The search.
+        fit: The fit.
+        directions: All candidates but those of harmonics, which follow from the fit.
+        share: The share of what is above the floor [1].
+    """
+    group = _independent(search, fit, _additions(search, fit, directions))
+    rest = fit.chi2 - search.data.n_values
+    return sum(addition.gain for addition in group) >= search.settings.search.hopeful * share * rest
+
+
+def _additions(search: Search, fit: CandidateFit, directions: Sequence[Directions]) -> list[Addition]:
+    """List the candidates that may be added to a fit, the most promising first."""
+    every = [*directions, *search.directions(search.harmonics(fit))]
+    found = search.additions(every, fit, search.surroundings(fit))
+    return simple_first(search, fit, found)[: search.settings.search.screened]
+
+
+def _independent(search: Search, fit: CandidateFit, additions: Sequence[Addition]) -> list[Addition]:
+    """Select candidates, each with its best order, that gain nearly as much together as alone."""
+    settings = search.settings.search
+    distinct = list({one.candidate.name: one for one in reversed(additions)}.values())[::-1]
+    changes = np.stack([one.change for one in distinct], axis=-1) if distinct else np.empty((len(search.rows), 0))
+    chosen = search.surroundings(fit).independent(changes, settings.grouped, settings.kept)
+    return [distinct[index] for index in chosen]
 
 
 def _known(fit: CandidateFit, group: Sequence[Addition], known: Sequence[CandidateFit]) -> CandidateFit | None:

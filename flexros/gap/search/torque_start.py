@@ -25,7 +25,6 @@ from flexros.gap.fit.torques.missing_load import lowered, may_carry
 from flexros.gap.fit.torques.regression import only_coulomb, regress_torque
 from flexros.gap.fit.torques.rough_bodies import is_inertial, with_rough_bodies
 from flexros.gap.fit.torques.solution import is_silent, rest_of
-from flexros.gap.fit.torques.unknown_numbers import UNCERTAIN_LOAD
 from flexros.gap.residuals.torque_errors import torque_errors
 from flexros.gap.search.model_probability import compare
 
@@ -52,6 +51,10 @@ RELIEVED_BY_LOAD = 0.65
 LEFT_BY_LOAD = 0.2
 """What a fit with a load leaves on a rigid arm, over what one without it leaves, below which it is there [1]
 (chosen)."""
+
+
+KNOWN = 0.1
+"""Tolerance of the mass of the last body below which it carries no load that was estimated before [1] (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,7 +168,7 @@ def _loaded_start(start: TorqueStart, tolerance: Tolerance, settings: TorqueStar
         settings: Settings of the regression.
     """
     robot, torques = start.robot, start.regression.position_torques
-    known = tolerance.largest([f"{last_moved(robot)}.mass"]) < UNCERTAIN_LOAD
+    known = tolerance.largest([f"{last_moved(robot)}.mass"]) < KNOWN
     if not may_carry(robot) or not (robot.flexible_motors or known):
         return None
     regress = partial(

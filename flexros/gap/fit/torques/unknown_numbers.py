@@ -42,9 +42,9 @@ if TYPE_CHECKING:
 PLACEHOLDER = 0.5
 """Share of such a friction that the torques of the log have at most, if it stands for none [1] (chosen)."""
 UNCERTAIN = 0.5
-"""Standard deviation of the logarithm of an estimated inertia: the prediction errors decide (chosen)."""
-UNCERTAIN_LOAD = 0.1
-"""The same for mass and centre of the body with an estimated load (chosen): the weight shows them well."""
+"""Standard deviation of the logarithm of an estimated inertia, and of the mass and the centre of the body with an
+estimated load: the prediction errors decide (chosen). Beside friction of a form that the regression lacks, the weight
+showed half of a load of 2 kg, and rotors stood for the rest of it."""
 
 
 @dataclass(frozen=True)
@@ -123,7 +123,7 @@ class UnknownNumbers:
             robot: The robot.
         """
         uncertain = {f"{name}.inertia": UNCERTAIN for name in self.inertias}
-        uncertain |= dict.fromkeys(self._of_load(robot), UNCERTAIN_LOAD)
+        uncertain |= dict.fromkeys(self._of_load(robot), UNCERTAIN)
         bodies = with_rough_bodies(tolerance, self.rough)
         deviations = dict(zip(bodies.names, bodies.deviations, strict=True))
         deviations |= {name: one for name, one in uncertain.items() if robot.parameters[name].value != 0}

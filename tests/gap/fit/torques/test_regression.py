@@ -14,7 +14,7 @@ from flexros.gap.candidates.tolerance import Tolerance, tolerance_of
 from flexros.gap.fit.torques.missing_load import load_beside
 from flexros.gap.fit.torques.position_torque import PositionTorque
 from flexros.gap.fit.torques.regression import regress_torque
-from flexros.gap.fit.torques.unknown_numbers import UNCERTAIN, UNCERTAIN_LOAD, unknown_numbers
+from flexros.gap.fit.torques.unknown_numbers import UNCERTAIN, unknown_numbers
 from flexros.gap.settings import TorqueStartSettings
 from flexros.record.record import Record
 from flexros.robot import robot_from_data
@@ -85,7 +85,7 @@ def test_load_that_a_urdf_lacks_is_estimated_beside_friction_and_rotors() -> Non
     assert unknown.lacked_by(loaded).load is None
     assert unknown.lacked_by(model).load is unknown.load
     tolerance = unknown.tolerated(tolerance_of(loaded.robot, {}), loaded.robot)
-    assert dict(zip(tolerance.names, tolerance.deviations))["body_7.mass"] == UNCERTAIN_LOAD
+    assert dict(zip(tolerance.names, tolerance.deviations))["body_7.mass"] == UNCERTAIN
 
 
 def test_three_seconds_suffice_as_each_sample_has_an_equation_for_every_motor() -> None:
