@@ -20,6 +20,7 @@ from flexros.gap.fit.least_squares import (
     fit,
     initial_values,
     linearise,
+    starts_of,
     with_smooth_slopes,
     without_jumps,
 )
@@ -325,6 +326,16 @@ def test_more_starts_than_allowed_are_thinned_over_their_whole_range() -> None:
     assert len(starts) == FIT.most_starts
     np.testing.assert_allclose(starts[[0, -1]], np.log([1e-4, 1.0]), atol=1e-12)
     assert np.diff(starts).max() < 3.01 * np.log(sizes[1] / sizes[0])  # of two or three combinations one is kept
+
+
+def test_of_a_law_that_others_shape_one_size_may_be_enough() -> None:
+    """Linear theory scales a size, but not a speed: eight of 25 combinations left out the speed of a hump."""
+    stribeck = candidates_of()["stribeck_friction@motor_1"]
+    sizes, speeds, _ = starts_of((stribeck,), of_one_size=True)
+    assert len(set(sizes)) == 1
+    assert set(speeds) == set(starts_of((stribeck,))[1])
+    coulomb = candidates_of()["coulomb_friction@motor_1"]
+    assert np.array_equal(starts_of((coulomb,), of_one_size=True), starts_of((coulomb,)))
 
 
 def test_the_nominal_model_has_nothing_to_fit() -> None:

@@ -13,9 +13,16 @@ def test_less_counts_as_no_gap_than_an_explanation_leaves() -> None:
     assert tried**2 < 0.16 * 0.05**2
 
 
-@pytest.mark.parametrize(("tolerance", "left"), [(0.05, 0.8), (0.006, 0.1), (0.0, 0.1)])
+@pytest.mark.parametrize(("tolerance", "left"), [(0.05, 1.2), (0.006, 0.1), (0.0, 0.1)])
 def test_torques_that_are_hardly_better_are_not_tried(tolerance: float, left: float) -> None:
     assert tolerance_on_trial(tolerance, left) is None
+
+
+def test_a_tolerance_that_was_on_trial_itself_must_leave_less() -> None:
+    """Effects that are missing leave as much as the tolerance that is assumed; once they are found, little is left."""
+    assert tolerance_on_trial(0.05, 0.8) is not None
+    assert tolerance_on_trial(0.05, 0.8, again=True) is None
+    assert tolerance_on_trial(0.05, 0.4, again=True) is not None
 
 
 def test_no_tolerance_is_below_what_a_simulator_makes_of_its_steps() -> None:

@@ -110,6 +110,33 @@ def test_a_group_that_promises_less_than_a_further_step_must_remove_is_not_fitte
         first_group(monkeypatch, [addition("drag@motor_1", 9.0)], further=0.5, torques_decide=True)
 
 
+@pytest.mark.parametrize(("share", "expected"), [(0.5, True), (0.9, False)])
+def test_candidates_promise_what_they_gain_together(
+    share: float, expected: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By linear theory two gain 35 of 90 above the floor, and half of what they must is enough."""
+    search = search_with([addition("mode@tool", 20.0), addition("drag@motor_1", 15.0)], monkeypatch)
+    assert growth.promises(search, fit(), [], share) is expected
+
+
+@pytest.mark.parametrize(
+    ("ended", "left"), [((), ("first", "drag", "limit")), (("limit",), ("first", "drag")), (("limit", "drag"), None)]
+)
+def test_a_further_effect_that_ended_at_its_last_limit_is_not_added(
+    ended: tuple[str, ...], left: tuple[str, ...] | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Beside a limit of torques that stood for others these were left out, and it itself in the end."""
+    monkeypatch.setattr(growth, "ended_at_last", lambda _: set(ended))
+    search = search_that_never_ends()
+    search.without = lambda one, *names: fit(*(name for name in one.hypothesis if name not in names))
+    grown = fit("first", "drag", "limit")
+    search.torques_decide = True
+    found = growth._without_ended(search, fit("first"), grown)
+    assert (None if found is None else found.hypothesis) == left
+    search.torques_decide = False
+    assert growth._without_ended(search, fit("first"), grown) is grown
+
+
 @pytest.mark.parametrize(("left", "expected"), [(True, 1), (False, 0)])
 def test_effects_are_corrected_only_while_something_is_left(
     left: bool, expected: int, steps: list[str], monkeypatch: pytest.MonkeyPatch
@@ -183,17 +210,23 @@ def addition(name: str, gain: float, parameters: int = 1) -> Any:
     return one
 
 
-def first_group(
-    monkeypatch: pytest.MonkeyPatch, found: list[Any], *, further: float = 0.0, torques_decide: bool = False
-) -> list[float]:
-    """Gains of the candidates that are tried together first, of some that are independent of each other."""
-    tried: list[Any] = []
+def search_with(found: list[Any], monkeypatch: pytest.MonkeyPatch) -> Any:
+    """A search with some candidates that are independent of each other."""
     search = search_that_never_ends()
     search.surroundings = lambda _fit: SimpleNamespace(
         independent=lambda changes, *_: range(changes.shape[1]), sizes=lambda changes: np.ones(changes.shape[1])
     )
     search.harmonics, search.directions, search.additions = (lambda *_: []), (lambda *_: []), (lambda *_: found)
     monkeypatch.setattr(growth, "simple_first", lambda _search, _fit, additions: additions)
+    return search
+
+
+def first_group(
+    monkeypatch: pytest.MonkeyPatch, found: list[Any], *, further: float = 0.0, torques_decide: bool = False
+) -> list[float]:
+    """Gains of the candidates that are tried together first, of some that are independent of each other."""
+    tried: list[Any] = []
+    search = search_with(found, monkeypatch)
     monkeypatch.setattr(growth, "_removed", lambda *_: 0.1)
     monkeypatch.setattr(growth, "_fitted", lambda _search, _fit, trials, _fits: tried.append(trials[0]) or fit("first"))
     search.torques_decide = torques_decide
