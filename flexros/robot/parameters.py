@@ -29,6 +29,9 @@ OTHER_VALUES = {
 
 INERTIA_COMPONENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
 
+GRAVITY = ("gravity.x", "gravity.y", "gravity.z")
+"""Names of the components of gravity in the frame of the base [m/s2]."""
+
 
 @dataclass(frozen=True)
 class Parameter:
@@ -74,8 +77,8 @@ def _quantities(
     motor_number = 0
     gravity = specification.gravity
     known = gravity.model_copy(update={"tolerance": gravity.tolerance or 0.0})  # far better than a robot's own numbers
-    for component, axis in enumerate("xyz"):
-        yield f"gravity.{axis}", ("gravity", component), known, component
+    for component, name in enumerate(GRAVITY):
+        yield name, ("gravity", component), known, component
     for index, body in enumerate(specification.bodies):
         place: tuple[str | int, ...] = ("bodies", index)
         yield from _of_body(f"body_{index + 1}", place, body)

@@ -31,6 +31,7 @@ SIZES = {
 }
 """Typical sizes in the runs below, for the ranges of the effects."""
 UNFITTED = {
+    "base_tilt": {"x": 0.02, "y": 0.02},
     "body_difference": {"mass": 0.5, "x": 0.01, "zz": 0.01},
     "encoder_quantization": {"step": 2e-4},
     "rotor_inertia": {"added": 0.5},

@@ -93,6 +93,7 @@ def repaired_numbers(patched: PatchedRobot) -> RepairedNumbers:
             for k, (body, nominal) in enumerate(zip(model.robot.spec.bodies, patched.base.spec.bodies), start=1)
         ),
         tuple(not_held),
+        gravity=None if (gravity := model.robot.spec.gravity.value) == patched.base.spec.gravity.value else gravity,
     )
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from flexros.compile.over_rows import over_rows
 from flexros.effects.kinds.arm_law import ArmState
 from flexros.identify.rigid.regressor import body_names
+from flexros.robot.parameters import GRAVITY
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -38,7 +39,7 @@ def arm_law_torque(
     Returns:
         Torques [Nm or N], shape (n, M).
     """
-    values = [numbers.get(name, robot.parameters[name].value) for name in body_names(robot)]
+    values = [numbers.get(name, robot.parameters[name].value) for name in (*body_names(robot), *GRAVITY)]
     given = np.array([*law.parameter_values.values(), *values])
     (torque,) = over_rows(_torque_of(robot, type(law), location), position, np.tile(given, (len(position), 1)))
     return torque
@@ -46,8 +47,8 @@ def arm_law_torque(
 
 @lru_cache(maxsize=LAWS)
 def _torque_of(robot: Robot, kind: type[AbstractArmLaw], location: str) -> ca.Function:
-    """Build that torque as a function of motor positions and of the parameters of the law and of the bodies."""
-    names = body_names(robot)
+    """Build that torque as a function of motor positions, and of the law, the bodies and gravity."""
+    names = [*body_names(robot), *GRAVITY]
     model, own = robot.symbolic(names), tuple(kind.model_construct().parameter_values)
     gears, given = ca.SX.sym("gears", robot.n_motors), ca.SX.sym("given", len(own) + len(names))
     position = robot.arm_from_gears(gears)

@@ -32,6 +32,7 @@ from flexros.gap.residuals.arm_law_torque import arm_law_torque
 from flexros.gap.residuals.torque_rows import acting_torque, torque_rows
 from flexros.identify.rigid.motion_estimate import decimate
 from flexros.identify.rigid.standard_parameters import standard_parameters
+from flexros.robot.parameters import GRAVITY
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -167,7 +168,10 @@ class TorqueErrors:
         def rows(robot: Robot, numbers: tuple[tuple[str, float], ...], zeros: tuple[float, ...]) -> FloatArray:
             values = np.array([one.nominal for one in standard_parameters(robot, numbers=dict(numbers))])
             needed: FloatArray = self.regressor @ values + self.known
-            return needed + self.rows.torque_of_zeros(np.array(zeros), dict(numbers)) if any(zeros) else needed
+            upright = all(value == robot.parameters[name].value for name, value in numbers if name in GRAVITY)
+            if upright and not any(zeros):
+                return needed
+            return needed + self.rows.torque_of_turned(np.array(zeros), dict(numbers))
 
         return lru_cache(maxsize=BODIES)(rows)
 

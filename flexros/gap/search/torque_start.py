@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.effects.base_tilt import BaseTilt
 from flexros.effects.encoders.encoder_offset import EncoderOffset
 from flexros.effects.left_out.tool_load import ToolLoad, last_moved
 from flexros.effects.torque_curve import TorqueCurve
@@ -20,11 +21,11 @@ from flexros.gap.fit.least_squares import chi2_of, fit
 from flexros.gap.fit.torques.arm_torque import arm_torque
 from flexros.gap.fit.torques.balanced import regress_balanced
 from flexros.gap.fit.torques.delay import torque_delay
-from flexros.gap.fit.torques.encoder_zeros import with_zeros
 from flexros.gap.fit.torques.missing_load import lowered, may_carry
 from flexros.gap.fit.torques.regression import only_coulomb, regress_torque
 from flexros.gap.fit.torques.rough_bodies import is_inertial, with_rough_bodies
 from flexros.gap.fit.torques.solution import is_silent, rest_of
+from flexros.gap.fit.torques.turned_weight import with_turned_weight
 from flexros.gap.residuals.torque_errors import torque_errors
 from flexros.gap.search.model_probability import compare
 
@@ -100,7 +101,8 @@ class TorqueStart:
             for candidate in list_candidates(self.robot, scales, measured=True, known=self.model.laws)
             if (value := values.get((candidate.effect.name, candidate.location), 0.0)) != 0
         ]
-        return [*single, *self._load(scales), *(self._over_position(one, scales) for one in found.position_torques)]
+        several = (*self._load(scales), *self._tilt(scales))
+        return [*single, *several, *(self._over_position(one, scales) for one in found.position_torques)]
 
     def _load(self, scales: Scales) -> list[tuple[Candidate, tuple[float, ...]]]:
         """Return the load with its mass and place, if any."""
@@ -110,6 +112,12 @@ class TorqueStart:
         sizes = {"mass": mass, **dict(zip("xyz", (moment / mass).tolist(), strict=True))}
         load = candidate_at(ToolLoad, "tool", self.robot, scales)
         return [(load, tuple(sizes[free.name] for free in load.free))]
+
+    def _tilt(self, scales: Scales) -> list[tuple[Candidate, tuple[float, ...]]]:
+        """Return the slant of the base, if any."""
+        angles = self.regression.tilt
+        tilt = candidate_at(BaseTilt, "base", self.robot, scales)
+        return [(tilt, tuple(angles[free.name] for free in tilt.free))] if angles else []
 
     def _over_position(self, torque: PositionTorque, scales: Scales) -> tuple[Candidate, tuple[float, ...]]:
         """Return a counterbalance or a curve of a motor with the initial values of its sizes."""
@@ -199,7 +207,7 @@ def _balanced(
     delay: float,
     settings: TorqueStartSettings,
 ) -> TorqueRegression | None:
-    """Regress the torques, beside a counterbalance where there is one, with encoders at the zeros that they ask for.
+    """Regress the torques, beside a counterbalance where there is one, with encoders and base as they ask for.
 
     Viscous friction that differs by direction passes for an offset: where it leaves less, there is none.
     """
@@ -217,10 +225,10 @@ def _balanced(
         settings=settings,
     )
     rough = with_rough_bodies(tolerance, settings.rough_bodies) == tolerance and any(map(is_inertial, tolerance.names))
-    best = with_zeros(regress, best, model.robot, record, settings, rough=rough) or best
+    best = with_turned_weight(regress, best, model.robot, record, settings, rough=rough) or best
     if not best.bias.any():
         return best
-    uneven = regress(uneven=True, zeros=best.zeros)
+    uneven = regress(uneven=True, zeros=best.zeros, tilt=best.tilt)
     return best if uneven is None else replace(best, bias=np.where(uneven.rest < best.rest, 0.0, best.bias))
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from flexros.compile.over_samples import FunctionOverSamples
 from flexros.identify.rigid.regressor import body_names
+from flexros.robot.parameters import GRAVITY
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -24,14 +25,14 @@ LANES = 8
 class BodyTorque:
     """tau = H(q, q', q'') pi without rotors and friction of motors (Moberg 2007, eq. 4.11), pi of any bodies.
 
-    The regressor H, which has a column of every parameter, takes far longer.
+    Gravity may be any, too. The regressor H, which has a column of every parameter, takes far longer.
 
     Args:
         robot: The robot; its gears and elastic directions count as locked.
     """
 
     def __init__(self, robot: Robot) -> None:
-        names, arm = body_names(robot), robot.arm_from_gears
+        names, arm = [*body_names(robot), *GRAVITY], robot.arm_from_gears
         self._nominal = {name: robot.parameters[name].value for name in names}
         model = robot.symbolic(names)
         motion, values = ca.SX.sym("motion", 3 * robot.n_motors), ca.SX.sym("values", len(names))
@@ -50,7 +51,7 @@ class BodyTorque:
             velocity: Speeds, shape (n, M).
             acceleration: Accelerations, shape (n, M).
             numbers: Values of the robot in place of its own, by name of the parameter [SI]; those of other things than
-                bodies do not count.
+                bodies and gravity do not count.
 
         Returns:
             Torques [Nm or N], shape (n, M).

@@ -19,6 +19,7 @@ from flexros.identify.rigid.motion_estimate import (
 )
 from flexros.identify.rigid.record import torque_as_it_acts
 from flexros.record.missing_samples import bridged_motion, long_holes
+from flexros.robot.parameters import GRAVITY
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
@@ -99,20 +100,22 @@ class RegressionRows:
         """
         return decimate(values, self.factor)[self.counts]
 
-    def torque_of_zeros(self, offsets: FloatArray, numbers: Mapping[str, float] = MappingProxyType({})) -> FloatArray:
-        """Return by how much more torque the bodies need at positions less the offsets of their encoders.
+    def torque_of_turned(self, offsets: FloatArray, numbers: Mapping[str, float] = MappingProxyType({})) -> FloatArray:
+        """Return by how much more torque the bodies need at other positions and under gravity of another direction.
 
         Args:
-            offsets: Offsets of all motors [rad or m], shape (M,).
-            numbers: Values of the robot in place of its own, by name of the parameter [SI].
+            offsets: Offsets of the encoders of all motors, by which positions are less [rad or m], shape (M,).
+            numbers: Values of the robot in place of its own, by name of the parameter [SI]; only the torque that is
+                needed more is that of another gravity.
 
         Returns:
             Torques in the rows that count [Nm or N], shape (n, M).
         """
         bodies, motion = body_torque(self.regressor.robot), self.motion
+        as_stated = {name: value for name, value in numbers.items() if name not in GRAVITY}
         here, there = (
-            bodies(position, motion.velocity, motion.acceleration, numbers)
-            for position in (motion.position, motion.position - offsets)
+            bodies(position, motion.velocity, motion.acceleration, values)
+            for position, values in ((motion.position, as_stated), (motion.position - offsets, numbers))
         )
         there[:, list(self.record.prescribed)] = here[:, list(self.record.prescribed)]
         return self.decimated(there - here)

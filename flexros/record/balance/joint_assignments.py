@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.record.balance.spectra import torque_balance
+from flexros.robot.parameters import GRAVITY
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -35,7 +36,7 @@ ALIKE, LISTED = 0.003, 2
 """Difference of the mean agreement up to which assignments fit alike, and how many of them are told beside the first
 (chosen): turning a wrist by 180 degrees and counting the next axis the other way is the same motion."""
 
-WEIGHTLESS = {f"gravity.{axis}": 0.0 for axis in "xyz"}
+WEIGHTLESS = dict.fromkeys(GRAVITY, 0.0)
 """Parameters of a robot without gravity."""
 
 RIGHT_ANGLES = (90.0, -90.0, 180.0)

@@ -16,6 +16,7 @@ import numpy as np
 
 from flexros.record.balance.inverse_dynamics import SlowMotion
 from flexros.record.balance.regression import coefficients
+from flexros.robot.parameters import GRAVITY
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -23,8 +24,6 @@ if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray, IntArray
     from flexros.record.record import Record
     from flexros.robot import Robot
-
-AXES = ("gravity.x", "gravity.y", "gravity.z")
 
 STANDARD = 9.81
 """Size of gravity where a robot file has none [m/s2]."""
@@ -142,7 +141,7 @@ class Motion:
     @cached_property
     def _under(self) -> Callable[[tuple[float, ...]], Robot]:
         """Function of gravity [m/s2]: the robot under it; all postures are tried under the same few."""
-        return cache(lambda gravity: self.robot.with_values(dict(zip(AXES, gravity, strict=True))))
+        return cache(lambda gravity: self.robot.with_values(dict(zip(GRAVITY, gravity, strict=True))))
 
     def own(self, motor: int) -> FloatArray:
         """Offset, speed, its sign and acceleration of a motor at these samples, shape (k, 4)."""

@@ -38,6 +38,7 @@ def json_export(robot: Robot, numbers: RepairedNumbers, joints: Mapping[str, str
     content: dict[str, Any] = {
         "schema": 1,
         "robot": robot.name,
+        "gravity": {"value": list(robot.spec.gravity.value), "unit": "m/s2"},
         "joints": [_joint(joint, names[joint.motor]) for joint in numbers.joints],
         "springs": [
             {

@@ -149,11 +149,14 @@ class RepairedNumbers:
         joints: Per motor, in order.
         bodies: Per body, in order.
         not_held: Effects that none of these numbers holds, or holds in part.
+        gravity: Gravity in the frame of the base [m/s2], shape (3,), where that stands at a slant; None as in the robot
+            file.
     """
 
     joints: tuple[JointNumbers, ...]
     bodies: tuple[BodyNumbers, ...]
     not_held: tuple[NotHeld, ...]
+    gravity: tuple[float, float, float] | None = None
 
 
 @dataclass(frozen=True)

@@ -62,6 +62,7 @@ def test_every_effect_is_compensated_or_reported(name: str) -> None:
         "nonlinear_stiffness": "relative=0.1,knee=0.01",
         "presliding_friction": "level=1,stiffness=1e6",
         "torque_saturation": "limit=1",
+        "base_tilt": "x=0.01",
         "body_difference": "mass=0.01",
         "center_error": "x=0.01",
         "rotor_inertia": "added=0.01",

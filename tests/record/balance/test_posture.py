@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from flexros.record.balance.inverse_dynamics import rigid_inverse_dynamics
-from flexros.record.balance.posture import AXES, Motion, Posture, postures
+from flexros.record.balance.posture import Motion, Posture, postures
 from flexros.record.record import Record
 from flexros.record.smoothing import smooth_motion
 from flexros.robot import Robot, load_robot
+from flexros.robot.parameters import GRAVITY
 
 STEP = 0.02
 
@@ -43,7 +44,7 @@ def found_fixture() -> Callable[..., tuple[Posture, ...]]:
 @pytest.mark.parametrize("gravity", [(0.0, 0.0, 9.81), (9.81, 0.0, 0.0), (0.0, -6.94, -6.94)])
 def test_a_base_that_is_mounted_otherwise_is_found(found, gravity) -> None:
     """Under a ceiling, on a wall, and at a slant as a shoulder of a humanoid."""
-    best, *others = found(**dict(zip(AXES, gravity, strict=True)))
+    best, *others = found(**dict(zip(GRAVITY, gravity, strict=True)))
     mounted = best if not best.turned.any() else others[0]
     assert mounted.gravity == pytest.approx(gravity, abs=0.3)
     assert mounted.carrying.sum() >= 2
@@ -57,7 +58,7 @@ def test_zeros_elsewhere_are_found(found) -> None:
 
 
 def test_a_robot_without_gravity_gets_that_of_the_log(found) -> None:
-    robot = load_robot("six_axis").with_values(dict.fromkeys(AXES, 0.0))
+    robot = load_robot("six_axis").with_values(dict.fromkeys(GRAVITY, 0.0))
     (found_one,) = found(robot)
     assert found_one.gravity == pytest.approx([0, 0, -9.81])
 
@@ -67,7 +68,7 @@ def test_a_robot_without_gravity_gets_that_of_the_log(found) -> None:
     [
         {},
         {"body_2.mass": 800.0, "body_3.mass": 420.0},
-        dict.fromkeys(AXES, 0.0),
+        dict.fromkeys(GRAVITY, 0.0),
         {"gravity.x": 1.0},
     ],
     ids=["as stated", "masses far off", "without weight", "slightly aslant"],

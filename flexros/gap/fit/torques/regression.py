@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.effects.base_tilt import BaseTilt
 from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.effects.kinds.servo_number import gains_are_known
 from flexros.effects.left_out.tool_load import ENTRIES, last_moved
@@ -39,8 +40,8 @@ if TYPE_CHECKING:
     from flexros.record.record import Record
     from flexros.robot import Robot
 
-STEP_OF_ZERO = 1e-4
-"""Step of the derivatives to the offset of an encoder [rad or m]."""
+STEP_OF_TURN = 1e-4
+"""Step of the derivatives to the offset of an encoder and to a rotation of the base [rad or m]."""
 STEP = 1e-6
 """Relative step of the derivatives of the regression parameters to those of the robot [1]."""
 ONE_WAY = 0.96
@@ -58,6 +59,7 @@ def regress_torque(
     position_torques: tuple[PositionTorque, ...] = (),
     uneven: bool = False,
     zeros: Mapping[int, float] = MappingProxyType({}),
+    tilt: Mapping[str, float] = MappingProxyType({}),
     settings: TorqueStartSettings | None = None,
 ) -> TorqueRegression | None:
     """Regress the torques of a log on friction, motor inertias and tolerated parameters of the bodies.
@@ -76,6 +78,8 @@ def regress_torque(
         uneven: Whether viscous friction that differs by direction stands for the offset of every motor.
         zeros: Motors whose encoders may have another zero, with the offsets around which the torques are linear
             [rad or m]; behind springs around none.
+        tilt: Axes about which the base may be turned, with the rotations around which the torques are linear [rad], as
+            of `BaseTilt`; with locked springs.
         settings: Settings of the regression.
 
     Returns:
@@ -83,7 +87,7 @@ def regress_torque(
         the motion of the arm behind its springs ran away from that of the motors.
     """
     prepared = prepared_regression(
-        record, model, tolerance, arm, load=load, delay=delay, zeros=zeros, settings=settings
+        record, model, tolerance, arm, load=load, delay=delay, zeros=zeros, tilt=tilt, settings=settings
     )
     return None if prepared is None else prepared.solved(position_torques, uneven=uneven)
 
@@ -116,7 +120,12 @@ class PreparedRegression:
         own, others = np.split(self.slopes, [sought.of_motors.stop], axis=-1)
         own = _identifiable(own, rows, sought, uneven=uneven)
         b = self.torque - own[..., sought.of_kind("coulomb_friction")] @ sought.known
-        further = (_of_position(rows, position_torques), _of_zeros(rows, sought), _of_servos(rows, self.acting, sought))
+        further = (
+            _of_position(rows, position_torques),
+            _of_zeros(rows, sought),
+            _of_tilt(rows, sought),
+            _of_servos(rows, self.acting, sought),
+        )
         A = np.concatenate([own, *further, others], axis=-1)
         silenced = ~rows.record.predicted  # a prescribed motion says nothing of its torque
         A[:, silenced], b[:, silenced] = 0.0, 0.0
@@ -137,13 +146,14 @@ def prepared_regression(
     load: Load = "none",
     delay: float = 0.0,
     zeros: Mapping[int, float] = MappingProxyType({}),
+    tilt: Mapping[str, float] = MappingProxyType({}),
     settings: TorqueStartSettings | None = None,
 ) -> PreparedRegression | None:
     """Set up the rows of `regress_torque`, whose arguments these are; None for a log that gives none."""
     settings, robot = settings or TorqueStartSettings(), model.robot
     acting = acting_torque(record, model, delay)
     zeros = dict(zeros) if arm is None else dict.fromkeys(zeros, 0.0)
-    rows = torque_rows(at_zeros(record, zeros), robot, acting)
+    rows = torque_rows(at_zeros(record, zeros), upright(robot, tilt), acting)
     if rows is None:
         return None
     tolerance = tolerance if load == "none" else Tolerance()
@@ -156,6 +166,7 @@ def prepared_regression(
         servos=record.command is not None and not all(gains_are_known(robot, name) for name in robot.joint_names),
         tolerated=len(tolerance.names),
         zeros=zeros,
+        tilt=tilt,
     )
     A, b = _linear(rows, sought, tolerance, rigid=arm is None or load != "none")
     if arm is not None:
@@ -175,6 +186,16 @@ def at_zeros(record: Record, zeros: Mapping[int, float]) -> Record:
     offsets = np.zeros(record.position.shape[1])
     offsets[list(zeros)] = list(zeros.values())
     return replace(record, position=record.position - offsets)
+
+
+def upright(robot: Robot, tilt: Mapping[str, float]) -> Robot:
+    """Return a robot under gravity as it acts in the frame of its base, that of the robot file where that stands right.
+
+    Args:
+        robot: The robot.
+        tilt: Rotations of its base by axis [rad], as of `BaseTilt`.
+    """
+    return BaseTilt(**tilt).changed(robot, "base") if any(tilt.values()) else robot
 
 
 def _linear(
@@ -261,8 +282,17 @@ def _of_zeros(rows: RegressionRows, sought: Sought) -> FloatArray:
     """Return how the torques of the nominal bodies change with the offsets of encoders, shape (n, M, zeros)."""
     columns: FloatArray = np.zeros((*rows.torque.shape, len(sought.zeros)))
     for column, motor in enumerate(sought.zeros):
-        moved = STEP_OF_ZERO * np.eye(sought.robot.n_motors)[motor]
-        columns[..., column] = rows.torque_of_zeros(moved) / STEP_OF_ZERO
+        moved = STEP_OF_TURN * np.eye(sought.robot.n_motors)[motor]
+        columns[..., column] = rows.torque_of_turned(moved) / STEP_OF_TURN
+    return columns
+
+
+def _of_tilt(rows: RegressionRows, sought: Sought) -> FloatArray:
+    """Return how the torques of the nominal bodies change with rotations of the base, shape (n, M, axes)."""
+    columns: FloatArray = np.zeros((*rows.torque.shape, len(sought.tilt)))
+    for column, (axis, before) in enumerate(sought.tilt.items()):
+        turned = BaseTilt(**{**sought.tilt, axis: before + STEP_OF_TURN}).values(sought.robot, "base")
+        columns[..., column] = rows.torque_of_turned(np.zeros(sought.robot.n_motors), turned) / STEP_OF_TURN
     return columns
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, TypeVar
 
 import numpy as np
 from scipy.optimize import lsq_linear
@@ -20,8 +20,9 @@ if TYPE_CHECKING:
     from flexros.gap.settings import TorqueStartSettings
     from flexros.robot import Robot
 
-FARTHEST_ZERO = 0.5
-"""Largest change of the offset of an encoder in one linear solution [rad or m] (chosen): beyond it a sine is none."""
+FARTHEST_TURN = 0.5
+"""Largest change of the offset of an encoder, or of a rotation of the base, in one linear solution [rad or m] (chosen):
+beyond it a sine is none."""
 ROUNDS = 8
 """Rounds in which each motor is weighted by what is left of its torque (chosen; few are needed)."""
 UNSEEN = 1e-9
@@ -30,6 +31,7 @@ SILENT = 1e-9
 """Torque of a motor, over the largest one, up to which rounding alone is left of it [1] (chosen)."""
 KINDS = ("inertia", "viscous_friction", "coulomb_friction", "torque_offset")
 """Columns of every motor."""
+_Key = TypeVar("_Key", int, str)
 Load = Literal["none", "body", "point"]
 """Load that the last body that moves may carry: none, a share of itself, or a mass at a point."""
 LOAD = ("mass", "first_moment.x", "first_moment.y", "first_moment.z")
@@ -52,6 +54,7 @@ class TorqueRegression:
         servo_stiffness: Relative error of the stiffness of every servo [1], shape (M,); zeros where torques are known.
         position_torques: Torques of motors over their own positions, with their sizes.
         zeros: Offsets of encoders by the index of their motor [rad or m]; empty without one.
+        tilt: Rotations of the base by axis [rad], as of `BaseTilt`; empty without one.
         faint_inertia: Added inertia of every motor, also where it explains too little to stand out [kg m2 or kg],
             shape (M,).
         inertia_deviation: Standard deviation of the added inertias [kg m2 or kg], shape (M,): of coloured errors, and
@@ -69,6 +72,7 @@ class TorqueRegression:
     servo_stiffness: FloatArray
     position_torques: tuple[PositionTorque, ...] = ()
     zeros: Mapping[int, float] = field(default_factory=dict)
+    tilt: Mapping[str, float] = field(default_factory=dict)
     faint_inertia: FloatArray = field(default_factory=partial(np.zeros, 0))
     inertia_deviation: FloatArray = field(default_factory=partial(np.zeros, 0))
 
@@ -77,8 +81,8 @@ class TorqueRegression:
 class Sought:
     """What a regression looks for, in the order of its columns.
 
-    These are the kinds of every motor, sizes of torques over position, offsets of encoders, a load or the stiffness
-    of every servo, and tolerated parameters.
+    These are the kinds of every motor, sizes of torques over position, offsets of encoders, rotations of the base, a
+    load or the stiffness of every servo, and tolerated parameters.
 
     Attributes:
         robot: The nominal robot.
@@ -89,6 +93,7 @@ class Sought:
         servos: Whether the torques are those of servos, not all of which have known gains.
         tolerated: Number of tolerated parameters.
         zeros: Offsets around which those of encoders are sought, by the index of their motor [rad or m].
+        tilt: Rotations around which those of the base are sought, by axis [rad].
     """
 
     robot: Robot
@@ -99,6 +104,7 @@ class Sought:
     servos: bool
     tolerated: int
     zeros: Mapping[int, float] = field(default_factory=dict)
+    tilt: Mapping[str, float] = field(default_factory=dict)
 
     def of_kind(self, kind: str) -> slice:
         """Return the columns of one of `KINDS`."""
@@ -122,9 +128,14 @@ class Sought:
         return slice(self.of_position.stop, self.of_position.stop + len(self.zeros))
 
     @property
+    def of_tilt(self) -> slice:
+        """Columns of the rotations of the base."""
+        return slice(self.of_zeros.stop, self.of_zeros.stop + len(self.tilt))
+
+    @property
     def of_load(self) -> slice:
         """Columns of a load, or of the servos."""
-        begin, of_load = self.of_zeros.stop, {"none": 0, "body": 1, "point": len(LOAD)}[self.load]
+        begin, of_load = self.of_tilt.stop, {"none": 0, "body": 1, "point": len(LOAD)}[self.load]
         return slice(begin, begin + (self.robot.n_motors if self.servos else of_load))
 
     @property
@@ -151,7 +162,8 @@ class Sought:
             low[self.of_load] = -most_reduced
         elif self.load != "none":
             low[self.of_load.start] = 0.0  # its mass, or the share of the body
-        low[self.of_zeros], high[self.of_zeros] = -FARTHEST_ZERO, FARTHEST_ZERO
+        for turned in (self.of_zeros, self.of_tilt):
+            low[turned], high[turned] = -FARTHEST_TURN, FARTHEST_TURN
         low[self.of_tolerance], high[self.of_tolerance] = -FARTHEST, FARTHEST
         return low, high
 
@@ -209,10 +221,8 @@ def solve(A: FloatArray, b: FloatArray, sought: Sought, settings: TorqueStartSet
         load=load,
         servo_stiffness=stiffness,
         position_torques=_with_sizes(sought.position_torques, found.values[sought.of_position]),
-        zeros={
-            motor: before + float(change)
-            for (motor, before), change in zip(sought.zeros.items(), found.values[sought.of_zeros], strict=True)
-        },
+        zeros=_moved(sought.zeros, found.values[sought.of_zeros]),
+        tilt=_moved(sought.tilt, found.values[sought.of_tilt]),
         faint_inertia=np.where(sought.moving, found.values[sought.of_kind("inertia")], 0.0),
         inertia_deviation=_deviation(A, b, sought, found)[sought.of_kind("inertia")],
     )
@@ -238,6 +248,11 @@ def _with_sizes(torques: tuple[PositionTorque, ...], sizes: FloatArray) -> tuple
     """Return torques over position with their sizes, which follow one another."""
     own = np.split(sizes, np.cumsum([one.n_sizes for one in torques])[:-1]) if torques else []
     return tuple(replace(one, sizes=tuple(found.tolist())) for one, found in zip(torques, own, strict=True))
+
+
+def _moved(before: Mapping[_Key, float], changes: FloatArray) -> dict[_Key, float]:
+    """Return numbers with their changes."""
+    return {key: value + change for (key, value), change in zip(before.items(), changes.tolist(), strict=True)}
 
 
 def _stands_out(size: FloatArray, least: FloatArray) -> BoolArray:

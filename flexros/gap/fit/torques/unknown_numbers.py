@@ -15,10 +15,9 @@ from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_move
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.torques.balanced import regress_balanced
 from flexros.gap.fit.torques.delay import torque_delay
-from flexros.gap.fit.torques.encoder_zeros import with_zeros
 from flexros.gap.fit.torques.missing_load import bodies_are_off, clear_load, load_before_bodies, lowered, may_carry
 from flexros.gap.fit.torques.missing_rotors import least_rotors, stops_at_once
-from flexros.gap.fit.torques.regression import at_zeros, only_coulomb, regress_torque
+from flexros.gap.fit.torques.regression import at_zeros, only_coulomb, regress_torque, upright
 from flexros.gap.fit.torques.rough_bodies import (
     CENTER,
     fitted_bodies,
@@ -27,6 +26,7 @@ from flexros.gap.fit.torques.rough_bodies import (
     with_rough_inertias,
 )
 from flexros.gap.fit.torques.solution import rest_of
+from flexros.gap.fit.torques.turned_weight import with_turned_weight
 from flexros.gap.settings import TorqueStartSettings
 
 if TYPE_CHECKING:
@@ -197,19 +197,18 @@ def unknown_numbers(
         return UnknownNumbers()
     with_load_or_bodies = partial(
         _with_load_or_bodies,
-        model=model,
         tolerance=tolerance,
         n_lacking=len(lacking),
         delay=delay,
         settings=settings,
         as_stated=as_stated,
     )
-    shown = with_load_or_bodies(regression, record)
-    zeros = _clear_zeros(shown, regression, record, model, tolerance, delay, settings)
-    if zeros:
-        moved = at_zeros(record, zeros)
-        regression = regress_balanced(moved, model, tolerance, delay=delay, settings=settings) or regression
-        shown = with_load_or_bodies(regression, moved)
+    shown = with_load_or_bodies(regression, record, model)
+    turned = _turned(shown, regression, record, model, tolerance, delay, settings)
+    if turned is not None:
+        moved, standing = at_zeros(record, turned.zeros), replace(model, robot=upright(robot, turned.tilt))
+        regression = regress_balanced(moved, standing, tolerance, delay=delay, settings=settings) or regression
+        shown = with_load_or_bodies(regression, moved, standing)
     rotors = _clear_rotors(shown.regression, robot, of_bodies, lacking, settings)
     changes = dict(zip(robot.joint_names, shown.regression.viscous_friction.tolist(), strict=True))
     viscous = {name: robot.parameters[f"{name}.viscous_friction"].value for name in lacking}
@@ -309,7 +308,7 @@ def _of_bodies(
     return _Shown(of_all, rough=settings.rough_bodies) if off else None
 
 
-def _clear_zeros(
+def _turned(
     shown: _Shown,
     regression: TorqueRegression,
     record: Record,
@@ -317,11 +316,13 @@ def _clear_zeros(
     tolerance: Tolerance,
     delay: float,
     settings: TorqueStartSettings,
-) -> Mapping[int, float]:
-    """Return offsets of encoders that explain more than a load or bodies that are far off, or clearly beside a load.
+) -> TorqueRegression | None:
+    """Return the regression with offsets of encoders or a slant of the base; None where the weight is not turned.
+
+    They must explain more than a load or bodies that are far off, or be clear beside a load.
 
     Args:
-        shown: What the torques show without offsets.
+        shown: What the torques show without them.
         regression: Their regression with neither.
         record: The log.
         model: The nominal model.
@@ -331,15 +332,14 @@ def _clear_zeros(
     """
     regress = partial(regress_torque, record, model, delay=delay, settings=settings)
     alone = partial(regress, tolerance, position_torques=regression.position_torques)
-    turned = with_zeros(alone, regression, model.robot, record, settings)
+    turned = with_turned_weight(alone, regression, model.robot, record, settings)
     if turned is not None and rest_of(turned) < rest_of(shown.regression):
-        return turned.zeros
+        return turned
     if shown.load is None:
-        return {}
+        return None
     loaded = partial(regress, Tolerance(), load="point", position_torques=shown.regression.position_torques)
     beside = loaded()
-    both = None if beside is None else with_zeros(loaded, beside, model.robot, record, settings)
-    return {} if both is None else both.zeros
+    return None if beside is None else with_turned_weight(loaded, beside, model.robot, record, settings)
 
 
 def _clear_rotors(

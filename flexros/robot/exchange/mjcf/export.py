@@ -74,6 +74,8 @@ class _Writer:
         option = {"timestep": number(step), "gravity": numbers_text(spec.gravity.value), "integrator": integrator}
         ElementTree.SubElement(self.root, "option", option)
         self._note("all", "time step", f"option timestep with {integrator}", step, "s")
+        for axis, value in zip("xyz", self.numbers.gravity or ()):
+            self._note("base", f"gravity {axis}", "option gravity", value, "m/s2")
         place = ElementTree.SubElement(self.root, "worldbody")
         offset = np.zeros(3)
         for index, body in enumerate(spec.bodies):

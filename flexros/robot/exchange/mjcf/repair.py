@@ -56,6 +56,7 @@ def repair_mjcf(base: Path, robot: Robot, numbers: RepairedNumbers, joints: Mapp
         repair.zero(joint, names[joint.motor], arm)
         repair.actuators.actuator(joint, names[joint.motor])
     repair.springs()
+    repair.gravity(arm)
     for body in numbers.bodies:
         repair.body(body, arm, names)
     repair.actuators.keep_damping(compile_text(text.text(), base.resolve().parent, str(base)))
@@ -68,7 +69,7 @@ class _Repair:
     """The changes of one file."""
 
     def __init__(self, model: Any, text: XmlText, source: str, robot: Robot, numbers: RepairedNumbers) -> None:
-        self.model, self.root, self.source, self.robot = model, text.root, source, robot
+        self.model, self.root, self.source, self.robot, self.numbers = model, text.root, source, robot, numbers
         self.written: list[Written] = []
         self.not_held = list(numbers.not_held)
         self.expected: list[tuple[str, int, float]] = []
@@ -154,6 +155,20 @@ class _Repair:
                 if not same(value, before):
                     element.set(key, number(value))
                     self._note(joint.name, key, f"joint {name} {key}", before, value, unit)
+
+    def gravity(self, arm: MjcfArm) -> None:
+        """Write gravity where the base stands at a slant: the world of the file is turned about the arm."""
+        if self.numbers.gravity is None:
+            return
+        wanted = arm.frame.T @ np.array(self.numbers.gravity)
+        options = [child for child in self.root.children if child.tag == "option"]
+        stated = [option for option in options if "gravity" in option.attributes] or options
+        if stated:
+            stated[-1].set("gravity", numbers_text(wanted))
+        else:
+            self.root.add("option", {"gravity": numbers_text(wanted)})
+        for axis, before, value in zip("xyz", np.array(self.model.opt.gravity).tolist(), wanted.tolist(), strict=True):
+            self._note("base", f"gravity {axis}", "option gravity", before, value, "m/s2")
 
     def body(self, body: BodyNumbers, arm: MjcfArm, names: Mapping[str, str]) -> None:
         """Scale mass and inertia, and the weight, of the bodies that a joint carries."""

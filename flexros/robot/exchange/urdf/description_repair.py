@@ -37,6 +37,7 @@ NO_SERVO = "{kind} has no position loop: set its gains in the controller, e.g. o
 WRONG_ZERO = (
     "it is in the encoder, not in the arm: correct the zero of the joint, or subtract it from measured positions"
 )
+NO_GRAVITY = "gravity of a {kind} is that of the world: turn the base, or set it in the simulator"
 NO_COMMAND = "{kind} says nothing of commands: set it in the controller"
 
 
@@ -80,6 +81,7 @@ def repair_description(
     for body in numbers.bodies:
         repair.body(body)
     repair.springs(robot)
+    repair.gravity()
     return Export(document.text(), tuple(repair.written), tuple(repair.not_held))
 
 
@@ -90,7 +92,7 @@ class _Repair:
         self.root, self.kind, self.new, self.source = document.root, kind, new, document.source
         self.robot, self.text = robot, document.text()
         self.written: list[Written] = []
-        self.not_held = list(numbers.not_held)
+        self.numbers, self.not_held = numbers, list(numbers.not_held)
         bodies = enumerate(robot.spec.bodies, 1)
         self.bodies = {name for k, body in bodies for name in (body.label, f"body_{k}")}
         every = [joint for joint in self.root.iter("joint") if self._end(joint, "child")]
@@ -234,6 +236,12 @@ class _Repair:
             if joint.motor is None and joint.mode is None and isinstance(spring, Spring):
                 unit = unit_of("stiffness", joint.rotary)
                 self._lost(joint.name, "stiffness", squared * spring.at_zero, unit, NO_SPRING)
+
+    def gravity(self) -> None:
+        """List gravity where the base stands at a slant."""
+        if self.numbers.gravity is not None:
+            size = f"{', '.join(f'{value:.6g}' for value in self.numbers.gravity)} m/s2 in the frame of the base"
+            self.not_held.append(NotHeld("base", "gravity", size, NO_GRAVITY.format(kind=self.kind.upper())))
 
     def _set(self, home: XmlElement, tag: str, wanted: tuple[Written, ...]) -> None:
         """Set values of an element `tag` inside another one; the key is the last word of the place."""

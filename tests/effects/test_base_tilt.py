@@ -1,0 +1,105 @@
+"""Slant of the base."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from flexros.arrays import FloatArray
+from flexros.effects.base_tilt import BaseTilt
+from flexros.gap.candidates.candidate import candidate_at
+from flexros.gap.candidates.scales import Scales
+from flexros.gap.diagnose import diagnose
+from flexros.gap.schema import Diagnosis
+from flexros.robot import load_robot
+from tests.gap.diagnosis_logs import settings_of
+from tests.gap.rigid_arm import arm
+from tests.gap.turning_arm import log_of, turning_arm
+from tests.ur5e import ur5e
+
+TILT = np.array([0.02, -0.05])
+"""Rotation of the base about x and y [rad]."""
+
+
+def test_gravity_is_turned_against_the_base_and_keeps_its_size() -> None:
+    turned = BaseTilt(x=0.1, y=-0.2, z=0.3).changed(turning_arm(), "base")
+    gravity = np.array(turned.spec.gravity.value)
+    assert np.linalg.norm(gravity) == pytest.approx(9.81)
+    np.testing.assert_allclose(gravity, pin.exp3(np.array([0.1, -0.2, 0.3])).T @ [0, 0, -9.81], atol=1e-12)
+    differing = {name for name, one in turned.parameters.items() if one.value != turning_arm().parameters[name].value}
+    assert differing == {"gravity.x", "gravity.y", "gravity.z"}
+
+
+def test_an_upright_base_is_as_in_the_robot_file_to_the_last_bit() -> None:
+    slanted = turning_arm((1.0, 2.0, -9.3))
+    for robot in (turning_arm(), slanted):
+        assert tuple(BaseTilt().values(robot, "base").values()) == robot.spec.gravity.value
+
+
+@pytest.mark.parametrize(
+    ("gravity", "axes"),
+    [
+        ((0.0, 0.0, -9.81), ("x", "y")),
+        ((0.0, 0.0, 9.81), ("x", "y")),  # at a ceiling
+        ((9.81, 0.0, 0.0), ("y",)),  # at a wall: about the first joint it is an encoder offset
+        ((0.3, 0.0, -9.8), ("x", "y")),  # nearly upright: no zero of the first joint turns gravity much
+        ((6.0, 0.0, -7.76), ("y",)),  # about x as about the first joint, in what torques show
+    ],
+)
+def test_rotations_are_sought_that_nothing_else_does(
+    gravity: tuple[float, float, float], axes: tuple[str, ...]
+) -> None:
+    assert tuple(BaseTilt().fitted(turning_arm(gravity), "base")) == axes
+
+
+def test_torques_of_a_rigid_arm_that_moves_in_space_show_it() -> None:
+    sought = BaseTilt().sought_if_measured
+    assert sought(turning_arm(), "base")
+    assert sought(ur5e(), "base")
+    assert not sought(arm(), "base")  # in a plane, where it is an encoder offset of the first joint
+    assert not sought(load_robot("elbow"), "base")  # springs
+    assert not BaseTilt().sought(turning_arm(), "base")
+    assert BaseTilt().locations(turning_arm((0.0, 0.0, 0.0))) == ()
+
+
+def test_it_begins_with_slants_about_one_axis_after_the_other() -> None:
+    candidate = candidate_at(BaseTilt, "base", turning_arm(), Scales({}))
+    assert {tuple(start) for start in candidate.starts()} == {(0.1, 0.0), (-0.1, 0.0), (0.0, 0.1), (0.0, -0.1)}
+
+
+def diagnosed(*, tilt: FloatArray, offset: float = 0.0) -> Diagnosis:
+    settings = settings_of(
+        *("coulomb_friction", "viscous_friction", "torque_bias", "gravity_error", "inertia_error", "encoder_offset"),
+        *("payload_error", "motor_inertia_error", "base_tilt"),
+    )
+    return diagnose(log_of(tilt=tilt, offset=offset), turning_arm(), settings=settings).diagnosis
+
+
+FRICTION = {f"{law}_friction@motor_{k}" for law in ("coulomb", "viscous") for k in (1, 2, 3)}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("tilt", [TILT, 0.3 * TILT])
+def test_a_slant_is_found_with_its_angles(tilt: FloatArray) -> None:
+    found = diagnosed(tilt=tilt)
+    causes = {f"{one.effect}@{one.location}": one.parameters for one in found.causes}
+    assert set(causes) == {"base_tilt@base", *FRICTION}
+    for axis, angle in zip("xy", tilt, strict=True):
+        number = causes["base_tilt@base"][axis]
+        assert number.value == pytest.approx(angle, abs=2.5 * number.std)
+        assert number.std < 0.005
+
+
+@pytest.mark.slow
+def test_an_encoder_offset_is_no_slant() -> None:
+    found = diagnosed(tilt=np.zeros(2), offset=0.04)
+    causes = {f"{one.effect}@{one.location}": one.parameters for one in found.causes}
+    assert set(causes) == {"encoder_offset@motor_2", *FRICTION}
+    assert causes["encoder_offset@motor_2"]["offset"].value == pytest.approx(0.04, abs=0.004)
+
+
+@pytest.mark.slow
+def test_an_upright_arm_has_neither() -> None:
+    found = diagnosed(tilt=np.zeros(2))
+    assert {f"{one.effect}@{one.location}" for one in found.causes} == FRICTION
