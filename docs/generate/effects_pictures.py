@@ -278,6 +278,7 @@ def presliding(text: str) -> Panels:
 
 DRAWINGS: dict[str, tuple[Callable[[str], Panels], str]] = {
     "actuator_lag": (step_response, "actuator_lag@motor_1:time_constant=3e-3"),
+    "base_tilt": (holding, "base_tilt@base:y=0.2"),
     "backlash": (backlash, "backlash@motor_1:gap=1e-3"),
     "coulomb_friction": (over_speed, "coulomb_friction@motor_1:level=20,asymmetry=0.2"),
     "counterbalance": (over_angle, "counterbalance@motor_2:cosine=60,sine=20"),

@@ -50,7 +50,7 @@ class BaseTilt(AbstractChangedValues):
         "its pose"
     )
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
-        {axis: Range("relative", 1e-4, 0.3, (FIRST, -FIRST), signed=True, source="chosen [rad]") for axis in "xyz"}
+        {axis: Range("relative", 1e-4, 0.8, (FIRST, -FIRST), signed=True, source="chosen [rad]") for axis in "xyz"}
     )
 
     x: float = Field(0.0, ge=-np.pi, le=np.pi, description="rotation of the base about its x axis [rad]")
@@ -67,8 +67,11 @@ class BaseTilt(AbstractChangedValues):
         return False
 
     def sought_if_measured(self, robot: Robot, location: str) -> bool:
-        """Return whether the torques of a rigid arm show a slant; springs blur what they show of weight."""
-        return robot.commands == "torque" and not robot.flexible_motors and bool(self.fitted(robot, location))
+        """Return whether servos of a rigid arm show a slant by how far they give way to its weight.
+
+        Torques show it at once, see `flexros.gap.fit.torques.turned_weight`. Springs blur what weight does.
+        """
+        return robot.commands != "torque" and not robot.flexible_motors and bool(self.fitted(robot, location))
 
     def fitted(self, robot: Robot, location: str) -> Mapping[str, Range]:
         """Return the rotations that torques show, about one axis at a time in the initial values."""

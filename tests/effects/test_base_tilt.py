@@ -2,21 +2,28 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import cache
+
 import numpy as np
 import pinocchio as pin
 import pytest
+import yaml
 
 from flexros.arrays import FloatArray
+from flexros.effects import RobotWithEffects
 from flexros.effects.base_tilt import BaseTilt
 from flexros.gap.candidates.candidate import candidate_at
 from flexros.gap.candidates.scales import Scales
+from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
 from flexros.gap.schema import Diagnosis
-from flexros.robot import load_robot
+from flexros.robot import Robot, load_robot, robot_from_data
 from tests.gap.diagnosis_logs import settings_of
 from tests.gap.rigid_arm import arm
-from tests.gap.turning_arm import log_of, turning_arm
-from tests.ur5e import ur5e
+from tests.gap.servo_logs import NOISE, servo_log, servo_robot
+from tests.gap.servo_logs import T as SERVO_T
+from tests.gap.turning_arm import TURNING, log_of, turning_arm
 
 TILT = np.array([0.02, -0.05])
 """Rotation of the base about x and y [rad]."""
@@ -53,19 +60,30 @@ def test_rotations_are_sought_that_nothing_else_does(
     assert tuple(BaseTilt().fitted(turning_arm(gravity), "base")) == axes
 
 
-def test_torques_of_a_rigid_arm_that_moves_in_space_show_it() -> None:
-    sought = BaseTilt().sought_if_measured
-    assert sought(turning_arm(), "base")
-    assert sought(ur5e(), "base")
-    assert not sought(arm(), "base")  # in a plane, where it is an encoder offset of the first joint
-    assert not sought(load_robot("elbow"), "base")  # springs
-    assert not BaseTilt().sought(turning_arm(), "base")
+def test_servos_of_a_rigid_arm_that_moves_in_space_show_it() -> None:
+    def sought(robot: Robot) -> bool:
+        return BaseTilt().sought_if_measured(robot.commanded_by("position"), "base")
+
+    assert sought(servo_arm())
+    assert not sought(servo_robot())  # in a plane, where it is an encoder offset of the first joint
+    assert not BaseTilt().sought_if_measured(turning_arm(), "base")  # torques show it at once
+    assert not BaseTilt().sought(servo_arm(), "base")
     assert BaseTilt().locations(turning_arm((0.0, 0.0, 0.0))) == ()
+
+
+@pytest.mark.parametrize("robot", [arm(), load_robot("elbow")])
+def test_no_rotation_is_sought_of_an_arm_in_a_plane(robot: Robot) -> None:
+    assert not BaseTilt().fitted(robot, "base")
 
 
 def test_it_begins_with_slants_about_one_axis_after_the_other() -> None:
     candidate = candidate_at(BaseTilt, "base", turning_arm(), Scales({}))
-    assert {tuple(start) for start in candidate.starts()} == {(0.1, 0.0), (-0.1, 0.0), (0.0, 0.1), (0.0, -0.1)}
+    assert {tuple(start) for start in candidate.starts()} == {
+        (0.0375, 0.0),
+        (-0.0375, 0.0),
+        (0.0, 0.0375),
+        (0.0, -0.0375),
+    }
 
 
 def diagnosed(*, tilt: FloatArray, offset: float = 0.0) -> Diagnosis:
@@ -76,11 +94,38 @@ def diagnosed(*, tilt: FloatArray, offset: float = 0.0) -> Diagnosis:
     return diagnose(log_of(tilt=tilt, offset=offset), turning_arm(), settings=settings).diagnosis
 
 
+@cache
+def servo_arm() -> Robot:
+    """Give the arm that moves in space rotors and servos of its size."""
+    data = yaml.safe_load(TURNING)
+    for body, stiffness in zip(data["bodies"], (4000.0, 4000.0, 1500.0), strict=True):
+        for direction in body["directions"].values():
+            direction["motor"]["servo"] = {"stiffness": stiffness, "damping": 0.04 * stiffness}
+    return robot_from_data({**data, "sample_time": SERVO_T, "sensors": {"encoder_noise": NOISE}}, "servo_arm.yaml")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("tilted", [True, False])
+def test_servos_that_give_way_to_weight_show_a_slant(tilted: bool) -> None:
+    """An integral part of a servo had stood for it."""
+    friction = [f"coulomb_friction@motor_{k}:level={level}" for k, level in enumerate((4, 6, 2), start=1)]
+    slant = ["base_tilt@base:x=0.03,y=-0.06"] if tilted else []
+    logs = [servo_log(*friction, *slant, robot=servo_arm, seed=seed) for seed in (0, 5)]
+    fitted, further = (replace(checked_log(log, servo_arm(), name="log"), imported=True) for log in logs)
+    settings = settings_of("coulomb_friction", "servo_stiffness_error", "servo_integral", "payload_error", "base_tilt")
+    found = diagnose(fitted, RobotWithEffects(servo_arm(), ()), holdout=further, settings=settings).diagnosis
+    causes = {f"{one.effect}@{one.location}": one.parameters for one in found.causes}
+    assert set(causes) == {f"coulomb_friction@motor_{k}" for k in (1, 2, 3)} | ({"base_tilt@base"} if tilted else set())
+    for axis, angle in (("x", 0.03), ("y", -0.06)) if tilted else ():
+        number = causes["base_tilt@base"][axis]
+        assert number.value == pytest.approx(angle, abs=max(2.5 * number.std, 1e-3))
+
+
 FRICTION = {f"{law}_friction@motor_{k}" for law in ("coulomb", "viscous") for k in (1, 2, 3)}
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("tilt", [TILT, 0.3 * TILT])
+@pytest.mark.parametrize("tilt", [TILT, 0.3 * TILT, 10 * TILT])
 def test_a_slant_is_found_with_its_angles(tilt: FloatArray) -> None:
     found = diagnosed(tilt=tilt)
     causes = {f"{one.effect}@{one.location}": one.parameters for one in found.causes}

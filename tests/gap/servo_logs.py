@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 
 import numpy as np
@@ -102,13 +103,13 @@ def servo_log(
     duration: float = 8.0,
     seed: int = 0,
     noise: float = NOISE,
-    arm: bool = False,
+    robot: Callable[[], Robot] | None = None,
     mass: float = 1.5,
 ) -> Log:
-    """A log of commanded and measured positions of a joint with effects, or of the arm."""
-    robot = (servo_arm() if arm else servo_robot(feedforward, mass=mass)).commanded_by("position")
-    placed = place_effects(robot, [parse_effect(text, "test") for text in effects])
-    names = robot.joint_names
+    """A log of commanded and measured positions of a joint with effects, or of another robot."""
+    nominal = (servo_robot(feedforward, mass=mass) if robot is None else robot()).commanded_by("position")
+    placed = place_effects(nominal, [parse_effect(text, "test") for text in effects])
+    names = nominal.joint_names
     wanted = np.hstack([command(duration, seed + 7 * k) for k in range(len(names))])
     rate = np.gradient(wanted, T, axis=0)
     stiffness = np.array([placed.robot.parameters[f"{name}.servo_stiffness"].value for name in names])

@@ -131,8 +131,9 @@ class TorqueStartSettings(Settings):
     turned: float = Field(
         default=1.5,
         ge=1,
-        description="the same product from which the encoder of a motor has another zero [1] (chosen): what tells a "
-        "load from errors of bodies tells a turned weight from them as well",
+        description="the same product from which the encoder of a motor has another zero, and for each angle by which "
+        "the base stands at a slant [1] (chosen): what tells a load from errors of bodies tells a turned weight from "
+        "them as well",
     )
     rough_bodies: float = Field(
         default=0.15,

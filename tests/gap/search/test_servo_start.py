@@ -187,7 +187,7 @@ def test_a_load_that_the_file_leaves_out_is_found_beside_late_commands() -> None
     """Without the load, wrong rotors and filters of the commands took up what it does."""
     hidden = ("tool_load@tool:mass=0.4,z=0.25", "delay@all:time=0.01", "motor_inertia_error@motor_2:relative=0.4")
     robot = servo_arm()
-    record = replace(checked_log(servo_log(*hidden, arm=True), robot, name="log"), imported=True)
+    record = replace(checked_log(servo_log(*hidden, robot=servo_arm), robot, name="log"), imported=True)
     model = RobotWithEffects(robot.commanded_by("position"), ())
     nominal = fit_null(fit_data(record, model, DiagnosisSettings()), model, tolerance_of(model.robot, {}))
     found = fit_of_servos(nominal, None, DiagnosisSettings())

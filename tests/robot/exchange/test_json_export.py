@@ -23,6 +23,13 @@ def test_numbers_are_on_the_joint_side_with_units() -> None:
     assert content["springs"][1]["stiffness"] == pytest.approx(110 * 220**2)
 
 
+def test_gravity_is_that_of_a_slanted_base(tmp_path: Path) -> None:
+    patch = tmp_path / "patch.yaml"
+    patch.write_text("robot: elbow\neffects:\n  - {effect: base_tilt, location: base, parameters: {x: 0.1}}\n")
+    content = json.loads(export_model(load_patched(patch), "json").text)
+    assert content["gravity"] == {"value": pytest.approx([0, -0.979366, -9.76099], abs=1e-5), "unit": "m/s2"}
+
+
 def test_isaac_lab_has_friction_by_joint(tmp_path: Path) -> None:
     patch = tmp_path / "patch.yaml"
     patch.write_text(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -38,9 +39,9 @@ def with_turned_weight(
 
     One motor after the other gets an offset, the one that lowers most of what is left, for as long as that is by
     `settings.turned`, or by `settings.explained_by_load` where bodies are known roughly: what they leave is as much
-    like a turned weight as like anything. The same is done beside a slant of the base that lowers it by as much. Of the
-    two the one with fewer angles stands, unless the other leaves less by as much. Then the torques are taken around
-    these angles.
+    like a turned weight as like anything. The same is done beside a slant of the base that lowers it by as much for
+    each of its angles. Of the two the one with fewer angles stands, unless the other leaves less by as much for each
+    further one. Then the torques are taken around these angles.
 
     Args:
         regress: The regression of the log.
@@ -59,17 +60,17 @@ def with_turned_weight(
         for motor, name in enumerate(robot.joint_names)
         if motor not in record.prescribed and sought.sought(robot, name)
     ]
-    slant = BaseTilt()
-    tilt = dict.fromkeys(slant.fitted(robot, "base") if slant.sought_if_measured(robot, "base") else (), 0.0)
+    tilt = dict.fromkeys(() if robot.flexible_motors else BaseTilt().fitted(robot, "base"), 0.0)
     together = regress(zeros=dict.fromkeys(motors, 0.0), tilt=tilt) if motors or tilt else None
     if together is None or lowered(without, together, settings) < least:
         return None
     best = _with_zeros(regress, without, motors, least, settings)
     tilted = regress(tilt=tilt) if tilt else None
-    if tilted is not None and lowered(without, tilted, settings) >= least:
+    if tilted is not None and lowered(without, tilted, settings) >= least ** len(tilt):
         beside = _with_zeros(regress, tilted, motors, least, settings)
         few, many = sorted((best, beside), key=lambda one: (_angles(one), rest_of(one)))
-        best = many if lowered(few, many, settings) >= least else few
+        further = max(1, _angles(many) - _angles(few))
+        best = many if lowered(few, many, settings) >= least**further else few
     for _ in range(ROUNDS * bool(_angles(best))):
         again, before = regress(zeros=best.zeros, tilt=best.tilt), best
         if again is None:
@@ -78,7 +79,8 @@ def with_turned_weight(
         pairs = ((best.zeros, before.zeros), (best.tilt, before.tilt))
         if all(np.allclose(list(now.values()), list(then.values()), rtol=0, atol=1e-5) for now, then in pairs):
             break
-    return best if _angles(best) and lowered(without, best, settings) >= least else None
+    over_nominal = replace(best, left=best.rest * without.left / without.rest)  # that around the angles is smaller
+    return best if _angles(best) and lowered(without, over_nominal, settings) >= least else None
 
 
 def _with_zeros(

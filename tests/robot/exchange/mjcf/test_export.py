@@ -54,6 +54,15 @@ def test_motion_is_that_of_the_robot(name: str) -> None:
     np.testing.assert_allclose(data.qpos, joint_positions(robot, ours), atol=1e-6 * moved)
 
 
+def test_gravity_of_a_slanted_base_is_written(tmp_path: Path) -> None:
+    patch = tmp_path / "patch.yaml"
+    patch.write_text("robot: elbow\neffects:\n  - {effect: base_tilt, location: base, parameters: {x: 0.1}}\n")
+    exported = export_model(load_patched(patch), "mjcf")
+    gravity = [0, -9.81 * np.sin(0.1), -9.81 * np.cos(0.1)]
+    np.testing.assert_allclose(mujoco.MjModel.from_xml_string(exported.text).opt.gravity, gravity, atol=1e-9)
+    assert [row.value for row in exported.written if row.location == "base"] == pytest.approx(gravity)
+
+
 def test_motor_side_friction_comes_times_the_gear_ratio(tmp_path: Path) -> None:
     """A torque just below the level on the motor side holds the joint, one just above it moves it."""
     patch = tmp_path / "patch.yaml"

@@ -8,10 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
+from flexros.effects.base_tilt import BaseTilt
 from flexros.effects.patching.export import export_model
 from flexros.effects.patching.patched_robot import load_patched
 from flexros.errors import InputError
+from flexros.robot import robot_from_data
 from flexros.robot.exchange.mjcf.robot_import import robot_from_mjcf
 from flexros.robot.exchange.numbers import Export
 from tests.robot.exchange.mjcf.arm_mjcf import ARM
@@ -204,6 +207,23 @@ def test_inertia_of_an_actuator_counts(repair: Repair) -> None:
     exported = repair("  - {effect: motor_inertia_error, location: motor_1, parameters: {relative: 1}}\n", text)
     model = mujoco.MjModel.from_xml_string(exported.text)
     assert model.dof_armature[0] + 100 * model.actuator_armature[0] == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize("option", ['gravity="0 0 -9.81"', "", None])
+def test_gravity_of_a_slanted_base_is_read_again(option: str | None, repair: Repair, tmp_path: Path) -> None:
+    whole = '<option timestep="0.001" gravity="0 0 -9.81"/>'
+    text = ARM.replace(whole, "" if option is None else f'<option timestep="0.001" {option}/>')
+    exported = repair("  - {effect: base_tilt, location: base, parameters: {x: 0.02, y: -0.03}}\n", text)
+    assert {row.quantity for row in exported.written} == {"gravity x", "gravity y", "gravity z"}
+    assert exported.not_held == ()
+    slanted, upright = (
+        tmp_path / "slanted.xml",
+        robot_from_data(yaml.safe_load((tmp_path / "arm.yaml").read_text()), ""),
+    )
+    slanted.write_text(exported.text)
+    found = robot_from_data(yaml.safe_load(robot_from_mjcf(slanted).text), "")
+    wanted = BaseTilt(x=0.02, y=-0.03).changed(upright, "base")
+    np.testing.assert_allclose(found.spec.gravity.value, wanted.spec.gravity.value, atol=1e-9)
 
 
 def test_joints_are_given_by_name(repair: Repair) -> None:

@@ -88,6 +88,15 @@ def test_an_inertia_is_scaled_and_the_mass_kept(to: Format, tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize("to", ["urdf", "sdf"])
+def test_gravity_of_a_slanted_base_is_listed(to: Format, tmp_path: Path) -> None:
+    patch = tmp_path / "patch.yaml"
+    patch.write_text("robot: elbow\neffects:\n  - {effect: base_tilt, location: base, parameters: {x: 0.1}}\n")
+    (row,) = [row for row in export_model(load_patched(patch), to).not_held if row.location == "base"]
+    assert (row.name, row.size) == ("gravity", "0, -0.979366, -9.76099 m/s2 in the frame of the base")
+    assert f"{to.upper()} is that of the world" in row.reason
+
+
+@pytest.mark.parametrize("to", ["urdf", "sdf"])
 def test_what_has_no_place_is_listed(to: Format, patched: PatchedRobot) -> None:
     rows = {(row.location, row.name): row.size for row in export_model(patched, to).not_held}
     assert rows["motor_1", "rotor inertia"] == "60 kg m2"
