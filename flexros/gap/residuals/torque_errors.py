@@ -22,6 +22,7 @@ import numpy as np
 from scipy.signal import lfilter, lfilter_zi
 
 from flexros.compile.over_rows import over_rows
+from flexros.effects.base_tilt import BaseTilt
 from flexros.effects.kinds.arm_law import AbstractArmLaw
 from flexros.effects.kinds.bristle_friction import AbstractBristleFriction
 from flexros.effects.kinds.command_law import AbstractCommandLaw
@@ -127,7 +128,9 @@ class TorqueErrors:
 
     def _of_one(self, predictor: Predictor, theta: FloatArray) -> FloatArray:
         values, zeros = predictor.values(theta), tuple(predictor.encoder_offsets(theta).tolist())
-        numbers = predictor.numbers(theta)
+        tilted = any(candidate.effect is BaseTilt for candidate in predictor.hypothesis)  # else gravity is as stated
+        given = predictor.numbers(theta).items()
+        numbers = {name: value for name, value in given if tilted or name not in GRAVITY}
         needed = self._rows_of_bodies(predictor.robot, tuple(numbers.items()), zeros).copy()
         gains, late = np.ones(self.robot.n_motors), np.full(self.robot.n_motors, -self.delay)
         lags, limits = dict[int, float](), dict[int, AbstractCommandLaw]()

@@ -79,8 +79,9 @@ def with_turned_weight(
         pairs = ((best.zeros, before.zeros), (best.tilt, before.tilt))
         if all(np.allclose(list(now.values()), list(then.values()), rtol=0, atol=1e-5) for now, then in pairs):
             break
-    over_nominal = replace(best, left=best.rest * without.left / without.rest)  # that around the angles is smaller
-    return best if _angles(best) and lowered(without, over_nominal, settings) >= least else None
+    # under the right gravity a model that is right otherwise leaves little, and a small part of it is no measure
+    judged = replace(best, left=best.rest * without.left / without.rest) if best.tilt else best
+    return best if _angles(best) and lowered(without, judged, settings) >= least else None
 
 
 def _with_zeros(
