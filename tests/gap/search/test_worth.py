@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from types import SimpleNamespace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -24,6 +24,9 @@ from flexros.gap.search.worth import (
 from flexros.gap.settings import DiagnosisSettings
 from flexros.record.premises import MEASURED, SIMULATED
 from tests.gap.diagnosis_logs import candidates_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 COULOMB, PRESLIDING = "coulomb_friction@motor_1", "presliding_friction@motor_1"
 INERTIA = "motor_inertia_error@motor_1"
@@ -66,29 +69,20 @@ def test_an_effect_beyond_the_tolerance_of_one_of_many_motors_is_found_within_tw
     motors: int, before: float, after: float, expected: bool
 ) -> None:
     """A ripple of a sixth of the rms torque of one of six motors left two floors of all six without it."""
-    comparison, (rest, fit) = measured_fits(before, after)
-    search = measured_search()
-    search.data.record.position = np.zeros((10, motors))
-    assert worth(search, comparison, rest, fit, 0.4) is expected
+    assert is_worth([before] * motors, [after] * motors) is expected
 
 
 @pytest.mark.parametrize(("first", "second", "expected"), [
     ((3.4, 0.4, 0.4, 0.4, 0.4, 0.4), (1.6, 0.4, 0.4, 0.4, 0.4, 0.4), True),  # beyond the tolerance of its motor
     ((0.9, 0.9, 0.9, 0.9, 0.9, 0.9), (0.6, 0.6, 0.6, 0.6, 0.6, 0.6), False),  # a little at each, within it
     ((3.9, 0.4, 0.4, 0.4, 0.4, 0.4), (3.0, 0.4, 0.4, 0.3, 0.3, 0.3), False),
-    ((9.0, 0.1, 0.1, 0.1, 0.1, 0.1), (7.8, 0.1, 0.1, 0.1, 0.1, 0.1), False),  # less than a fifth of what is above it
+    ((11.4, 0.1, 0.1, 0.1, 0.1, 0.1), (10.3, 0.1, 0.1, 0.1, 0.1, 0.1), False),  # less than a fifth of what is above it
 ])  # fmt: skip
 def test_an_effect_beyond_the_tolerance_of_one_motor_is_found_within_the_floor_of_all(
-    first: tuple[float, ...], second: tuple[float, ...], expected: bool
+    first: Sequence[float], second: Sequence[float], expected: bool
 ) -> None:
     """Cogging of two of six motors was excused by four motors whose torques were known well."""
-    n = 1_000
-    comparison, (rest, fit) = measured_fits(float(np.mean(first)), float(np.mean(second)))
-    for one, levels in ((rest, first), (fit, second)):
-        one.residual = lambda _, levels=levels: np.repeat(np.sqrt(np.array(levels)), n)
-    search = measured_search()
-    search.data.record.position, search.data.values_of_motors = np.zeros((n, 6)), np.full(6, n)
-    assert worth(search, comparison, rest, fit, 0.4) is expected
+    assert is_worth(first, second) is expected
 
 
 def test_what_a_curve_lacks_beside_noise_is_no_effect() -> None:
@@ -180,6 +174,18 @@ def measured_search() -> Any:
     """Search in a measured log."""
     data = SimpleNamespace(record=SimpleNamespace(position=np.zeros((10, 1))))
     return SimpleNamespace(settings=DiagnosisSettings(), data=data, premises=MEASURED)
+
+
+def is_worth(before: Sequence[float], after: Sequence[float]) -> bool:
+    """Return whether an effect is worth it after which this is left at the motors."""
+    n, motors = 1_000, len(before)
+    comparison, (rest, fit) = measured_fits(float(np.mean(before)), float(np.mean(after)))
+    for one, levels, name in ((rest, before, ""), (fit, after, "ripple")):
+        one.names = frozenset([name])
+        one.residual = lambda _, levels=levels: np.repeat(np.sqrt(np.array(levels)), n)
+    search = measured_search()
+    search.data.record.position, search.data.values_of_motors = np.zeros((n, motors)), np.full(motors, n)
+    return worth(search, comparison, rest, fit, 0.4)
 
 
 def measured_fit(level: float, *names: str) -> Any:
