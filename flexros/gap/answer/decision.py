@@ -13,6 +13,7 @@ from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.kinds.base import PlacedEffect
 from flexros.gap.answer.given_model import GivenModel
 from flexros.gap.answer.strained_numbers import as_effects, strained_numbers
+from flexros.gap.answer.unexplained_torques import unexplained_torques
 from flexros.gap.fit.constancy import constancies
 from flexros.gap.fit.estimates import beyond_search, placed_effects
 from flexros.gap.fit.torques.unknown_numbers import UnknownNumbers
@@ -180,7 +181,8 @@ def verdict_of(
     torques is in the floor as white torque, and real errors last.
 
     A curve names where something is, but no law: what it explains is explained in part at best. An explanation may be
-    as good as its form allows and still leave much more than noise: then it is one in part as well.
+    as good as its form allows and still leave much more than noise: then it is one in part as well. So it is where it
+    leaves torques that errors of positions do not show.
 
     Args:
         findings: Fits of one log, and what the held-out log says of them.
@@ -206,7 +208,8 @@ def verdict_of(
     if comparison.adequate(explanations.chosen) and confirmed and lawful:
         if rivals_of(explanations, findings.settings, findings.elsewhere):
             return "ambiguous"
-        return "explained" if _within_floor(findings, left, with_tolerance) else "partly_explained"
+        within = _within_floor(findings, left, with_tolerance) and not unexplained_torques(findings)
+        return "explained" if within else "partly_explained"
     return "partly_explained" if _partly(findings, closed) else "unknown_effect"
 
 

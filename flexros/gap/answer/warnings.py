@@ -11,6 +11,7 @@ from flexros.effects.torque_drift import TorqueDrift
 from flexros.gap.answer.hanging_sizes import hanging_sizes
 from flexros.gap.answer.short_events import short_events
 from flexros.gap.answer.strained_numbers import strained_numbers
+from flexros.gap.answer.unexplained_torques import torque_warnings
 from flexros.gap.fit.estimates import placed_effects
 from flexros.gap.fit.torques.regression import ONE_WAY
 
@@ -82,6 +83,7 @@ def answer_warnings(findings: Findings, gap: GapNumbers, *, worse: bool) -> list
         )
     return [
         *short_events(findings),
+        *torque_warnings(findings),
         *_strained(findings),
         *warnings,
         *_without_finding(findings),

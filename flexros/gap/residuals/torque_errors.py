@@ -52,6 +52,8 @@ PARTS = 64
 """Laws whose parts are kept (chosen): those of all laws of a hypothesis, and of a step of each parameter of shape."""
 BODIES = 16
 """Torques of the bodies that are kept (chosen): many sets of parameters have the same ones of the robot."""
+NORMAL = 1.4826
+"""Standard deviation of normal numbers over the median of their magnitudes [1]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,6 +127,20 @@ class TorqueErrors:
             Errors, motors one after the other, shape (M m, sets).
         """
         return np.stack([self._of_one(predictor, theta) for theta in thetas.T], axis=-1)
+
+    def usual(self, predictor: Predictor, theta: FloatArray) -> FloatArray:
+        """Return how large the errors of a hypothesis usually are [Nm or N], shape (M,).
+
+        They are those of most rows: where a joint sticks, its torque may be any within its friction. Zero for a motor
+        of prescribed motion.
+
+        Args:
+            predictor: The hypothesis.
+            theta: Its parameters, shape (n_fitted,).
+        """
+        errors = self._of_one(predictor, theta).reshape(-1, len(self.torque))
+        deviation = np.where(np.isfinite(self.deviation), self.deviation, 0.0)
+        return np.asarray(NORMAL * np.median(np.abs(errors), axis=1) * deviation)
 
     def _of_one(self, predictor: Predictor, theta: FloatArray) -> FloatArray:
         values, zeros = predictor.values(theta), tuple(predictor.encoder_offsets(theta).tolist())

@@ -104,6 +104,16 @@ def test_each_error_is_of_its_own_motor_over_its_deviation() -> None:
     assert first == pytest.approx(size_of({})[0])
 
 
+def test_errors_are_usually_those_of_most_rows() -> None:
+    """A constant torque that is missing is all that is left; in a fifth of the rows a joint sticks."""
+    of, (predictor, thetas) = errors_of(), predictor_of(friction())
+    torque = of.torque + np.array([2.0, 0.0])
+    torque[: len(torque) // 5] += 50.0
+    first, second = replace(of, torque=torque).usual(predictor, thetas[:, 0])
+    assert first == pytest.approx(1.4826 * 2.0, rel=0.02)
+    assert second < 0.05
+
+
 def test_more_inertia_leaves_more() -> None:
     """It leaves less of the errors of predicted positions, whatever their cause."""
     heavy = {**friction(), "motor_inertia_error@motor_1": {"relative": 3.0}}

@@ -1,0 +1,47 @@
+"""Torques that an answer leaves, where errors of predicted positions do not show them.
+
+Of a motor that turns hardly any inertia, as where the rotor is not known, a torque within the tolerance moves it by so
+much that its positions are not predicted at all: an unknown cable at a wrist made its whole torque, and every
+prediction was within noise and tolerance.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from flexros.gap.answer.decision import Findings
+
+MOST = 0.4
+"""Share of what changes of a torque that an answer may usually leave to be `explained` [1] (chosen)."""
+
+
+def unexplained_torques(findings: Findings) -> dict[str, float]:
+    """Return the motors of a measured log much of whose torque the answer leaves, with the share that it does [1].
+
+    Args:
+        findings: Fits of one log, and what the held-out log says of them.
+    """
+    torques, chosen = findings.data.torques, findings.explanations.chosen
+    if torques is None or not findings.explanations.detected:
+        return {}
+    left, changing = torques.usual(chosen.predictor, chosen.theta), np.std(torques.torque, axis=0)
+    noise = findings.data.record.torque_noise
+    much = left > np.maximum(MOST * changing, 0.0 if noise is None else noise)
+    names = findings.model.robot.joint_names
+    return {names[motor]: float(left[motor] / changing[motor]) for motor in np.flatnonzero(much & (changing > 0))}
+
+
+def torque_warnings(findings: Findings) -> list[str]:
+    """Say which torques are not explained."""
+    left = unexplained_torques(findings)
+    if not left:
+        return []
+    shares = ", ".join(f"{name}: {share:.0%}" for name, share in left.items())
+    return [
+        f"much of what changes of the measured torques is not explained ({shares}), although predicted positions are "
+        "within their tolerance there: so little inertia is known to turn that they show nothing. Give the inertia of "
+        "the rotor in the robot file; a force that is not in the library may act"
+    ]
