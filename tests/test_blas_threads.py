@@ -32,7 +32,7 @@ def test_fits_of_a_diagnosis_have_one_thread_each(monkeypatch: pytest.MonkeyPatc
     class EndError(Exception):
         pass
 
-    def explain(_: object) -> None:
+    def explain(*_: object) -> None:
         assert threads() == {1}
         raise EndError
 

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 from flexros.gap.answer.decision import level_of_positions, on_held_out
 from flexros.gap.fit.candidate_fit import best_of_each
 from flexros.gap.fit.null_fit import predicting_best
-from flexros.gap.held_out.closed_share import share_between
+from flexros.gap.held_out.closed_share import closed_fraction, share_between
 from flexros.gap.held_out.errors_ahead import errors_ahead
+from flexros.gap.held_out.gap_floor import tolerance_floor
 from flexros.gap.search.fits.refits import at_limits
 from flexros.gap.search.forward_selection import explanations_of
 from flexros.gap.search.worth import compared
@@ -37,7 +38,8 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> tupl
     errors of form.
 
     Where the nominal model leaves no more than noise and tolerance in either log, there is no gap that an effect could
-    be the cause of: one that does not hold in the held-out log is chance, however much it gains in the fitted one.
+    be the cause of: one that does not hold in the held-out log is chance, however much it gains in the fitted one. So
+    are effects that change nothing there.
 
     Args:
         search: The search.
@@ -68,10 +70,12 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> tupl
             break
         fits.append(better)
         chosen = better
-    if not withdrawn:
-        return explanations, ()
-    comparison = compared(search, best_of_each([fit for fit in fits if fit.names != chosen.names or fit is chosen]))
-    return explanations_of(search, comparison, chosen, detected=True), tuple(withdrawn)
+    if withdrawn:
+        comparison = compared(search, best_of_each([fit for fit in fits if fit.names != chosen.names or fit is chosen]))
+        explanations = explanations_of(search, comparison, chosen, detected=True)
+    if _changes_nothing(search, explanations, held):
+        return explanations_of(search, explanations.comparison, explanations.null, detected=False), ()
+    return explanations, tuple(withdrawn)
 
 
 def _rival(
@@ -114,6 +118,24 @@ def _of_chance(search: Search, explanations: Explanations, held: FitData) -> boo
     if max(levels) > search.settings.ranking.floors:
         return False
     return on_held_out(chosen, held).chi2 >= without.chi2 or errors_ahead(chosen, held).mean > before
+
+
+def _changes_nothing(search: Search, explanations: Explanations, held: FitData) -> bool:
+    """Return whether effects change no predictions of a held-out log, and torques within tolerance explain both logs.
+
+    Errors of torques last, and 0.1 s ahead they leave far more than the floor: `tolerance_floor`.
+    """
+    if search.premises.floor_is_noise or not explanations.detected:
+        return False
+    null, floors = explanations.null, search.settings.ranking.floors
+    if max(level_of_positions(null, search.data), on_held_out(null, held).chi2 / held.n_values) > floors:
+        return False
+    before = errors_ahead(null, held)
+    closed = closed_fraction(before, errors_ahead(explanations.chosen, held), held.record.sample_time)
+    if closed is None or not closed.interval[0] <= 0 <= closed.interval[1]:
+        return False
+    logs = ((before, held), (errors_ahead(null, search.data), search.data))
+    return all(errors.mean <= floors * (tolerance_floor(null, log) or 1.0) for errors, log in logs)
 
 
 def _better_without(search: Search, chosen: CandidateFit, before: AheadErrors, held: FitData) -> CandidateFit | None:

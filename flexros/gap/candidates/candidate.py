@@ -117,15 +117,16 @@ class Candidate:
 
         Args:
             of_one_size: Whether of the initial values of the size of a law that others shape the middle one alone
-                counts; linear theory scales it.
+                counts, of each sign; linear theory scales it.
         """
         encoded = [[free.encode(value) for value in free.starts] for free in self.free]
         if self.together:
             return list(zip(*encoded, strict=True))
         if of_one_size and len(self.free) > 1 and issubclass(self.effect, AbstractLaw):
-            sizes = (values for free, values in zip(self.free, encoded, strict=True) if free.name == self.effect.size)
-            for values in sizes:
-                values[:] = [values[len(values) // 2]]
+            for free, values in zip(self.free, encoded, strict=True):
+                signs = [[one for one in values if (one > 0) == above] for above in (False, True)]
+                if free.name == self.effect.size:
+                    values[:] = [own[len(own) // 2] for own in (signs if free.signed else [values]) if own]
         return list(product(*encoded))
 
     def neutral(self, free: FreeParameter) -> float | None:

@@ -75,9 +75,15 @@ def test_effects_that_hold_in_the_held_out_log_stay() -> None:
 
 def test_the_last_effect_is_not_withdrawn() -> None:
     """Where no effect holds, it is the verdict that says so."""
-    explanations, withdrawn = confirmed(*found(), measured("torque_bias@motor_1:level=0.1", seed=2))
+    explanations, withdrawn = confirmed(*found(), measured("torque_bias@motor_1:level=2", seed=2))
     assert len(withdrawn) == 1
     assert len(explanations.chosen.hypothesis) == 1
+
+
+def test_effects_that_change_nothing_are_none_where_torques_within_tolerance_explain_both_logs() -> None:
+    """0.1 s ahead such torques leave far more than the floor, as `flexros gap` counts it too."""
+    explanations, withdrawn = confirmed(*found(), measured("torque_bias@motor_1:level=0.1", seed=2))
+    assert (explanations.detected, withdrawn) == (False, ())
 
 
 def test_effects_of_a_simulated_log_are_as_they_were_found() -> None:

@@ -334,8 +334,11 @@ def test_of_a_law_that_others_shape_one_size_may_be_enough() -> None:
     sizes, speeds, _ = starts_of((stribeck,), of_one_size=True)
     assert len(set(sizes)) == 1
     assert set(speeds) == set(starts_of((stribeck,))[1])
-    coulomb = candidates_of()["coulomb_friction@motor_1"]
+    coulomb, spring = (candidates_of()[name] for name in ("coulomb_friction@motor_1", "nonlinear_stiffness@body_2.rz"))
     assert np.array_equal(starts_of((coulomb,), of_one_size=True), starts_of((coulomb,)))
+    relative = starts_of((spring,), of_one_size=True)[0]
+    assert set(np.sign(relative)) == {-1.0, 1.0}
+    assert len(set(relative)) == 2
 
 
 def test_the_nominal_model_has_nothing_to_fit() -> None:
