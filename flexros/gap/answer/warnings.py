@@ -14,6 +14,8 @@ from flexros.gap.answer.strained_numbers import strained_numbers
 from flexros.gap.answer.unexplained_torques import torque_warnings
 from flexros.gap.fit.estimates import placed_effects
 from flexros.gap.fit.torques.regression import ONE_WAY
+from flexros.gap.held_out.errors_ahead import errors_ahead
+from flexros.gap.held_out.gap_floor import tolerance_floor
 
 if TYPE_CHECKING:
     from flexros.gap.answer.decision import Findings
@@ -30,6 +32,10 @@ SIZEABLE, LEAST_FLOOR = 0.25, 2.0
 SCALED, SEVERAL = 0.3, 2
 """Size of an error of the torque gain, and number of motors that have one, from which a wrong unit is likelier than
 such drives [1] (chosen): torque constants drop by 10 % when hot."""
+
+MUCH_MORE = 4.0
+"""Gap of the held-out log over that of its torques in tolerance, from which the other log may show more [1] (chosen):
+twice that is allowed."""
 
 SHOWN = 3
 """Numbers of the model beyond their tolerance that are stated one by one [1] (chosen)."""
@@ -75,6 +81,7 @@ def answer_warnings(findings: Findings, gap: GapNumbers, *, worse: bool) -> list
         for name in findings.withdrawn
     ]
     warnings += _within_tolerance(findings, gap)
+    warnings += _less_excited(findings, gap)
     given = findings.as_given
     if explanations.detected and given.kept:
         warnings.append(
@@ -104,6 +111,25 @@ def _within_tolerance(findings: Findings, gap: GapNumbers) -> list[str]:
         "that do not show: if these torques are known better, as those of a simulator, state a tolerance of torque of "
         "0.005"
     ]
+
+
+def _less_excited(findings: Findings, gap: GapNumbers) -> list[str]:
+    """Say where the fitted log is explained and the held-out one is not, which may show more of the robot."""
+    chosen, data, floor = findings.explanations.chosen, findings.data, gap.tolerance_floor
+    if data.record.premises.floor_is_noise or _continues(findings) or gap.after is None or floor is None:
+        return []
+    if gap.after < MUCH_MORE * floor or errors_ahead(chosen, data).mean > 2.0 * (tolerance_floor(chosen, data) or 1.0):
+        return []
+    return [
+        "the fitted log is explained within the tolerance of its torques and the held-out log is not: it may excite "
+        "more, so exchange the two and compare the answers"
+    ]
+
+
+def _continues(findings: Findings) -> bool:
+    """Return whether the held-out log is the rest of the fitted one."""
+    fitted, held = findings.data.record, findings.held.record
+    return held.begin >= fitted.begin + (fitted.n_samples - 1) * fitted.sample_time
 
 
 def _without_finding(findings: Findings) -> list[str]:
@@ -182,8 +208,7 @@ def _drift_warnings(findings: Findings) -> list[str]:
     Args:
         findings: Fits of one log, and what the held-out log says of them.
     """
-    fitted, held = findings.data.record, findings.held.record
-    continues = held.begin >= fitted.begin + (fitted.n_samples - 1) * fitted.sample_time
+    continues = _continues(findings)
     how = "the held-out part is predicted with its last value" if continues else "the held-out log as if it repeated"
     drifts = [one for one in placed_effects(findings.explanations.chosen) if isinstance(one.effect, TorqueDrift)]
     return [

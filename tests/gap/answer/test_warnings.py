@@ -46,6 +46,26 @@ def test_what_the_tolerance_of_torques_may_hide_is_told(after: float, floor: flo
     assert all("off by 5 % of their rms" in text and "tolerance of torque of 0.005" in text for text in texts)
 
 
+@pytest.mark.parametrize(("after", "own", "begin", "warned"), [
+    (50.0, 2.0, 0.0, True), (15.0, 2.0, 0.0, False), (50.0, 30.0, 0.0, False), (50.0, 2.0, 10.0, False),
+])  # fmt: skip
+def test_a_held_out_log_that_shows_more_is_told(
+    after: float, own: float, begin: float, warned: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of point-to-point motion 20 of 25 effects were found, of a log with more speeds all but one."""
+    monkeypatch.setattr(warnings, "errors_ahead", lambda *_: SimpleNamespace(mean=own))
+    monkeypatch.setattr(warnings, "tolerance_floor", lambda *_: 5.0)
+    premises = SimpleNamespace(floor_is_noise=False)
+    fitted = SimpleNamespace(begin=0.0, n_samples=100, sample_time=0.01, premises=premises)
+    findings: Any = SimpleNamespace(
+        explanations=SimpleNamespace(chosen=None),
+        data=SimpleNamespace(record=fitted),
+        held=SimpleNamespace(record=SimpleNamespace(begin=begin)),
+    )
+    gap: Any = SimpleNamespace(after=after, tolerance_floor=5.0)
+    assert bool(warnings._less_excited(findings, gap)) is warned
+
+
 def test_numbers_far_out_of_tolerance_are_stated() -> None:
     tolerance = Tolerance(("body_1.mass", "body_1.inertia.yy"), (0.02, 0.02))
     chosen: Any = SimpleNamespace(predictor=SimpleNamespace(tolerance=tolerance), deviations=np.array([5.0, 1.0]))
