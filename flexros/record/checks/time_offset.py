@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from flexros.record.balance.regression import coefficients
 from flexros.record.balance.torque_balance import AGREED
 from flexros.record.checks.base import AbstractCheck, Finding
+from flexros.record.checks.checked_record import TINY
 from flexros.record.checks.thinned_commands import THINNED
 from flexros.record.torques.shifted_torque import timing_is_open
 
@@ -33,7 +35,21 @@ held [1]: so much of such a lead may be that of the recorder."""
 
 LESS = 0.1
 """Rise of the mean over the motors of ln(power of the torque that is left) from which an offset is none [1] (chosen):
-0.7 to 2.3 where large friction or a wrong centre of mass had imitated one, 0.01 at most for right ones."""
+0.7 to 2.3 where large friction or a wrong centre of mass had imitated one, 0.01 at most for right ones. A delay is one
+from this fall of it while motors slide: 0.13 to 7.6 for right ones, 0.03 at most where motors had stuck before."""
+
+FAST, AWAY = 0.1, 0.15
+"""Speed over its largest one [1] from which a motor slides, and time from any slower sample [s] (chosen): around a stop
+static friction lets torque rise before the motion begins, and filters spread that."""
+
+LARGEST = 0.95
+"""Share of speeds that are below what counts as the largest one [1] (chosen)."""
+
+FEWEST = 200
+"""Fewest samples in which a motor slides that tell a delay (chosen)."""
+
+EXPLAINED = 0.3
+"""Power that friction and the rigid arm leave of a torque, up to which they tell a delay [1] (chosen)."""
 
 LONGEST = 0.01
 """Delay of the torque beyond which an offset between topics is more likely than a delay of the robot [s] (chosen)."""
@@ -78,7 +94,7 @@ class TimeOffset(AbstractCheck):
             noted = checked.record.torque_shift - EARLIEST if timing_is_open(checked.record) else 0.0
             hopeless = early > (REFUSED + noted) * T and _agreement(checked, tau) > AGREED
             return (Finding(text, hopeless=hopeless, like_parameters=True),)
-        if tau > LONGEST:
+        if tau > LONGEST and _explains_more_sliding(checked, declared, declared + tau):
             text = (
                 f"the torques act {1e3 * tau:.2g} ms later than they are stamped; if that is no delay of the robot, "
                 f"give 'time_offset: {tau:.2g}' at the torque columns when importing"
@@ -100,6 +116,37 @@ def _explains_less(checked: CheckedRecord, delay: float) -> bool:
     left = np.array([[balance.unexplained(motor, motor, time) for time in (0.0, delay)] for motor in moving])
     before, after = np.log(np.maximum(left, np.finfo(float).tiny)).mean(axis=0)
     return bool(after - before > LESS)
+
+
+def _explains_more_sliding(checked: CheckedRecord, declared: float, delay: float) -> bool:
+    """Return whether friction and the rigid arm explain clearly more of the torques at a delay while motors slide.
+
+    In phases of spectra a motor that sticks before it moves looks like one that follows its torque late. True also
+    where the rigid arm explains no motor's torque well enough to tell.
+
+    Args:
+        checked: The record.
+        declared: Delay of the robot file [s].
+        delay: The delay in question [s].
+    """
+    T = checked.record.sample_time
+    stamps = np.flatnonzero(checked.record.valid) * T
+    torques, arms, drives = checked.slow_parts
+    falls = []
+    for motor in np.flatnonzero(checked.moves).tolist():
+        speed = np.abs(drives[:, motor, 0])
+        slow = speed < FAST * np.quantile(speed, LARGEST)
+        sliding = np.convolve(slow, np.ones(2 * round(AWAY / T) + 1), "same") < 0.5
+        if sliding.sum() < FEWEST:
+            continue
+        parts = np.column_stack([arms[sliding, motor], drives[sliding, motor]])
+        powers = []
+        for time in (declared, delay):
+            torque = np.interp(stamps[sliding] - time, stamps, torques[:, motor])
+            powers.append(np.var(torque - parts @ coefficients(parts, torque)) / max(np.var(torque), TINY**2))
+        if powers[0] < EXPLAINED:
+            falls.append(np.log((powers[0] + TINY**2) / (powers[1] + TINY**2)))
+    return not falls or bool(np.mean(falls) > LESS)
 
 
 def _doubtful(early: float, checked: CheckedRecord) -> tuple[Finding, ...]:

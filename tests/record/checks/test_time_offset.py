@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flexros.record.balance.inverse_dynamics import rigid_inverse_dynamics
 from flexros.record.balance.torque_balance import Delay
 from flexros.record.checks.checked_record import CheckedRecord
 from flexros.record.checks.time_offset import TimeOffset
@@ -49,6 +50,26 @@ def test_an_offset_at_which_the_motion_explains_less_of_the_torques_is_none(heal
     checked = CheckedRecord(healthy("elbow"), load_robot("elbow"))
     checked.__dict__["delay"] = Delay(time, 1e-3, 0.1)
     assert not TimeOffset().look(checked)
+
+
+@pytest.mark.parametrize(("samples", "told"), [(0, False), (-40, True)])
+def test_torque_that_rises_before_a_motor_breaks_free_is_no_delay(healthy, samples: int, told: bool) -> None:
+    """From point to point friction sticks: spectra take its ramp for 20 ms, and motors that slide do not."""
+    robot, record = load_robot("elbow"), healthy("elbow")
+    random, T = np.random.default_rng(0), record.sample_time
+    second, after = np.divmod(np.arange(record.n_samples) * T, 1.0)
+    moved, rested = np.clip(after / 0.6, 0, 1), np.clip((after - 0.6) / 0.4, 0, 1)  # moves 0.6 s, rests 0.4 s
+    way = np.cumsum(random.uniform(0.2, 0.4, (20, 2)) * (-1.0) ** np.arange(20)[:, None], axis=0)
+    here, there, next_one = (way[second.astype(int) + k] for k in range(3))
+    position = here + (there - here) * (moved**3 * (10 - 15 * moved + 6 * moved**2))[:, None]
+    need = rigid_inverse_dynamics(robot, position, T, 20.0)
+    now, soon = np.sign(there - here), np.sign(next_one - there)
+    torque = need + 3 * need.std(axis=0) * (now + (soon - now) * (rested**2)[:, None])
+    torque += 0.01 * need.std(axis=0) * random.normal(size=torque.shape)
+    position += 1e-6 * random.normal(size=position.shape)
+    checked = CheckedRecord(late(replace(record, position=position, torque=torque), samples), robot)
+    checked.__dict__["delay"] = Delay(0.02, 1e-3, 0.1)
+    assert bool(TimeOffset().look(checked)) is told
 
 
 @pytest.mark.slow
