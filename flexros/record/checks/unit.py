@@ -13,6 +13,8 @@ from flexros.record.checks.checked_record import TINY
 from flexros.record.checks.degrees import like_degrees
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from flexros.arrays import FloatArray
     from flexros.record.balance.torque_balance import BalanceFit
     from flexros.record.checks.checked_record import CheckedRecord
@@ -78,7 +80,7 @@ class Unit(AbstractCheck):
             return (Finding(text, hopeless=True, like_parameters=True),)
         refused = {motor: fit for motor, fit in off.items() if abs(np.log(fit.factor)) > np.log(REFUSED)}
         refused = {k: fit for k, fit in refused.items() if k not in beside or abs(np.log(beside[k])) > np.log(BARE)}
-        if refused and not _model_may_be_rough(checked, refused):
+        if refused and not _model_may_be_rough(checked, refused, beside):
             common = _common_causes(refused, robot)
             text = "" if common else like_degrees(checked)  # friction and weight blur the factor of single motors
             if text:
@@ -147,11 +149,17 @@ def _share_of_limits(checked: CheckedRecord) -> str:
     return ""
 
 
-def _model_may_be_rough(checked: CheckedRecord, refused: dict[int, BalanceFit]) -> bool:
+def _model_may_be_rough(checked: CheckedRecord, refused: dict[int, BalanceFit], beside: Mapping[int, float]) -> bool:
     """Return whether a model of an arm may lack a load, or rotors, at light wrists: joints with large torques fit it.
 
     A load at the tool multiplies the torque of light wrists, and hardly that of the joints near the base; a wrong unit
-    multiplies all of them. That holds of weights and, without gravity, of inertias.
+    multiplies all of them. That holds of weights and, without gravity, of inertias. A wrist that the motion loads most
+    may be no light one: what a load adds there is no more than what it adds nearer to the base.
+
+    Args:
+        checked: The record.
+        refused: Factors to reject the log for.
+        beside: Factors beside friction and rotors, by motor [1].
     """
     balance = checked.balance
     if balance is None or checked.robot.n_motors < FEWEST:
@@ -160,13 +168,20 @@ def _model_may_be_rough(checked: CheckedRecord, refused: dict[int, BalanceFit]) 
         return False
     power = np.sum(np.abs(balance.needed) ** 2, axis=0)
     power = np.array([0.0 if fit is None else power[motor] for motor, fit in enumerate(checked.own)])
-    large = np.flatnonzero(power > HEAVY * power.max())
+    large = np.flatnonzero(power > HEAVY * power.max()).tolist()
     bare = rotor_unknown(checked.robot)
-    clear = [(k, fit) for k in large if (fit := checked.own[k]) is not None and fit.agreement > LARGE_CLEAR]
+    clear = {k: fit.factor for k in large if (fit := checked.own[k]) is not None and fit.agreement > LARGE_CLEAR}
+    clear = {k: min(factor, beside.get(k, factor), key=lambda one: abs(np.log(one))) for k, factor in clear.items()}
     if not clear:
         return False
-    base = clear[0][0]  # what a load multiplies is farther out
-    return all(1 / REFUSED < fit.factor < (BARE if bare[k] or k > base else REFUSED) for k, fit in clear)
+    base, added = min(clear), 0.0  # what a load multiplies is farther out
+    for k, factor in clear.items():
+        here = (factor - 1) * float(np.sqrt(power[k]))
+        most = BARE if bare[k] or k > base else REFUSED
+        if factor < 1 / REFUSED or (factor > most and (k == base or here > added)):
+            return False
+        added = max(added, here)
+    return True
 
 
 def _is_significant(fit: BalanceFit) -> bool:

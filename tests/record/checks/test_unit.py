@@ -161,7 +161,7 @@ def test_where_friction_hides_the_largest_torque_other_heavy_joints_tell_the_uni
     refused: Any = {motor: fit for motor, fit in enumerate(own) if fit.factor > 2.7 and fit.agreement > 0.4}
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(unit, "rotor_unknown", lambda _: np.zeros(4, dtype=bool))
-        assert unit._model_may_be_rough(checked, refused) is rough
+        assert unit._model_may_be_rough(checked, refused, {}) is rough
 
 
 @pytest.mark.parametrize(
@@ -178,4 +178,16 @@ def test_a_load_may_multiply_the_torque_of_a_joint_beyond_others_that_fit(
     refused: Any = {motor: fit for motor, fit in enumerate(own) if fit.factor > 2.7}
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(unit, "rotor_unknown", lambda _: np.zeros(3, dtype=bool))
-        assert unit._model_may_be_rough(checked, refused) is rough
+        assert unit._model_may_be_rough(checked, refused, {}) is rough
+
+
+@pytest.mark.parametrize(("wrist", "rough"), [(6.0, True), (20.0, False)])
+def test_a_load_adds_no_more_at_a_wrist_than_nearer_to_the_base(wrist: float, rough: bool) -> None:
+    """Where most of what an elbow needs is friction, the factor beside that counts; a wrist of 1/7 of it may need 6."""
+    own = [SimpleNamespace(factor=factor, agreement=0.5) for factor in (5.6, 2 * wrist)]
+    needed = np.sqrt(np.array([[50.0, 1.0]]))
+    checked: Any = SimpleNamespace(balance=SimpleNamespace(needed=needed), robot=SimpleNamespace(n_motors=2), own=own)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(unit, "rotor_unknown", lambda _: np.ones(2, dtype=bool))
+        refused: Any = {1: own[1]}
+        assert unit._model_may_be_rough(checked, refused, {0: 2.5, 1: wrist}) is rough
