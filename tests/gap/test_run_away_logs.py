@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -12,10 +15,11 @@ from flexros.gap.diagnose import diagnose
 from flexros.gap.fit.least_squares import linearise
 from flexros.gap.measure_gap import measure_gap
 from flexros.gap.prediction.predictor import Predictor
-from flexros.gap.residuals.prepare_fit_data import fit_data
+from flexros.gap.residuals.prepare_fit_data import _check_bounded, fit_data
 from flexros.gap.settings import DiagnosisSettings
 from flexros.record.record import Record
 from flexros.robot import load_robot
+from tests import ur5e as example
 
 T = 5e-4
 ELBOW = load_robot("elbow")
@@ -57,6 +61,14 @@ def test_the_gap_of_a_patch_is_measured_where_the_model_without_it_runs_away() -
     found = measure_gap(swinging_up(0.1), light, repaired=place_effects(ELBOW, ())).numbers
     assert found.after is not None
     assert 1.0 < found.after < 1e9 < found.before
+
+
+def test_rotors_that_the_robot_file_leaves_out_are_said_to_be_lacking() -> None:
+    arm = example.ur5e()
+    rotors = {f"{name}.inertia": 0.0 if k in (3, 4) else 0.1 for k, name in enumerate(arm.joint_names)}
+    predicted: Any = SimpleNamespace(innovation=np.full((4000, 2, 1), np.nan))
+    with pytest.raises(InputError, match="has no rotor inertia at motor_4, motor_5, and the torques do not show it"):
+        _check_bounded(predicted, swinging_up(0.1), arm.with_values(rotors))
 
 
 def test_derivatives_stay_finite_where_a_prediction_runs_away() -> None:

@@ -16,6 +16,7 @@ from flexros.gap.residuals.observed_model import NOTHING, ObservedModel
 from flexros.gap.residuals.sensor_data import sensor_data
 from flexros.gap.residuals.tool_data import tool_data, tracker_noise
 from flexros.gap.residuals.tool_frame import FEWEST, usable_poses
+from flexros.record.balance.spectra import rotor_unknown
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from flexros.gap.residuals.observed_model import Beginning
     from flexros.gap.settings import DiagnosisSettings
     from flexros.record.record import Record
+    from flexros.robot import Robot
 
 RUN_AWAY = 1e6
 """Largest prediction error over the largest motion of the log; beyond it the prediction has diverged [1] (chosen)."""
@@ -70,7 +72,7 @@ def fit_data(
         data, predicted = _followed(nominal, beginning, settings, around)
     else:  # a measured log is tied as its tolerance says
         data, predicted = _weighed(nominal, beginning, settings, settings.level if level is None else level, around)
-    _check_bounded(predicted, beginning.record)
+    _check_bounded(predicted, beginning.record, model.robot)
     data = _with_tool(data, *around)
     if record.sensors:
         data = _with_sensors(data, nominal.predictor, data.predict(nominal.predictor, NOTHING, record_states=True))
@@ -189,12 +191,22 @@ def _with_usable_tool(record: Record) -> Record:
     return replace(record, tool=None, warnings=(*record.warnings, warning))
 
 
-def _check_bounded(predicted: LoopPrediction, record: Record) -> None:
-    """Refuse a log that the nominal model cannot follow at all, such as that of an unstable loop."""
+def _check_bounded(predicted: LoopPrediction, record: Record, robot: Robot) -> None:
+    """Refuse a log that the nominal model cannot follow at all, such as that of an unstable loop.
+
+    Joints that lack their rotors are often too light for the torques of a log. Of a robot file that leaves rotors out,
+    those that the torques show are given before (`unknown_numbers`).
+    """
     farthest = float(np.ptp(record.position, axis=0).max())
-    if not np.all(np.abs(predicted.innovation[:, :, 0]) <= RUN_AWAY * farthest):
-        raise InputError(
-            f"{record.name}: the prediction of the nominal model diverges from this log, in which motors move by up to "
-            f"{farthest:.3g} rad or m; check units, signs and order of the motors, and whether the control loop was "
-            "stable, or give the log of another run"
-        )
+    if np.all(np.abs(predicted.innovation[:, :, 0]) <= RUN_AWAY * farthest):
+        return
+    bare = [name for name, lacks in zip(robot.joint_names, rotor_unknown(robot), strict=True) if lacks]
+    lacking = (
+        f"robot {robot.name} has no rotor inertia at {', '.join(bare)}, and the torques do not show it, so that bodies "
+        "alone may be too light: state 'inertia' of these motors in the robot file, or give a patch with it; else "
+    )
+    raise InputError(
+        f"{record.name}: the prediction of the nominal model diverges from this log, in which motors move by up to "
+        f"{farthest:.3g} rad or m; {lacking if bare else ''}check units, signs and order of the motors, and whether "
+        "the control loop was stable, or give the log of another run"
+    )
