@@ -30,8 +30,9 @@ OFF_LATTICE = 0.08
 MATTERS = 0.05
 """Rms rounding error over the noise of the encoder above which quantisation counts (chosen)."""
 
-ROUNDED = 1e-5
-"""Differences over the largest one up to which they are rounding of the file, such as decimals of text (chosen)."""
+ROUNDED = (1e-5, 1e-4, 1e-3)
+"""Differences over the largest one up to which they are rounding of the file, such as decimals of text (chosen): more
+where that shows no step, as text of eight digits has one decimal less from 1 rad on."""
 
 SOME = 4000
 """Differences of which most steps are ruled out already, before all are looked at (chosen)."""
@@ -84,7 +85,13 @@ def _found_step(values: FloatArray) -> float | None:
     if len(signal) < FEWEST or len(np.unique(signal)) < 3:
         return None
     change = np.abs(np.concatenate([np.diff(signal), np.diff(signal, 2)]))
-    resolution = max(32 * float(np.spacing(np.abs(signal).max())), ROUNDED * float(change.max(initial=0.0)))
+    exact, largest = 32 * float(np.spacing(np.abs(signal).max())), float(change.max(initial=0.0))
+    steps = (_step_of(change, max(exact, rounded * largest)) for rounded in ROUNDED)
+    return next((step for step in steps if step is not None), None)
+
+
+def _step_of(change: FloatArray, resolution: float) -> float | None:
+    """Find the step of which differences beyond a resolution are multiples; None without one."""
     change = change[change > resolution]
     if len(change) < FEWEST:
         return None

@@ -46,6 +46,15 @@ def test_decimals_of_a_text_file_are_a_lattice() -> None:
     assert lattice_step(np.round(motion(1), 5)) == pytest.approx(1e-5, rel=1e-6)
 
 
+@pytest.mark.parametrize("digits", [7, 8])
+def test_text_of_eight_digits_has_one_decimal_less_from_1_on(digits: int) -> None:
+    """At turning points and at rest small differences are then those of the text, not steps of the encoder."""
+    turning = 1.0 + 0.3 * np.sin(2 * np.pi * 0.2 * np.arange(N) * 4e-3) + 2e-6 * np.random.default_rng(0).normal(size=N)
+    step = 2 * np.pi / 2**17
+    text = [f"{value:.{digits}g}" for value in step * np.round(turning / step)]
+    assert lattice_step(np.array(text, dtype=float)) == pytest.approx(step, rel=1e-4)
+
+
 def record(position: np.ndarray) -> Record:
     return Record("log", 5e-4, position[:, None], np.zeros((len(position), 1)), np.ones(len(position), dtype=bool))
 

@@ -84,8 +84,8 @@ def _wraps(steps: FloatArray, span: float, step: float) -> bool:
 def _flat_tops(values: FloatArray, step: float, valid: BoolArray) -> BoolArray:
     """Mark the samples in which the position is cut off at its largest or smallest value.
 
-    At a turning point and at rest an encoder without noise repeats its value too, but comes there slowly. A log that
-    begins or ends at the extreme, or is interrupted there, tells too little.
+    At a turning point and at rest an encoder without noise repeats its value too, but comes or leaves slowly. A log
+    that begins or ends at the extreme, or is interrupted there, tells too little.
     """
     rows, spoilt = np.flatnonzero(valid), np.zeros(len(valid), dtype=bool)
     slow = slow_change(values, step)
@@ -93,6 +93,7 @@ def _flat_tops(values: FloatArray, step: float, valid: BoolArray) -> BoolArray:
         for begin, length in zip(*runs(values == level), strict=True):
             around = rows[max(begin - 1, 0) : begin + length + 1]
             inside = len(around) == length + 2 and int(np.diff(around).max()) <= MOST_BRIDGED
-            if inside and length >= PLATEAU and not comes_to_rest(values, int(begin), int(length), slow):
+            rests = comes_to_rest(values, int(begin), int(length), slow, at_end=True)
+            if inside and length >= PLATEAU and not rests:
                 spoilt[rows[begin : begin + length]] = True
     return spoilt

@@ -50,20 +50,26 @@ def slow_change(values: FloatArray, step: float) -> float:
     return SLOW * largest if noiseless else 0.0
 
 
-def comes_to_rest(values: FloatArray, begin: int, length: int, slow: float) -> bool:
+def comes_to_rest(values: FloatArray, begin: int, length: int, slow: float, *, at_end: bool = False) -> bool:
     """Return whether a signal comes to a stretch of repeated values slowly, as before rest and at a turning point.
+
+    A signal that is cut off passes its largest value as fast as it comes back. Friction may stop a motor at once, or
+    let it break free at once, but not both.
 
     Args:
         values: Positions [rad or m], shape (n,).
         begin: First sample of the stretch.
         length: Number of its samples.
         slow: Change of `slow_change` [rad or m].
+        at_end: Whether it is at the end of its range, where it rests if it either comes or leaves slowly.
     """
     before = values[max(0, begin - BESIDE) : begin] - values[begin]
     after = values[begin + length : begin + length + BESIDE] - values[begin]
     near = min(max(length, 2 * BESIDE), NEAR)  # of a joint that turns faster, samples farther away differ
     resolution = max(_resolution_beside(values, begin, length, beside) for beside in (near, NEAR))
     slow = max(slow, STEPS * resolution)
+    if at_end:
+        return min(float(np.abs(side).max(initial=0.0)) for side in (before, after)) <= slow
     if len(after) == BESIDE and abs(after[0]) <= abs(after[1] - after[0]):
         after = after[:0]  # it breaks free of its friction: what it leaves fast, it came to slowly
     return float(np.abs(np.concatenate([before, after])).max(initial=0.0)) <= slow

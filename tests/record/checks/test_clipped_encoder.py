@@ -103,3 +103,18 @@ def test_motor_that_rests_at_its_end_before_a_hole_is_not_clipped(found, healthy
     assert any("stays at the end" in finding.text for finding in found("emps", position=position))
     valid[at + 1 : at + 2_000] = False
     assert not any("stays at the end" in finding.text for finding in found("emps", position=position, valid=valid))
+
+
+@pytest.mark.parametrize("leaves", [False, True])
+def test_motor_that_friction_stops_at_once_is_not_clipped(found, healthy, leaves: bool) -> None:
+    """It turns back slowly from where it stuck, or leaves at once; a clipped position comes back as fast as it went."""
+    record = healthy("emps")
+    time = np.arange(record.n_samples) * record.sample_time - 5.0
+    motion = 0.04 * np.cos(2 * np.pi * 0.31 * time) + 0.01 * np.cos(2 * np.pi * 0.083 * time)
+    top = int(np.argmax(motion))
+    coming = np.minimum(motion[top] - 2e-5 * np.arange(top, 0, -1), motion[:top])
+    position = np.concatenate([coming, np.full(40, motion[top]), motion[top:-40]])[:: -1 if leaves else 1, None]
+    position = 2e-6 * np.round(position / 2e-6)
+    assert not any("stays at the end" in finding.text for finding in found("emps", position=position))
+    clipped = np.minimum(position, 0.9 * position.max())
+    assert any("stays at the end" in finding.text for finding in found("emps", position=clipped))
