@@ -17,16 +17,18 @@ from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.gravity_error import GravityError
 from flexros.effects.inertia_error import InertiaError
 from flexros.effects.left_out.body_difference import BodyDifference
+from flexros.effects.left_out.tool_load import ToolLoad, last_moved
 from flexros.effects.servos.servo_command_lag import ServoCommandLag
 from flexros.effects.torque_gain_error import TorqueGainError
 from flexros.effects.torque_saturation import TorqueSaturation
 from flexros.errors import InputError
 from flexros.robot.exchange.numbers import SAME, BodyNumbers, JointNumbers, LoadNumbers, NotHeld, RepairedNumbers
+from flexros.robot.parameters import INERTIA_COMPONENTS
 from flexros.robot.quantity import unit_of
 from flexros.robot.spring import Spring
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from flexros.arrays import FloatArray
     from flexros.effects.kinds.law import AbstractLaw
@@ -37,6 +39,13 @@ if TYPE_CHECKING:
     from flexros.robot.specification import Body
 
 ASYMMETRIC = "the two directions have one level; the mean is written"
+DIFFERENCES = {
+    "mass": ("mass", "kg"),
+    **{axis: (f"centre {axis}", "m") for axis in "xyz"},
+    **{entry: (f"inertia {entry}", "kg m2") for entry in INERTIA_COMPONENTS},
+}
+"""Names and units of the numbers of a `BodyDifference`."""
+
 NO_LAW = "no joint parameter represents it: add it as a force, or keep it in FlexROS"
 
 
@@ -53,7 +62,12 @@ def repaired_numbers(patched: PatchedRobot) -> RepairedNumbers:
         InputError: The file states values on the motor side, which cannot be converted.
     """
     model = patched.model
-    rewritten = {one.location for one in patched.placed if isinstance(one.effect, BodyDifference)}
+    differences: dict[str, list[BodyDifference]] = {}
+    for one in patched.placed:
+        if isinstance(one.effect, BodyDifference):
+            differences.setdefault(one.location, []).append(one.effect)
+    loads = [one.effect for one in patched.placed if isinstance(one.effect, ToolLoad) and one.effect.mass > 0]
+    carrier = last_moved(model.robot) if len(loads) == 1 else ""
     inertias: dict[str, float] = {}
     for one in patched.placed:
         if isinstance(one.effect, InertiaError):
@@ -88,7 +102,8 @@ def repaired_numbers(patched: PatchedRobot) -> RepairedNumbers:
                 nominal,
                 weights.get(name, 0.0),
                 inertias.get(name, 1.0),
-                rewritten=name in rewritten,
+                differences=differences.get(name, ()),
+                load=loads[0] if name == carrier else None,
             )
             for k, (body, nominal) in enumerate(zip(model.robot.spec.bodies, patched.base.spec.bodies), start=1)
         ),
@@ -98,22 +113,51 @@ def repaired_numbers(patched: PatchedRobot) -> RepairedNumbers:
 
 
 def _of_body(
-    name: str, body: Body, nominal: Body, weight_error: float, inertia_factor: float, *, rewritten: bool
+    name: str,
+    body: Body,
+    nominal: Body,
+    weight_error: float,
+    inertia_factor: float,
+    *,
+    differences: Sequence[BodyDifference],
+    load: ToolLoad | None,
 ) -> BodyNumbers:
-    """Return the numbers of a body; a further mass that moves its centre of mass is a load on it."""
+    """Return the numbers of a body; a further mass that moves its centre of mass is a load on it.
+
+    Args:
+        name: Its name.
+        body: The body with all effects.
+        nominal: The body of the robot file.
+        weight_error: Unmodelled share of its weight [1].
+        inertia_factor: Inertia over that without inertia errors [1].
+        differences: Its numbers that an effect says.
+        load: Load of the patch on it; None for none.
+    """
     mass, own = body.mass.value, nominal.mass.value
     moment = mass * np.array(body.center_of_mass.value) - own * np.array(nominal.center_of_mass.value)
     moved = np.abs(moment - (mass - own) * np.array(nominal.center_of_mass.value)).max() > SAME * abs(mass)
-    if rewritten or (moved and (mass <= own or inertia_factor != 1)):
+    if differences or (moved and (mass <= own or inertia_factor != 1)):
         place = ", ".join(f"{value:.4g}" for value in body.center_of_mass.value)
         words = f"mass {mass:.6g} kg, centre {place} m, and inertia"
-        return BodyNumbers(name, body.label, 1.0, weight_error, rewritten=words)
+        point = None if load is None else LoadNumbers(load.mass, (load.x, load.y, load.z))
+        beside = _beside_load(differences, inertia_factor) if load is not None else ""
+        return BodyNumbers(name, body.label, 1.0, weight_error, point, words, beside_load=beside)
     if moved:
         x, y, z = (moment / (mass - own)).tolist()
         return BodyNumbers(name, body.label, 1.0, weight_error, LoadNumbers(mass - own, (x, y, z)))
     inertia = body.inertia.matrix() / inertia_factor
     factor = _ratio(mass, own, inertia, nominal.inertia.matrix())
     return BodyNumbers(name, body.label, factor, weight_error, inertia_factor=inertia_factor)
+
+
+def _beside_load(differences: Sequence[BodyDifference], inertia_factor: float) -> str:
+    """Return what changes a body beside its load, in words."""
+    found = [] if inertia_factor == 1 else [f"inertia x {inertia_factor:.6g}"]
+    for one in differences:
+        for key, value in ((key, value) for key, value in one.model_dump().items() if value):
+            name, unit = DIFFERENCES[key]
+            found.append(f"{name} {value:+.6g} {unit}")
+    return ", ".join(found)
 
 
 def joint_side(robot: Robot) -> float:

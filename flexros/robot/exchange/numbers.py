@@ -78,7 +78,8 @@ class BodyNumbers:
         mass_factor: Mass and inertia over those of the robot without effects [1].
         weight_error: Unmodelled share of its weight, without change of inertia [1].
         load: Point mass that moves its centre of mass, None for none; the factor is 1 then.
-        rewritten: Mass and centre of mass that no factor and no load says, in words; the factors are 1 then.
+        rewritten: Mass and centre of mass that no factor and no load alone says, in words; the factors are 1 then.
+        beside_load: What of these a load leaves, in words; empty without one.
         inertia_factor: Inertia about the centre of mass, beyond that of `mass_factor`, with the mass kept [1].
     """
 
@@ -89,6 +90,7 @@ class BodyNumbers:
     load: LoadNumbers | None = None
     rewritten: str = ""
     inertia_factor: float = 1.0
+    beside_load: str = ""
 
     @property
     def change(self) -> tuple[str, str]:

@@ -47,3 +47,27 @@ def test_a_file_of_the_user_keeps_its_own_and_the_others_are_listed(patched: Pat
     assert f"mass {mass_of(patched):.6g} kg" in lost.size
     assert "an export without a base file has these" in lost.reason
     assert not exported.written
+
+
+def test_a_load_is_written_beside_a_difference_of_the_same_body(tmp_path: Path) -> None:
+    """Only the difference is listed: the documents promise the load in the last link."""
+    (tmp_path / "ur5e.yaml").write_text(skeleton_from_urdf(URDF))
+    (tmp_path / "patch.yaml").write_text(
+        """
+robot: ur5e.yaml
+effects:
+  - effect: tool_load
+    location: tool
+    parameters: {mass: {value: 1.3}, z: {value: 0.2}}
+  - effect: body_difference
+    location: body_7
+    parameters: {zz: {value: 4.4e-5}}
+"""
+    )
+    patched = load_patched(str(tmp_path / "patch.yaml"))
+    exported = export_model(patched, "urdf", URDF)
+    (load,) = (each for each in exported.written if each.location == "body_7")
+    assert "load of 1.3 kg" in load.quantity
+    assert load.value == pytest.approx(patched.model.robot.parameters["body_7.mass"].value)
+    (lost,) = (each for each in exported.not_held if each.location == "body_7")
+    assert (lost.name, lost.size) == ("numbers", "inertia zz +4.4e-05 kg m2")

@@ -81,8 +81,8 @@ def joint_actuator(model: Any, joint: int) -> JointActuator | None:
         armature=added(model, found, "actuator_armature"),
         damping=added(model, found, "actuator_damping"),
         gain=float(gains[0]) * gear,
-        kp=-float(biases[1]) * gear**2 if servo else 0.0,
-        kv=-float(biases[2]) * gear**2 if servo else 0.0,
+        kp=0.0 - float(biases[1]) * gear**2 if servo else 0.0,  # 0.0 - 0.0 has no sign, unlike -0.0
+        kv=0.0 - float(biases[2]) * gear**2 if servo else 0.0,
         follows=servo
         and int(model.actuator_dyntype[first]) in {int(enums.mjtDyn.mjDYN_NONE), *lags}
         and biases[1] < 0

@@ -258,7 +258,7 @@ class _Repair:
         axes, origin = data.xmat[index].reshape(3, 3).T, data.xpos[index]
         turn = axes @ arm.frame.T @ carrier.frame
         anchor = axes @ (arm.frame.T @ carrier.anchor - origin)
-        if body.load is not None:
+        if body.load is not None and not body.rewritten:
             place = anchor + turn @ np.array(body.load.place)
             return inertia_of(self.model, index).plus(point_mass(body.load.mass, place))
         spec = self.robot.spec.bodies[int(body.body.removeprefix("body_")) - 1]

@@ -161,7 +161,8 @@ class _Repair:
         """Scale mass and inertia of a link."""
         self._lost(body.body, "weight", body.weight_error, "relative", "{kind} has one mass for weight and inertia")
         if body.rewritten and not self.new:
-            self.not_held.append(NotHeld(body.body, "numbers", body.rewritten, REWRITTEN))
+            self.not_held.append(NotHeld(body.body, "numbers", body.beside_load or body.rewritten, REWRITTEN))
+            body = replace(body, rewritten="")
         unchanged = same(body.mass_factor, 1.0) and same(body.inertia_factor, 1.0) and body.load is None
         if self.new or unchanged:
             return

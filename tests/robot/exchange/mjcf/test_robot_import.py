@@ -57,6 +57,13 @@ def test_mass_matrix_bias_and_gravity_are_those_of_mujoco(tmp_path: Path) -> Non
     compare_dynamics(written(tmp_path, ARM), tmp_path)
 
 
+def test_a_servo_without_damping_has_none(tmp_path: Path) -> None:
+    text = one_link(after='<actuator><position joint="j" kp="5"/></actuator>')
+    imported = robot_from_mjcf(written(tmp_path, text)).text
+    assert "servo: {stiffness: 5.0, damping: 0.0}" in imported
+    assert "-0.0" not in imported
+
+
 SLANTED = """<mujoco><compiler angle="radian"/><worldbody><body name="a">
   <joint axis="0 0 1"/><inertial pos="0 .1 .2" mass="2" diaginertia=".02 .01 .015"/>
   <body pos=".1 0 .3" euler=".2 .5 0"><joint name="b" axis="0 -1 .4" armature=".05"/>
