@@ -2,7 +2,7 @@
 
 Of a motor that turns hardly any inertia, as where the rotor is not known, a torque within the tolerance moves it by so
 much that its positions are not predicted at all: an unknown cable at a wrist made its whole torque, and every
-prediction was within noise and tolerance.
+prediction was within noise and tolerance. A rotor that is far too large hides torques too, as they hardly move it.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def torque_warnings(findings: Findings) -> list[str]:
         return []
     shares = ", ".join(f"{name}: {share:.0%}" for name, share in left.items())
     return [
-        f"much of what changes of the measured torques is not explained ({shares}), although predicted positions are "
-        "within their tolerance there: so little inertia is known to turn that they show nothing. Give the inertia of "
+        f"much of what changes of the measured torques is not explained ({shares}), which predicted positions hardly "
+        "show there: too little inertia is known to turn, or one that was found is far too large. Give the inertia of "
         "the rotor in the robot file; a force that is not in the library may act"
     ]
