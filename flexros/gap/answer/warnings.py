@@ -118,7 +118,8 @@ def _less_excited(findings: Findings, gap: GapNumbers) -> list[str]:
     chosen, data, floor = findings.explanations.chosen, findings.data, gap.tolerance_floor
     if data.record.premises.floor_is_noise or _continues(findings) or gap.after is None or floor is None:
         return []
-    if gap.after < MUCH_MORE * floor or errors_ahead(chosen, data).mean > 2.0 * (tolerance_floor(chosen, data) or 1.0):
+    within = findings.settings.floors * (tolerance_floor(chosen, data) or 1.0)
+    if gap.after < MUCH_MORE * floor or errors_ahead(chosen, data).mean > within:
         return []
     return [
         "the fitted log is explained within the tolerance of its torques and the held-out log is not: it may excite "

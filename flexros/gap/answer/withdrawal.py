@@ -110,14 +110,14 @@ def _rival(
 
 def _of_chance(search: Search, explanations: Explanations, held: FitData) -> bool:
     """Return whether effects were found without a gap in either log, and the held-out one is not predicted better."""
-    if search.premises.floor_is_noise or not explanations.detected:
-        return False
     null, chosen = explanations.null, explanations.chosen
-    without, before = on_held_out(null, held), errors_ahead(null, held).mean
-    levels = level_of_positions(null, search.data), without.chi2 / held.n_values, before
-    if max(levels) > search.settings.ranking.floors:
+    if not _hardly_a_gap(search, explanations, held):
         return False
-    return on_held_out(chosen, held).chi2 >= without.chi2 or errors_ahead(chosen, held).mean > before
+    before = errors_ahead(null, held).mean
+    if before > search.settings.ranking.floors:
+        return False
+    worse = on_held_out(chosen, held).chi2 >= on_held_out(null, held).chi2
+    return worse or errors_ahead(chosen, held).mean > before
 
 
 def _changes_nothing(search: Search, explanations: Explanations, held: FitData) -> bool:
@@ -125,10 +125,8 @@ def _changes_nothing(search: Search, explanations: Explanations, held: FitData) 
 
     Errors of torques last, and 0.1 s ahead they leave far more than the floor: `tolerance_floor`.
     """
-    if search.premises.floor_is_noise or not explanations.detected:
-        return False
     null, floors = explanations.null, search.settings.ranking.floors
-    if max(level_of_positions(null, search.data), on_held_out(null, held).chi2 / held.n_values) > floors:
+    if not _hardly_a_gap(search, explanations, held):
         return False
     before = errors_ahead(null, held)
     closed = closed_fraction(before, errors_ahead(explanations.chosen, held), held.record.sample_time)
@@ -136,6 +134,15 @@ def _changes_nothing(search: Search, explanations: Explanations, held: FitData) 
         return False
     logs = ((before, held), (errors_ahead(null, search.data), search.data))
     return all(errors.mean <= floors * (tolerance_floor(null, log) or 1.0) for errors, log in logs)
+
+
+def _hardly_a_gap(search: Search, explanations: Explanations, held: FitData) -> bool:
+    """Return whether effects were found although predictions of one sample show no gap in either log."""
+    if search.premises.floor_is_noise or not explanations.detected:
+        return False
+    null = explanations.null
+    levels = level_of_positions(null, search.data), on_held_out(null, held).chi2 / held.n_values
+    return max(levels) <= search.settings.ranking.floors
 
 
 def _better_without(search: Search, chosen: CandidateFit, before: AheadErrors, held: FitData) -> CandidateFit | None:

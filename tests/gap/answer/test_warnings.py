@@ -61,6 +61,7 @@ def test_a_held_out_log_that_shows_more_is_told(
         explanations=SimpleNamespace(chosen=None),
         data=SimpleNamespace(record=fitted),
         held=SimpleNamespace(record=SimpleNamespace(begin=begin)),
+        settings=SimpleNamespace(floors=2.0),
     )
     gap: Any = SimpleNamespace(after=after, tolerance_floor=5.0)
     assert bool(warnings._less_excited(findings, gap)) is warned
