@@ -96,7 +96,7 @@ class TorqueErrors:
     @property
     def n_values(self) -> int:
         """Number of errors that count."""
-        return int(np.isfinite(self.deviation).sum()) * len(self.torque)
+        return int(self.rows.slides[:, np.isfinite(self.deviation)].sum())
 
     def acting_later(self, time: float) -> TorqueErrors:
         """Return the errors of torques that act later by some time [s] than the log has them."""
@@ -129,18 +129,18 @@ class TorqueErrors:
         return np.stack([self._of_one(predictor, theta) for theta in thetas.T], axis=-1)
 
     def usual(self, predictor: Predictor, theta: FloatArray) -> FloatArray:
-        """Return how large the errors of a hypothesis usually are [Nm or N], shape (M,).
+        """Return how large the errors of a hypothesis usually are while a motor slides [Nm or N], shape (M,).
 
-        They are those of most rows: where a joint sticks, its torque may be any within its friction. Zero for a motor
-        of prescribed motion.
+        They are those of most rows. Zero for a motor of prescribed motion.
 
         Args:
             predictor: The hypothesis.
             theta: Its parameters, shape (n_fitted,).
         """
-        errors = self._of_one(predictor, theta).reshape(-1, len(self.torque))
+        errors = self._of_one(predictor, theta).reshape(-1, len(self.torque)).T
         deviation = np.where(np.isfinite(self.deviation), self.deviation, 0.0)
-        return np.asarray(NORMAL * np.median(np.abs(errors), axis=1) * deviation)
+        median = np.nanmedian(np.where(self.rows.slides, np.abs(errors), np.nan), axis=0)
+        return np.asarray(NORMAL * median * deviation)
 
     def _of_one(self, predictor: Predictor, theta: FloatArray) -> FloatArray:
         values, zeros = predictor.values(theta), tuple(predictor.encoder_offsets(theta).tolist())
@@ -172,8 +172,8 @@ class TorqueErrors:
         torque = self.torque - late * self.rate
         for motor in lags.keys() | limits.keys():
             torque[:, motor] = self._passed(motor, limits.get(motor), lags.get(motor, 0.0), float(late[motor]))
-        errors: FloatArray = ((torque - needed / gains) / self.deviation).T.ravel()
-        return errors
+        errors = np.where(self.rows.slides, (torque - needed / gains) / self.deviation, 0.0)
+        return np.asarray(errors.T.ravel())
 
     @cached_property
     def _positions(self) -> FloatArray:

@@ -188,18 +188,22 @@ class _Solution:
     free: BoolArray
 
 
-def solve(A: FloatArray, b: FloatArray, sought: Sought, settings: TorqueStartSettings) -> TorqueRegression:
+def solve(
+    A: FloatArray, b: FloatArray, counts: BoolArray, sought: Sought, settings: TorqueStartSettings
+) -> TorqueRegression:
     """Solve a regression of torques.
 
     Args:
         A: Slopes of the torques to what is sought, shape (n, M, k).
         b: Torques beyond those of the nominal model [Nm or N], shape (n, M).
+        counts: Which of them count, shape (n, M).
         sought: What the columns are.
         settings: Settings of the regression.
     """
-    found = _solution(A, b, sought, settings.most_reduced)
+    A, b = np.where(counts[..., None], A, 0.0), np.where(counts, b, 0.0)
+    found = _solution(A, b, counts, sought, settings.most_reduced)
     # a column acts on its own motor alone, so that the diagonal of each kind is all of it
-    size: FloatArray = np.sqrt(np.mean(A**2, axis=0)) * np.abs(found.values)
+    size = rms(A, counts[..., None]) * np.abs(found.values)
     shares = [settings.least_bias if kind == "torque_offset" else settings.least_share for kind in KINDS]
     clear = [_stands_out(size[:, sought.of_kind(kind)], share * found.left) for kind, share in zip(KINDS, shares)]
     own = np.where(np.stack(clear) & sought.moving, found.values[sought.of_motors].reshape(len(KINDS), -1), 0.0)
@@ -226,6 +230,17 @@ def solve(A: FloatArray, b: FloatArray, sought: Sought, settings: TorqueStartSet
         faint_inertia=np.where(sought.moving, found.values[sought.of_kind("inertia")], 0.0),
         inertia_deviation=_deviation(A, b, sought, found)[sought.of_kind("inertia")],
     )
+
+
+def rms(values: FloatArray, counts: BoolArray) -> FloatArray:
+    """Return the root mean square of the rows that count; zero where none does.
+
+    Args:
+        values: Shape (n, ...).
+        counts: Which count, of a shape that fits.
+    """
+    squares: FloatArray = np.sum(np.where(counts, values, 0.0) ** 2, axis=0)
+    return np.asarray(np.sqrt(squares / np.maximum(counts.sum(axis=0), 1)))
 
 
 def rest_of(regression: TorqueRegression) -> float:
@@ -260,14 +275,14 @@ def _stands_out(size: FloatArray, least: FloatArray) -> BoolArray:
     return np.asarray(np.diag(size) > least)
 
 
-def _solution(A: FloatArray, b: FloatArray, sought: Sought, most_reduced: float) -> _Solution:
+def _solution(A: FloatArray, b: FloatArray, counts: BoolArray, sought: Sought, most_reduced: float) -> _Solution:
     """Solve, weigh each motor by what is left of its torque, and solve again until that settles."""
     bounds = sought.bounds(most_reduced)
-    whole = np.maximum(np.sqrt(np.mean(b**2, axis=0)), 1e-300)
+    whole = np.maximum(rms(b, counts), 1e-300)
     left = whole
     for _ in range(ROUNDS):
         values, free = _weighted(A / left[:, None], b / left, sought.prior, bounds)
-        before, left = left, np.maximum(np.sqrt(np.mean((b - A @ values) ** 2, axis=0)), 1e-6 * whole)
+        before, left = left, np.maximum(rms(b - A @ values, counts), 1e-6 * whole)
         if np.allclose(left, before, rtol=1e-3):
             break
     return _Solution(values, whole, left, free)
