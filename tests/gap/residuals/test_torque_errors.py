@@ -48,6 +48,18 @@ def errors_of(offset: float = 0.0) -> TorqueErrors:
     return found
 
 
+def test_rows_in_which_friction_holds_a_motor_do_not_count() -> None:
+    errors = torque_errors(record_of_arm(imported=True, held=-0.9), model(), 0.0, DEVIATION)
+    assert errors is not None
+    predictor, theta = predictor_of(friction())
+    resting = ~errors.rows.slides.T.ravel()
+    found = errors.errors(predictor, theta)[:, 0]
+    np.testing.assert_array_equal(found[resting], 0)
+    assert 0.2 < resting.mean() < 0.5
+    assert errors.n_values == np.count_nonzero(~resting)
+    assert np.all(errors.usual(predictor, theta[:, 0]) < 0.02 * COULOMB)
+
+
 def model() -> RobotWithEffects:
     return RobotWithEffects(with_rotors(), ())
 
