@@ -40,6 +40,15 @@ LOST = 0.5
 """Share of the fall of the sum of squares below which an explanation that ended at limits is lost [1] (chosen)."""
 EARLIER = 4
 """Earlier explanations that are tried in place of one that ended at a limit [1] (chosen)."""
+AT_END = (
+    without_tolerated,
+    with_far_numbers,
+    without_slight_friction,
+    without_tangled,
+    without_unclear,
+    with_other_scales,
+)
+"""Steps at the end of a search, in their order."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,6 +136,31 @@ def explain(search: Search, promised: float = 0.0) -> Explanations:
     elif search.deadline.over:
         chosen = search.completed(chosen)
         fits.append(chosen)
+    chosen = _with_other_forms(search, first, chosen, directions, fits)
+    for step in AT_END:
+        chosen = step(search, chosen, fits)
+    fits.append(search.beside_jumps(chosen))
+    comparison = compared(search, best_of_each(fits))
+    (chosen,) = (fit for fit in comparison.fits if fit.names == chosen.names)
+    return _pruned(search, explanations_of(search, comparison, chosen, detected=True))
+
+
+def _with_other_forms(
+    search: Search,
+    first: CandidateFit,
+    chosen: CandidateFit,
+    directions: Sequence[Directions],
+    fits: list[CandidateFit],
+) -> CandidateFit:
+    """Take richer laws and curves in place of effects where these explain more, and simpler ones where they are enough.
+
+    Args:
+        search: The search.
+        first: The explanation before further effects were added.
+        chosen: The explanation.
+        directions: All candidates but those of harmonics.
+        fits: All fits so far; new ones are appended.
+    """
     chosen = one_delay(search, with_gains(search, chosen, fits), fits)
     chosen, richer = with_richer_laws(search, chosen, fits)
     grown = grown_to_floor(search, chosen, directions, fits)
@@ -140,20 +174,7 @@ def explain(search: Search, promised: float = 0.0) -> Explanations:
         if grown is not chosen:
             chosen = exchanged(search, grown, directions, fits)
             chosen = chosen if chosen is grown else one_by_one(search, chosen, fits)
-    chosen = _simplified(search, chosen, directions, fits)
-    for step in (
-        without_tolerated,
-        with_far_numbers,
-        without_slight_friction,
-        without_tangled,
-        without_unclear,
-        with_other_scales,
-    ):
-        chosen = step(search, chosen, fits)
-    fits.append(search.beside_jumps(chosen))
-    comparison = compared(search, best_of_each(fits))
-    (chosen,) = (fit for fit in comparison.fits if fit.names == chosen.names)
-    return _pruned(search, explanations_of(search, comparison, chosen, detected=True))
+    return _simplified(search, chosen, directions, fits)
 
 
 def _simplified(
