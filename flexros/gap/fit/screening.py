@@ -281,7 +281,9 @@ class Surroundings:
         return np.asarray(np.linalg.lstsq(self._information, gradient, rcond=1e-12)[0], dtype=float)
 
 
-def surroundings_of(fit: CandidateFit, line: Linearised, rows: IntArray, misfit: float = 1.0) -> Surroundings:
+def surroundings_of(
+    fit: CandidateFit, line: Linearised, rows: IntArray, n_used: int, misfit: float = 1.0
+) -> Surroundings:
     """Reduce a linearised fit to some of its prediction errors.
 
     Parameters at a bound that would leave it are held there. Moved by linear theory, a number of the model that is far
@@ -290,7 +292,8 @@ def surroundings_of(fit: CandidateFit, line: Linearised, rows: IntArray, misfit:
     Args:
         fit: The fit.
         line: The same, linearised.
-        rows: The prediction errors, shape (n_rows,).
+        rows: Prediction errors drawn from those that are used, shape (n_rows,).
+        n_used: Number of those that are used.
         misfit: Weight of the prior of tolerated deviations, see `FitData` [1].
     """
     prior = np.zeros(len(fit.theta))
@@ -301,7 +304,7 @@ def surroundings_of(fit: CandidateFit, line: Linearised, rows: IntArray, misfit:
         line.slopes[rows] * moves,
         prior,
         prior * fit.theta * moves,
-        len(line.residual) / max(len(rows), 1),
+        n_used / max(len(rows), 1),
     )
 
 

@@ -96,7 +96,12 @@ class TorqueErrors:
     @property
     def n_values(self) -> int:
         """Number of errors that count."""
-        return int(self.rows.slides[:, np.isfinite(self.deviation)].sum())
+        return int(self.used.sum())
+
+    @property
+    def used(self) -> BoolArray:
+        """Which errors count, shape (m, M): those of a motor that slides, and whose motion is not prescribed."""
+        return np.asarray(self.rows.slides & np.isfinite(self.deviation))
 
     def acting_later(self, time: float) -> TorqueErrors:
         """Return the errors of torques that act later by some time [s] than the log has them."""

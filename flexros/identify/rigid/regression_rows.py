@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from flexros.identify.rigid.regressor import RigidRegressor
     from flexros.record.record import Record
 
-SLOW, FAST = 0.01, 0.95
+SLOW, FAST = 0.01, 0.999
 """Speed over a fast one up to which a motor may rest, and share of speeds that are below that [1] (chosen)."""
 SHORTEST_REST = 0.2
 """Time that a motor is slow from which it rests, and does not only turn back [s] (chosen)."""

@@ -228,7 +228,7 @@ def solve(
         zeros=_moved(sought.zeros, found.values[sought.of_zeros]),
         tilt=_moved(sought.tilt, found.values[sought.of_tilt]),
         faint_inertia=np.where(sought.moving, found.values[sought.of_kind("inertia")], 0.0),
-        inertia_deviation=_deviation(A, b, sought, found)[sought.of_kind("inertia")],
+        inertia_deviation=_deviation(A, b, counts, sought, found)[sought.of_kind("inertia")],
     )
 
 
@@ -307,18 +307,20 @@ def _weighted(
     return solved.x / scale, (solved.active_mask == 0) & np.any(rows != 0, axis=0)
 
 
-def _deviation(A: FloatArray, b: FloatArray, sought: Sought, found: _Solution) -> FloatArray:
+def _deviation(A: FloatArray, b: FloatArray, counts: BoolArray, sought: Sought, found: _Solution) -> FloatArray:
     """Return the standard deviation of every number, shape (k,); infinite at a bound and where nothing is seen."""
-    covariance = _covariance(A / found.left[:, None], (b - A @ found.values) / found.left, sought.prior, found.free)
+    errors = (b - A @ found.values) / found.left
+    covariance = _covariance(A / found.left[:, None], errors, counts, sought.prior, found.free)
     return np.where(found.free, np.sqrt(np.maximum(np.diag(covariance), 0.0)), np.inf)
 
 
-def _covariance(A: FloatArray, errors: FloatArray, prior: FloatArray, free: BoolArray) -> FloatArray:
+def _covariance(A: FloatArray, errors: FloatArray, counts: BoolArray, prior: FloatArray, free: BoolArray) -> FloatArray:
     """Return the covariance of a solution, with errors of the colour of what is left (White 1980), shape (k, k).
 
     Args:
         A: Columns over what is left at each motor [1], shape (n, M, k).
         errors: What is left, over the same [1], shape (n, M).
+        counts: Which of it counts, shape (n, M).
         prior: Root of the information of the prior, shape (k_tolerated, k).
         free: Columns whose number is not at a bound, shape (k,); the others do not vary.
     """
@@ -328,7 +330,7 @@ def _covariance(A: FloatArray, errors: FloatArray, prior: FloatArray, free: Bool
     for motor in range(A.shape[1]):
         J = A[:, motor]
         information += J.T @ J
-        meat += coloured(J, errors[:, [motor]], len(J))
+        meat += coloured(J, errors[:, [motor]], int(counts[:, motor].sum()))
     inverse = inverse_of(information)
     covariance: FloatArray = np.zeros((len(free), len(free)))
     covariance[np.ix_(free, free)] = inverse @ meat @ inverse
