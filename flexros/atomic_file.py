@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import secrets
 from typing import TYPE_CHECKING
 
 from flexros.errors import InputError
@@ -11,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def write_whole(path: Path, text: str | bytes) -> None:
-    """Write a file under a temporary name, then rename it.
+    """Write a file under a name of its own, then rename it: of several writers the last one counts.
 
     Args:
         path: The file; an existing one is replaced when the new one is complete.
@@ -19,15 +20,14 @@ def write_whole(path: Path, text: str | bytes) -> None:
 
     Raises:
         OSError: It could not be written; the old file is unchanged.
+        UnicodeEncodeError: The text holds characters that UTF-8 does not have.
     """
-    temporary = path.with_name(f".{path.name}.part")
+    content = text if isinstance(text, bytes) else text.encode("utf-8")
+    temporary = path.with_name(f".{secrets.token_hex(8)}.part")
     try:
-        if isinstance(text, bytes):
-            temporary.write_bytes(text)
-        else:
-            temporary.write_text(text, encoding="utf-8")
+        temporary.write_bytes(content)
         temporary.replace(path)
-    except OSError:
+    except BaseException:
         temporary.unlink(missing_ok=True)
         raise
 
@@ -47,6 +47,11 @@ def write_result(path: Path, text: str | bytes, what: str) -> None:
         raise InputError(f"the {what} cannot be written to '{path}', which is a folder; give a file")
     try:
         write_whole(path, text)
+    except UnicodeEncodeError as error:
+        raise InputError(
+            f"the {what} cannot be written to '{path}': it holds {error.object[error.start : error.end]!a}, which is "
+            "no character of UTF-8, as in a file name of another coding; give names in UTF-8"
+        ) from error
     except OSError as error:
         raise InputError(
             f"the {what} cannot be written to '{path}' ({error.strerror or error}): its folder must exist and be "

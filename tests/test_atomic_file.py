@@ -38,6 +38,36 @@ def test_old_file_is_kept_when_writing_fails(tmp_path: Path, monkeypatch: pytest
     assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
 
 
+def test_interrupted_writing_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Path, "replace", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        write_whole(tmp_path / "a.txt", "new")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_writers_of_the_same_file_do_not_mix(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file, replace = tmp_path / "a.txt", Path.replace
+
+    def late(temporary: Path, target: Path) -> Path:
+        monkeypatch.setattr(Path, "replace", replace)
+        write_whole(file, "of another writer")
+        return replace(temporary, target)
+
+    monkeypatch.setattr(Path, "replace", late)
+    write_whole(file, "own")
+    assert file.read_text() == "own"
+    assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
+
+
+def test_text_that_utf_8_does_not_have_is_one_sentence(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"the report cannot be written to .*: it holds '\\udcff', which is no char"):
+        write_result(tmp_path / "a.html", "log \udcff", "report")
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_missing_folder_is_one_sentence(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="the report cannot be written to .*its folder must exist"):
         write_result(tmp_path / "none" / "a.html", "x", "report")
