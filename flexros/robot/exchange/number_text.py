@@ -9,8 +9,8 @@ if TYPE_CHECKING:
 
 
 def number(value: float) -> str:
-    """Write a number for an attribute, without the round-off of its last digits."""
-    return repr(float(f"{value:.13g}")).removesuffix(".0")
+    """Write a number for an attribute, without the round-off of its last digits and without the sign of zero."""
+    return repr(float(f"{value:.13g}") + 0.0).removesuffix(".0")
 
 
 def numbers_text(values: Iterable[float]) -> str:

@@ -7,11 +7,11 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from flexros.robot.exchange.number_text import number, numbers_text
 from flexros.robot.exchange.urdf.tree import NO_LIMIT
 from flexros.robot.link_shape import link_shapes, tool_offset
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
     from xml.etree.ElementTree import Element
 
     from flexros.arrays import FloatArray
@@ -91,16 +91,16 @@ def _connect(root: Element, joint: Joint, name: str, kind: str, parent: str, chi
         return
     axis = np.zeros(3)
     axis[joint.axis] = 1
-    ElementTree.SubElement(element, "axis", xyz=_numbers(axis))
+    ElementTree.SubElement(element, "axis", xyz=numbers_text(axis))
     is_motor = name != joint.name
     motor = joint.direction.motor if is_motor else None
     torque, speed = (motor.torque_limit, motor.speed_limit) if motor else (None, None)
     limit = {key: NO_LIMIT if each is None else each.value for key, each in (("effort", torque), ("velocity", speed))}
     if kind == "prismatic":
         limit |= {"lower": -NO_LIMIT, "upper": NO_LIMIT}
-    ElementTree.SubElement(element, "limit", {key: _number(value) for key, value in limit.items()})
+    ElementTree.SubElement(element, "limit", {key: number(value) for key, value in limit.items()})
     damping = motor.viscous_friction if motor else joint.direction.damper
-    ElementTree.SubElement(element, "dynamics", damping=_number(damping.value))
+    ElementTree.SubElement(element, "dynamics", damping=number(damping.value))
 
 
 def _add_fixed(root: Element, name: str, parent: str, child: str, offset: FloatArray) -> Element:
@@ -118,9 +118,9 @@ def _joint(
     turned: tuple[float, float, float] = (0.0, 0.0, 0.0),
 ) -> Element:
     element = ElementTree.SubElement(root, "joint", name=name, type=kind)
-    origin = ElementTree.SubElement(element, "origin", xyz=_numbers(offset))
+    origin = ElementTree.SubElement(element, "origin", xyz=numbers_text(offset))
     if any(turned):
-        origin.set("rpy", _numbers(turned))
+        origin.set("rpy", numbers_text(turned))
     ElementTree.SubElement(element, "parent", link=parent)
     ElementTree.SubElement(element, "child", link=child)
     return element
@@ -129,11 +129,11 @@ def _joint(
 def _describe(link: Element, body: Body, shape: LinkShape | None) -> None:
     """Add mass, centre of mass, inertia and the displayed bar of a body."""
     inertial = ElementTree.SubElement(link, "inertial")
-    ElementTree.SubElement(inertial, "origin", xyz=_numbers(body.center_of_mass.value))
-    ElementTree.SubElement(inertial, "mass", value=_number(body.mass.value))
+    ElementTree.SubElement(inertial, "origin", xyz=numbers_text(body.center_of_mass.value))
+    ElementTree.SubElement(inertial, "mass", value=number(body.mass.value))
     tensor, axes = body.straight_inertia(), ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
     entries = {f"i{'xyz'[i]}{'xyz'[j]}": float(tensor[i, j]) for i, j in axes}
-    ElementTree.SubElement(inertial, "inertia", {key: _number(value) for key, value in entries.items()})
+    ElementTree.SubElement(inertial, "inertia", {key: number(value) for key, value in entries.items()})
     if shape is None:
         return
     visual = ElementTree.SubElement(link, "visual")
@@ -144,15 +144,7 @@ def _describe(link: Element, body: Body, shape: LinkShape | None) -> None:
         float(np.arctan2(along[1], along[0])),
     )
     middle = (shape.start + shape.end) / 2
-    ElementTree.SubElement(visual, "origin", xyz=_numbers(middle), rpy=_numbers(roll_pitch_yaw))
+    ElementTree.SubElement(visual, "origin", xyz=numbers_text(middle), rpy=numbers_text(roll_pitch_yaw))
     geometry = ElementTree.SubElement(visual, "geometry")
     length = float(np.linalg.norm(along))
-    ElementTree.SubElement(geometry, "cylinder", radius=_number(shape.radius), length=_number(length))
-
-
-def _numbers(values: Iterable[float]) -> str:
-    return " ".join(_number(value) for value in values)
-
-
-def _number(value: float) -> str:
-    return repr(float(value)).removesuffix(".0")
+    ElementTree.SubElement(geometry, "cylinder", radius=number(shape.radius), length=number(length))

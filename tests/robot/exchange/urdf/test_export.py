@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -123,6 +124,20 @@ def test_links_form_one_chain_from_base_to_tool(name: str, flexible: Flexible) -
     assert ends == list(pairwise(links))
     assert set(robot.joint_names) <= {joint.get("name") for joint in root.findall("joint")}
     assert any(link.find("visual") is not None for link in root.findall("link"))
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_numbers_are_without_round_off(name: str) -> None:
+    root = ElementTree.fromstring(urdf_text(load_robot(name)))
+    texts = [part for element in root.iter() for value in element.attrib.values() for part in value.split()]
+    numbers = [text for text in texts if re.fullmatch(r"-?[\d.]+(e[-+]\d+)?", text)]
+    assert all(float(text) == float(f"{float(text):.13g}") for text in numbers)
+
+
+def test_zero_of_an_attribute_has_no_sign() -> None:
+    data = load_robot("elbow").spec.model_dump()
+    data["bodies"][0]["center_of_mass"]["value"] = [-0.0, 0.0, 0.3]
+    assert "-0 " not in urdf_text(robot_from_data(data, "elbow"))
 
 
 def test_bar_of_a_body_points_along_its_length(pin: Any) -> None:
