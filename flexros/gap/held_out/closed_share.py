@@ -55,20 +55,22 @@ def share_between(before: AheadErrors, more: AheadErrors, less: AheadErrors, sam
         sample_time: Time between two samples [s].
 
     Returns:
-        The share and its interval; None where the gap does not show in these errors.
+        The share and its interval; None where the gap does not show in these errors, or not in the blocks that count.
     """
     settings, models = before.settings, (before, more, less)
     of_blocks = [(errors.starts * sample_time / settings.block).astype(int) for errors in models]
     blocks = reduce(np.intersect1d, of_blocks)
     own = list(zip(models, of_blocks, strict=True))
-    sums = np.array([[errors.squares[where == block].mean() for block in blocks] for errors, where in own])
+    least = settings.shows * sampling_error(before)
+    if before.mean - 1.0 <= least or not len(blocks):
+        return None
+    of_each = np.array([[errors.squares[where == block].mean() for block in blocks] for errors, where in own])
     counts = np.array([[np.sum(where == block) for block in blocks] for where in of_blocks], dtype=float)
     draws = generator(0, BOOTSTRAP_STREAM).integers(0, len(blocks), size=(settings.draws, len(blocks)))
-    means = (sums * counts)[:, draws].sum(axis=-1) / counts[:, draws].sum(axis=-1)
-    least = settings.shows * sampling_error(before)
-    if before.mean - 1.0 <= least:
-        return None
+    means = (of_each * counts)[:, draws].sum(axis=-1) / counts[:, draws].sum(axis=-1)
     means = means[:, means[0] - 1.0 > least]
+    if not means.size:
+        return None
     low, high = np.quantile((means[1] - means[2]) / (means[0] - 1.0), [0.025, 0.975])
     return ClosedShare((more.mean - less.mean) / (before.mean - 1.0), (float(low), float(high)))
 

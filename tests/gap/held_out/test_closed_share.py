@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from flexros.gap.held_out.closed_share import closed_fraction, share_between
@@ -59,3 +60,14 @@ def test_a_repair_that_does_nothing_closes_nothing() -> None:
 
 def test_errors_that_do_not_exceed_noise_have_no_share() -> None:
     assert closed_fraction(synthetic(1.0), synthetic(1.0, 1), ROBOT.sample_time) is None
+
+
+def test_a_gap_in_blocks_that_a_repair_does_not_predict_has_no_share() -> None:
+    noise, after = synthetic(1.0, windows=100), synthetic(1.0, 1, windows=100)
+    first = noise.starts * ROBOT.sample_time < noise.settings.block
+    before = replace(noise, squares=np.where(first[:, None], 100.0, 1.0) * noise.squares)
+    later = replace(after, squares=after.squares[~first], starts=after.starts[~first])
+    none = replace(after, starts=after.starts + noise.starts[-1] + round(2 * noise.settings.block / ROBOT.sample_time))
+    assert closed_fraction(before, after, ROBOT.sample_time) is not None
+    assert closed_fraction(before, later, ROBOT.sample_time) is None
+    assert closed_fraction(before, none, ROBOT.sample_time) is None
