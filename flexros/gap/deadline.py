@@ -35,26 +35,26 @@ class Deadline:
         self.step = ""
         self._limit, self._interrupted, self._clock = limit, interrupted, clock
         self._begin, self._abandoned = clock(), False
-        self._used: float | None = None
+        self._ended: tuple[float, bool] | None = None  # time used [s] and whether it ran out: threads set both at once
         self._cut: str | None = None
-        self._by_time = False
 
     @property
     def over(self) -> bool:
         """Whether the time is over, or the search was interrupted."""
-        if self._used is None:
+        if self._ended is None:
             used = self._clock() - self._begin
-            self._by_time = self._limit is not None and used >= self._limit
-            if self._by_time or (self._interrupted is not None and self._interrupted()):
-                self._used = used
-        return self._used is not None
+            by_time = self._limit is not None and used >= self._limit
+            if by_time or (self._interrupted is not None and self._interrupted()):
+                self._ended = self._ended or (used, by_time)
+        return self._ended is not None
 
     @property
     def spent(self) -> bool:
         """Whether the time to finish the best explanation is over as well."""
-        if not self.over or self._used is None:
+        if not self.over or self._ended is None:
             return False
-        ended = self._limit if self._by_time and self._limit is not None else self._used
+        used, by_time = self._ended
+        ended = self._limit if by_time and self._limit is not None else used
         allowed = ended + max(FINISHING * ended, LEAST_FINISHING)
         return self._abandoned or self._clock() - self._begin > allowed
 
@@ -81,14 +81,15 @@ class Deadline:
     def abandon(self) -> None:
         """End all fits at their next iteration, as nobody waits for them any more."""
         self._abandoned = True
-        self._used = self._clock() - self._begin if self._used is None else self._used
+        self._ended = self._ended or (self._clock() - self._begin, False)
 
     @property
     def partial(self) -> Partial | None:
         """What was cut short; None where nothing was."""
-        if self._cut is None or self._used is None:
+        if self._cut is None or self._ended is None:
             return None
-        return Partial(reason="time_limit" if self._by_time else "interrupted", after=self._used, step=self._cut)
+        used, by_time = self._ended
+        return Partial(reason="time_limit" if by_time else "interrupted", after=used, step=self._cut)
 
     def _noted(self, left_out: bool) -> bool:
         if left_out and self._cut is None:

@@ -67,6 +67,24 @@ def test_an_interruption_counts_from_the_moment_that_it_is_noticed(clock: Clock)
     assert (deadline.partial.reason, deadline.partial.after) == ("interrupted", 30.0)
 
 
+def test_a_thread_that_read_the_clock_in_time_leaves_the_reason_of_another(clock: Clock) -> None:
+    others: list[Deadline] = []
+
+    def read() -> float:
+        earlier = clock.time
+        if others:
+            clock.time += 2.0
+            assert others.pop().stops()
+        return earlier
+
+    deadline = Deadline(40.0, clock=read)
+    clock.time += 39.0
+    others.append(deadline)
+    assert deadline.over
+    assert deadline.partial is not None
+    assert (deadline.partial.reason, deadline.partial.after) == ("time_limit", 41.0)
+
+
 @pytest.mark.parametrize(("limit", "left"), [(100.0, 100.0 * FINISHING), (1.0, LEAST_FINISHING)])
 def test_there_is_a_little_time_to_finish_in(clock: Clock, limit: float, left: float) -> None:
     deadline = Deadline(limit, clock=clock)
