@@ -96,7 +96,8 @@ class _Spectra:
         Noise, of which the floor is made, is taken as white.
 
         Args:
-            signals: Numbers of the signals; without any, all bands have the same share.
+            signals: Numbers of the signals; without any, or where they leave no more than noise, all bands have the
+                same share.
             parts: Samples of each part of the motion by its name, shape (n,).
 
         Returns:
@@ -108,4 +109,5 @@ class _Spectra:
         widths = np.diff(self._octaves.hz) / self._octaves.hz[-1]
         left = np.array([of_band @ weight for of_band, weight in zip(power, weights)])
         left = np.maximum(left - widths[:, None] * masks.sum(axis=1), 0.0)
-        return dict(zip(parts, (left / np.maximum(left.sum(axis=0), 1e-300)).T))
+        left[:, left.sum(axis=0) == 0.0] = 1.0
+        return dict(zip(parts, (left / left.sum(axis=0)).T))
