@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.compile.command_delay import split_delay
 from flexros.effects.kinds.command_law import AbstractCommandLaw
 from flexros.gap.prediction.compiled_plant import delays
 from flexros.gap.prediction.fractional_delay import delayed_commands, delayed_halves
@@ -72,7 +73,7 @@ class PlantInputs:
         if self._plant.parts == 1:
             late = [self._filtered(one, own.values) for one, own in zip(inputs, sets, strict=True)]
         else:
-            delayed = [self._late(own.values, record.prescribed) for own in sets]
+            delayed = [self._late(own.values, record.prescribed) / self._sample_time for own in sets]
             made: dict[tuple[int, bytes], FloatArray] = {}  # most sets of a fit have the same delays
             late = []
             for one, delay in zip(inputs, delayed, strict=True):
@@ -98,8 +99,9 @@ class PlantInputs:
         for lane in lanes:
             held = inputs[min(lane, len(inputs) - 1)]
             for motor, delay in enumerate(late[:, min(lane, late.shape[1] - 1)]):
-                after = np.maximum(samples - int(np.ceil(delay)), 0)
-                before = after if delay % 1 else np.maximum(after - 1, 0)
+                split = split_delay(float(delay), self._sample_time)
+                after = np.maximum(samples - split.line_length, 0)
+                before = after if split.fraction > 0.0 else np.maximum(after - 1, 0)
                 acting[:, motor, lane] = 0.5 * (held[after, motor] + held[before, motor])
         return acting
 
@@ -138,12 +140,12 @@ class PlantInputs:
         return result
 
     def _late(self, values: Values, prescribed: Collection[int]) -> FloatArray:
-        """Return the delay of the input of each motor [samples], shape (M,); prescribed motions are never late."""
+        """Return the delay of the input of each motor [s], shape (M,); prescribed motions are never late."""
         late = np.array(np.broadcast_to(self._plant.delay, self._robot.n_motors))
         for candidate, numbers in zip(self._hypothesis, values):
             if delays(candidate):
                 late[[motor for motor in candidate.motors(self._robot) if motor not in prescribed]] += numbers["time"]
-        return late / self._sample_time
+        return late
 
     def _is_saturated_before(self, candidate: Candidate) -> bool:
         """Return whether a candidate saturates torques that another one delays."""
