@@ -152,12 +152,12 @@ def separation(truth: Explained, rival: Explained, made: Trial) -> float:
     Returns:
         Logarithm of the odds [nats]; zero where the rival explains the experiment equally well.
     """
-    data, sample_time = made.data, made.record.sample_time
+    data, sample_time, settings = made.data, made.record.sample_time, made.data.settings
     true_predictor, theta = predictor_of(truth, sample_time)
     rival_predictor, rival_theta = predictor_of(rival, sample_time)
     line = linearise(rival_predictor, data, rival_theta)
     tolerated = line.slopes[:, rival_predictor.n_effect :]  # they are many and change little
-    rival_fit = fit(rival_predictor, data, rival_theta, ITERATIONS, tolerance_slopes=tolerated)
+    rival_fit = fit(rival_predictor, data, rival_theta, ITERATIONS, tolerance_slopes=tolerated, settings=settings.fit)
     residuals = data.residuals(true_predictor, theta[:, None])
     least = float(np.sum(residuals**2))
     contrast = contrast_of(true_predictor.hypothesis, rival_predictor.hypothesis)
@@ -166,7 +166,7 @@ def separation(truth: Explained, rival: Explained, made: Trial) -> float:
         distance = float(np.sum((residuals - data.residuals(rival_predictor, rival_fit.theta[:, None])) ** 2))
     shared_predictor, shared_theta = predictor_of(truth.shared_with(rival), sample_time)
     most = float(chi2_of(shared_predictor, data, shared_theta[:, None])[0])
-    error = form_error(max(most - least, 0.0), plain=contrast.plain, distance=distance)
+    error = form_error(max(most - least, 0.0), plain=contrast.plain, distance=distance, settings=settings.ranking)
     return max(rival_fit.chi2 - least, 0.0) / (2.0 + error)
 
 

@@ -145,7 +145,8 @@ def without_tolerated(search: Search, chosen: CandidateFit, fits: list[Candidate
         rest = tuple(other for other in full.hypothesis if other is not one)
         start = full.theta[~full.columns([one.name])]
         without = fitted(search.null.predictor(rest), start)
-        if not worth(search, compare(data, search.null.fit, [without, full]), without, full, removed):
+        both = compare(data, search.null.fit, [without, full], search.distance, search.settings.ranking)
+        if not worth(search, both, without, full, removed):
             full, chosen = without, search.completed(search.without(chosen, one.name))
             fits.append(chosen)
     return chosen

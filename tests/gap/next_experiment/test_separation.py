@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -17,6 +19,7 @@ from flexros.gap.fit.candidate_fit import best_of
 from flexros.gap.fit.least_squares import chi2_of, fit, initial_values
 from flexros.gap.next_experiment.separation import ROOM, Explained, Trial, _free, predictor_of, separation, trial
 from flexros.gap.prediction.predictor import Predictor
+from flexros.gap.settings import DiagnosisSettings, FitSettings, RankingSettings
 from flexros.robot import load_robot
 
 pytestmark = pytest.mark.slow
@@ -76,6 +79,21 @@ def test_load_and_stiffness_of_two_links_under_gravity_are_told_apart() -> None:
     true = explained("payload_error@tool:relative=0.002", "elbow")
     made = trial(true, KEYS, 7)
     assert 0.5 * (best_chi2("stiffness_error@body_2.ry", made, true.model) - chi2(true, made)) > 100.0
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        DiagnosisSettings(fit=FitSettings(longest_step=1e-6)),  # the rival stays where it begins
+        DiagnosisSettings(ranking=RankingSettings(shaped_form=0.0, plain_form=0.0)),
+    ],
+)
+def test_a_rival_is_fitted_and_ranked_by_the_settings_of_the_diagnosis(settings: DiagnosisSettings) -> None:
+    texts = "coulomb_friction@motor_1:level=0.5", "viscous_friction@motor_1:coefficient=1e-3"
+    true, rival = (explained(text) for text in texts)
+    usual = separation(true, rival, trial(true, KEYS, 7))
+    true, rival = replace(true, settings=settings), replace(rival, settings=settings)
+    assert separation(true, rival, trial(true, KEYS, 7)) > 1.05 * usual
 
 
 def test_an_explanation_is_not_separated_from_itself() -> None:

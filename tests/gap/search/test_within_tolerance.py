@@ -49,6 +49,7 @@ class Search:
         self.rows = np.zeros(0, dtype=int)
         self.data = SimpleNamespace(misfit=misfit)
         self.of_torques: frozenset[str] = frozenset()
+        self.distance = lambda *_: 0.0
         self.deadline = SimpleNamespace(stops_finishing=lambda: False)
         tolerance = Tolerance((SPRING,), (0.03,))
         robot = SimpleNamespace(parameters={SPRING: 1.0})
@@ -100,7 +101,8 @@ def test_an_error_that_the_tolerance_takes_up_at_the_final_misfit_is_none(
     monkeypatch.setattr(
         within_tolerance, "replace", lambda data, misfit: SimpleNamespace(misfit=misfit, negligible=0.0)
     )
-    monkeypatch.setattr(within_tolerance, "compare", lambda *_: None)
+    given: list[Any] = []
+    monkeypatch.setattr(within_tolerance, "compare", lambda *arguments: given.extend(arguments[3:]))
     monkeypatch.setattr(within_tolerance, "worth", lambda *_: worth)
     used: list[float] = []
 
@@ -117,6 +119,7 @@ def test_an_error_that_the_tolerance_takes_up_at_the_final_misfit_is_none(
     found = within_tolerance.without_tolerated(search, full, [])
     assert (PAYLOAD in found.names) is worth
     assert set(used) == {1.0}
+    assert given == [search.distance, search.settings.ranking]
 
 
 @pytest.mark.parametrize(("effect", "size", "kept"), [
