@@ -24,7 +24,7 @@ from flexros.simulate.disturbance import Disturbance
 from flexros.trajectory import TrajectorySpecification
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
 
 _FOLDER = Path(__file__).parent / "library"
@@ -205,6 +205,33 @@ class Scenario(Settings):
         for key, value in values.items():
             _set(settings, key.split("."), value, f"{origin}, key {key}")
         return validate(Scenario, settings, origin)
+
+    def with_choices(
+        self,
+        robot: str | None = None,
+        settings: Mapping[str, Any] | None = None,
+        effects: Sequence[str] = (),
+        seed: int | None = None,
+        *,
+        sources: tuple[str, str] = ("given settings", "given effects"),
+    ) -> Scenario:
+        """Return a copy with what was chosen for one run.
+
+        Args:
+            robot: Robot instead of the scenario's, also of one among the settings.
+            settings: Dotted key -> new value, as in `with_values`.
+            effects: Effects in the plant, after those of the scenario.
+            seed: Seed instead of the scenario's, also of one among the settings.
+            sources: Origins of the settings and of the effects, for error messages.
+
+        Raises:
+            InputError: Unknown key or invalid value.
+        """
+        own = {key: value for key, value in (("robot", robot), ("seed", seed)) if value is not None}
+        changes = {**(settings or {}), **own}
+        changed = self.with_values(changes, sources[0]) if changes else self
+        further = {"plant.effects": [*changed.plant.effects, *effects]}
+        return changed.with_values(further, sources[1]) if effects else changed
 
     def digest(self) -> str:
         """Return the SHA-256 of everything that determines the run, as sorted JSON without name and description."""

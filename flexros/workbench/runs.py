@@ -184,14 +184,7 @@ def _changed(
         )
     if isinstance(effects, str):
         raise InputError(f"the effects are the text '{effects}', allowed is a list of such texts; put it in brackets")
-    changes = dict(settings)
-    changes |= {} if model is None else {"robot": str(model)}
-    changes |= {} if seed is None else {"seed": seed}
-    if changes:
-        chosen = chosen.with_values(changes, "given settings")
-    if effects:
-        chosen = chosen.with_values({"plant.effects": [*chosen.plant.effects, *effects]}, "given effects")
-    return chosen
+    return chosen.with_choices(None if model is None else str(model), settings, effects, seed)
 
 
 def _in_memory(scenario: Scenario, progress: Callable[[int, int], None] | None) -> Run:

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import pytest
 from pydantic import BaseModel, ValidationError
 
+import flexros
+from flexros.cli.commands.run import changed_scenario
 from flexros.control.context import LoopContext
 from flexros.control.pid import Pid
 from flexros.errors import InputError
@@ -119,6 +121,15 @@ def test_effects_of_the_plant_are_kept_as_written(tmp_path: Path) -> None:
     scenario = load_scenario(write(tmp_path, MINIMAL + f"plant: {{effects: ['{text}']}}\n"))
     assert scenario.plant.effects == (text,)
     assert scenario.settings()["plant"] == {"effects": [text]}
+
+
+def test_the_command_line_and_python_choose_alike() -> None:
+    settings, effect = {"seed": 4, "duration": 0.002}, "delay@all:time=0.001"
+    texts = [f"{key}={value}" for key, value in settings.items()]
+    scenario = changed_scenario("two_mass_step", "four_mass", texts, [effect], 7)
+    run = flexros.run("two_mass_step", model="four_mass", settings=settings, effects=[effect], seed=7)
+    assert scenario == run.scenario
+    assert (scenario.robot, scenario.seed, scenario.plant.effects[-1:]) == ("four_mass", 7, (effect,))
 
 
 def test_digest_tells_effects_but_not_that_there_are_none() -> None:

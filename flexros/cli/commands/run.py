@@ -155,10 +155,10 @@ def changed_scenario(
 
     Args:
         name: Built-in scenario or file.
-        model: Robot instead of the scenario's; empty for none.
+        model: Robot instead of the scenario's, also of one among the settings; empty for none.
         settings: Changes as key=value.
         effects: Effects of the plant as NAME@LOCATION:parameter=value,..., after those of the scenario.
-        seed: Seed instead of the scenario's.
+        seed: Seed instead of the scenario's, also of one among the settings.
 
     Returns:
         The scenario.
@@ -168,20 +168,9 @@ def changed_scenario(
     """
     from flexros.scenario.scenario import load_scenario
 
-    chosen = load_scenario(name)
-    changes: dict[str, Any] = {}
-    if model:
-        changes["robot"] = model
-    if seed is not None:
-        changes["seed"] = seed
-    for text in settings or []:
-        key, value = key_and_value(text, "--set")
-        changes[key] = value
-    if changes:
-        chosen = chosen.with_values(changes, "command line")
-    if effects:
-        chosen = chosen.with_values({"plant.effects": [*chosen.plant.effects, *effects]}, "--effect")
-    return chosen
+    changes = dict(key_and_value(text, "--set") for text in settings or [])
+    sources = "command line", "--effect"
+    return load_scenario(name).with_choices(model or None, changes, effects or (), seed, sources=sources)
 
 
 def key_and_value(text: str, option: str) -> tuple[str, Any]:
