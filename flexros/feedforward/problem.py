@@ -37,6 +37,7 @@ class FeedforwardProblem:
         n_samples: Number of instants, the first at 0.
         near: Arm coordinates near which the initial pose is sought [rad or m], shape (N,); None: the robot's home pose.
         laws: Laws of effects that are part of the arm's equations: forces on it, and errors of its kinematics.
+        given_output: Desired output in place of that of the trajectory, near it [m or rad], shape (n, n_out).
     """
 
     robot: Robot
@@ -46,6 +47,7 @@ class FeedforwardProblem:
     n_samples: int
     near: FloatArray | None = None
     laws: tuple[PlacedLaw, ...] = ()
+    given_output: FloatArray | None = None
 
     @cached_property
     def tool(self) -> ToolGeometry:
@@ -70,6 +72,8 @@ class FeedforwardProblem:
         Raises:
             InputError: The trajectory does not start at rest.
         """
+        if self.given_output is not None:
+            return self.given_output
         motion = self.output_motion(2)
         for order, word in ((1, "speed"), (2, "acceleration")):
             initial, largest = np.abs(motion[order, 0]).max(), np.abs(motion[order]).max()

@@ -57,6 +57,7 @@ class Experiment:
         plan: Plan of the identification experiment; None for other scenarios.
         pre_actuation: Time for which the motors move before the tool [s]; 0 without stable inversion. The trajectory
             rests at least so long at its start.
+        given_reference: Reference in place of the computed one, which starts alike.
     """
 
     scenario: Scenario
@@ -66,6 +67,7 @@ class Experiment:
     n_samples: int
     plan: ExperimentPlan | None = None
     pre_actuation: float = 0.0
+    given_reference: Reference | None = None
 
     @classmethod
     def prepare(cls, scenario: Scenario) -> Experiment:
@@ -138,6 +140,8 @@ class Experiment:
         Raises:
             InputError: The path is out of reach, or the nominal robot would exceed a limit of an identification.
         """
+        if self.given_reference is not None:
+            return self.given_reference
         with source_named(f"scenario {self.scenario.name}"):
             if self.plan is None:
                 _check_reachable(self.trajectory, self.nominal, self.start)

@@ -157,15 +157,14 @@ class _Inverse:
         self._problem = FeedforwardProblem(
             robot, experiment.trajectory, specification, self._step, self._n + self._ahead, experiment.start
         )
-        self._desired = self._problem.desired
-        self._plain = self._motion(self._desired)
+        self._plain = self._motion(self._problem.desired)
 
     def corrected(self, planned: Reference, correction: FloatArray) -> Reference:
         """Return the planned reference, changed by what the correction of the output needs."""
         if not np.any(correction):
             return planned
         beyond = np.tile(correction[-1], (self._ahead, 1))
-        moved = self._motion(self._desired + np.concatenate([correction, beyond]))
+        moved = self._motion(self._problem.desired + np.concatenate([correction, beyond]))
         rows = slice(0, self._n)
         torque = np.empty_like(planned.torque)
         for motor, delay in enumerate(self._delays):
@@ -182,14 +181,11 @@ class _Inverse:
         )
 
     def _motion(self, desired: FloatArray) -> Motion:
-        self._problem.__dict__["desired"] = desired  # a cached property
-        return Motion.concatenate(list(DaeFeedforward().motions(self._problem, 4096)))
+        problem = replace(self._problem, given_output=desired)
+        return Motion.concatenate(list(DaeFeedforward().motions(problem, 4096)))
 
 
 def _with_reference(experiment: Experiment, reference: Reference, trial: int) -> Experiment:
     """Return the experiment with another reference and noise of its own, started as before."""
     scenario = experiment.scenario.with_values({"seed": experiment.scenario.seed + trial})
-    run = replace(experiment, scenario=scenario)
-    run.__dict__["reference"] = reference  # a cached property
-    run.__dict__["start_motor_position"] = experiment.start_motor_position
-    return run
+    return replace(experiment, scenario=scenario, given_reference=reference)

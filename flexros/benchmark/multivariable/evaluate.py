@@ -188,10 +188,9 @@ class MotionBenchmark:
             noise: Whether the encoders have noise.
         """
         scenario = self._prepared.scenario.model_copy(update={"controller": law, "noise": noise})
-        experiment = replace(self._prepared, scenario=scenario)
+        shared = None if law.follows_link_motion else self._prepared.reference
+        experiment = replace(self._prepared, scenario=scenario, given_reference=shared)
         law.check(experiment.loop_context)
-        if not law.follows_link_motion:
-            experiment.__dict__["reference"] = self._prepared.reference
         return experiment
 
     def measures_of_set(
@@ -224,7 +223,6 @@ class MotionBenchmark:
         law = load_motion_controller(self.problem, "pid").nominal
         quiet = self.experiment(law, noise=False)
         quiet = replace(quiet, scenario=quiet.scenario.model_copy(update={"disturbances": ()}))
-        quiet.__dict__["reference"] = self._prepared.reference
         run = batch(quiet, whole_record, seeds=[1], threads=1)[0]
         return run.tool_pose[:, :3]
 

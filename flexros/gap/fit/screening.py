@@ -103,6 +103,8 @@ class Surroundings:
         prior: Information of the prior on each parameter [1], shape (n_fitted,).
         pulled: Part of the prior in the gradient, shape (n_fitted,).
         weight: Prediction errors that each row stands for [1].
+        known: Information of the parameters with the prior, where it is known already, as that takes a product of all
+            rows, shape (n_fitted, n_fitted).
     """
 
     residual: FloatArray
@@ -110,6 +112,7 @@ class Surroundings:
     prior: FloatArray
     pulled: FloatArray
     weight: float
+    known: FloatArray | None = None
 
     def gains(self, changes: NDArray[Any]) -> tuple[FloatArray, FloatArray]:
         """Estimate by how much directions lower the sum of squares when all parameters are fitted again.
@@ -202,11 +205,14 @@ class Surroundings:
             change: Change of the prediction errors when they are switched off, shape (n_rows,).
         """
         kept = ~columns
-        rest = Surroundings(
-            self.residual + change, self.slopes[:, kept], self.prior[kept], self.pulled[kept], self.weight
+        return Surroundings(
+            self.residual + change,
+            self.slopes[:, kept],
+            self.prior[kept],
+            self.pulled[kept],
+            self.weight,
+            self._information[np.ix_(kept, kept)],
         )
-        vars(rest)["_information"] = self._information[np.ix_(kept, kept)]  # else a product of all rows for each effect
-        return rest
 
     def left(self, changes: NDArray[Any]) -> float:
         """Estimate the sum of squares when directions and all parameters are fitted together [1].
@@ -275,6 +281,8 @@ class Surroundings:
 
     @cached_property
     def _information(self) -> FloatArray:
+        if self.known is not None:
+            return self.known
         return np.asarray(self.weight * self.slopes.T @ self.slopes + np.diag(self.prior), dtype=float)
 
     def _refitted(self, gradient: FloatArray) -> FloatArray:

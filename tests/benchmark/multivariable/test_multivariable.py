@@ -89,6 +89,12 @@ def test_the_nominal_model_follows_its_path_and_errors_of_the_model_show(bench: 
     assert np.max(np.abs(bench.path - bench.experiment(law).reference.tool_pose[:, :3])) < 1e-5
 
 
+def test_a_changed_run_keeps_the_reference_of_the_problem(bench: MotionBenchmark) -> None:
+    one, other = (bench.experiment(load_motion_controller(E12, name).nominal) for name in ("pid", "coupled_pid"))
+    quiet = replace(one, scenario=one.scenario.model_copy(update={"disturbances": ()}))
+    assert quiet.reference is one.reference is other.reference
+
+
 def test_a_loop_that_is_too_fast_misses_the_demand_on_stability(bench: MotionBenchmark) -> None:
     good = bench.stability(load_motion_controller(E12, "pid").nominal)
     fast = bench.stability(control_law(settings_of(E12, "pid", np.array([60.0, 1.0, 0.1, 1e-3]))))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -150,6 +151,9 @@ def test_a_fit_without_some_parameters_is_that_of_the_others() -> None:
     prior, pulled = np.array([0.0, 2.0, 5.0]), np.array([0.0, 1.0, -1.0])
     rest = Surroundings(residual, slopes, prior, pulled, 1.5).without(np.array([True, False, False]), change)
     alone = Surroundings(residual + change, slopes[:, 1:], prior[1:], pulled[1:], 1.5)
+    assert rest.known is not None
+    np.testing.assert_allclose(rest.known, 1.5 * slopes[:, 1:].T @ slopes[:, 1:] + np.diag(prior[1:]))
+    assert replace(rest, known=4 * rest.known).fall == pytest.approx(rest.fall / 4)
     changes = rng.normal(size=(400, 4))
     np.testing.assert_allclose(rest.gains(changes), alone.gains(changes))
     assert rest.least == pytest.approx(alone.least)
