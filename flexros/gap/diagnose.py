@@ -16,6 +16,7 @@ from flexros.gap.fit.torques.noted_timing import shift_of_noted
 from flexros.gap.fit.torques.rough_gains import likely_gains, with_gains
 from flexros.gap.held_out.closed_loop_gap import closed_loop_gap, why_not_simulated
 from flexros.gap.prediction.driven_model import driven_model
+from flexros.gap.progress import Stages
 from flexros.gap.residuals.fit_samples import at_rate_of_fits
 from flexros.gap.search.better_torques import are_better, most_begun, tolerance_on_trial
 from flexros.gap.settings import DiagnosisSettings
@@ -76,7 +77,8 @@ def diagnose(
     if rough:
         begun = given.with_effects(rough)
         record, holdout = with_gains(record, begun), None if holdout is None else with_gains(holdout, begun)
-    task = DiagnosisTask(begun, holdout, tolerance or {}, notes, settings, deadline, progress, bool(rough))
+    stages = Stages(progress)
+    task = DiagnosisTask(begun, holdout, tolerance or {}, notes, settings, deadline, stages, bool(rough))
     found = task.searched(record)
     shift = shift_of_noted(found.explanations.chosen, found.null, settings)
     if shift is not None and not deadline.stops():  # half a sample hid behind the effects: all again with it
@@ -87,11 +89,11 @@ def diagnose(
         result = relative_to_file(result, rough, given)
 
     if in_closed_loop is not None:
-        found.stages.begin("closed loop", 1.0)
+        stages.begin("closed loop", 1.0)
         repaired = given.with_effects(result.patch) if result.patch else None
         signals = closed_loop_gap(in_closed_loop, given, repaired, begin=found.held_data.record.begin)
         result = replace(result, signals=(*result.signals, *signals))
-    found.stages.end()
+    stages.end()
     return result
 
 

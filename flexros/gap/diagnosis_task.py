@@ -6,56 +6,44 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from flexros.errors import InputError
 from flexros.gap.answer.assemble import result_of
 from flexros.gap.answer.decision import findings_of, on_held_out
 from flexros.gap.answer.sensitivity import sensitivity_of
 from flexros.gap.answer.withdrawal import confirmed
-from flexros.gap.candidates.tolerance import scaled_by_gravity, tolerance_of
 from flexros.gap.fit.null_fit import fit_null
-from flexros.gap.fit.torques.noted_timing import shift_of_noted, with_torque_in_time_behind_springs
-from flexros.gap.fit.torques.unknown_numbers import unknown_numbers
+from flexros.gap.fit.torques.noted_timing import shift_of_noted
 from flexros.gap.held_out.predictions import prediction_of, sensor_errors, tool_errors
-from flexros.gap.held_out.split import split
 from flexros.gap.noise.autoregression import autoregressive_spectrum
-from flexros.gap.noise.weights import measurement_in
-from flexros.gap.prediction.driven_model import driven_model
-from flexros.gap.progress import Stages
-from flexros.gap.residuals.fit_samples import part_of_fits
-from flexros.gap.residuals.prepare_fit_data import fit_data, with_tool_frame_of
+from flexros.gap.residuals.prepare_fit_data import with_tool_frame_of
 from flexros.gap.search.forward_selection import explain, explanations_of
 from flexros.gap.search.looser import found_looser, looser_null
 from flexros.gap.search.model_probability import compare
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.search.servo_start import fit_of_servos
-from flexros.gap.search.torque_start import base_fit, first_values, on_null, torque_start, with_load, with_torques
+from flexros.gap.search.torque_start import base_fit, first_values, on_null, with_load
 from flexros.gap.search.worth import beyond_noise, compared
+from flexros.gap.weighed_logs import used_logs, weighed_logs
 from flexros.gap.where.find import where
 from flexros.identify.rigid.torque_timing import in_time
-from flexros.logs.reader import give_memory_back
-from flexros.record.prescribed_motion import with_prescribed_motion
-from flexros.record.resampled import may_be_resampled, resampled
-from flexros.record.torques.shifted_torque import shifted
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Mapping
 
     from flexros.effects import RobotWithEffects
-    from flexros.gap.candidates.tolerance import Tolerance
     from flexros.gap.deadline import Deadline
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.fit.null_fit import NullFit
     from flexros.gap.fit.torques.unknown_numbers import UnknownNumbers
     from flexros.gap.prediction.predicted_log import PredictedLog
+    from flexros.gap.progress import Stages
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.result import DiagnosisResult
     from flexros.gap.search.fits.candidate_fits import Search
     from flexros.gap.search.forward_selection import Explanations
-    from flexros.gap.search.torque_start import TorqueStart
     from flexros.gap.settings import DiagnosisSettings
+    from flexros.gap.weighed_logs import WeighedLogs
     from flexros.gap.where.find import Where
     from flexros.record.record import Record
-    from flexros.robot import Robot
 
 NOMINAL, SERVOS, WHERE, CAUSES, ANSWER = 0.15, 0.25, 0.16, 0.94, 0.99
 """Shares of a diagnosis that are done at the ends of its stages [1] (chosen): about the medians of their times on the
@@ -75,7 +63,6 @@ class SearchedLog:
         excess: Where the gap shows; None where that was not computed.
         search: The search.
         explanations: What it found.
-        stages: Progress of the diagnosis.
     """
 
     record: Record
@@ -86,7 +73,6 @@ class SearchedLog:
     excess: Where | None
     search: Search
     explanations: Explanations
-    stages: Stages
 
     def beyond_noise(self, fit: CandidateFit) -> float:
         """Return what a fit leaves beyond noise in the log where it leaves more, over the tolerance of torques [1]."""
@@ -104,7 +90,7 @@ class DiagnosisTask:
         notes: Sentences for the warnings.
         settings: Settings of the diagnosis.
         deadline: When the search ends.
-        progress: Called with the name of the stage and the share of all that is done.
+        stages: Progress of the diagnosis; each search goes through them once more.
         rough_gains: Whether the servos have gains by the log, whose scale gravity alone fixes.
     """
 
@@ -114,7 +100,7 @@ class DiagnosisTask:
     notes: tuple[str, ...]
     settings: DiagnosisSettings
     deadline: Deadline
-    progress: Callable[[str, float], None] | None
+    stages: Stages
     rough_gains: bool = False
 
     def searched(self, record: Record, begun: CandidateFit | None = None, most: float = math.inf) -> SearchedLog:
@@ -126,55 +112,44 @@ class DiagnosisTask:
             most: What that may leave beyond noise, over the tolerance of torques; with more, or where no candidates
                 promise to explain most of it, it is the answer [1].
         """
-        settings, deadline, stages = self.settings, self.deadline, Stages(self.progress)
+        settings, deadline, stages = self.settings, self.deadline, self.stages
+        stages.again()
         stages.begin("nominal model", NOMINAL)
-        fitted, held = (record, self.holdout) if self.holdout is not None else split(record, settings.fitted_share)
-        fitted, held = _prescribed_alike(fitted, held, self.given.robot)
-        model = driven_model(self.given, fitted)
-        _check_alike(fitted, held)
-        fitted = with_torque_in_time_behind_springs(fitted, model.robot, settings)
-        held = resampled(shifted(held, fitted.torque_shift), fitted.sample_time)
-        fitted, held = (part_of_fits(one, model.robot, settings) for one in (fitted, held))
-        stated = tolerance_of(model.robot, self.tolerance, fitted.prescribed)
-        unknown = unknown_numbers(fitted, model, stated, settings.torque_start)
-        fitted = replace(fitted, warnings=(*fitted.warnings, *unknown.warnings, *self.notes))
-        model = unknown.given_to(model)
-        tolerated = unknown.tolerated(tolerance_of(model.robot, self.tolerance, fitted.prescribed), model.robot)
-        tolerated = scaled_by_gravity(tolerated) if self.rough_gains else tolerated
-        give_memory_back()  # what was needed of a long log beside the part that is used
-        data = fit_data(fitted, model, settings)
-        measurement = measurement_in(held, model.robot, data.measurement, settings)
-        held_data = fit_data(held, model, settings, measurement, data.level)
-        start = torque_start(data, model, tolerated, settings)
-        data = with_torques(data, start)
-        null, base = _first_fits(data, model, tolerated, start, begun, settings, deadline, stages)
+        logs = self._weighed(record)
+        null, base = _first_fits(logs, begun, settings, deadline, stages)
         shift = shift_of_noted(base or null.fit, null, settings)
         if shift is not None:
             return self.searched(in_time(record, shift), begun, most)
-        if start is None:
-            while (looser := looser_null(null, fitted, tolerated, settings, stop=deadline.of_fit())) is not None:
-                null = looser
+        null = null if logs.start is not None else self._looser(null, logs)
         prediction = prediction_of(null.fit, null.data)
 
-        stages.begin("where", WHERE if fitted.command is None else SERVOS)
+        stages.begin("where", WHERE if null.data.record.command is None else SERVOS)
         deadline.begin("where")
         excess = None if settings.where is None or deadline.stops() else _where(null, prediction, settings)
 
         stages.begin("causes", CAUSES)
         search = prepare_search(null, settings, stages.inner, deadline, base)
-        if base is not None and most < math.inf and _beyond_noise(search, base, held_data) > most:
+        if base is not None and most < math.inf and _beyond_noise(search, base, logs.held_data) > most:
             explanations = explanations_of(search, compared(search, [base]), base, detected=True)
         else:
             promised = 0.0 if begun is None else 1 - settings.search.within_floor
-            search, explanations = found_looser(search, explain(search, promised), fitted, tolerated)
+            search, explanations = found_looser(search, explain(search, promised), logs.used.fitted, logs.tolerance)
         if search.null is not null:
             null, prediction = search.null, prediction_of(search.null.fit, search.null.data)
-        best = explanations.chosen if search.resumed else null.fit
-        if null.data.level < data.level:
-            around = (best.predictor, best.theta) if search.resumed else None
-            held_data = fit_data(held, model, settings, measurement, null.data.level, around)
-        held_data = with_tool_frame_of(held_data, best.predictor, best.theta)
-        return SearchedLog(record, null, held_data, unknown, prediction, excess, search, explanations, stages)
+        held_data = _held_alike(logs, null, explanations.chosen if search.resumed else None)
+        return SearchedLog(record, null, held_data, logs.unknown, prediction, excess, search, explanations)
+
+    def _weighed(self, record: Record) -> WeighedLogs:
+        """Prepare and weigh a log and the held-out one."""
+        used = used_logs(record, self.holdout, self.given, self.settings)
+        return weighed_logs(used, self.given, self.tolerance, self.notes, self.settings, rough_gains=self.rough_gains)
+
+    def _looser(self, null: NullFit, logs: WeighedLogs) -> NullFit:
+        """Tie the log as loosely as the nominal model with its tolerated numbers allows."""
+        fitted, stop = logs.used.fitted, self.deadline.of_fit
+        while (looser := looser_null(null, fitted, logs.tolerance, self.settings, stop=stop())) is not None:
+            null = looser
+        return null
 
     def answered(self, found: SearchedLog) -> DiagnosisResult:
         """Decide what the explanations say, and check them on the held-out log.
@@ -182,7 +157,7 @@ class DiagnosisTask:
         Args:
             found: The explanations.
         """
-        settings, deadline, stages = self.settings, self.deadline, found.stages
+        settings, deadline, stages = self.settings, self.deadline, self.stages
         explanations, withdrawn = confirmed(found.search, found.explanations, found.held_data)
         stages.begin("answer", ANSWER)
         model, searched = found.null.model, explanations.beside or found.null.data
@@ -217,11 +192,22 @@ def _beyond_noise(search: Search, fit: CandidateFit, held: FitData) -> float:
     return max(beyond_noise(search, fit), elsewhere.beyond_noise(elsewhere.level(on_held_out(fit, held))))
 
 
+def _held_alike(logs: WeighedLogs, null: NullFit, explanation: CandidateFit | None) -> FitData:
+    """Weigh the held-out log as the fitted one of a search, with its tool where a model predicts it.
+
+    Args:
+        logs: Both logs.
+        null: The nominal model of the search.
+        explanation: What an earlier search of the same log ended with; None for the nominal model.
+    """
+    best, held = explanation or null.fit, logs.held_data
+    if null.data.level < logs.data.level:
+        held = logs.held_looser(null.data.level, None if explanation is None else (best.predictor, best.theta))
+    return with_tool_frame_of(held, best.predictor, best.theta)
+
+
 def _first_fits(
-    data: FitData,
-    model: RobotWithEffects,
-    tolerance: Tolerance,
-    start: TorqueStart | None,
+    logs: WeighedLogs,
     begun: CandidateFit | None,
     settings: DiagnosisSettings,
     deadline: Deadline,
@@ -231,6 +217,7 @@ def _first_fits(
 
     On a real machine the prior of tolerances is weighed by what these effects leave, or what no candidate removes.
     """
+    data, model, tolerance, start = logs.data, logs.model, logs.tolerance, logs.start
     few = settings.fit.model_copy(update={"null_iterations": 1})  # what the torques show is fitted from the torques
     first_settings = settings.fit if start is None else few
     null = fit_null(data, model, tolerance, first_settings, stop=deadline.of_fit())
@@ -272,25 +259,3 @@ def _where(null: NullFit, prediction: PredictedLog, settings: DiagnosisSettings)
         sensors=sensor_errors(null.fit, data),
         spectrum=autoregressive_spectrum(-whitening[:, 1:].T) if whitening.shape[1] > 1 else None,
     )
-
-
-def _prescribed_alike(fitted: Record, held: Record, robot: Robot) -> tuple[Record, Record]:
-    """Let the motion of the same motors drive the model in both logs."""
-    return (
-        with_prescribed_motion(fitted, robot, held.prescribed, f"it does so in {held.name}"),
-        with_prescribed_motion(held, robot, fitted.prescribed, f"it does so in {fitted.name}"),
-    )
-
-
-def _check_alike(fitted: Record, held: Record) -> None:
-    """Refuse a holdout that was recorded in another way, for which the fitted predictors do not hold."""
-    ways = [
-        f"{record.name} has {1 / record.sample_time:.6g} samples per second and {record.driven_by}"
-        for record in (held, fitted)
-    ]
-    if not may_be_resampled(held, fitted.sample_time):
-        raise InputError(
-            f"{ways[0]}, but {ways[1]}; exchange the two, so that the one with more samples is held out, or give none"
-        )
-    if held.driven_by != fitted.driven_by:
-        raise InputError(f"{ways[0]}, but {ways[1]}; give a holdout that was recorded like the log, or none")

@@ -111,33 +111,67 @@ def measure_gap(
         The gap numbers: `before` and `noise_floor`, with a repaired model the others too.
     """
     settings = with_torque_tolerance(settings or DiagnosisSettings(), tolerance)
-    stages, deadline = Stages(progress), Deadline(settings.time_limit)
-    stages.begin("nominal model", 1.0 if repaired is None else 0.5)
+    stages, deadline, half = Stages(progress), Deadline(settings.time_limit), 1.0 if repaired is None else 0.5
+    stages.begin("nominal model", half)
     record = at_rate_of_fits(record, model.robot, settings)
     model = driven_model(model, record)
     record = with_torque_in_time_behind_springs(record, model.robot, settings)
     record = part_of_fits(record, model.robot, settings)
     record = with_likely_gains(record, model, repaired, settings)
-    stated = tolerance_of(model.robot, tolerance or {}, record.prescribed)
-    unknown = unknown_numbers(record, model, stated, settings.torque_start, as_stated=True)
-    record = replace(record, warnings=(*record.warnings, *unknown.warnings))
-    data = _data(record, unknown.given_to(model), repaired, settings)
-    null, before = _fitted(model, unknown, data, tolerance or {}, settings, deadline), None
-    if repaired is not None:
-        stages.begin("repaired model", 1.0)
-        before = _errors(null, data)
-        null = _fitted(driven_model(repaired, record), unknown, data, tolerance or {}, settings, deadline)
-    shift = None if deadline.over else shift_of_noted(null.fit, null, settings)
+    fits = _fits(record, model, repaired, tolerance or {}, settings, stages, deadline)
+    shift = None if deadline.over else shift_of_noted(fits.last.fit, fits.last, settings)
     if shift is not None:  # errors of springs in the nominal model hid when the torques acted
-        moved = in_time(record, shift)
-        return measure_gap(moved, model, repaired=repaired, tolerance=tolerance, settings=settings, progress=progress)
-    errors = _errors(null, data)
-    before, after = (errors, None) if before is None else (before, errors)
-    floor = tolerance_floor(null.fit, data)
-    left = _left_over(null, data, errors.mean, floor)
+        stages.again()
+        stages.begin("nominal model", half)
+        fits = _fits(in_time(record, shift), model, repaired, tolerance or {}, settings, stages, deadline)
+    data, before = fits.data, _errors(fits.nominal, fits.data)
+    after = None if fits.repaired is None else _errors(fits.repaired, data)
+    floor = tolerance_floor(fits.last.fit, data)
+    left = _left_over(fits.last, data, (after or before).mean, floor)
     numbers = gap_numbers(before, after, record.sample_time, with_tolerance=floor)
     warnings = settled(data.record, numbers.closed_fraction).warnings
     return MeasuredGap(numbers, left, (*warnings, *_cut_short(deadline)))
+
+
+@dataclass(frozen=True, eq=False)
+class _Fits:
+    """The fits of tolerated deviations to a log.
+
+    Attributes:
+        data: Log and weights.
+        nominal: The nominal model.
+        repaired: The repaired one; None without a repair.
+    """
+
+    data: FitData
+    nominal: NullFit
+    repaired: NullFit | None
+
+    @property
+    def last(self) -> NullFit:
+        """The model whose gap counts."""
+        return self.repaired or self.nominal
+
+
+def _fits(
+    record: Record,
+    model: RobotWithEffects,
+    repaired: RobotWithEffects | None,
+    tolerance: Mapping[str, float],
+    settings: DiagnosisSettings,
+    stages: Stages,
+    deadline: Deadline,
+) -> _Fits:
+    """Estimate the numbers that the nominal model lacks, and fit the tolerated deviations of both models to the log."""
+    stated = tolerance_of(model.robot, tolerance, record.prescribed)
+    unknown = unknown_numbers(record, model, stated, settings.torque_start, as_stated=True)
+    record = replace(record, warnings=(*record.warnings, *unknown.warnings))
+    data = _data(record, unknown.given_to(model), repaired, settings)
+    nominal = _fitted(model, unknown, data, tolerance, settings, deadline)
+    if repaired is None:
+        return _Fits(data, nominal, None)
+    stages.begin("repaired model", 1.0)
+    return _Fits(data, nominal, _fitted(driven_model(repaired, record), unknown, data, tolerance, settings, deadline))
 
 
 def _data(

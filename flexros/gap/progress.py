@@ -24,11 +24,18 @@ class Stages:
         self._progress = progress
         self._name, self._from, self._to, self._begin = "", 0.0, 0.0, time.monotonic()
         self._step, self._done, self._span = "", 0.0, 1.0
+        self._before = self._told = 0.0
+
+    def again(self) -> None:
+        """Go through the stages once more: their shares are from now on of what is left, and their times add up."""
+        self.end()
+        self._before = self._to = self._told
 
     def begin(self, name: str, share: float) -> None:
         """Begin a stage that ends when `share` of all is done."""
         self.end()
-        self._name, self._from, self._to, self._begin = name, self._to, share, time.monotonic()
+        to = self._before + share * (1.0 - self._before)
+        self._name, self._from, self._to, self._begin = name, self._to, to, time.monotonic()
         self._step, self._done, self._span = name, 0.0, STEP
         self.inner(name, 0.0)
 
@@ -37,11 +44,12 @@ class Stages:
         if name != self._step:
             self._step, self._done = name, self._done + self._span
             self._span = STEP * (1.0 - self._done)
+        self._told = self._from + (self._done + share * self._span) * (self._to - self._from)
         if self._progress is not None:
-            self._progress(name, self._from + (self._done + share * self._span) * (self._to - self._from))
+            self._progress(name, self._told)
 
     def end(self) -> None:
         """End the current stage."""
         if self._name:
-            self.timings[self._name] = time.monotonic() - self._begin
+            self.timings[self._name] = self.timings.get(self._name, 0.0) + time.monotonic() - self._begin
             self._name = ""

@@ -7,8 +7,11 @@ from dataclasses import replace
 import pytest
 
 from flexros.effects import RobotWithEffects, parse_effect, place_effects
+from flexros.gap import measure_gap as module
 from flexros.gap.candidates.tolerance import Tolerance
+from flexros.gap.deadline import Deadline
 from flexros.gap.fit.null_fit import fit_null
+from flexros.gap.fit.torques.unknown_numbers import UnknownNumbers
 from flexros.gap.measure_gap import measure_gap
 from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.search.model_probability import compare
@@ -112,3 +115,25 @@ def test_a_time_limit_ends_the_fits_and_is_told() -> None:
     assert found.numbers.before > 20
     assert "the time limit ended the fits of tolerated numbers" in found.warnings[-1]
     assert not any("time limit" in text for text in measure_gap(record_of(FRICTION), MODEL).warnings)
+
+
+def test_torques_that_acted_elsewhere_are_no_new_measurement(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Warnings stand once, the time limit is that of both passes, and the progress never falls."""
+    begun: list[Deadline] = []
+    calls: list[tuple[str, float]] = []
+
+    def deadline(limit: float | None) -> Deadline:
+        begun.append(Deadline(limit))
+        return begun[-1]
+
+    shifts = iter((-0.5, None))
+    monkeypatch.setattr(module, "Deadline", deadline)
+    monkeypatch.setattr(module, "shift_of_noted", lambda *_: next(shifts, None))
+    monkeypatch.setattr(UnknownNumbers, "warnings", ("a number is unknown",))
+    model = RobotWithEffects(arm(), ())
+    found = measure_gap(record_of_arm(imported=True), model, repaired=model, progress=lambda *call: calls.append(call))
+    assert found.warnings.count("a number is unknown") == 1
+    assert sum("the measured torques fit the motion where each was held" in text for text in found.warnings) == 1
+    assert len(begun) == 1
+    assert [name for name, _ in calls] == ["nominal model", "repaired model"] * 2
+    assert [share for _, share in calls] == [0.0, 0.5, 0.5, 0.75]
