@@ -46,11 +46,11 @@ def motion(seconds: float = 20.0) -> FloatArray:
 
 
 def motion_with_rests(seconds: float = 20.0) -> FloatArray:
-    """Return the same path with a rest of both joints of 0.8 s in every period of 2 s, shape (3, n, 2)."""
+    """Return the same path with a rest of both joints of 1.8 s in every period of 3 s, shape (3, n, 2)."""
     time, w = T * np.arange(round(seconds / T)), np.pi / 0.6
-    phase = time % 2.0
+    phase = time % 3.0
     goes = phase < 1.2
-    course = 1.2 * (time // 2.0) + np.where(goes, phase - np.sin(w * phase) / w, 1.2)  # a cycloid
+    course = 1.2 * (time // 3.0) + np.where(goes, phase - np.sin(w * phase) / w, 1.2)  # a cycloid
     speed, acceleration = np.where(goes, 1 - np.cos(w * phase), 0.0), np.where(goes, w * np.sin(w * phase), 0.0)
     q, v, a = (np.stack([np.interp(course, time, one) for one in order.T], axis=-1) for order in motion(seconds))
     speed, acceleration = speed[:, None], acceleration[:, None]

@@ -159,9 +159,9 @@ def fit_covariance(fit: CandidateFit, data: FitData, form: RankingSettings | Non
         meat += coloured(J[rows], left[rows], int(np.isfinite(data.spread[:, motor]).sum()))
     end = len(r) - (0 if data.torques is None else data.torques.size)
     meat += J[M * n : end].T @ J[M * n : end]
-    for motor, used in enumerate([] if data.torques is None else data.torques.used.T):
-        rows = slice(end + motor * len(used), end + (motor + 1) * len(used))
-        meat += coloured(J[rows], r[rows, None], int(used.sum()))
+    for begin in range(end, len(r), (len(r) - end) // M or 1):
+        rows = slice(begin, begin + (len(r) - end) // M)
+        meat += coloured(J[rows], r[rows, None], int(np.count_nonzero(r[rows])))
     inverse = inverse_of(line.information)
     meat += doubt_of(of_timing(fit, data, r), J, r, inverse)
     for changed in of_smooth_friction(fit, data, r):

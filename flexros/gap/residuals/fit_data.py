@@ -132,7 +132,7 @@ class FitData:
         """Which of the weighted prediction errors are used, in their order, shape (n_residuals,)."""
         of_tool = np.ones(0 if self.tool is None else self.tool.position.size, dtype=bool)
         of_sensors = np.zeros(0, dtype=bool) if self.sensors is None else self.sensors.used
-        of_torques = np.zeros(0, dtype=bool) if self.torques is None else self.torques.used.T.ravel()
+        of_torques = np.ones(0 if self.torques is None else self.torques.size, dtype=bool)
         return np.concatenate([np.isfinite(self.spread).T.ravel(), of_tool, of_sensors, of_torques])
 
     def squares_in_time(self, residual: FloatArray, parts: int) -> FloatArray:

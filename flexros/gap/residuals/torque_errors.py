@@ -8,7 +8,8 @@ the measured motion q, the torque that a hypothesis needs is
 with the standard parameters pi of the robot (Moberg 2007, eq. 4.11), the torques f of laws at the motors and the gain g
 of the torque; q is the position less the offset of its encoder. Errors of predicted positions are these errors divided
 by the inertia, so that more inertia leaves less of any of them, and light joints outweigh all others. The errors of the
-torques do not have this fault, but they show no springs, and of a delay only that it moves the torques.
+torques do not have this fault, but they show no springs, and of a delay only that it moves the torques. Where a motor
+rests its dry friction may be any within its level, and only torques beyond that are errors.
 """
 
 from __future__ import annotations
@@ -52,6 +53,8 @@ PARTS = 64
 """Laws whose parts are kept (chosen): those of all laws of a hypothesis, and of a step of each parameter of shape."""
 BODIES = 16
 """Torques of the bodies that are kept (chosen): many sets of parameters have the same ones of the robot."""
+CREEP = 1e-9
+"""Speed that stands for none, as friction against it has its level at rest [rad/s or m/s] (chosen)."""
 NORMAL = 1.4826
 """Standard deviation of normal numbers over the median of their magnitudes [1]."""
 
@@ -66,7 +69,7 @@ class TorqueErrors:
         torque: Torques in the same rows, after the delay [Nm or N], shape (m, M).
         rate: Their rates of change [Nm/s or N/s], shape (m, M).
         delay: Delay of the torques beyond that of the model [s]; that of a hypothesis is near it.
-        known: Friction of the laws of the nominal model in the same rows [Nm or N], shape (m, M).
+        known: Least and largest friction of the laws of the nominal model in the same rows [Nm or N], shape (2, m, M).
         deviation: Standard deviation of an error [Nm or N], shape (M,); infinite for a motor of prescribed
             motion.
         motion: Time [s], then positions, speeds, torques and torques in the gears of all motors [SI], shape
@@ -96,12 +99,7 @@ class TorqueErrors:
     @property
     def n_values(self) -> int:
         """Number of errors that count."""
-        return int(self.used.sum())
-
-    @property
-    def used(self) -> BoolArray:
-        """Which errors count, shape (m, M): those of a motor that slides, and whose motion is not prescribed."""
-        return np.asarray(self.rows.slides & np.isfinite(self.deviation))
+        return int(np.isfinite(self.deviation).sum()) * len(self.torque)
 
     def acting_later(self, time: float) -> TorqueErrors:
         """Return the errors of torques that act later by some time [s] than the log has them."""
@@ -144,7 +142,7 @@ class TorqueErrors:
         """
         errors = self._of_one(predictor, theta).reshape(-1, len(self.torque)).T
         deviation = np.where(np.isfinite(self.deviation), self.deviation, 0.0)
-        median = np.nanmedian(np.where(self.rows.slides, np.abs(errors), np.nan), axis=0)
+        median = np.nanmedian(np.where(self.rows.resting, np.nan, np.abs(errors)), axis=0)
         return np.asarray(NORMAL * median * deviation)
 
     def _of_one(self, predictor: Predictor, theta: FloatArray) -> FloatArray:
@@ -153,6 +151,7 @@ class TorqueErrors:
         given = predictor.numbers(theta).items()
         numbers = {name: value for name, value in given if tilted or name not in GRAVITY}
         needed = self._rows_of_bodies(predictor.robot, tuple(numbers.items()), zeros).copy()
+        friction = self.known.copy()
         gains, late = np.ones(self.robot.n_motors), np.full(self.robot.n_motors, -self.delay)
         lags, limits = dict[int, float](), dict[int, AbstractCommandLaw]()
         for candidate, sizes in zip(predictor.hypothesis, values, strict=True):
@@ -173,12 +172,13 @@ class TorqueErrors:
                     limits[motor] = effect
             else:
                 own = tuple(effect.parameter_values.values())
-                needed[:, motor] += self._rows_of(type(effect), motor, own, zeros[motor])
+                friction[:, :, motor] += self._rows_of(type(effect), motor, own, zeros[motor])
         torque = self.torque - late * self.rate
         for motor in lags.keys() | limits.keys():
             torque[:, motor] = self._passed(motor, limits.get(motor), lags.get(motor, 0.0), float(late[motor]))
-        errors = np.where(self.rows.slides, (torque - needed / gains) / self.deviation, 0.0)
-        return np.asarray(errors.T.ravel())
+        least, most = np.sort((needed + friction) / gains, axis=0)
+        errors: FloatArray = ((torque - np.clip(torque, least, most)) / self.deviation).T.ravel()
+        return errors
 
     @cached_property
     def _positions(self) -> FloatArray:
@@ -187,11 +187,11 @@ class TorqueErrors:
 
     @cached_property
     def _rows_of_bodies(self) -> Callable[[Robot, tuple[tuple[str, float], ...], tuple[float, ...]], FloatArray]:
-        """Function of the torque that a robot with other numbers and zeros needs, and its known friction, in rows."""
+        """Function of the torque that a robot with other numbers and zeros needs, in rows."""
 
         def rows(robot: Robot, numbers: tuple[tuple[str, float], ...], zeros: tuple[float, ...]) -> FloatArray:
             values = np.array([one.nominal for one in standard_parameters(robot, numbers=dict(numbers))])
-            needed: FloatArray = self.regressor @ values + self.known
+            needed: FloatArray = self.regressor @ values
             upright = all(value == robot.parameters[name].value for name, value in numbers if name in GRAVITY)
             if upright and not any(zeros):
                 return needed
@@ -219,7 +219,10 @@ class TorqueErrors:
 
     @cached_property
     def _rows_of(self) -> Callable[[type[AbstractMotorLaw], int, tuple[float, ...], float], FloatArray]:
-        """Function of the torque that a motor needs against a law, in the rows; of many sets few laws differ."""
+        """Function of the least and largest torque that a motor needs against a law, shape (1 or 2, m).
+
+        They differ where the motor rests. Of many sets few laws differ.
+        """
         return lru_cache(maxsize=KEPT)(self._law)
 
     def _law(
@@ -227,25 +230,31 @@ class TorqueErrors:
     ) -> FloatArray:
         needed = _needed_torque(kind)
         if needed is None:
-            return np.zeros(len(self.torque))
+            return np.zeros((1, len(self.torque)))
         shape = tuple(0.0 if size else number for number, size in zip(numbers, needed.sizes, strict=True))
         torque: FloatArray = self._parts_of(kind, motor, shape, zero) @ needed.monomials(numbers)
         return torque
 
     @cached_property
     def _parts_of(self) -> Callable[[type[AbstractMotorLaw], int, tuple[float, ...], float], FloatArray]:
-        """Function of the parts of a law with the parameters of its shape, in the rows, shape (m, parts)."""
+        """Function of the parts of a law with the parameters of its shape, in the rows, shape (1 or 2, m, parts).
+
+        They are those of rests that a backward and a forward motion end, or of the motion alone where there are none.
+        """
         M, robot = self.robot.n_motors, self.robot
 
         def parts(kind: type[AbstractMotorLaw], motor: int, shape: tuple[float, ...], zero: float) -> FloatArray:
             needed = _needed_torque(kind)
             assert needed is not None
             time, position, speed, torque, load = self.motion[[0, *(1 + row * M + motor for row in range(4))]]
-            position = position - zero
-            state = np.stack([time, position, robot.rotor_turns[motor] * position, speed, torque, load], axis=-1)
-            viscous = robot.parameters[f"{robot.joint_names[motor]}.viscous_friction"].value
-            (values,) = over_rows(needed.parts, state, np.tile([viscous, *shape], (len(state), 1)))
-            return decimate(values, self.factor)[self.counts]
+            position, rests = position - zero, self.rows.rests[:, motor]
+            viscous, found = robot.parameters[f"{robot.joint_names[motor]}.viscous_friction"].value, []
+            for creep in (-CREEP, CREEP) if rests.any() else (0.0,):
+                moved = np.where(rests, creep, speed)
+                state = np.stack([time, position, robot.rotor_turns[motor] * position, moved, torque, load], axis=-1)
+                (values,) = over_rows(needed.parts, state, np.tile([viscous, *shape], (len(state), 1)))
+                found.append(decimate(values, self.factor)[self.counts])
+            return np.array(found)
 
         return lru_cache(maxsize=PARTS)(parts)
 
@@ -274,7 +283,7 @@ def torque_errors(record: Record, model: RobotWithEffects, delay: float, deviati
         torque=rows.torque,
         rate=rows.decimated(np.gradient(torque, record.sample_time, axis=0)),
         delay=delay,
-        known=np.zeros_like(rows.torque),
+        known=np.zeros((2, *rows.torque.shape)),
         deviation=deviation,
         motion=np.vstack([time, motion.position.T, motion.velocity.T, torque.T, _in_gears(robot, motion)]),
         rows=rows,
@@ -284,7 +293,7 @@ def torque_errors(record: Record, model: RobotWithEffects, delay: float, deviati
     for law in model.laws:
         if isinstance(law.effect, AbstractMotorLaw):
             motor, numbers = robot.joint_names.index(law.location), tuple(law.effect.parameter_values.values())
-            whole.known[:, motor] += whole._rows_of(type(law.effect), motor, numbers, 0.0)
+            whole.known[:, :, motor] += whole._rows_of(type(law.effect), motor, numbers, 0.0)
     return whole
 
 

@@ -35,7 +35,9 @@ SLOW, FAST = 0.01, 0.999
 SHORTEST_REST = 0.2
 """Time that a motor is slow from which it rests, and does not only turn back [s] (chosen)."""
 MOSTLY = 0.5
-"""Share of a row in which a motor rests from which the row does not count [1] (chosen)."""
+"""Share of a row in which a motor rests from which it counts as resting [1] (chosen)."""
+FEWEST = 8
+"""Fewest rows in which a motor slides that it is judged by (chosen)."""
 _CHUNK_ROWS = 200
 """Decimated rows of a block (chosen)."""
 
@@ -93,16 +95,22 @@ class RegressionRows:
         return cls(record, motion, regressor, leading, cutoff, counts, torques, [])
 
     @cached_property
-    def slides(self) -> BoolArray:
-        """Whether each motor slides throughout a row, shape (n, M).
-
-        Where friction holds a motor its torque may be any within that. One that never moves counts as sliding.
-        """
+    def rests(self) -> BoolArray:
+        """Whether each sample is of a rest of a motor that moves elsewhere, shape (n_samples, M)."""
         speed = np.abs(self.motion.velocity)
         slow = (speed <= SLOW * np.quantile(speed, FAST, axis=0)) & self.motion.moving
         samples = max(1, round(SHORTEST_REST / self.record.sample_time))
-        rests = binary_opening(slow, np.ones((samples, 1)))
-        return np.asarray(self.decimated(rests.astype(float)) < MOSTLY)
+        return np.asarray(binary_opening(slow, np.ones((samples, 1))))
+
+    @cached_property
+    def resting(self) -> BoolArray:
+        """Whether each motor rests in most of a row, shape (n, M).
+
+        Where friction holds a motor its torque may be any within that. One that hardly slides in any row counts as
+        sliding, as nothing else is known of its torque.
+        """
+        resting = self.decimated(self.rests.astype(float)) >= MOSTLY
+        return np.asarray(resting & (np.sum(~resting, axis=0) >= FEWEST))
 
     def torque_as_it_acts(self) -> FloatArray | None:
         """Return the torques with delay and hold of the command [Nm or N], shape (n, M); None for measured ones."""

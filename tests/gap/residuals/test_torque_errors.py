@@ -48,15 +48,16 @@ def errors_of(offset: float = 0.0) -> TorqueErrors:
     return found
 
 
-def test_rows_in_which_friction_holds_a_motor_do_not_count() -> None:
-    errors = torque_errors(record_of_arm(imported=True, held=-0.9), model(), 0.0, DEVIATION)
+@pytest.mark.parametrize("held", [-0.9, 0.5, 1.5])
+def test_where_a_motor_rests_only_torque_beyond_its_friction_is_an_error(held: float) -> None:
+    errors = torque_errors(record_of_arm(imported=True, held=held), model(), 0.0, DEVIATION)
     assert errors is not None
     predictor, theta = predictor_of(friction())
-    resting = ~errors.rows.slides.T.ravel()
-    found = errors.errors(predictor, theta)[:, 0]
-    np.testing.assert_array_equal(found[resting], 0)
-    assert 0.2 < resting.mean() < 0.5
-    assert errors.n_values == np.count_nonzero(~resting)
+    found = (errors.errors(predictor, theta)[:, 0].reshape(2, -1) * DEVIATION[:, None]).T
+    deep = np.abs(errors.rows.decimated(errors.rows.rests.astype(float)) - 1) < 1e-9  # no sample of motion
+    assert 0.1 < deep.mean() < 0.5
+    beyond = np.sign(held) * max(abs(held) - 1, 0) * COULOMB
+    np.testing.assert_allclose(found[deep], np.broadcast_to(beyond, found.shape)[deep], atol=0.05)
     assert np.all(errors.usual(predictor, theta[:, 0]) < 0.02 * COULOMB)
 
 

@@ -52,9 +52,9 @@ def test_a_motor_rests_where_it_is_slow_for_long_and_not_where_it_turns_back(elb
     speed, acceleration = (np.gradient(one, 1e-3, axis=0) for one in (position, np.gradient(position, 1e-3, axis=0)))
     log = rigid_log(elbow, np.stack([position, speed, acceleration]), noise=1e-6)
     regressor = RigidRegressor(elbow)
-    slides = rows_of_log(log, SLOW, "log", regressor, base_parameters(regressor, 2)).slides
-    assert slides[:, 1].all()
-    assert 0.2 < 1 - slides[:, 0].mean() < 0.3
+    resting = rows_of_log(log, SLOW, "log", regressor, base_parameters(regressor, 2)).resting
+    assert not resting[:, 1].any()
+    assert 0.2 < resting[:, 0].mean() < 0.3
 
 
 def test_a_motor_that_moves_for_a_short_time_rests_for_the_others(elbow, rigid_log) -> None:
@@ -63,8 +63,8 @@ def test_a_motor_that_moves_for_a_short_time_rests_for_the_others(elbow, rigid_l
     speed, acceleration = (np.gradient(one, 1e-3, axis=0) for one in (position, np.gradient(position, 1e-3, axis=0)))
     log = rigid_log(elbow, np.stack([position, speed, acceleration]), noise=1e-6)
     regressor = RigidRegressor(elbow)
-    slides = rows_of_log(log, SLOW, "log", regressor, base_parameters(regressor, 2)).slides
-    assert 0.02 < slides[:, 1].mean() < 0.08
+    resting = rows_of_log(log, SLOW, "log", regressor, base_parameters(regressor, 2)).resting
+    assert 0.92 < resting[:, 1].mean() < 0.98
 
 
 def test_regressor_that_is_too_large_to_be_kept_gives_the_same_fit(

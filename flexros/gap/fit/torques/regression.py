@@ -20,7 +20,7 @@ from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.effects.kinds.servo_number import gains_are_known
 from flexros.effects.left_out.tool_load import ENTRIES, last_moved
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.fit.torques.solution import KINDS, LOAD, ROUNDS, Sought, is_silent, rms, solve
+from flexros.gap.fit.torques.solution import KINDS, LOAD, ROUNDS, Sought, is_silent, solve
 from flexros.gap.residuals.torque_rows import acting_torque, torque_rows
 from flexros.gap.settings import TorqueStartSettings
 from flexros.identify.rigid.standard_parameters import standard_parameters
@@ -119,6 +119,7 @@ class PreparedRegression:
         rows, sought = self.rows, replace(self.sought, position_torques=position_torques)
         own, others = np.split(self.slopes, [sought.of_motors.stop], axis=-1)
         own = _identifiable(own, rows, sought, uneven=uneven)
+        own[..., sought.of_kind("coulomb_friction")] *= ~rows.resting[..., None]  # it has no direction there
         b = self.torque - own[..., sought.of_kind("coulomb_friction")] @ sought.known
         further = (
             _of_position(rows, position_torques),
@@ -127,12 +128,14 @@ class PreparedRegression:
             _of_servos(rows, self.acting, sought),
         )
         A = np.concatenate([own, *further, others], axis=-1)
+        silenced = ~rows.record.predicted  # a prescribed motion says nothing of its torque
+        A[:, silenced], b[:, silenced] = 0.0, 0.0
         if not (np.isfinite(A).all() and np.isfinite(b).all()):  # the arm behind its springs ran away from the log
             return None
-        counts = rows.slides & rows.record.predicted  # a prescribed motion says nothing of its torque
-        silent = is_silent(rms(b, counts))
+        silent = is_silent(np.sqrt(np.mean(b**2, axis=0)))
+        A[:, silent], b[:, silent] = 0.0, 0.0
         solution = _with_point if sought.load == "point" else solve
-        return solution(A, b, counts & ~silent, sought, self.settings)
+        return solution(A, b, rows.resting, sought, self.settings)
 
 
 def prepared_regression(
@@ -302,7 +305,7 @@ def _of_servos(rows: RegressionRows, acting: ActingTorque, sought: Sought) -> Fl
 
 
 def _with_point(
-    A: FloatArray, b: FloatArray, counts: BoolArray, sought: Sought, settings: TorqueStartSettings
+    A: FloatArray, b: FloatArray, resting: BoolArray, sought: Sought, settings: TorqueStartSettings
 ) -> TorqueRegression:
     """Solve the regression with a load at a point, whose inertia follows from its mass and first moment.
 
@@ -311,14 +314,14 @@ def _with_point(
     """
     inertias = A[..., -len(INERTIA_COMPONENTS) :]
     A = A[..., : -len(INERTIA_COMPONENTS)]
-    found = solve(A, b, counts, sought, settings)
+    found = solve(A, b, resting, sought, settings)
     for _ in range(ROUNDS):
         before, turned = found.load.copy(), A.copy()
         before[0] = max(before[0], np.linalg.norm(before[1:]) / settings.farthest_load)
         if before[0] <= 0:
             break
         turned[..., -len(LOAD) :] += inertias @ _inertia_slopes(before)
-        found = solve(turned, b, counts, sought, settings)
+        found = solve(turned, b, resting, sought, settings)
         if np.allclose(found.load, before, rtol=1e-3, atol=1e-6):
             break
     return found

@@ -179,31 +179,32 @@ class _Solution:
         values: The numbers, shape (k,).
         whole: Torque of every motor beyond the nominal model, rms [Nm or N], shape (M,); never zero.
         left: What is left of it, rms [Nm or N], shape (M,); never zero.
+        weights: Weights of the rows [1/Nm or 1/N], shape (n, M).
         free: Columns that are seen and whose number is not at a bound, shape (k,).
     """
 
     values: FloatArray
     whole: FloatArray
     left: FloatArray
+    weights: FloatArray
     free: BoolArray
 
 
 def solve(
-    A: FloatArray, b: FloatArray, counts: BoolArray, sought: Sought, settings: TorqueStartSettings
+    A: FloatArray, b: FloatArray, resting: BoolArray, sought: Sought, settings: TorqueStartSettings
 ) -> TorqueRegression:
     """Solve a regression of torques.
 
     Args:
         A: Slopes of the torques to what is sought, shape (n, M, k).
         b: Torques beyond those of the nominal model [Nm or N], shape (n, M).
-        counts: Which of them count, shape (n, M).
+        resting: Where friction holds a motor, which may take any torque within itself there, shape (n, M).
         sought: What the columns are.
         settings: Settings of the regression.
     """
-    A, b = np.where(counts[..., None], A, 0.0), np.where(counts, b, 0.0)
-    found = _solution(A, b, counts, sought, settings.most_reduced)
+    found = _solution(A, b, resting, sought, settings.most_reduced)
     # a column acts on its own motor alone, so that the diagonal of each kind is all of it
-    size = rms(A, counts[..., None]) * np.abs(found.values)
+    size = _rms(A, ~resting[..., None]) * np.abs(found.values)
     shares = [settings.least_bias if kind == "torque_offset" else settings.least_share for kind in KINDS]
     clear = [_stands_out(size[:, sought.of_kind(kind)], share * found.left) for kind, share in zip(KINDS, shares)]
     own = np.where(np.stack(clear) & sought.moving, found.values[sought.of_motors].reshape(len(KINDS), -1), 0.0)
@@ -228,11 +229,11 @@ def solve(
         zeros=_moved(sought.zeros, found.values[sought.of_zeros]),
         tilt=_moved(sought.tilt, found.values[sought.of_tilt]),
         faint_inertia=np.where(sought.moving, found.values[sought.of_kind("inertia")], 0.0),
-        inertia_deviation=_deviation(A, b, counts, sought, found)[sought.of_kind("inertia")],
+        inertia_deviation=_deviation(A, b, sought, found)[sought.of_kind("inertia")],
     )
 
 
-def rms(values: FloatArray, counts: BoolArray) -> FloatArray:
+def _rms(values: FloatArray, counts: BoolArray) -> FloatArray:
     """Return the root mean square of the rows that count; zero where none does.
 
     Args:
@@ -275,17 +276,23 @@ def _stands_out(size: FloatArray, least: FloatArray) -> BoolArray:
     return np.asarray(np.diag(size) > least)
 
 
-def _solution(A: FloatArray, b: FloatArray, counts: BoolArray, sought: Sought, most_reduced: float) -> _Solution:
-    """Solve, weigh each motor by what is left of its torque, and solve again until that settles."""
+def _solution(A: FloatArray, b: FloatArray, resting: BoolArray, sought: Sought, most_reduced: float) -> _Solution:
+    """Solve, weigh each motor by what is left of its torque, and solve again until that settles.
+
+    What is left is that of rows in which a motor slides. In the others its dry friction is any within its level, as
+    likely as any other, which is a further deviation of the level over root 3; at first they do not count.
+    """
     bounds = sought.bounds(most_reduced)
-    whole = np.maximum(rms(b, counts), 1e-300)
-    left = whole
+    whole = np.maximum(_rms(b, ~resting), 1e-300)
+    left, weights = whole, np.where(resting, 0.0, 1 / whole)
     for _ in range(ROUNDS):
-        values, free = _weighted(A / left[:, None], b / left, sought.prior, bounds)
-        before, left = left, np.maximum(rms(b - A @ values, counts), 1e-6 * whole)
+        values, free = _weighted(A * weights[..., None], b * weights, sought.prior, bounds)
+        before, left = left, np.maximum(_rms(b - A @ values, ~resting), 1e-6 * whole)
+        friction = sought.known + values[sought.of_kind("coulomb_friction")]
+        weights = 1 / np.hypot(left, np.where(resting, friction / np.sqrt(3), 0.0))
         if np.allclose(left, before, rtol=1e-3):
             break
-    return _Solution(values, whole, left, free)
+    return _Solution(values, whole, left, weights, free)
 
 
 def _weighted(
@@ -307,20 +314,19 @@ def _weighted(
     return solved.x / scale, (solved.active_mask == 0) & np.any(rows != 0, axis=0)
 
 
-def _deviation(A: FloatArray, b: FloatArray, counts: BoolArray, sought: Sought, found: _Solution) -> FloatArray:
+def _deviation(A: FloatArray, b: FloatArray, sought: Sought, found: _Solution) -> FloatArray:
     """Return the standard deviation of every number, shape (k,); infinite at a bound and where nothing is seen."""
-    errors = (b - A @ found.values) / found.left
-    covariance = _covariance(A / found.left[:, None], errors, counts, sought.prior, found.free)
+    errors = (b - A @ found.values) * found.weights
+    covariance = _covariance(A * found.weights[..., None], errors, sought.prior, found.free)
     return np.where(found.free, np.sqrt(np.maximum(np.diag(covariance), 0.0)), np.inf)
 
 
-def _covariance(A: FloatArray, errors: FloatArray, counts: BoolArray, prior: FloatArray, free: BoolArray) -> FloatArray:
+def _covariance(A: FloatArray, errors: FloatArray, prior: FloatArray, free: BoolArray) -> FloatArray:
     """Return the covariance of a solution, with errors of the colour of what is left (White 1980), shape (k, k).
 
     Args:
         A: Columns over what is left at each motor [1], shape (n, M, k).
         errors: What is left, over the same [1], shape (n, M).
-        counts: Which of it counts, shape (n, M).
         prior: Root of the information of the prior, shape (k_tolerated, k).
         free: Columns whose number is not at a bound, shape (k,); the others do not vary.
     """
@@ -330,7 +336,7 @@ def _covariance(A: FloatArray, errors: FloatArray, counts: BoolArray, prior: Flo
     for motor in range(A.shape[1]):
         J = A[:, motor]
         information += J.T @ J
-        meat += coloured(J, errors[:, [motor]], int(counts[:, motor].sum()))
+        meat += coloured(J, errors[:, [motor]], len(J))
     inverse = inverse_of(information)
     covariance: FloatArray = np.zeros((len(free), len(free)))
     covariance[np.ix_(free, free)] = inverse @ meat @ inverse

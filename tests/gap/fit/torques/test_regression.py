@@ -54,7 +54,7 @@ def test_constant_torque_of_a_motor_that_turns_in_one_direction_is_its_friction(
     assert shifted.coulomb_friction[0] == pytest.approx(COULOMB[0], rel=0.03)
 
 
-def test_rows_in_which_friction_holds_a_motor_say_nothing_of_its_torque() -> None:
+def test_where_friction_holds_a_motor_its_torque_may_be_any_within_it() -> None:
     found = regress_torque(record_of_arm(held=-0.9), RobotWithEffects(arm(), ()), tolerance_of(arm(), {}))
     assert found is not None
     np.testing.assert_allclose(found.inertia, INERTIA, rtol=0.03)
