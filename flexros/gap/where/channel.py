@@ -9,12 +9,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.fft import irfft, rfft
 
+from flexros.gap.where.bands import OctaveBands, fast_length
+
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from flexros.arrays import BoolArray, ComplexArray, FloatArray
     from flexros.gap.settings import WhereSettings
-    from flexros.gap.where.bands import OctaveBands
+    from flexros.record.record import Record
+
+SAMPLED_REGIMES = ("all", "standstill", "reversal", "high speed", "vibration", "first third", "last third")
+"""Regimes of a signal of several motors: one holds where it holds for any motor, standstill where it does for all."""
 
 
 class Channel:
@@ -134,3 +139,34 @@ class ErrorSample:
     def total(self) -> float:
         """Power of all samples over the level of the noise."""
         return float(np.cumsum(self.band_power[:, 0])[-1])
+
+
+def sampled_channel(
+    joint: str,
+    time: FloatArray,
+    values: FloatArray,
+    valid: BoolArray,
+    motors: Sequence[Channel],
+    record: Record,
+    settings: WhereSettings,
+) -> Channel:
+    """Prepare a signal with times of its own; its first values are left out for a fast Fourier transform.
+
+    Args:
+        joint: Name of the joint, or "tool".
+        time: Time of each value since the start of the log [s], shape (m,).
+        values: Prediction errors, shape (m,).
+        valid: Values that were measured, shape (m,).
+        motors: Channels of the motors whose `SAMPLED_REGIMES` it has.
+        record: The log.
+        settings: Settings of the search.
+    """
+    sample_time = float(time[-1] - time[0]) / max(len(time) - 1, 1)
+    bands = OctaveBands.of(fast_length(len(time)), sample_time, settings.lowest_hz)
+    n, kept = motors[0].bands.n_samples, slice(-bands.n_samples, None)
+    rows = np.clip(np.round(time[kept] / record.sample_time).astype(int) - (record.n_samples - n), 0, n - 1)
+    masks = {}
+    for name in SAMPLED_REGIMES:
+        of_motors = [motor.masks[motor.regimes.index(name)][rows] > 0 for motor in motors]
+        masks[name] = np.all(of_motors, axis=0) if name == "standstill" else np.any(of_motors, axis=0)
+    return Channel(joint, values[kept], bands, masks, valid[kept], np.ones(2), settings, estimate_level=True)

@@ -8,10 +8,8 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from flexros.gap.where.bands import OctaveBands, fast_length
-from flexros.gap.where.channel import Channel
+from flexros.gap.where.channel import sampled_channel
 from flexros.gap.where.views.position_bands import AbstractBands
-from flexros.gap.where.views.tool_bands import REGIMES_OF_TOOL
 from flexros.record.further_sensors import SENSOR_QUANTITIES
 
 if TYPE_CHECKING:
@@ -48,31 +46,14 @@ class SensorBands(AbstractBands):
     @classmethod
     def of_log(cls, errors: PredictionErrors) -> Sequence[Self]:
         """Prepare the view of each channel; none where there are no further sensors."""
-        record, motors = errors.record, errors.motors
         found = []
         for one in errors.sensors:
-            time = one.sensor.time
             if np.count_nonzero(one.valid) < LEAST_VALUES:
                 continue
-            sample_time = float(time[-1] - time[0]) / (len(time) - 1)
-            bands = OctaveBands.of(fast_length(len(time)), sample_time, errors.settings.lowest_hz)
-            n, kept = motors[0].bands.n_samples, slice(-bands.n_samples, None)
-            rows = np.clip(np.round(time[kept] / record.sample_time).astype(int) - (record.n_samples - n), 0, n - 1)
-            own = [channel for channel in motors if channel.joint == one.sensor.place]
+            sensor, motors = one.sensor, errors.motors
+            joint = "tool" if sensor.of_tool else sensor.place
+            own = [motor for motor in motors if motor.joint == sensor.place]
             own = own or list(motors)  # a sensor of the tool, or of a joint whose motion is prescribed
-            masks = {}
-            for name in REGIMES_OF_TOOL:
-                of_motors = [channel.masks[channel.regimes.index(name)][rows] > 0 for channel in own]
-                masks[name] = np.all(of_motors, axis=0) if name == "standstill" else np.any(of_motors, axis=0)
-            channel = Channel(
-                "tool" if one.sensor.of_tool else one.sensor.place,
-                one.errors[kept],
-                bands,
-                masks,
-                one.valid[kept],
-                np.ones(2),
-                errors.settings,
-                estimate_level=True,
-            )
-            found.append(cls(channel, one.sensor.quantity))
+            values = (sensor.time, one.errors, one.valid)
+            found.append(cls(sampled_channel(joint, *values, own, errors.record, errors.settings), sensor.quantity))
         return found

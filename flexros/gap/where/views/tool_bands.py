@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from flexros.gap.where.bands import OctaveBands, fast_length
-from flexros.gap.where.channel import Channel
+from flexros.gap.where.bands import fast_length
+from flexros.gap.where.channel import sampled_channel
 from flexros.gap.where.views.position_bands import AbstractBands
 
 if TYPE_CHECKING:
@@ -16,9 +16,6 @@ if TYPE_CHECKING:
     from typing import Self
 
     from flexros.gap.where.prediction_errors import PredictionErrors
-
-REGIMES_OF_TOOL = ("all", "standstill", "reversal", "high speed", "vibration", "first third", "last third")
-"""Regimes of the tool: a regime holds where it holds for any motor, standstill where it holds for all of them."""
 
 
 class ToolBands(AbstractBands):
@@ -31,33 +28,12 @@ class ToolBands(AbstractBands):
     @classmethod
     def of_log(cls, errors: PredictionErrors) -> Sequence[Self]:
         """Prepare the view of each component that is not zero throughout; none where no tool was measured."""
-        record, error, motors = errors.record, errors.tool_error, errors.motors
+        record, error, own = errors.record, errors.tool_error, (errors.motors, errors.record, errors.settings)
         if error is None or record.tool is None or not len(error):
             return []
-        time = record.tool.time
-        sample_time = float(time[-1] - time[0]) / max(len(time) - 1, 1)
-        bands = OctaveBands.of(fast_length(len(time)), sample_time, errors.settings.lowest_hz)
-        time, error = time[-bands.n_samples :], error[-bands.n_samples :]
-        n = motors[0].bands.n_samples
-        rows = np.clip(np.round(time / record.sample_time).astype(int) - (record.n_samples - n), 0, n - 1)
-        masks = {}
-        for name in REGIMES_OF_TOOL:
-            of_motors = [channel.masks[channel.regimes.index(name)][rows] > 0 for channel in motors]
-            masks[name] = np.all(of_motors, axis=0) if name == "standstill" else np.any(of_motors, axis=0)
-        rms = np.sqrt((error**2).mean(axis=0))
-        valid = np.ones(len(time), dtype=bool)
+        time, valid = record.tool.time, np.ones(len(error), dtype=bool)
+        rms = np.sqrt((error[-fast_length(len(time)) :] ** 2).mean(axis=0))
         return [
-            cls(
-                Channel(
-                    "tool",
-                    error[:, axis] / rms[axis],
-                    bands,
-                    masks,
-                    valid,
-                    np.ones(2),
-                    errors.settings,
-                    estimate_level=True,
-                )
-            )
+            cls(sampled_channel("tool", time, error[:, axis] / rms[axis], valid, *own))
             for axis in np.flatnonzero(rms > 0)
         ]
