@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from flexros.record.further_sensors import SensorRecord
 
 
-def fast_length(length: int) -> int:
+def fast_length_covering(length: int) -> int:
     """Return the least length, at least the given one, whose Fourier transform is fast."""
     return int(next_fast_len(length, real=True))
 
@@ -79,7 +79,7 @@ class SensorChannel:
         return result
 
     def _whitened(self, error: FloatArray) -> FloatArray:
-        length = fast_length(len(error))
+        length = fast_length_covering(len(error))
         spectrum = rfft(np.where(self.used[:, None], error, 0.0), length, axis=0)
         white = irfft(spectrum * self.whitening[:, None], length, axis=0)[: len(error)]
         return np.asarray(np.where(self.used[:, None], white, 0.0))

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.residuals.sensor_channel import SensorChannel, fast_length
+from flexros.gap.residuals.sensor_channel import SensorChannel, fast_length_covering
 from flexros.gap.residuals.sensor_doubts import doubt_of
 from flexros.gap.residuals.sensor_noise import error_spectrum, variance_error, white_noise
 from flexros.record.further_sensors import FEWEST
@@ -211,7 +211,7 @@ def _weighed(
     signal = channel.measured if channel.sensor.motor is None else channel.sensor.values - channel.sensor.motor
     deviation = float(np.hypot(noise, tolerance * np.std(signal)))
     step = float(np.median(np.diff(channel.sensor.time))) / record.sample_time
-    length = fast_length(len(predicted))
+    length = fast_length_covering(len(predicted))
     turns = np.arange(length // 2 + 1) / length
     spectrum = error_spectrum(gain, readout, deviation, max(round(step), 1), turns)
     weighed = replace(channel, noise=deviation, readout=readout, whitening=1.0 / np.sqrt(spectrum))

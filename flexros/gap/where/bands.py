@@ -43,7 +43,7 @@ class OctaveBands:
         edges = [last]
         least = max(LEAST_LINES, lowest * n_samples * sample_time)
         while edges[-1] / 2 >= least:
-            edges.append(edges[-1] - fast_length(edges[-1] - edges[-1] // 2))
+            edges.append(edges[-1] - fast_length_within(edges[-1] - edges[-1] // 2))
         return cls(n_samples, sample_time, np.array([0, *edges[::-1]]))
 
     @property
@@ -111,7 +111,7 @@ class OctaveBands:
         return float(np.median(power[-1]) / (2 * np.log(2) * shape[-1]))
 
 
-def fast_length(length: int) -> int:
+def fast_length_within(length: int) -> int:
     """Return the largest length, at most the given one, whose Fourier transform is fast."""
     while next_fast_len(length, real=True) != length:
         length -= 1

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.fft import irfft, rfft
 
-from flexros.gap.where.bands import OctaveBands, fast_length
+from flexros.gap.where.bands import OctaveBands, fast_length_within
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -162,7 +162,7 @@ def sampled_channel(
         settings: Settings of the search.
     """
     sample_time = float(time[-1] - time[0]) / max(len(time) - 1, 1)
-    bands = OctaveBands.of(fast_length(len(time)), sample_time, settings.lowest_hz)
+    bands = OctaveBands.of(fast_length_within(len(time)), sample_time, settings.lowest_hz)
     n, kept = motors[0].bands.n_samples, slice(-bands.n_samples, None)
     rows = np.clip(np.round(time[kept] / record.sample_time).astype(int) - (record.n_samples - n), 0, n - 1)
     masks = {}

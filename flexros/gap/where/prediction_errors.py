@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.where.bands import OctaveBands, fast_length
+from flexros.gap.where.bands import OctaveBands, fast_length_within
 from flexros.gap.where.channel import Channel
 from flexros.gap.where.motion import motion_of
 from flexros.gap.where.regimes import regimes
@@ -65,7 +65,7 @@ class PredictionErrors:
         record, settings = self.record, self.settings
         scaled = self.prediction.innovations / np.maximum(self.prediction.sd, 1e-300)
         motion = motion_of(record, self.robot, self.prediction.states)
-        n = fast_length(record.n_samples)
+        n = fast_length_within(record.n_samples)
         bands = OctaveBands.of(n, record.sample_time, settings.lowest_hz)
         valid = (record.valid & (np.arange(record.n_samples) >= self.prediction.first))[-n:]
         return tuple(

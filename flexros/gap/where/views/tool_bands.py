@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from flexros.gap.where.bands import fast_length
+from flexros.gap.where.bands import fast_length_within
 from flexros.gap.where.channel import sampled_channel
 from flexros.gap.where.views.position_bands import AbstractBands
 
@@ -32,7 +32,7 @@ class ToolBands(AbstractBands):
         if error is None or record.tool is None or not len(error):
             return []
         time, valid = record.tool.time, np.ones(len(error), dtype=bool)
-        rms = np.sqrt((error[-fast_length(len(time)) :] ** 2).mean(axis=0))
+        rms = np.sqrt((error[-fast_length_within(len(time)) :] ** 2).mean(axis=0))
         return [
             cls(sampled_channel("tool", time, error[:, axis] / rms[axis], valid, *own))
             for axis in np.flatnonzero(rms > 0)
