@@ -58,13 +58,14 @@ class Demand:
     passed: bool
     where: str = ""
 
+    @classmethod
+    def below(cls, name: str, value: float, limit: float, unit: str, where: str = "") -> Demand:
+        """Return a demand that is met by a finite value below the limit."""
+        return cls(name, value, limit, unit, bool(np.isfinite(value) and value < limit), where)
+
     def as_dict(self) -> dict[str, Any]:
         """Return the demand for JSON."""
         return asdict(self)
-
-
-def _demand(name: str, value: float, limit: float, unit: str, where: str = "") -> Demand:
-    return Demand(name, value, limit, unit, bool(np.isfinite(value) and value < limit), where)
 
 
 class StabilityDemands:
@@ -138,7 +139,7 @@ class LimitCycles:
         for name in RULES:
             law = controller.nominal if name == NOMINAL else controller.perturbed
             value, model = self._largest(self._plain, law, set_values(self._robot, name), threads)
-            yield _demand(f"limit cycle, {name}", value, LIMIT_CYCLE, "mm", model_names(name)[model])
+            yield Demand.below(f"limit cycle, {name}", value, LIMIT_CYCLE, "mm", model_names(name)[model])
         nominal = set_values(self._robot, NOMINAL)
         for which, law in _both(controller).items():
             for text, simulation in (
@@ -146,7 +147,7 @@ class LimitCycles:
                 (f"delay {1e3 * LONG_DELAY:g} ms", self._late),
             ):
                 value, _ = self._largest(simulation, law, nominal, threads)
-                yield _demand(f"limit cycle, {text}, {which}", value, LIMIT_CYCLE, "mm", NOMINAL)
+                yield Demand.below(f"limit cycle, {text}, {which}", value, LIMIT_CYCLE, "mm", NOMINAL)
 
     def _largest(
         self, simulation: RegulatorSimulation, law: AbstractControlLaw, values: FloatArray, threads: int | None
@@ -176,12 +177,12 @@ def demands(
     """
     found = []
     for name, rules in RULES.items():
-        found.append(_demand(f"settling, {name}", float(np.max(measures[name].settling)), rules.deadline, "s"))
+        found.append(Demand.below(f"settling, {name}", float(np.max(measures[name].settling)), rules.deadline, "s"))
     for name in RULES:
-        found.append(_demand(f"noise torque, {name}", measures[name].noise_torque, NOISE_TORQUE, "Nm"))
+        found.append(Demand.below(f"noise torque, {name}", measures[name].noise_torque, NOISE_TORQUE, "Nm"))
     for which, law in _both(controller).items():
         for name, (value, where) in stability.eigenvalues(law, nominal_only=which == "C1").items():
-            found.append(_demand(f"{name}, {which}", value, 1.0, "1", where))
+            found.append(Demand.below(f"{name}, {which}", value, 1.0, "1", where))
     return (*found, *cycles.of(controller, threads))
 
 

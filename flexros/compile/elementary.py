@@ -58,19 +58,12 @@ def routine_text(routine: str, lanes: int) -> str:
     return {SINCOS: _sincos, EXPONENTIAL: _exponential, LOGARITHM: _logarithm, TANH: _tanh}[routine](lanes)
 
 
-def _horner(block: IrBlock, z: str, coefficients: tuple[float, ...]) -> str:
-    total = block.number(coefficients[-1])
-    for c in reversed(coefficients[:-1]):
-        total = block.fma(z, total, block.number(c))
-    return total
-
-
 def _negative(block: IrBlock, x: str) -> str:
     return block.value(f"fneg {block.type} {x}")
 
 
 def _sine_kernel(block: IrBlock, x: str, tail: str, z: str, w: str) -> str:
-    r = block.fma(block.mul(z, w), _horner(block, z, _SIN[4:]), _horner(block, z, _SIN[1:4]))
+    r = block.fma(block.mul(z, w), block.polynomial(z, _SIN[4:]), block.polynomial(z, _SIN[1:4]))
     minus_v = _negative(block, block.mul(z, x))
     inner = block.fma(minus_v, r, block.mul(block.number(0.5), tail))
     correction = block.fma(minus_v, block.number(_SIN[0]), block.fma(z, inner, _negative(block, tail)))
@@ -78,8 +71,8 @@ def _sine_kernel(block: IrBlock, x: str, tail: str, z: str, w: str) -> str:
 
 
 def _cosine_kernel(block: IrBlock, x: str, tail: str, z: str, w: str) -> str:
-    lower = block.mul(z, _horner(block, z, _COS[:3]))
-    r = block.fma(block.mul(w, w), _horner(block, z, _COS[3:]), lower)
+    lower = block.mul(z, block.polynomial(z, _COS[:3]))
+    r = block.fma(block.mul(w, w), block.polynomial(z, _COS[3:]), lower)
     head = block.fma(block.number(-0.5), z, block.number(1.0))
     rest = block.fma(block.number(-0.5), z, block.sub(block.number(1.0), head))
     small = block.fma(z, r, _negative(block, block.mul(x, tail)))
@@ -151,8 +144,8 @@ def _expm1_kernel(block: IrBlock, x: str) -> tuple[str, str]:
     r = block.fma(minus_n, block.number(_LN2[1]), high)
     tail = block.fma(minus_n, block.number(_LN2[1]), block.sub(high, r))
     z = block.mul(r, r)
-    even = _horner(block, z, tuple(1.0 / factorial(k) for k in (2, 4, 6, 8, 10, 12)))
-    odd = _horner(block, z, tuple(1.0 / factorial(k) for k in (3, 5, 7, 9, 11, 13)))
+    even = block.polynomial(z, tuple(1.0 / factorial(k) for k in (2, 4, 6, 8, 10, 12)))
+    odd = block.polynomial(z, tuple(1.0 / factorial(k) for k in (3, 5, 7, 9, 11, 13)))
     series = block.mul(z, block.fma(r, odd, even))
     exponent = block.value(f"sub {block.integer} {block.bits(rounded)}, {integer_literal(_ROUND_BITS, block.lanes)}")
     return block.add(r, block.add(tail, series)), exponent
@@ -190,7 +183,7 @@ def _logarithm(lanes: int) -> str:
     s = block.div(f, block.add(f, block.number(2.0)))
     z = block.mul(s, s)
     w = block.mul(z, z)
-    odd, even = _horner(block, w, _LOG[::2]), _horner(block, w, _LOG[1::2])
+    odd, even = block.polynomial(w, _LOG[::2]), block.polynomial(w, _LOG[1::2])
     R = block.fma(w, even, block.mul(z, odd))
     half_square = block.mul(block.mul(f, f), block.number(0.5))
     tail = block.fma(s, block.add(half_square, R), block.mul(k, block.number(_LN2[1])))

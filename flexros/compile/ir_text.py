@@ -138,6 +138,13 @@ class IrBlock:
         """Write a * b + c, rounded once."""
         return self.intrinsic("fma", a, b, c)
 
+    def polynomial(self, z: str, coefficients: Sequence[float]) -> str:
+        """Write a polynomial of z by Horner's rule, the constant coefficient first."""
+        total = self.number(coefficients[-1])
+        for c in reversed(coefficients[:-1]):
+            total = self.fma(z, total, self.number(c))
+        return total
+
     def compare(self, condition: str, a: str, b: str) -> str:
         """Write a comparison of numbers, e.g. condition "olt"; the value is one bit per lane."""
         return self.value(f"fcmp {condition} {self.type} {a}, {b}")

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any, ClassVar, Literal
 
-from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
+from pydantic import Field, model_validator
 
 from flexros.config.settings import Settings
 from flexros.robot.quantity import (
@@ -23,6 +25,7 @@ from flexros.robot.quantity import (
     check_unit,
     unit_of,
 )
+from flexros.robot.sparse_settings import SparseSettings
 
 SensorAxis = Literal["x", "y", "z"]
 AXES: tuple[SensorAxis, ...] = ("x", "y", "z")
@@ -139,8 +142,10 @@ class ToolImu(Settings):
         return self
 
 
-class Sensors(Settings):
+class Sensors(SparseSettings):
     """Sensors of the robot."""
+
+    absent: ClassVar[Mapping[str, Any]] = MappingProxyType({"link": None, "tool_imu": None})
 
     encoder_noise: NotNegative = Field(
         default_factory=lambda: _nothing(""), description="white, rms [rad, or m] in the coordinate"
@@ -162,12 +167,3 @@ class Sensors(Settings):
     gyroscope_noise: Positive | None = Field(
         None, description="of a recorded gyroscope of the tool, rms [rad/s]; default: as the log shows"
     )
-
-    @model_serializer(mode="wrap")
-    def _without_absent_sensors(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Leave out sensors that are not there, so that the fingerprints of robots without them remain."""
-        data: dict[str, Any] = handler(self)
-        for key in ("link", "tool_imu"):
-            if getattr(self, key) is None:
-                data.pop(key, None)
-        return data

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import AfterValidator, Field, SerializerFunctionWrapHandler, model_serializer, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from flexros.config.settings import Settings
 from flexros.robot.bending import Bending, checked_bending
+from flexros.robot.point_inertia import point_inertia
 from flexros.robot.quantity import (
     Acceleration,
     AnyUnit,
@@ -29,6 +32,7 @@ from flexros.robot.quantity import (
     unit_of,
 )
 from flexros.robot.sensor_settings import Sensors
+from flexros.robot.sparse_settings import SparseSettings
 from flexros.robot.spring import Spring
 
 Axis = Literal["rx", "ry", "rz", "tx", "ty", "tz"]
@@ -47,12 +51,14 @@ PositiveRatio = Annotated[Ratio, AfterValidator(positive)]
 NotNegativeRatio = Annotated[Ratio, AfterValidator(at_least_zero)]
 
 
-class Servo(Settings):
+class Servo(SparseSettings):
     """Position loop of a drive: torque = stiffness e + damping (feedforward command' - q') + integral times that of e.
 
     The error e is the command less the position q. The torque is limited at the `torque_limit` of the motor. Gains have
     the unit of the torque on the side of the gear that the file uses, so a torque constant is part of them.
     """
+
+    absent: ClassVar[Mapping[str, Any]] = MappingProxyType({"integral": 0.0, "known": False})
 
     stiffness: Positive = Field(description="torque per position error [Nm/rad, or N/m]")
     damping: NotNegative = Field(default_factory=lambda: _zero(""), description="torque per speed [Nm s/rad, or N s/m]")
@@ -69,24 +75,16 @@ class Servo(Settings):
         description="whether the drive computes its torque by these gains, so that no errors of them are sought",
     )
 
-    @model_serializer(mode="wrap")
-    def _without_absent_keys(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Leave out an integral of zero and gains that are not known, so that fingerprints of robots remain."""
-        data: dict[str, Any] = handler(self)
-        if self.integral.value == 0:
-            data.pop("integral", None)
-        if not self.known:
-            data.pop("known", None)
-        return data
-
     def check_units(self, rotary: bool, key: str) -> None:
         """Refuse units that do not fit a rotary or prismatic motor; see `check_unit`."""
         for field in ("stiffness", "damping", "integral"):
             check_unit(getattr(self, field), unit_of(field, rotary), f"{key}.{field}")
 
 
-class Motor(Settings):
+class Motor(SparseSettings):
     """Motor behind the gear of one direction, placed on the preceding body."""
+
+    absent: ClassVar[Mapping[str, Any]] = MappingProxyType({"servo": None, "speed_limit": None})
 
     inertia: NotNegative = Field(default_factory=lambda: _zero(""), description="rotor inertia [kg m2, or kg]")
     gear_ratio: PositiveRatio = Field(
@@ -99,15 +97,6 @@ class Motor(Settings):
     )
     encoder_noise: NotNegative | None = Field(None, description="rms [rad, or m]; default: sensors.encoder_noise")
     servo: Servo | None = Field(None, description="position loop of the drive, for logs with position commands only")
-
-    @model_serializer(mode="wrap")
-    def _without_absent_keys(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Leave out servo and speed limit that are not there, so that fingerprints of robots without them remain."""
-        data: dict[str, Any] = handler(self)
-        for key in ("servo", "speed_limit"):
-            if getattr(self, key) is None:
-                data.pop(key, None)
-        return data
 
     def check_units(self, rotary: bool, key: str) -> None:
         """Refuse units that do not fit a rotary or prismatic motor; see `check_unit`."""
@@ -126,8 +115,10 @@ class Motor(Settings):
             self.servo.check_units(rotary, f"{key}.servo")
 
 
-class Direction(Settings):
+class Direction(SparseSettings):
     """One direction of motion of a body relative to the body before it."""
+
+    absent: ClassVar[Mapping[str, Any]] = MappingProxyType({"zero": None})
 
     spring: Spring | Literal["rigid"] = Field(
         description="spring; 'rigid': a direction without motor is removed, a gear with motor is stiff"
@@ -138,14 +129,6 @@ class Direction(Settings):
         None,
         description="added to the coordinate in the geometry: error of an encoder zero, or of the mounting [rad, or m]",
     )
-
-    @model_serializer(mode="wrap")
-    def _without_absent_zero(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Leave out a zero that is not there, so that the fingerprints of robots without one remain."""
-        data: dict[str, Any] = handler(self)
-        if self.zero is None:
-            data.pop("zero", None)
-        return data
 
     @model_validator(mode="before")
     @classmethod
@@ -181,8 +164,10 @@ class InertiaTensor(Settings):
         return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
-class Body(Settings):
+class Body(SparseSettings):
     """Rigid body, described in its own frame, at zero coordinates parallel to that before it, or turned from it."""
+
+    absent: ClassVar[Mapping[str, Any]] = MappingProxyType({"bending": {}, "orientation": (0.0, 0.0, 0.0)})
 
     label: str = ""
     parent: str = Field("", description="the body before; optional, since the bodies are in the order of the chain")
@@ -202,16 +187,6 @@ class Body(Settings):
     bending: dict[BendingAxis, Bending] = Field(
         default_factory=dict, description="bending of the link about an axis across its length, as assumed modes"
     )
-
-    @model_serializer(mode="wrap")
-    def _without_absent_bending(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Leave out bending and turns that are not there, so that the fingerprints of robots without them remain."""
-        data: dict[str, Any] = handler(self)
-        if not self.bending:
-            data.pop("bending", None)
-        if not any(self.orientation):
-            data.pop("orientation", None)
-        return data
 
     @model_validator(mode="after")
     def _one_motor_and_units(self) -> Body:
@@ -246,8 +221,7 @@ class Body(Settings):
         """Return the inertia tensor about the centre of mass [kg m2], shape (3, 3), with that of a straight beam."""
         tensor = self.inertia.matrix()
         if self.bending:
-            length = np.array(self.length.value)
-            tensor += self.mass.value / 12.0 * (length @ length * np.eye(3) - np.outer(length, length))
+            tensor += point_inertia(self.mass.value / 12.0, np.array(self.length.value))
         return tensor
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.held_out.errors_ahead import HORIZON
+from flexros.gap.held_out.errors_ahead import samples_ahead
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.settings import DiagnosisSettings
 from flexros.prediction.observer import observer_gain
@@ -141,7 +141,7 @@ def predicted_motion(
     model, robot = model.commanded_by(record.commands), model.robot
     states = _filtered(record, model)
     wanted = np.round((motion.time - record.begin) / record.sample_time).astype(np.int64)
-    horizon = max(1, round(HORIZON / record.sample_time))
+    horizon = samples_ahead(record.sample_time)
     predictor = _predictor(model, record)
     there = (wanted - horizon > predictor.loop.line_length) & (wanted < record.n_samples - 1)
     arm = np.full((len(wanted), robot.n_arm), np.nan)

@@ -229,9 +229,9 @@ class MotionBenchmark:
     def _demands(self, controller: BenchmarkController, measures: dict[str, MotionMeasures]) -> tuple[Demand, ...]:
         found: list[Demand] = []
         for name, one in measures.items():
-            found.append(_demand(f"settling, {name}", float(np.max(one.settling)), SETTLED, "s"))
-            found.append(_demand(f"noise torque, {name}", one.noise_torque, NOISE_SHARE, "%"))
-            found.append(_demand(f"largest torque, {name}", one.largest_torque, TORQUE_SHARE, "%"))
+            found.append(Demand.below(f"settling, {name}", float(np.max(one.settling)), SETTLED, "s"))
+            found.append(Demand.below(f"noise torque, {name}", one.noise_torque, NOISE_SHARE, "%"))
+            found.append(Demand.below(f"largest torque, {name}", one.largest_torque, TORQUE_SHARE, "%"))
         for which, law in (("C1", controller.nominal), ("C2", controller.perturbed)):
             found += self.stability(law, which, (NOMINAL,) if which == "C1" else tuple(RULES))
         return tuple(found)
@@ -291,8 +291,4 @@ def _stable(name: str, plants: list[SampledPlants], linear: Any, gain: float = 1
     pose = int(np.argmax([np.max(each) for each in radii]))
     worst = int(np.argmax(radii[pose]))
     where = f"{plants[pose].labels[worst]}, pose {pose + 1}"
-    return _demand(name, float(radii[pose][worst]), 1.0, "1", where)
-
-
-def _demand(name: str, value: float, limit: float, unit: str, where: str = "") -> Demand:
-    return Demand(name, value, limit, unit, bool(np.isfinite(value) and value < limit), where)
+    return Demand.below(name, float(radii[pose][worst]), 1.0, "1", where)

@@ -10,11 +10,11 @@ from flexros.analysis.control_loops import control_loops
 from flexros.analysis.report.loop import loop_table
 from flexros.atomic_file import write_result
 from flexros.benchmark.multivariable.tables import motion_demand_rows, motion_rows
+from flexros.benchmark.report.run_picture import NominalRun, ShownSignal, run_picture
 from flexros.control.design.methods.base import DesignProblem
 from flexros.report.base import Folded, Paragraph, Picture, TextTable, Tiles
 from flexros.report.number_text import number
 from flexros.report.page import Chapter, page_html
-from flexros.report.theme import curve, run_colour, stacked
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -87,24 +87,19 @@ def _table(rows: Sequence[Row], names: tuple[str, ...], caption: str) -> TextTab
 
 
 def _run_picture(benchmark: MotionBenchmark, controllers: Sequence[BenchmarkController]) -> Picture:
-    figure = stacked(("Distance of the tool from its undisturbed path", "Largest torque of a motor"), height=260)
-    for index, controller in enumerate(controllers):
-        run = benchmark.nominal_run(controller)
-        every = max(1, len(run.time) // _MOST_POINTS)
-        for row, (values, unit) in enumerate(((run.distance, "mm"), (run.torque, "%")), start=1):
-            line = curve(
-                run.time[::every],
-                np.asarray(values[::every]),
-                controller.name,
-                run_colour(index),
-                hover=f"%{{x:.3f}} s: %{{y:.4g}} {unit}",
-                legend=row == 1,
-            )
-            figure.add_trace(line, row=row, col=1)
-    figure.update_yaxes(title_text="distance [mm]", row=1, col=1)
-    figure.update_yaxes(title_text="torque [% of the motor's]", row=2, col=1)
-    figure.update_xaxes(title_text="time [s]", row=2, col=1)
-    return Picture(figure, "The nominal model under all disturbances, with noise; compare Figures 9 and 10 of Paper C.")
+    return run_picture(
+        [_shown_run(benchmark, controller) for controller in controllers],
+        ShownSignal("Distance of the tool from its undisturbed path", "distance [mm]", "mm"),
+        ShownSignal("Largest torque of a motor", "torque [% of the motor's]", "%"),
+        "The nominal model under all disturbances, with noise; compare Figures 9 and 10 of Paper C.",
+    )
+
+
+def _shown_run(benchmark: MotionBenchmark, controller: BenchmarkController) -> NominalRun:
+    run = benchmark.nominal_run(controller)
+    every = max(1, len(run.time) // _MOST_POINTS)
+    distance, torque = np.asarray(run.distance[::every]), np.asarray(run.torque[::every])
+    return NominalRun(controller.name, run.time[::every], distance, torque)
 
 
 def _loops(benchmark: MotionBenchmark, controller: BenchmarkController) -> tuple[Block, ...]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from flexros.atomic_file import write_result
 from flexros.benchmark.models import NOMINAL, RULES, set_values
 from flexros.benchmark.published import PUBLISHED, PUBLISHED_V1, SOLUTIONS
+from flexros.benchmark.report.run_picture import NominalRun, ShownSignal, run_picture
 from flexros.benchmark.tables import MEASURE_NAMES, Row, cost_rows, demand_rows, measure_rows, measure_values
 from flexros.control.linear_controller import linear_controller
 from flexros.report.base import Folded, Paragraph, Picture, TextTable, Tiles
@@ -33,21 +33,6 @@ SCALE = (
     "and times and sizes of the disturbances are not public: those here were chosen, and the weights inferred from its "
     "tables. The published figures are on the same scale and are not reproduced here."
 )
-
-
-@dataclass(frozen=True, eq=False)
-class NominalRun:
-    """Signals of the nominal model with a controller.
-
-    Attributes:
-        name: Name of the controller.
-        deflection: Tool deflection [mm], shape (n,).
-        command: Torque command [Nm], shape (n,).
-    """
-
-    name: str
-    deflection: FloatArray
-    command: FloatArray
 
 
 def write_report(
@@ -74,7 +59,7 @@ def write_report(
         Chapter("", _summary(results)),
         Chapter("Cost", (Paragraph(SCALE), _table(cost_rows(results), names, "Cost V and its parts."), _published())),
         Chapter("Demands", (_table(demand_rows(results), names, "Demands; eigenvalues are those of the worst loop."),)),
-        Chapter("Nominal model in time", (_run_picture(runs, contexts[0].sample_time),)),
+        Chapter("Nominal model in time", (_run_picture(runs),)),
         Chapter("Frequency responses", (_response_picture(controllers, contexts),)),
         Chapter("Measures", (_measures(results, names),)),
     ]
@@ -98,10 +83,10 @@ def write_log_report(run: RecordedRun, file: Path) -> None:
     )
     cost = f"{run.name}: V of the nominal model = {number(run.measures.cost, 5)}."
     lead = Paragraph(f"{cost} The demands and the other models need the controller itself, as a file.", "lead")
-    recorded = NominalRun(run.name, run.deflection, run.command)
+    recorded = _run(run.name, run.sample_time, run.deflection, run.command)
     chapters = [
         Chapter("", (lead,)),
-        Chapter("Nominal model in time", (_run_picture([recorded], run.sample_time),)),
+        Chapter("Nominal model in time", (_run_picture([recorded]),)),
         Chapter("Measures", (Paragraph(SCALE), _table(rows, (run.name,), "Measures of the nominal model."))),
     ]
     write_result(file, page_html("Feedback benchmark", f"recorded run {run.name}", chapters), "report")
@@ -139,7 +124,7 @@ def _nominal_run(benchmark: FeedbackBenchmark, controller: BenchmarkController, 
         noise=result.noise,
         seeds=result.seeds[:1],
     )[0][0]
-    return NominalRun(controller.name, deflection, command)
+    return _run(controller.name, benchmark.context.sample_time, deflection, command)
 
 
 def _table(rows: Sequence[Row], names: tuple[str, ...], caption: str) -> TextTable:
@@ -170,19 +155,18 @@ def _published_measures() -> TextTable:
     )
 
 
-def _run_picture(runs: Sequence[NominalRun], sample_time: float) -> Picture:
-    figure = stacked(("Tool deflection", "Motor torque"), height=260)
-    for index, run in enumerate(runs):
-        time = np.asarray(np.arange(len(run.deflection)) * sample_time, dtype=float)
-        for row, (values, unit) in enumerate(((run.deflection, "mm"), (run.command, "Nm")), start=1):
-            line = curve(
-                time, values, run.name, run_colour(index), hover=f"%{{x:.3f}} s: %{{y:.4g}} {unit}", legend=row == 1
-            )
-            figure.add_trace(line, row=row, col=1)
-    figure.update_yaxes(title_text="deflection [mm]", row=1, col=1)
-    figure.update_yaxes(title_text="torque [Nm]", row=2, col=1)
-    figure.update_xaxes(title_text="time [s]", row=2, col=1)
-    return Picture(figure, "The nominal model under all disturbances; compare Figures 9 and 10 of Paper C.")
+def _run_picture(runs: Sequence[NominalRun]) -> Picture:
+    return run_picture(
+        runs,
+        ShownSignal("Tool deflection", "deflection [mm]", "mm"),
+        ShownSignal("Motor torque", "torque [Nm]", "Nm"),
+        "The nominal model under all disturbances; compare Figures 9 and 10 of Paper C.",
+    )
+
+
+def _run(name: str, sample_time: float, deflection: FloatArray, command: FloatArray) -> NominalRun:
+    time = np.asarray(np.arange(len(deflection)) * sample_time, dtype=float)
+    return NominalRun(name, time, deflection, command)
 
 
 def _response_picture(controllers: Sequence[BenchmarkController], contexts: Sequence[LoopContext]) -> Picture:

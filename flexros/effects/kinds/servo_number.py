@@ -22,6 +22,16 @@ def gains_are_known(robot: Robot, motor: str) -> bool:
     return servo is not None and servo.known
 
 
+def servo_motors(robot: Robot) -> tuple[str, ...]:
+    """Return the motors with a servo."""
+    return tuple(name for name in robot.joint_names if f"{name}.{SERVO}stiffness" in robot.parameters)
+
+
+def gains_are_sought(robot: Robot, motor: str) -> bool:
+    """Return whether the robot is commanded by positions and the gains of a motor's servo are not known."""
+    return robot.commands == "position" and not gains_are_known(robot, motor)
+
+
 class AbstractServoNumber(AbstractChangedValues):
     """A number of a servo beyond that of the robot file, from which it takes away at most what is there.
 
@@ -41,11 +51,11 @@ class AbstractServoNumber(AbstractChangedValues):
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """Return the motors with a servo."""
-        return tuple(name for name in robot.joint_names if f"{name}.{SERVO}stiffness" in robot.parameters)
+        return servo_motors(robot)
 
     def sought(self, robot: Robot, location: str) -> bool:
         """Return whether the robot is commanded by positions and the gains are not known."""
-        return robot.commands == "position" and not gains_are_known(robot, location)
+        return gains_are_sought(robot, location)
 
     def reductions(self, robot: Robot, location: str, known: Sequence[AbstractEffect] = ()) -> Mapping[str, float]:
         """Return the number in the robot file, which is all that can be taken away."""

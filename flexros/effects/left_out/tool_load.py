@@ -11,6 +11,7 @@ from pydantic import Field
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.effects.kinds.ranges import Range
 from flexros.robot.parameters import INERTIA_COMPONENTS
+from flexros.robot.point_inertia import point_inertia
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -87,7 +88,7 @@ class ToolLoad(AbstractChangedValues):
         place = np.array([self.x, self.y, self.z])
         mass = own + self.mass
         common = (own * center + self.mass * place) / mass
-        inertia = inertia + _about(own, center - common) + _about(self.mass, place - common)
+        inertia = inertia + point_inertia(own, center - common) + point_inertia(self.mass, place - common)
         found = {f"{body}.mass": mass}
         found |= {f"{body}.center_of_mass.{axis}": float(value) for axis, value in zip("xyz", common, strict=True)}
         return found | {f"{body}.inertia.{entry}": float(inertia[ENTRIES[entry]]) for entry in INERTIA_COMPONENTS}
@@ -129,8 +130,3 @@ def body_numbers(robot: Robot, body: str) -> tuple[float, FloatArray, FloatArray
     for entry, (row, column) in ENTRIES.items():
         inertia[row, column] = inertia[column, row] = values[f"{body}.inertia.{entry}"]
     return values[f"{body}.mass"], center, inertia
-
-
-def _about(mass: float, offset: FloatArray) -> FloatArray:
-    """Return the inertia of a point mass at an offset [kg m2], shape (3, 3)."""
-    return np.asarray(mass * (offset @ offset * np.eye(3) - np.outer(offset, offset)))

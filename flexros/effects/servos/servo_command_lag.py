@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from flexros.effects.kinds.first_order_lag import AbstractFirstOrderLag
 from flexros.effects.kinds.ranges import Range
-from flexros.robot.parameters import SERVO
+from flexros.effects.kinds.servo_number import servo_motors
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -39,7 +39,7 @@ class ServoCommandLag(AbstractFirstOrderLag):
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """Return the motors with a servo."""
-        return tuple(name for name in robot.joint_names if f"{name}.{SERVO}stiffness" in robot.parameters)
+        return servo_motors(robot)
 
     def sought(self, robot: Robot, location: str) -> bool:
         """Return whether the robot is commanded by positions."""

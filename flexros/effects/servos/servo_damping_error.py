@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from flexros.effects.kinds.ranges import Range
 from flexros.effects.kinds.relative_error import AbstractRelativeError
-from flexros.effects.kinds.servo_number import gains_are_known
+from flexros.effects.kinds.servo_number import gains_are_sought
 from flexros.robot.parameters import SERVO
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ class ServoDampingError(AbstractRelativeError):
 
     def sought(self, robot: Robot, location: str) -> bool:
         """Return whether the robot is commanded by positions and the gains are not known."""
-        return robot.commands == "position" and not gains_are_known(robot, location)
+        return gains_are_sought(robot, location)
 
     def fitted(self, robot: Robot, location: str) -> Mapping[str, Range]:
         """Return the range of its size, of both signs where the damping follows the rate of the command."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from flexros.effects.kinds.relative_error import AbstractRelativeError
-from flexros.effects.kinds.servo_number import gains_are_known
+from flexros.effects.kinds.servo_number import gains_are_sought, servo_motors
 from flexros.robot.parameters import SERVO
 
 if TYPE_CHECKING:
@@ -32,11 +32,11 @@ class ServoStiffnessError(AbstractRelativeError):
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """Return the motors with a servo."""
-        return tuple(name for name in robot.joint_names if f"{name}.{SERVO}stiffness" in robot.parameters)
+        return servo_motors(robot)
 
     def sought(self, robot: Robot, location: str) -> bool:
         """Return whether the robot is commanded by positions and the gains are not known."""
-        return robot.commands == "position" and not gains_are_known(robot, location)
+        return gains_are_sought(robot, location)
 
     def numbers(self, robot: Robot, location: str) -> tuple[str, ...]:
         """Return the stiffness of the servo."""

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 
+from flexros.feedforward.time_stepping.dense_function import dense_function
+
 if TYPE_CHECKING:
     from flexros.feedforward.compensation.arm_forces import ArmForces
     from flexros.feedforward.tool_geometry import ToolGeometry
@@ -145,9 +147,9 @@ def build_equations(
         n_unknowns=z.shape[0],
         n_motors=model.n_motors,
         exact=exact,
-        residual=_function("residual", [x, z_0, v_0, a_0, gamma, weight, Z], [residual]),
-        newton_matrix=_function("newton_matrix", [x, z_0, v_0, a_0, gamma, weight], [matrix]),
-        motion=_function("motion", [x, z_0, v_0, a_0, gamma], [v, *motor_motion(model, q, v, a, u)]),
+        residual=dense_function("residual", [x, z_0, v_0, a_0, gamma, weight, Z], [residual]),
+        newton_matrix=dense_function("newton_matrix", [x, z_0, v_0, a_0, gamma, weight], [matrix]),
+        motion=dense_function("motion", [x, z_0, v_0, a_0, gamma], [v, *motor_motion(model, q, v, a, u)]),
     )
 
 
@@ -179,8 +181,3 @@ def _mass_based_matrix(model: SymbolicModel, x: ca.SX, q: ca.SX, gamma: ca.SX, w
     for column, motor in enumerate(model.chain.stiff_motors):
         rows[model.chain.gear_rows[motor], nq + column] = -1
     return ca.vertcat(weight * rows, ca.jacobian(output, x))
-
-
-def _function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
-    """Return a dense function with common subexpressions eliminated."""
-    return ca.Function(name, inputs, [ca.densify(ca.SX(value)) for value in outputs], {"cse": True})

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 
+from flexros.feedforward.time_stepping.dense_function import dense_function
+
 if TYPE_CHECKING:
     from flexros.feedforward.time_stepping.dae_equations import DaeEquations
 
@@ -96,19 +98,18 @@ class StepFunctions:
         correction, scale = ca.SX.sym("correction", nz), ca.SX.sym("scale", nz)
         weight = 1.0 / gamma**2
         return cls(
-            predict=_function("predict", [differences, rates], [guess, ca.SX.zeros(nz)]),
-            residual=_function("residual", [x, prediction, Z], [equations.residual(x, *split, gamma, weight, Z)]),
-            newton_matrix=_function("matrix", [x, prediction], [equations.newton_matrix(x, *split, gamma, weight)]),
-            correct=_function("correct", [x, correction, scale], [x - correction, ca.dot(ca.fabs(correction), scale)]),
-            finish=_function(
+            predict=dense_function("predict", [differences, rates], [guess, ca.SX.zeros(nz)]),
+            residual=dense_function("residual", [x, prediction, Z], [equations.residual(x, *split, gamma, weight, Z)]),
+            newton_matrix=dense_function(
+                "matrix", [x, prediction], [equations.newton_matrix(x, *split, gamma, weight)]
+            ),
+            correct=dense_function(
+                "correct", [x, correction, scale], [x - correction, ca.dot(ca.fabs(correction), scale)]
+            ),
+            finish=dense_function(
                 "finish",
                 [x, prediction, differences, rates],
                 [after, ca.vertcat(v, v - rates[:nq]), z, ca.vertcat(*motion)],
             ),
             gamma=gamma,
         )
-
-
-def _function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
-    """Return a dense function with common subexpressions eliminated."""
-    return ca.Function(name, inputs, [ca.densify(ca.SX(value)) for value in outputs], {"cse": True})

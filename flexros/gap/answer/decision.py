@@ -151,7 +151,7 @@ def level_of_positions(fit: CandidateFit, data: FitData) -> float:
         fit: The fit.
         data: The log.
     """
-    positions = replace(data, torques=None)
+    positions = data.without_torques
     return on_held_out(fit, positions).chi2 / positions.n_values
 
 

@@ -12,7 +12,7 @@ from flexros.effects.left_out.rotor_inertia import RotorInertia
 from flexros.effects.left_out.tool_load import ToolLoad
 from flexros.gap.fit.least_squares import chi2_of, fit
 from flexros.gap.fit.null_fit import predicting_best, predictor_for
-from flexros.gap.held_out.errors_ahead import HORIZON, errors_ahead
+from flexros.gap.held_out.errors_ahead import errors_ahead, samples_ahead
 from flexros.gap.prediction.driven_model import driven_model
 
 if TYPE_CHECKING:
@@ -115,7 +115,7 @@ class GivenModel:
 
         They need not be finished: what lacks rotors falls by less and less, and leaves thousands of floors.
         """
-        key, data = frozenset(numbers), replace(self.findings.data, torques=None)
+        key, data = frozenset(numbers), self.findings.data.without_torques
         if key == self.lacking:
             return self.nominal
         if key not in self._fits:
@@ -158,7 +158,7 @@ def errors_over_rest(errors: AheadErrors, held: FitData) -> FloatArray:
         held: The log.
     """
     position = held.record.position
-    moved = position[errors.starts + max(1, round(HORIZON / held.record.sample_time))] - position[errors.starts]
+    moved = position[errors.starts + samples_ahead(held.record.sample_time)] - position[errors.starts]
     ratios: FloatArray = np.zeros(position.shape[1])
     for motor in range(position.shape[1]):
         for signal in errors.of_motor(motor):

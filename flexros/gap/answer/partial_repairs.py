@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -71,7 +71,7 @@ class PartialRepairs:
     @cached_property
     def _data(self) -> FitData:
         """The log, of which predicted positions alone count: their errors ahead are the gap."""
-        return replace(self.findings.data, torques=None)
+        return self.findings.data.without_torques
 
     def prepare(self, parts: Iterable[Collection[str]]) -> None:
         """Compute the errors with several parts of the effects, names effect@location, at the same time."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -48,7 +47,7 @@ def spans(data: FitData, fit: CandidateFit) -> list[tuple[float, float]]:
     """
     record = data.record
     n, M = record.position.shape
-    squares = fit.residual(replace(data, torques=None))[: M * n].reshape(M, n) ** 2
+    squares = fit.residual(data.without_torques)[: M * n].reshape(M, n) ** 2
     excess = np.sum(squares - np.isfinite(data.spread).T, axis=0)
     if not np.all(np.isfinite(excess)) or excess.sum() < (LEAST - 1.0) * data.n_values:
         return []

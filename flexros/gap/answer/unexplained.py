@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.fft import rfft
 
-from flexros.gap.held_out.errors_ahead import HORIZON, signed_errors_ahead
+from flexros.gap.held_out.errors_ahead import samples_ahead, signed_errors_ahead
 from flexros.gap.schema import BandShare, Unexplained
 from flexros.gap.where.bands import OctaveBands
 from flexros.gap.where.motion import motion_of
@@ -44,7 +44,7 @@ def unexplained(findings: Findings, before: AheadErrors, after: AheadErrors) -> 
     if gap <= 0:
         return ()
     motion = motion_of(record, robot)
-    ends = after.starts + max(1, round(HORIZON / record.sample_time))
+    ends = after.starts + samples_ahead(record.sample_time)
     rest: FloatArray = (after.squares - 1.0) / after.squares.size / gap
     rows, spectra = [], None
     for motor, name in enumerate(robot.joint_names):
@@ -77,7 +77,7 @@ class _Spectra:
         repaired = findings.repaired
         (ahead,) = signed_errors_ahead(repaired.predictor, repaired.theta[:, None], held, step * sample_time)
         rows = (ahead.starts - ahead.starts[0]) // step
-        self._ends = ahead.starts[0] + np.arange(rows[-1] + 1) * step + max(1, round(HORIZON / sample_time))
+        self._ends = ahead.starts[0] + np.arange(rows[-1] + 1) * step + samples_ahead(sample_time)
         self._present = np.zeros(len(self._ends))
         self._present[rows] = 1.0
         self._errors = np.zeros((len(self._ends), ahead.errors.shape[1]))

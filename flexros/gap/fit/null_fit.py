@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -120,7 +120,7 @@ def predicting_best(null: CandidateFit, data: FitData, stop: Callable[[], bool] 
     """
     if data.torques is None:
         return null
-    settings, data = data.settings.fit, replace(data, torques=None)
+    settings, data = data.settings.fit, data.without_torques
     enough = max(settings.enough, data.negligible)
     most = settings.final_iterations
     return fit(null.predictor, data, null.theta, most, enough=enough, settings=settings, stop=stop)

@@ -24,6 +24,11 @@ RUN_AWAY = 1e15
 """Error over the floor that a diverged prediction counts as [1] (chosen)."""
 
 
+def samples_ahead(sample_time: float) -> int:
+    """Return the samples of the horizon, at least one, of a log with a sample time [s]."""
+    return max(1, round(HORIZON / sample_time))
+
+
 @dataclass(frozen=True, eq=False)
 class AheadErrors:
     """Squared errors of predictions 0.1 s ahead, over their variance by noise alone.
@@ -165,7 +170,7 @@ def signed_errors_ahead(predictor: Predictor, thetas: FloatArray, data: FitData,
         InputError: The log is too short.
     """
     record = data.record
-    horizon = max(1, round(HORIZON / record.sample_time))
+    horizon = samples_ahead(record.sample_time)
     prediction = data.predict(predictor, thetas, record_states=True)
     assert prediction.states is not None
     first = max(int(np.argmax(data.settled)), predictor.loop.line_length)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.gap.report.ranking import first_of_ranking
+from flexros.gap.report.ranking import first_of_ranking, same_effect
 from flexros.gap.report.signature_pictures import signature_pictures
 from flexros.gap.report.words import (
     capital,
@@ -22,7 +22,6 @@ from flexros.report.number_text import number
 
 if TYPE_CHECKING:
     from flexros.gap.result import DiagnosisResult, RankedCandidate
-    from flexros.gap.schema import EffectLocation
 
 _SHOWN = 3
 """Effects whose evidence is shown; that of further causes is folded (chosen)."""
@@ -110,9 +109,13 @@ def evidence_against(candidate: RankedCandidate, result: DiagnosisResult) -> tup
     if size is not None and size[1].std > 0.5 * abs(size[1].value):
         texts.append(f"Its size is hardly different from zero: {_number(size[0], candidate)}.")
     groups = [
-        group for group in result.diagnosis.ambiguity_groups if any(_same(candidate, location) for location in group)
+        group
+        for group in result.diagnosis.ambiguity_groups
+        if any(same_effect(candidate, location) for location in group)
     ]
-    rivals = dict.fromkeys(named(location) for group in groups for location in group if not _same(candidate, location))
+    rivals = dict.fromkeys(
+        named(location) for group in groups for location in group if not same_effect(candidate, location)
+    )
     if rivals:
         texts.append(f"This log cannot distinguish it from {first_few(list(rivals), 'or')}.")
     if candidate.probability < result.null_probability:
@@ -122,7 +125,3 @@ def evidence_against(candidate: RankedCandidate, result: DiagnosisResult) -> tup
 
 def _number(name: str, candidate: RankedCandidate) -> str:
     return f"{name.replace('_', ' ')} {parameter_words(name, candidate.parameters[name])}"
-
-
-def _same(candidate: RankedCandidate, location: EffectLocation) -> bool:
-    return (candidate.effect, candidate.location) == (location.effect, location.location)

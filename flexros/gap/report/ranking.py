@@ -141,15 +141,16 @@ def _bars(names: Sequence[str], values: Sequence[float], colours: Sequence[str])
 
 
 def _colour(candidate: RankedCandidate, diagnosis: Diagnosis) -> str:
-    if any(_same(candidate, location) for group in diagnosis.ambiguity_groups for location in group):
+    if any(same_effect(candidate, location) for group in diagnosis.ambiguity_groups for location in group):
         return _RIVAL
     reported = diagnosis.verdict in ("explained", "partly_explained", "ambiguous") and any(
-        _same(candidate, cause) for cause in diagnosis.causes
+        same_effect(candidate, cause) for cause in diagnosis.causes
     )
     return _CAUSE if reported and candidate.probability >= LIKELY else _REST
 
 
-def _same(candidate: RankedCandidate, location: EffectLocation) -> bool:
+def same_effect(candidate: RankedCandidate, location: EffectLocation) -> bool:
+    """Return whether both are the same effect at the same location."""
     return (candidate.effect, candidate.location) == (location.effect, location.location)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -75,6 +75,11 @@ class FitData:
     line: Line | None = None
     torques: TorqueErrors | None = None
     least_level: float = np.inf
+
+    @property
+    def without_torques(self) -> FitData:
+        """The same log, whose torques do not count."""
+        return replace(self, torques=None)
 
     @property
     def counted(self) -> BoolArray:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.robot.parameters import INERTIA_COMPONENTS
+from flexros.robot.point_inertia import point_inertia
 from flexros.robot.quantity import unit_of
 
 if TYPE_CHECKING:
@@ -174,6 +175,6 @@ def inertia_at_joint(inertia: dict[str, float], mass: float, center: FloatArray,
     Returns:
         Components [kg m2] by name.
     """
-    shift = mass * (center @ center * np.eye(3) - np.outer(center, center))
+    shift = point_inertia(mass, center)
     elements = {entry: ("xyz".index(entry[0]), "xyz".index(entry[1])) for entry in INERTIA_COMPONENTS}
     return {entry: float(inertia[entry] + sign * shift[element]) for entry, element in elements.items()}

@@ -62,7 +62,7 @@ def write_real_logarithm(block: IrBlock, x: str) -> str:
     s = block.div(f, block.add(f, block.number(2.0)))
     z = block.mul(s, s)
     half = block.mul(block.number(0.5), block.mul(f, f))
-    inner = block.mul(s, block.fma(z, _horner(block, z, _LOG), half))
+    inner = block.mul(s, block.fma(z, block.polynomial(z, _LOG), half))
     ln = block.fma(e, block.number(math.log(2.0)), block.sub(f, block.sub(half, inner)))
     return block.add(ln, block.sub(x, x))
 
@@ -78,17 +78,10 @@ def _angle(block: IrBlock, z: ComplexValue) -> str:
         block.select(wide, block.add(low, high), high),
     )
     square = block.mul(t, t)
-    share = block.div(_horner(block, square, _ATAN_P), _horner(block, square, _ATAN_Q))
+    share = block.div(block.polynomial(square, _ATAN_P), block.polynomial(square, _ATAN_Q))
     angle = block.fma(t, block.mul(square, share), t)
     angle = block.add(angle, block.select(wide, block.number(math.pi / 4), block.number(0.0)))
     angle = block.select(steep, block.sub(block.number(math.pi / 2), angle), angle)
     left = block.compare("olt", z.re, block.number(0.0))
     angle = block.select(left, block.sub(block.number(math.pi), angle), angle)
     return block.intrinsic("copysign", angle, z.im)
-
-
-def _horner(block: IrBlock, z: str, coefficients: tuple[float, ...]) -> str:
-    total = block.number(coefficients[-1])
-    for c in reversed(coefficients[:-1]):
-        total = block.fma(z, total, block.number(c))
-    return total

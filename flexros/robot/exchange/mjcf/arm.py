@@ -10,6 +10,7 @@ import numpy as np
 from flexros.errors import InputError, unknown_name
 from flexros.robot.exchange.mjcf.mujoco_model import mujoco_package
 from flexros.robot.exchange.slanted_axis import ALIGNED, turn_to
+from flexros.robot.point_inertia import point_inertia
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -240,10 +241,7 @@ def _arm_joint(model: Any, data: Any, frame: FloatArray, before: FloatArray, ind
     inertia = np.zeros((3, 3))
     for body, m, c in zip(bodies, masses, centers):
         rotation = frame @ data.ximat[body].reshape(3, 3)
-        arm = c - center
-        inertia += rotation @ np.diag(model.body_inertia[body]) @ rotation.T + m * (
-            arm @ arm * np.eye(3) - np.outer(arm, arm)
-        )
+        inertia += rotation @ np.diag(model.body_inertia[body]) @ rotation.T + point_inertia(m, c - center)
     return ArmJoint(
         index=index,
         name=str(model.joint(index).name),

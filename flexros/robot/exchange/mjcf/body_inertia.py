@@ -9,6 +9,7 @@ import numpy as np
 
 from flexros.robot.exchange.mjcf.mujoco_model import mujoco_package
 from flexros.robot.exchange.number_text import number, numbers_text
+from flexros.robot.point_inertia import point_inertia
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -52,8 +53,9 @@ class BodyInertia:
         """Return those of both bodies, or without the other one (sign -1), in their common frame."""
         mass = self.mass + sign * other.mass
         center = (self.mass * self.center + sign * other.mass * other.center) / mass if mass else self.center
+        own, others = self.center - center, other.center - center
         inertia = self.inertia + sign * other.inertia
-        inertia = inertia + _about(self.mass, self.center - center) + _about(sign * other.mass, other.center - center)
+        inertia = inertia + point_inertia(self.mass, own) + point_inertia(sign * other.mass, others)
         return BodyInertia(mass, center, inertia)
 
     def write(self, element: XmlElement) -> None:
@@ -85,7 +87,3 @@ def inertia_of(model: Any, body: int) -> BodyInertia:
     axes = turn.reshape(3, 3)
     inertia = axes @ np.diag(model.body_inertia[body]) @ axes.T
     return BodyInertia(float(model.body_mass[body]), np.array(model.body_ipos[body]), inertia)
-
-
-def _about(mass: float, offset: FloatArray) -> FloatArray:
-    return np.asarray(mass * (offset @ offset * np.eye(3) - np.outer(offset, offset)))

@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from flexros.errors import InputError
 from flexros.robot.exchange.number_text import number
+from flexros.robot.point_inertia import point_inertia
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -50,7 +51,7 @@ def add_load(
     at = _rotation(root, link.attributes["name"], source).T @ turn @ np.array(load.place)
     whole = own + load.mass
     common = (own * center + load.mass * at) / whole
-    J = own_turn @ J @ own_turn.T + _about(own, center - common) + _about(load.mass, at - common)
+    J = own_turn @ J @ own_turn.T + point_inertia(own, center - common) + point_inertia(load.mass, at - common)
     mass.set("value", number(whole))
     texts = {"xyz": " ".join(map(number, common.tolist())), "rpy": "0 0 0"}
     entries = {name: number(float(J[index])) for name, index in _ENTRIES.items()}
@@ -93,7 +94,3 @@ def _numbers(element: XmlElement | None, name: str, count: int, place: str) -> F
     if len(values) != count:
         raise InputError(f"{place}: {name} is '{text}', but must be {count} numbers; correct the file", "base")
     return values
-
-
-def _about(mass: float, offset: FloatArray) -> FloatArray:
-    return np.asarray(mass * (offset @ offset * np.eye(3) - np.outer(offset, offset)))

@@ -9,6 +9,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from flexros.errors import InputError, unknown_name
+from flexros.robot.point_inertia import point_inertia
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
@@ -379,6 +380,5 @@ def _together(parts: Sequence[Inertial]) -> Inertial | None:
     center: FloatArray = np.sum([part.mass * part.center for part in parts], axis=0) / mass
     inertia: FloatArray = np.zeros((3, 3))
     for part in parts:
-        away = part.center - center
-        inertia += part.inertia + part.mass * (away @ away * np.eye(3) - np.outer(away, away))
+        inertia += part.inertia + point_inertia(part.mass, part.center - center)
     return Inertial(mass, center, inertia)

@@ -6,11 +6,9 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from flexros.validation.blind.score.coverage import COMPARABLE, FittedSize
 from flexros.validation.blind.score.nested import same, same_place
-from flexros.validation.blind.score.statistics import Share, share
+from flexros.validation.blind.score.statistics import Share, median, share
 from flexros.validation.blind.score.true_model import library_effects
 
 if TYPE_CHECKING:
@@ -180,17 +178,17 @@ def crowd_score(answers: Sequence[Answer]) -> CrowdScore:
         over_truth=share(one in explained and over_claimed(one, _left_by_truth(one)) for one in crowds),
         incomplete=share(one in explained and not complete(one, nested=True) for one in crowds),
         third_97=share((one.closed_third or 0.0) >= CLOSED * (_closed_truth(one) or 1.0) for one in tried),
-        closed_third=_median([one.closed_third for one in crowds]),
-        closed_truth=_median([_closed_truth(one) for one in crowds]),
-        first_off=_median([_distance(said.share_first, true.share_first) for said, true in shares]),
-        last_off=_median([_distance(said.share_last, true.share_last) for said, true in shares]),
+        closed_third=median([one.closed_third for one in crowds]),
+        closed_truth=median([_closed_truth(one) for one in crowds]),
+        first_off=median([_distance(said.share_first, true.share_first) for said, true in shares]),
+        last_off=median([_distance(said.share_last, true.share_last) for said, true in shares]),
         refused=share(one.diagnosis is None for one in crowds),
         by_size={
             name: share(found(one, hidden, nested=True) for one, hidden, gain in effects if low <= gain < high)
             for name, (low, high) in BINS.items()
         },
         verdicts=dict(Counter(one.diagnosis.verdict for one in crowds if one.diagnosis is not None)),
-        seconds=_median([one.seconds for one in crowds]),
+        seconds=median([one.seconds for one in crowds]),
     )
 
 
@@ -257,8 +255,3 @@ def _shares(one: Answer) -> Iterator[tuple[BudgetShare, TrueShare]]:
 
 def _distance(said: float | None, true: float | None) -> float | None:
     return None if said is None or true is None else abs(said - true)
-
-
-def _median(values: Sequence[float | None]) -> float:
-    known = [value for value in values if value is not None]
-    return float(np.median(known)) if known else float("nan")

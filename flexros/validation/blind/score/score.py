@@ -23,6 +23,7 @@ from flexros.validation.blind.score.statistics import (
     Share,
     calibration,
     detection_curve,
+    median,
     share,
 )
 from flexros.validation.blind.score.third_log import third_log
@@ -174,13 +175,13 @@ def score(answers: Sequence[Answer]) -> Score:
         calibration=calibration(stated, right),
         detection=_curve(of["single"], lambda one: one.alarm),
         naming=_curve(of["single"], lambda one: one.named(1, nested=True)),
-        closed=_median([one.closed for one in seen]),
-        closed_oracle=_median([one.closed / one.oracle for one in seen if one.closed is not None and one.oracle]),
-        closed_rival=_median([one.closed_rival for one in seen]),
-        margin=_median([_margin(one) for one in seen]),
-        closed_third=_median([one.closed_third for one in seen]),
+        closed=median([one.closed for one in seen]),
+        closed_oracle=median([one.closed / one.oracle for one in seen if one.closed is not None and one.oracle]),
+        closed_rival=median([one.closed_rival for one in seen]),
+        margin=median([_margin(one) for one in seen]),
+        closed_third=median([one.closed_third for one in seen]),
         third_95=share((one.closed_third or 0.0) >= MOST for one in seen if _tried(one)),
-        seconds=_median([one.seconds for one in answers]),
+        seconds=median([one.seconds for one in answers]),
     )
 
 
@@ -201,11 +202,6 @@ def _margin(one: Answer) -> float | None:
 
 def _mean(values: Sequence[float]) -> float:
     return float(np.mean(values)) if len(values) else float("nan")
-
-
-def _median(values: Sequence[float | None]) -> float:
-    known = [value for value in values if value is not None]
-    return float(np.median(known)) if known else float("nan")
 
 
 def confusion(answers: Sequence[Answer]) -> dict[str, Counter[str]]:

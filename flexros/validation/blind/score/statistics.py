@@ -48,6 +48,12 @@ class Share:
         return f"{100 * self.value:.1f} % ({100 * self.low:.1f} to {100 * self.high:.1f}), {self.hits} of {self.cases}"
 
 
+def median(values: Iterable[float | None]) -> float:
+    """Return the median of the known values; nan where none is known."""
+    known = [value for value in values if value is not None]
+    return float(np.median(known)) if known else float("nan")
+
+
 def share(hits: Iterable[bool]) -> Share:
     """Count, with the interval of Wilson (1927) at 95 %.
 
