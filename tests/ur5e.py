@@ -15,7 +15,7 @@ from flexros.arrays import FloatArray
 from flexros.config.yaml_file import parse_yaml
 from flexros.record.record import Record
 from flexros.robot import Robot, robot_from_data
-from flexros.robot.exchange.urdf.robot_import import skeleton_from_urdf
+from flexros.robot.exchange.urdf.robot_import import robot_from_urdf
 
 EXAMPLES = Path(__file__).parents[1] / "docs" / "examples"
 URDF = EXAMPLES / "ur5e.urdf"
@@ -40,7 +40,7 @@ def arm_in_mujoco() -> Any:
 @cache
 def ur5e() -> Robot:
     """Make the robot of the URDF."""
-    return robot_from_data(parse_yaml(skeleton_from_urdf(URDF), str(URDF)), str(URDF))
+    return robot_from_data(parse_yaml(robot_from_urdf(URDF).text, str(URDF)), str(URDF))
 
 
 @cache

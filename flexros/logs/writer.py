@@ -44,14 +44,14 @@ class LogWriter:
 
     Args:
         folder: Folder to create.
-        topics: Initial topics; their channels are numbered from 1 in this order.
+        topics: Topics, numbered from 1 in this order.
         provenance: Scenario, seed, versions, model hash: written as JSON into the folder.
         namespace: Prefix of relative topic names.
         chunk_duration: Longest time between the messages of a chunk [ns]; shorter chunks spread the work more evenly.
         share_folders: `share` folders of ROS 2 installations to take message definitions from.
 
     Raises:
-        InputError: The folder exists already or cannot be created.
+        InputError: The folder exists already or cannot be created, or the type of a topic is not known.
     """
 
     def __init__(
@@ -116,25 +116,8 @@ class LogWriter:
         """Number of messages written to the file, by absolute topic name."""
         return {topic.name: self._file.counts.get(number, 0) for number, topic in enumerate(self._topics, 1)}
 
-    def add_topic(self, topic: Topic) -> int:
-        """Add a topic to the log.
-
-        Args:
-            topic: The topic; a relative name gets the namespace as prefix.
-
-        Returns:
-            Its number, the `topic_id` of `write`.
-
-        Raises:
-            InputError: Its type is not known.
-            RunError: It cannot be written, e.g. because the disk is full.
-        """
-        number = self._add_channel(topic)
-        self._list_topics()
-        return number
-
-    def _add_channel(self, topic: Topic) -> int:
-        """Add a topic to the file alone; metadata.yaml, which is slow to write, follows once for several topics."""
+    def _add_channel(self, topic: Topic) -> None:
+        """Add a topic to the file alone; metadata.yaml, which is slow to write, follows once for all of them."""
         schema = message_schema(topic.type, self._share_folders)
         name = topic.name if topic.name.startswith("/") else f"/{self._namespace}/{topic.name}".replace("//", "/")
         entry = BagTopic(name, topic.type, topic.qos, schema.type_hash)
@@ -142,16 +125,14 @@ class LogWriter:
             "offered_qos_profiles": as_yaml([offered_qos(topic.qos)]),
             "topic_type_hash": schema.type_hash,
         }
-        self.flush()
         try:
-            number = self._file.add_channel(name, topic.type, schema.text, channel_metadata)
+            self._file.add_channel(name, topic.type, schema.text, channel_metadata)
             self._topics.append(entry)
         except OSError as error:
             self._fail(error)
-        return number
 
     def _list_topics(self) -> None:
-        """Write metadata.yaml with the topics so far."""
+        """Write metadata.yaml with the topics."""
         try:
             self._write_metadata()
         except OSError as error:

@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from flexros.logs.time_series import Log
     from flexros.view.motion import Motion
 
-Progress = "Callable[[str, float], None]"
-
 
 def is_diagnosis(path: Path) -> bool:
     """Return whether a folder is that of a diagnosis."""

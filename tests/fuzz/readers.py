@@ -41,7 +41,7 @@ from flexros.logs.stamps import stamp_of
 from flexros.logs.time_series import Log
 from flexros.monitor.calibration import read_calibration
 from flexros.robot import load_robot
-from flexros.robot.exchange.urdf.robot_import import skeleton_from_urdf
+from flexros.robot.exchange.urdf.robot_import import robot_from_urdf
 from flexros.scenario.scenario import load_scenario
 from flexros.validation.blind.seal import read_case
 from flexros_nodes.bringup.launch_plan import plan_launch, run_arguments
@@ -324,7 +324,7 @@ READERS: dict[str, Reader] = {
     "parameters": Reader("parameter descriptions of a node", _trees(_parameters), _file("yaml", read_parameters)),
     "topics": Reader("topics", _trees(_topics), _file("yaml", lambda path: read_topics(path, load_qos()))),
     "qos": Reader("quality of service of topics", _trees(_qos), _file("yaml", read_qos)),
-    "urdf": Reader("URDF", damaged([samples.URDF]), _file("urdf", skeleton_from_urdf)),
+    "urdf": Reader("URDF", damaged([samples.URDF]), _file("urdf", robot_from_urdf)),
     "responses": Reader(
         "frequency responses in netCDF",
         st.deferred(lambda: damaged([samples.netcdf_file()])),

@@ -103,17 +103,6 @@ def test_namespace_is_put_before_relative_names(tmp_path):
             writer.topic_id("joint_state")
 
 
-def test_topic_added_during_the_run(tmp_path):
-    with LogWriter(tmp_path / "log", [TOPICS["joint_states"]], {}) as writer:
-        write_states(writer, 5)
-        number = writer.add_topic(TOPICS["joint_commands"])
-        stamp, payload = states(1)[0]
-        writer.write(number, stamp, stamp, payload)
-    log = read_log(tmp_path / "log")
-    assert (len(log.joint_states.stamp), len(log.joint_commands.stamp)) == (5, 1)
-    assert log.warnings == ()
-
-
 def test_metadata_is_written_at_the_start_and_updated_at_the_end(tmp_path):
     folder = tmp_path / "log"
     with LogWriter(folder, [TOPICS["joint_states"]], {}) as writer:
@@ -153,10 +142,9 @@ def test_closing_twice_does_nothing(tmp_path):
     [
         lambda writer: writer.write(1, 10**9, 10**9, b"x"),
         lambda writer: writer.write_many(np.array([1]), np.array([10**9]), [b"x"]),
-        lambda writer: writer.add_topic(TOPICS["tool_pose"]),
         lambda writer: writer.flush(),
     ],
-    ids=["write", "write_many", "add_topic", "flush"],
+    ids=["write", "write_many", "flush"],
 )
 def test_a_closed_log_says_so(tmp_path, use):
     writer = LogWriter(tmp_path / "log", [TOPICS["joint_states"]], {})

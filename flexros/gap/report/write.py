@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.atomic_file import write_result
 from flexros.gap.report.budget import BudgetSection
 from flexros.gap.report.evidence import EvidenceSection
 from flexros.gap.report.how_far import HowFarSection
@@ -19,8 +18,6 @@ from flexros.report.number_text import number
 from flexros.report.page import Chapter, page_html
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from flexros.gap.result import DiagnosisResult
 
 _USELESS = 0.1
@@ -95,21 +92,6 @@ def diagnosis_report(result: DiagnosisResult, *, patch: str = "", title: str | N
     every = [Chapter(section.title, section.blocks(result)) for section in sections(patch)]
     chapters = [chapter for chapter in every if chapter.blocks]
     return page_html(title or f"Diagnosis of {result.robot.name}", _subtitle(result), chapters, packed=True)
-
-
-def write_diagnosis_report(result: DiagnosisResult, file: Path, *, patch: str = "", title: str | None = None) -> None:
-    """Write the report of a diagnosis.
-
-    Args:
-        result: The diagnosis.
-        file: The HTML file; one that exists is replaced once the new one is complete.
-        patch: Text of patch.yaml; empty where no effect was found.
-        title: Heading; None for robot and log.
-
-    Raises:
-        InputError: The file cannot be written.
-    """
-    write_result(file, diagnosis_report(result, patch=patch, title=title), "report")
 
 
 def diagnosis_html(result: DiagnosisResult) -> str:

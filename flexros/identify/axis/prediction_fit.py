@@ -53,7 +53,6 @@ class AxisFit:
         covariance: Covariance of the values, shape (P, P); it allows for prediction errors that are correlated in time.
         predictor: The predictor.
         gain: Its gain, shape (n_states,).
-        noise_ratio: Rms torque noise over rms output noise, with which the prediction errors are smallest.
         quality: On the fitted record.
         cost: Sum of squared prediction errors.
         whiteness: Correlation of neighbouring prediction errors [1]; near zero where the model explains the record.
@@ -65,7 +64,6 @@ class AxisFit:
     covariance: FloatArray
     predictor: Predictor
     gain: FloatArray
-    noise_ratio: float
     quality: Quality
     cost: float
     whiteness: float
@@ -163,8 +161,7 @@ def fit_axis(
                 stop or StopRule(step=1e-5, decrease=1e-7, iterations=40, evaluations=80),
             )
         x, converged = minimum.x, minimum.converged
-    assert ratio is not None
-    return _result(search, x, ratio, gain, skip, minimum.cost, converged)
+    return _result(search, x, gain, skip, minimum.cost, converged)
 
 
 def _scale(names: tuple[str, ...], start: Mapping[str, float], torque: float) -> ParameterScale:
@@ -198,9 +195,7 @@ def _best_ratio(search: _Search, x: FloatArray, near: float | None) -> float:
     return float(ratios[int(np.argmin(errors))])
 
 
-def _result(
-    search: _Search, x: FloatArray, ratio: float, gain: FloatArray, skip: int, cost: float, converged: bool
-) -> AxisFit:
+def _result(search: _Search, x: FloatArray, gain: FloatArray, skip: int, cost: float, converged: bool) -> AxisFit:
     predictor, record, theta = search.predictor, search.record, search.scale.values(x)
     errors, slopes = predictor.sensitivities(record, theta, gain)
     per_x = search.scale.per_value(theta)
@@ -208,7 +203,7 @@ def _result(
     covariance = per_x[:, None] * prediction_covariance(e, J, skip) * per_x
     whiteness = float(e[1:] @ e[:-1] / (e @ e))
     quality = _quality(predictor, record, theta, gain)
-    return AxisFit(predictor.structure, theta, covariance, predictor, gain, ratio, quality, cost, whiteness, converged)
+    return AxisFit(predictor.structure, theta, covariance, predictor, gain, quality, cost, whiteness, converged)
 
 
 def _quality(predictor: Predictor, record: AxisRecord, theta: FloatArray, gain: FloatArray) -> Quality:

@@ -54,19 +54,6 @@ def low_crest_phases(
     return best
 
 
-def crest_factor(signal: FloatArray) -> FloatArray:
-    """Return the ratio of peak to root mean square.
-
-    Args:
-        signal: One or more periods along the first axis, shape (n, ...).
-
-    Returns:
-        Crest factors, shape (...).
-    """
-    result: FloatArray = np.max(np.abs(signal), axis=0) / np.sqrt(np.mean(signal**2, axis=0))
-    return result
-
-
 def _signal(lines: IntArray, size: FloatArray, phases: FloatArray, n_points: int) -> ComplexArray:
     """Evaluate the analytic signal over a period, shape (M, n_points)."""
     spectrum = np.zeros((len(size), n_points), dtype=complex)

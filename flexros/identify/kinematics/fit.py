@@ -78,11 +78,6 @@ class KinematicFit:
         points, _ = measured_points(self.unknown, record, self.theta)
         return np.asarray(np.linalg.norm(record.tool - points, axis=1))
 
-    def predicted_deviation(self, record: PoseRecord) -> FloatArray:
-        """Return the standard deviation of predicted tool points, by the covariance of the fit [m], shape (n, 3)."""
-        _, slopes = measured_points(self.unknown, record, self.theta)
-        return np.asarray(np.sqrt(np.einsum("nip,pq,niq->ni", slopes, self.covariance, slopes)))
-
 
 def fit_kinematics(unknown: Unknowns, record: PoseRecord, noise: float | None = None) -> KinematicFit:
     """Find the most probable unknowns: measurement noise and prior deviations are normal.

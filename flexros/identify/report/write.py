@@ -1,10 +1,9 @@
-"""Write the report of an identification: one HTML file that opens offline."""
+"""The report of an identification: one HTML page that opens offline."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flexros.atomic_file import write_result
 from flexros.identify.report.distortion_levels import DistortionSection
 from flexros.identify.report.experiment import ExperimentSection
 from flexros.identify.report.multistart import StartSection
@@ -17,8 +16,6 @@ from flexros.identify.report.undetermined import UndeterminedSection
 from flexros.report.page import Chapter, page_html
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from flexros.identify.result import IdentificationResult
     from flexros.report.base import AbstractSection
 
@@ -34,20 +31,6 @@ SECTIONS: tuple[AbstractSection[IdentificationResult], ...] = (
     ProvenanceSection(),
 )
 """Sections in order of appearance."""
-
-
-def write_identification_report(result: IdentificationResult, file: Path, *, title: str | None = None) -> None:
-    """Write the report of an identification.
-
-    Args:
-        result: The identification.
-        file: The HTML file; one that exists is replaced once the new one is complete.
-        title: Heading; None for the name of the robot.
-
-    Raises:
-        InputError: The file cannot be written.
-    """
-    write_result(file, identification_report(result, title=title), "report")
 
 
 def identification_report(result: IdentificationResult, *, title: str | None = None) -> str:

@@ -35,8 +35,8 @@ ALWAYS_STRONG = ("encoder_quantization",)
 NUISANCES = ("exact", "tolerance_1", "tolerance_3")
 """Nominal model: exact, or wrong within 1 % (damping 10 %), or within 3 % (damping 30 %)."""
 
-SECRET, ORDER = 1_000_000, 1_000_001
-"""Numbers of the random streams of the plan, behind those of the cases."""
+ORDER = 1_000_001
+"""Number of the random stream of the plan, behind those of the cases."""
 
 CONFUSED = (
     {

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.identify.excitation.crest_factor import crest_factor, low_crest_phases
+from flexros.identify.excitation.crest_factor import low_crest_phases
 from flexros.identify.excitation.multisine import synthesise
+from tests.identify.excitation.crest import crest_factor
 
 LINES = np.arange(3, 81, 2)
 
@@ -14,11 +15,6 @@ LINES = np.arange(3, 81, 2)
 def sizes_and_phases() -> tuple[np.ndarray, np.ndarray]:
     random = np.random.default_rng(5)
     return random.uniform(0.5, 1.5, (2, len(LINES))), random.uniform(0.0, 2.0 * np.pi, (2, len(LINES)))
-
-
-def test_crest_factor_of_a_sine_is_the_root_of_two() -> None:
-    angle = 2.0 * np.pi * np.arange(1000) / 1000
-    np.testing.assert_allclose(crest_factor(np.array([np.sin(angle), 3.0 * np.cos(angle)]).T), np.sqrt(2.0), rtol=1e-9)
 
 
 def test_amplitudes_stay_and_peaks_sink() -> None:

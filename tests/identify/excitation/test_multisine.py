@@ -10,8 +10,8 @@ from pydantic import ValidationError
 
 from flexros.arrays import ComplexArray
 from flexros.errors import InputError
-from flexros.identify.excitation.crest_factor import crest_factor
 from flexros.identify.excitation.multisine import Multisine
+from tests.identify.excitation.crest import crest_factor
 
 pytestmark = pytest.mark.slow
 

@@ -8,25 +8,17 @@ import re
 from collections.abc import Callable
 from dataclasses import replace
 from html import unescape
-from pathlib import Path
 
 import numpy as np
 import pytest
 from plotly.offline import get_plotlyjs
 
-from flexros.errors import InputError
 from flexros.identify.report.multistart import StartSection
 from flexros.identify.report.responses import POINTS
-from flexros.identify.report.write import SECTIONS, write_identification_report
+from flexros.identify.report.write import SECTIONS, identification_report
 from flexros.identify.result import IdentificationResult
 
 pytestmark = pytest.mark.slow
-
-
-def page(result: IdentificationResult, folder: Path) -> str:
-    file = folder / "report.html"
-    write_identification_report(result, file)
-    return file.read_text(encoding="utf-8")
 
 
 def words(html: str) -> str:
@@ -42,8 +34,8 @@ def pictures(html: str) -> list[dict[str, object]]:
 
 
 @pytest.fixture(scope="module")
-def html(clear: IdentificationResult, tmp_path_factory: pytest.TempPathFactory) -> str:
-    return page(clear, tmp_path_factory.mktemp("page"))
+def html(clear: IdentificationResult) -> str:
+    return identification_report(clear)
 
 
 def test_page_opens_offline_and_is_small(html: str) -> None:
@@ -120,8 +112,8 @@ def test_models_are_drawn_between_the_lines_too(html: str, clear: Identification
         assert "x" not in button["args"][0]
 
 
-def test_distortions_are_named_with_their_size(distorted: IdentificationResult, tmp_path: Path) -> None:
-    text = words(page(distorted, tmp_path))
+def test_distortions_are_named_with_their_size(distorted: IdentificationResult) -> None:
+    text = words(identification_report(distorted))
     assert "odd ones at motor_2, 5 % of the output in the median, with noise of 0.10 %" in text
     assert "as far as noise goes. With the weights of the fit the identified model explains" in text
     assert "Signs of it: odd detection lines of motor_2 carry 50 times their noise." in text
@@ -139,49 +131,40 @@ def test_provenance_and_all_warnings_stand_at_the_end(html: str) -> None:
     assert "a gap of 2 samples (alike in 2 more positions)" in end
 
 
-def test_what_is_not_determined_is_listed_with_an_experiment(noisy: IdentificationResult, tmp_path: Path) -> None:
-    text = words(page(noisy, tmp_path))
+def test_what_is_not_determined_is_listed_with_an_experiment(noisy: IdentificationResult) -> None:
+    text = words(identification_report(noisy))
     assert noisy.design is not None
     count = len(noisy.design.candidates.gears)
     assert f"The single further experiment that helps most, out of {count} candidate positions" in text
     assert noisy.identifiability.names("not_determined")[0] in text
 
 
-def test_sections_without_content_are_left_out(make: Callable[..., IdentificationResult], tmp_path: Path) -> None:
-    text = words(page(make(10.0, levels=False, known=False), tmp_path))
+def test_sections_without_content_are_left_out(make: Callable[..., IdentificationResult]) -> None:
+    text = words(identification_report(make(10.0, levels=False, known=False)))
     assert "Noise and nonlinear distortions" not in text
     assert "The responses have no covariance" in text
 
 
-def test_report_into_a_folder_that_is_not_there_is_refused(clear: IdentificationResult, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"the report cannot be written to .*: its folder must exist"):
-        write_identification_report(clear, tmp_path / "none" / "report.html")
-
-
-def test_bias_by_model_form_errors_is_warned_of_and_only_then(
-    html: str, clear: IdentificationResult, tmp_path: Path
-) -> None:
+def test_bias_by_model_form_errors_is_warned_of_and_only_then(html: str, clear: IdentificationResult) -> None:
     for warning in ("errors may exceed them", "form error", "as far as", "What exceeds it"):
         assert warning not in words(html)
     missing = replace(clear, covariance=replace(clear.covariance, reduced_cost=12.0))
-    text = words(page(missing, tmp_path))
+    text = words(identification_report(missing))
     assert "errors may exceed them" in text
     assert "within 10 % as far as noise goes. The identified model misses the responses in 3 positions by 3.5" in text
     assert "slow_motion" in text
     assert "What exceeds it is not noise" in text
 
 
-def test_report_of_responses_from_plain_arrays_names_positions_by_number(
-    noisy: IdentificationResult, tmp_path: Path
-) -> None:
+def test_report_of_responses_from_plain_arrays_names_positions_by_number(noisy: IdentificationResult) -> None:
     bare = tuple(replace(each, gears=np.full(2, np.nan)) for each in noisy.problem.responses)
-    text = words(page(replace(noisy, problem=replace(noisy.problem, responses=bare), design=None), tmp_path))
+    text = words(identification_report(replace(noisy, problem=replace(noisy.problem, responses=bare), design=None)))
     assert re.search(r"measured position [123]", text)
     assert "out of 3 measured positions" in text
 
 
-def test_starts_that_failed_are_counted(clear: IdentificationResult, tmp_path: Path) -> None:
+def test_starts_that_failed_are_counted(clear: IdentificationResult) -> None:
     failed = replace(clear.searched[0], cost=math.nan, converged=False)
-    text = words(page(replace(clear, searched=(failed, *clear.searched)), tmp_path))
+    text = words(identification_report(replace(clear, searched=(failed, *clear.searched))))
     assert f"{clear.same_minimum} of 5 fits (LLS, user weights) ended in the best minimum" in text
     assert "1 failed, because the model cannot be evaluated at their starts" in text

@@ -9,7 +9,7 @@ import pytest
 
 from flexros.effects.patching.export import export_model
 from flexros.effects.patching.patched_robot import PatchedRobot, load_patched
-from flexros.robot.exchange.urdf.robot_import import skeleton_from_urdf
+from flexros.robot.exchange.urdf.robot_import import robot_from_urdf
 
 URDF = Path(__file__).parents[3] / "docs" / "examples" / "ur5e.urdf"
 PATCH = """
@@ -23,7 +23,7 @@ effects:
 
 @pytest.fixture
 def patched(tmp_path: Path) -> PatchedRobot:
-    (tmp_path / "ur5e.yaml").write_text(skeleton_from_urdf(URDF))
+    (tmp_path / "ur5e.yaml").write_text(robot_from_urdf(URDF).text)
     (tmp_path / "patch.yaml").write_text(PATCH)
     return load_patched(str(tmp_path / "patch.yaml"))
 
@@ -51,7 +51,7 @@ def test_a_file_of_the_user_keeps_its_own_and_the_others_are_listed(patched: Pat
 
 def test_a_load_is_written_beside_a_difference_of_the_same_body(tmp_path: Path) -> None:
     """Only the difference is listed: the documents promise the load in the last link."""
-    (tmp_path / "ur5e.yaml").write_text(skeleton_from_urdf(URDF))
+    (tmp_path / "ur5e.yaml").write_text(robot_from_urdf(URDF).text)
     (tmp_path / "patch.yaml").write_text(
         """
 robot: ur5e.yaml

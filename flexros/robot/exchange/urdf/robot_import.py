@@ -46,19 +46,6 @@ def robot_from_urdf(file: Path, tip: str = "", folder: Path | None = None) -> Im
     return _robot(read_text(file, "URDF", LARGEST_URDF), str(file), tip, drawing)
 
 
-def skeleton_from_urdf(file: Path, tip: str = "") -> str:
-    """Return the text of a robot file (YAML) from a URDF with one serial chain; see `skeleton_from_text`.
-
-    Args:
-        file: The URDF.
-        tip: Last link of the chain.
-
-    Raises:
-        InputError: The file cannot be read, or as in `skeleton_from_text`.
-    """
-    return skeleton_from_text(read_text(file, "URDF", LARGEST_URDF), str(file), tip)
-
-
 def skeleton_from_text(text: str, file: str, tip: str = "") -> str:
     """Return the text of a robot file (YAML) from that of a URDF with one serial chain.
 

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-DEVELOPMENT_SEED = 1000
-"""First seed of trials while developing; results are never reported from them."""
-
 EVALUATION_SEED = 10_000
 """First seed of the repetitions that are reported."""
 

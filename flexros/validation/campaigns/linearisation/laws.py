@@ -71,7 +71,6 @@ class Law:
         text: What it is.
         feedforward: Method of the feedforward.
         links: Whether it measures the links, with encoders.
-        whole_model: Whether it needs a motor behind a spring in every direction.
         settings: Settings of the controller from the axes, the bandwidth w [rad/s] and a second number.
         second: Trial values of the second number; its meaning is in `text`.
         first: Value of the second number where all laws have the same bandwidth.
@@ -85,7 +84,6 @@ class Law:
     second: tuple[float, ...]
     first: float = 1.0
     links: bool = False
-    whole_model: bool = False
 
 
 def _pd(axes: Sequence[Axis], w: float, ratio: float) -> dict[str, Any]:
@@ -198,7 +196,6 @@ LAWS: tuple[Law, ...] = (
         _static,
         (0.25, 0.5, 1.0, 2.0),
         links=True,
-        whole_model=True,
     ),
     Law(
         "quasi-static linearisation",
@@ -208,7 +205,6 @@ LAWS: tuple[Law, ...] = (
         _quasi_static,
         _RATIO,
         links=True,
-        whole_model=True,
     ),
     Law(
         "feedforward + states",
@@ -228,7 +224,6 @@ LAWS: tuple[Law, ...] = (
         _static_estimated,
         _NOISE,
         first=0.1,
-        whole_model=True,
     ),
     Law(
         "feedforward + states, estimated",

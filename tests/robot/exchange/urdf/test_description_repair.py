@@ -11,7 +11,7 @@ from flexros.effects.patching.export import Format, export_model
 from flexros.effects.patching.patched_robot import PatchedRobot, load_patched
 from flexros.errors import InputError
 from flexros.robot.exchange.numbers import Export
-from flexros.robot.exchange.urdf.robot_import import skeleton_from_urdf
+from flexros.robot.exchange.urdf.robot_import import robot_from_urdf
 
 PATCH = """robot: elbow
 effects:
@@ -132,7 +132,7 @@ def test_an_imported_urdf_finds_its_joints_again(tmp_path: Path) -> None:
         .replace('"motor_2"', '"fore"')
     )
     base.write_text(text)
-    robot.write_text(skeleton_from_urdf(base))
+    robot.write_text(robot_from_urdf(base).text)
     patch = tmp_path / "patch.yaml"
     patch.write_text(
         "robot: robot.yaml\neffects:\n  - {effect: coulomb_friction, location: motor_2, parameters: {level: 7}}\n"
@@ -163,7 +163,7 @@ def test_what_is_fixed_to_a_body_is_scaled_with_it(tmp_path: Path) -> None:
     urdf, model, file = tmp_path / "r.urdf", tmp_path / "r.yaml", tmp_path / "p.yaml"
     parts = (link("l1", 1), link("tool", 2), joint("j1", "base", "l1"), joint("f", "l1", "tool", "fixed"))
     urdf.write_text(f'<robot name="r"><link name="base"/>{"".join(parts)}</robot>')
-    model.write_text(skeleton_from_urdf(urdf, tip="l1"))
+    model.write_text(robot_from_urdf(urdf, tip="l1").text)
     file.write_text(
         f"robot: {model}\neffects:\n  - {{effect: payload_error, location: tool, parameters: {{relative: 0.5}}}}\n"
     )

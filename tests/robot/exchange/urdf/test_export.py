@@ -13,7 +13,7 @@ import pytest
 
 from flexros.robot import Robot, load_robot, robot_from_data, robot_names
 from flexros.robot.exchange.urdf.export import Flexible, urdf_text
-from flexros.robot.exchange.urdf.robot_import import skeleton_from_urdf
+from flexros.robot.exchange.urdf.robot_import import robot_from_urdf
 
 pytestmark = pytest.mark.slow
 
@@ -158,7 +158,7 @@ def test_what_is_written_can_be_read_as_a_robot_file_again(tmp_path: Path) -> No
     data["bodies"][1]["directions"]["ry"]["motor"]["speed_limit"] = 2.5
     robot = robot_from_data(data, "elbow")
     file.write_text(urdf_text(robot))
-    (tmp_path / "elbow.yaml").write_text(skeleton_from_urdf(file))
+    (tmp_path / "elbow.yaml").write_text(robot_from_urdf(file).text)
     again = load_robot(tmp_path / "elbow.yaml")
     pose = [0.3, -0.4]
     np.testing.assert_allclose(again.tool_pose(pose), robot.tool_pose(pose), atol=1e-9)

@@ -10,7 +10,7 @@ import pytest
 from flexros.effects.patching.export import export_model
 from flexros.effects.patching.patched_robot import load_patched
 from flexros.record.balance.inverse_dynamics import rigid_arm
-from flexros.robot.exchange.urdf.robot_import import skeleton_from_urdf
+from flexros.robot.exchange.urdf.robot_import import robot_from_urdf
 
 URDF = Path(__file__).parents[4] / "docs" / "examples" / "ur5e.urdf"
 PATCH = """
@@ -24,7 +24,7 @@ effects:
 
 def test_weight_and_inertia_are_those_of_the_patch(tmp_path: Path) -> None:
     mujoco = pytest.importorskip("mujoco")
-    (tmp_path / "ur5e.yaml").write_text(skeleton_from_urdf(URDF))
+    (tmp_path / "ur5e.yaml").write_text(robot_from_urdf(URDF).text)
     (tmp_path / "patch.yaml").write_text(PATCH)
     patched = load_patched(str(tmp_path / "patch.yaml"))
     exported = export_model(patched, "urdf", URDF)
@@ -45,7 +45,7 @@ def test_weight_and_inertia_are_those_of_the_patch(tmp_path: Path) -> None:
 
 def test_mjcf_of_the_user_has_it_as_a_new_file(tmp_path: Path) -> None:
     mujoco = pytest.importorskip("mujoco")
-    (tmp_path / "ur5e.yaml").write_text(skeleton_from_urdf(URDF))
+    (tmp_path / "ur5e.yaml").write_text(robot_from_urdf(URDF).text)
     (tmp_path / "patch.yaml").write_text(PATCH)
     base = tmp_path / "base.xml"
     base.write_text(export_model(load_patched(str(tmp_path / "ur5e.yaml")), "mjcf").text)

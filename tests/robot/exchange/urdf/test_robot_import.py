@@ -11,7 +11,7 @@ from flexros.errors import InputError
 from flexros.robot import load_robot
 from flexros.robot.body_placement import BodyPlacements
 from flexros.robot.exchange.urdf.export import urdf_text
-from flexros.robot.exchange.urdf.robot_import import robot_from_urdf, skeleton_from_urdf
+from flexros.robot.exchange.urdf.robot_import import robot_from_urdf
 
 URDF = """<robot name="little">
   <link name="base"/>
@@ -44,7 +44,7 @@ def urdf(tmp_path: Path) -> Path:
 def test_skeleton_is_a_robot_file_with_the_dynamics_of_the_urdf(urdf: Path, tmp_path: Path) -> None:
     pin = pytest.importorskip("pinocchio", reason="Pinocchio is not installed")
     robot_file = tmp_path / "little.yaml"
-    robot_file.write_text(skeleton_from_urdf(urdf))
+    robot_file.write_text(robot_from_urdf(urdf).text)
     robot = load_robot(robot_file)
     assert robot.n_arm == 2
     model = pin.buildModelFromXML(URDF)
@@ -58,11 +58,11 @@ def test_skeleton_is_a_robot_file_with_the_dynamics_of_the_urdf(urdf: Path, tmp_
 def test_an_effort_that_means_no_limit_is_none(urdf: Path) -> None:
     """A URDF must state a limit: where there is none, authors and `export` write a million."""
     urdf.write_text(urdf.read_text(encoding="utf-8").replace('effort="150"', 'effort="1e6"'), encoding="utf-8")
-    assert "torque_limit" not in skeleton_from_urdf(urdf)
+    assert "torque_limit" not in robot_from_urdf(urdf).text
 
 
 def test_torque_limit_and_comment_are_written(urdf: Path) -> None:
-    text = skeleton_from_urdf(urdf)
+    text = robot_from_urdf(urdf).text
     assert "torque_limit: 150.0" in text
     assert "speed_limit: 3.0" in text
     assert "replace by the gear's stiffness" in text
@@ -75,7 +75,7 @@ def test_slanted_axis_turns_the_frame_of_its_body(urdf: Path, tmp_path: Path) ->
     robot_file = tmp_path / "little.yaml"
     rng = np.random.default_rng(0)
     for _ in range(2):  # the second time as exported
-        robot_file.write_text(skeleton_from_urdf(urdf))
+        robot_file.write_text(robot_from_urdf(urdf).text)
         robot = load_robot(robot_file)
         assert any(robot.spec.bodies[1].orientation)
         model = pin.buildModelFromXML(text)
@@ -88,7 +88,7 @@ def test_slanted_axis_turns_the_frame_of_its_body(urdf: Path, tmp_path: Path) ->
 def test_orientation_of_the_tool_is_that_of_the_turned_frames(urdf: Path, tmp_path: Path) -> None:
     robot_file = tmp_path / "little.yaml"
     urdf.write_text(URDF.replace('<axis xyz="0 1 0"/>', '<axis xyz="0.1 1 -0.7"/>'))
-    robot_file.write_text(skeleton_from_urdf(urdf))
+    robot_file.write_text(robot_from_urdf(urdf).text)
     robot = load_robot(robot_file)
     q = np.array([0.4, -0.9])
     pose = np.asarray(robot.model.tool_pose(q, robot.model.parameter_values)).ravel()
@@ -99,7 +99,7 @@ def test_orientation_of_the_tool_is_that_of_the_turned_frames(urdf: Path, tmp_pa
 def test_body_that_does_not_move_is_not_turned(tmp_path: Path, urdf: Path) -> None:
     robot_file = tmp_path / "little.yaml"
     robot_file.write_text(
-        skeleton_from_urdf(urdf).replace("- label: hand", "- label: hand\n    orientation: [0.1, 0, 0]")
+        robot_from_urdf(urdf).text.replace("- label: hand", "- label: hand\n    orientation: [0.1, 0, 0]")
     )
     with pytest.raises(InputError, match="orientation"):
         load_robot(robot_file)
@@ -118,7 +118,7 @@ def test_what_is_no_urdf_is_refused(tmp_path: Path, text: str, message: str) -> 
     file = tmp_path / "bad.urdf"
     file.write_text(text)
     with pytest.raises(InputError, match=message):
-        skeleton_from_urdf(file)
+        robot_from_urdf(file)
 
 
 @pytest.mark.parametrize(
@@ -155,7 +155,7 @@ def test_wrong_entry_is_named(urdf: Path, old: str, new: str, message: str) -> N
     assert old in URDF
     urdf.write_text(URDF.replace(old, new, 1))
     with pytest.raises(InputError, match=message):
-        skeleton_from_urdf(urdf)
+        robot_from_urdf(urdf)
 
 
 def test_an_undeclared_base_is_a_link_without_mass(urdf: Path) -> None:
@@ -179,17 +179,17 @@ def test_axis_that_points_the_other_way_in_the_base_is_remarked(
 ) -> None:
     text = URDF.replace('<axis xyz="0 0 1"/>', f'<axis xyz="{axis}"/>', 1)
     urdf.write_text(text.replace('rpy="0 0 0"', f'rpy="{turn} 0 0"', 1))
-    assert ("points the other way" in skeleton_from_urdf(urdf).split("label: fore")[0]) is opposite
+    assert ("points the other way" in robot_from_urdf(urdf).text.split("label: fore")[0]) is opposite
 
 
 def test_axis_turned_the_other_way_by_its_frame_is_remarked(urdf: Path) -> None:
     urdf.write_text(URDF.replace('rpy="0 0 0"', 'rpy="3.141592653589793 0 0"', 1))
-    assert "points the other way" in skeleton_from_urdf(urdf).split("label: fore")[0]
+    assert "points the other way" in robot_from_urdf(urdf).text.split("label: fore")[0]
 
 
 def test_stiffness_of_a_prismatic_gear_is_asked_for_in_its_unit(urdf: Path) -> None:
     urdf.write_text(URDF.replace('name="elbow" type="revolute"', 'name="elbow" type="prismatic"'))
-    assert "replace by the gear's stiffness [N/m]" in skeleton_from_urdf(urdf)
+    assert "replace by the gear's stiffness [N/m]" in robot_from_urdf(urdf).text
 
 
 def test_long_tail_of_fixed_links_is_no_obstacle(urdf: Path) -> None:
@@ -199,18 +199,18 @@ def test_long_tail_of_fixed_links_is_no_obstacle(urdf: Path) -> None:
         f'<joint name="j{k}" type="fixed"><parent link="{ends[k]}"/><child link="t{k}"/></joint>' for k in range(3000)
     )
     urdf.write_text(URDF.replace("</robot>", f"{links}{joints}</robot>"))
-    assert "t2999" not in skeleton_from_urdf(urdf)
+    assert "t2999" not in robot_from_urdf(urdf).text
 
 
 def test_missing_file(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="cannot read"):
-        skeleton_from_urdf(tmp_path / "none.urdf")
+        robot_from_urdf(tmp_path / "none.urdf")
 
 
 def test_friction_and_names_of_joints_are_kept(tmp_path: Path) -> None:
     file, robot_file = tmp_path / "little.urdf", tmp_path / "little.yaml"
     file.write_text(URDF.replace('<axis xyz="0 0 1"/>', '<axis xyz="0 0 1"/><dynamics damping="4" friction="2"/>'))
-    robot_file.write_text(skeleton_from_urdf(file))
+    robot_file.write_text(robot_from_urdf(file).text)
     robot = load_robot(robot_file)
     assert robot.motors[0].specification.viscous_friction.value == 4
     assert robot.spec.tags["motor_2.joint"] == "elbow"
@@ -239,7 +239,7 @@ GRIPPER = """<link name="left"><inertial><origin xyz="0 0.02 0.03"/><mass value=
 
 def _torques_of(text: str, tmp_path: Path, tip: str, motion: np.ndarray) -> np.ndarray:
     (tmp_path / "arm.urdf").write_text(text)
-    (tmp_path / "arm.yaml").write_text(skeleton_from_urdf(tmp_path / "arm.urdf", tip))
+    (tmp_path / "arm.yaml").write_text(robot_from_urdf(tmp_path / "arm.urdf", tip).text)
     return np.asarray(load_robot(tmp_path / "arm.yaml").model.arm_inverse_dynamics(*motion, [])).ravel()
 
 
@@ -257,10 +257,10 @@ def test_fingers_of_a_gripper_are_fixed_to_the_tip(tmp_path: Path) -> None:
 def test_several_chains_ask_for_the_tip(urdf: Path) -> None:
     urdf.write_text(URDF.replace("</robot>", GRIPPER))
     with pytest.raises(InputError, match="left_finger, right_finger") as raised:
-        skeleton_from_urdf(urdf)
+        robot_from_urdf(urdf)
     assert raised.value.argument == "tip"
     with pytest.raises(InputError, match="did you mean 'hand'"):
-        skeleton_from_urdf(urdf, "hnd")
+        robot_from_urdf(urdf, "hnd")
 
 
 @pytest.mark.parametrize(("arm", "tip"), [(URDF, "hand"), ('<robot name="legs"><link name="hand"/></robot>', "left")])
@@ -268,7 +268,7 @@ def test_the_tip_that_is_proposed_carries_the_fingers_of_a_gripper(urdf: Path, a
     """Chains that have more joints than lie before them, such as legs, are arms themselves."""
     urdf.write_text(arm.replace("</robot>", GRIPPER))
     with pytest.raises(InputError, match=f"e.g. '{tip}'"):
-        skeleton_from_urdf(urdf)
+        robot_from_urdf(urdf)
 
 
 def test_base_is_turned_where_the_first_joint_is_slanted(tmp_path: Path) -> None:
@@ -283,7 +283,7 @@ def test_base_is_turned_where_the_first_joint_is_slanted(tmp_path: Path) -> None
 def test_inertia_that_no_body_has_is_replaced_by_the_nearest(urdf: Path, tmp_path: Path) -> None:
     old = '<inertia ixx="0.5" iyy="0.4" izz="0.1" ixy="0" ixz="0" iyz="0"/>'
     urdf.write_text(URDF.replace(old, old.replace("0.5", "0.7")))
-    text = skeleton_from_urdf(urdf)
+    text = robot_from_urdf(urdf).text
     assert "the nearest one that a body can have" in text
     (tmp_path / "robot.yaml").write_text(text)
     moments = np.linalg.eigvalsh(load_robot(tmp_path / "robot.yaml").spec.bodies[0].inertia.matrix())
@@ -297,14 +297,14 @@ def test_inertia_that_was_rounded_to_zero_or_is_a_placeholder_is_that_of_a_ball(
 ) -> None:
     old = '<inertia ixx="0.01" iyy="0.02" izz="0.02" ixy="0" ixz="0" iyz="0"/>'
     urdf.write_text(URDF.replace(old, old.replace("0.02", moment).replace("0.01", moment)))
-    (tmp_path / "robot.yaml").write_text(skeleton_from_urdf(urdf))
+    (tmp_path / "robot.yaml").write_text(robot_from_urdf(urdf).text)
     radius = (3 * 2 / (4 * np.pi * 2700)) ** (1 / 3)
     inertia = load_robot(tmp_path / "robot.yaml").spec.bodies[2].inertia.matrix()
     np.testing.assert_allclose(inertia, 0.4 * 2 * radius**2 * np.eye(3))
 
 
 def test_lengths_of_a_drawing_are_known_better_than_masses(urdf: Path, tmp_path: Path) -> None:
-    (tmp_path / "robot.yaml").write_text(skeleton_from_urdf(urdf).replace("tolerance: 0.03\n", "tolerance: 0.5\n"))
+    (tmp_path / "robot.yaml").write_text(robot_from_urdf(urdf).text.replace("tolerance: 0.03\n", "tolerance: 0.5\n"))
     parameters = load_robot(tmp_path / "robot.yaml").parameters
     assert parameters["body_1.mass"].tolerance == 0.5
     assert {parameters[f"body_1.length.{axis}"].tolerance for axis in "xyz"} == {0.003}

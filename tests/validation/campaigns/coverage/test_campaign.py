@@ -11,7 +11,8 @@ from flexros.errors import InputError
 from flexros.scheduler import connected
 from flexros.validation.campaigns.base import CampaignRequest
 from flexros.validation.campaigns.coverage import Coverage
-from flexros.validation.campaigns.coverage.settings import DEVELOPMENT_SEED, CoverageSettings
+from flexros.validation.campaigns.coverage.settings import CoverageSettings
+from tests.validation.campaigns.coverage.test_settings import DEVELOPMENT_SEED
 
 SETTINGS = CoverageSettings(
     scenario="identify_e12", positions=2, candidates=20, repetitions=2, lanes=2, first_seed=DEVELOPMENT_SEED

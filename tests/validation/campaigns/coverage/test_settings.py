@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from flexros.validation.campaigns.coverage.settings import DEVELOPMENT_SEED, EVALUATION_SEED, CoverageSettings
+from flexros.validation.campaigns.coverage.settings import EVALUATION_SEED, CoverageSettings
+
+DEVELOPMENT_SEED = 1000
+"""First seed of trials while developing; results are never reported from them."""
 
 
 def test_every_repetition_has_noise_of_its_own() -> None:
