@@ -141,20 +141,20 @@ def even_grid(stamp: IntArray, nominal: float, topic: str) -> EvenGrid:
     time = (stamp - stamp[0]) * 1e-9
     typical = float(np.median(np.diff(time)))
     _check_rate(typical, topic)
-    numbers, start, sample_time = _numbers(time, typical)
+    numbers, sample_time = _numbers(time, typical)
     warnings: list[str] = []
     slots = _distinct(numbers)
     missing = 1 - len(slots) / (numbers[-1] - numbers[0] + 1 - _paused(slots))
     if missing > MOST_MISSING or len(slots) < (1 - MOST_MISSING) * len(numbers):
-        numbers, start, sample_time = _by_count(time, topic, missing)
+        numbers, sample_time = _by_count(time, topic, missing)
         warnings.append(
             f"{topic}: the stamps come in bursts, as the receive times of a recorder do; the samples are treated as "
             f"even at {1 / sample_time:.6g} Hz, so their timing is doubtful"
         )
     irregular = _is_irregular(time, numbers, sample_time)
     if irregular:
-        numbers, start, sample_time = _by_interval(time)
-    sample_time, start = _round(time, numbers, sample_time, start, nominal)
+        numbers, sample_time = _by_interval(time)
+    sample_time, start = _round(time, numbers, sample_time, nominal)
     rows = _one_per_slot(time, numbers, start, sample_time)
     if len(rows) < len(numbers):
         warnings.append(
@@ -195,14 +195,14 @@ def _is_irregular(time: FloatArray, numbers: IntArray, step: float) -> bool:
     return bool(skipped.sum() > MOST_SKIPPED * len(numbers))
 
 
-def _by_interval(time: FloatArray) -> tuple[IntArray, float, float]:
-    """Number messages consecutively, with empty slots in holes only; return numbers, start and sample time [s]."""
+def _by_interval(time: FloatArray) -> tuple[IntArray, float]:
+    """Number messages consecutively, with empty slots in holes only; return numbers and sample time [s]."""
     interval = np.diff(time)
     usual = float(np.mean(interval[interval < _HOLE * np.median(interval)]))
     steps = np.where(interval < _HOLE * usual, 1, np.rint(interval / usual)).astype(np.int64)
     numbers = np.concatenate([[0], np.cumsum(steps)])
-    slope, start = np.polyfit(numbers, time, 1)
-    return numbers, float(start), float(slope)
+    slope, _ = np.polyfit(numbers, time, 1)
+    return numbers, float(slope)
 
 
 def _check_rate(step: float, topic: str) -> None:
@@ -223,8 +223,8 @@ def _check_rate(step: float, topic: str) -> None:
     )
 
 
-def _numbers(time: FloatArray, step: float) -> tuple[IntArray, float, float]:
-    """Number messages by the nearest slot, in growing stretches; return numbers, start and sample time [s]."""
+def _numbers(time: FloatArray, step: float) -> tuple[IntArray, float]:
+    """Number messages by the nearest slot, in growing stretches; return numbers and sample time [s]."""
     n, end, start = len(time), _FIRST, float(time[0])
     while True:
         numbers = np.rint((time[:end] - start) / step)
@@ -235,12 +235,12 @@ def _numbers(time: FloatArray, step: float) -> tuple[IntArray, float, float]:
             slope = np.polyfit(numbers[near] - middle, deviation[near], 1)
             step, start = step + float(slope[0]), start + float(slope[1] - slope[0] * middle)
         if end == n:
-            return np.rint((time - start) / step).astype(np.int64), start, step
+            return np.rint((time - start) / step).astype(np.int64), step
         end = min(n, int(np.ceil(_GROWTH * end)))
 
 
-def _by_count(time: FloatArray, topic: str, missing: float) -> tuple[IntArray, float, float]:
-    """Number messages consecutively where the stamps come in bursts around a straight line."""
+def _by_count(time: FloatArray, topic: str, missing: float) -> tuple[IntArray, float]:
+    """Number messages consecutively where the stamps come in bursts around a straight line; return also sample time."""
     numbers = np.arange(len(time))
     slope, start = np.polyfit(numbers, time, 1)
     off = float(np.sqrt(np.mean((time - start - slope * numbers) ** 2)) / slope)
@@ -251,12 +251,10 @@ def _by_count(time: FloatArray, topic: str, missing: float) -> tuple[IntArray, f
             "or record without losses"
         )
     _check_rate(float(slope), topic)
-    return numbers, float(start), float(slope)
+    return numbers, float(slope)
 
 
-def _round(
-    time: FloatArray, numbers: IntArray, sample_time: float, start: float, nominal: float
-) -> tuple[float, float]:
+def _round(time: FloatArray, numbers: IntArray, sample_time: float, nominal: float) -> tuple[float, float]:
     """Use the nominal or a round sample time where the stamps agree; return it and the start [s]."""
     span = int(numbers[-1] - numbers[0])
     for candidate in (nominal, float(f"{sample_time:.4g}"), round(sample_time, 9)):

@@ -84,7 +84,7 @@ class ExperimentPlan:
             timing = timing_of(specification, n_motors, sample_time)
             visits = visits_of(specification, timing, begin, n_motors, sample_time)
             lines = _without_sine(specification, specification.excitation.lines(sample_time, seed))
-        segments = segments_of(visits, timing, specification, n_motors)
+        segments = segments_of(visits, timing, specification)
         plan = cls(specification, sample_time, seed, begin, positions, timing, visits, segments, lines)
         if plan.duration > LONGEST:
             raise InputError(

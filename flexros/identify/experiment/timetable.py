@@ -239,7 +239,7 @@ def order_of(n_blocks: int, n_motors: int, *, paired: bool) -> tuple[tuple[int, 
 
 
 def segments_of(
-    visits: tuple[Visit, ...], timing: Timing, specification: IdentificationSpecification, n_motors: int
+    visits: tuple[Visit, ...], timing: Timing, specification: IdentificationSpecification
 ) -> tuple[Segment, ...]:
     """List the recorded periods of all experiments, in the order of time.
 
@@ -247,7 +247,6 @@ def segments_of(
         visits: The stays.
         timing: Lengths in samples.
         specification: Specification of the experiment.
-        n_motors: Number of experiments in a block.
     """
     return tuple(
         Segment(

@@ -86,7 +86,7 @@ def residual_report(problem: GrayBoxProblem, fit: GrayBoxFit, bands: Sequence[fl
     error = problem.estimator.error(np.where(used, measured, 1.0), np.where(used, response, 1.0))
     cost = weights * np.abs(error) ** 2
     misfit = _misfit(problem, response)
-    correction = _correction(problem, fit, int(np.count_nonzero(used)))
+    correction = _correction(fit, int(np.count_nonzero(used)))
     total = max(float(np.sum(cost)), np.finfo(float).tiny)
     names = problem.responses[0]
     cells = []
@@ -145,7 +145,7 @@ def _misfit(problem: GrayBoxProblem, response: ComplexArray) -> FloatArray:
     return np.stack(rows)
 
 
-def _correction(problem: GrayBoxProblem, fit: GrayBoxFit, count: int) -> float:
+def _correction(fit: GrayBoxFit, count: int) -> float:
     """Elements over degrees of freedom; each real parameter takes half of a complex element."""
     free = len(fit.names) - int(np.count_nonzero(fit.at_bound))
     return count / max(count - 0.5 * free, 1.0)
