@@ -201,8 +201,8 @@ def _held_alike(logs: WeighedLogs, null: NullFit, explanation: CandidateFit | No
         explanation: What an earlier search of the same log ended with; None for the nominal model.
     """
     best, held = explanation or null.fit, logs.held_data
-    if null.data.level < logs.data.level:
-        held = logs.held_looser(null.data.level, None if explanation is None else (best.predictor, best.theta))
+    if null.data.torque_noise < logs.data.torque_noise:
+        held = logs.held_looser(null.data.torque_noise, None if explanation is None else (best.predictor, best.theta))
     return with_tool_frame_of(held, best.predictor, best.theta)
 
 

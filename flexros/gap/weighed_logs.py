@@ -130,7 +130,7 @@ def weighed_logs(
     give_memory_back()  # what was needed of a long log beside the part that is used
     data = fit_data(fitted, model, settings)
     measurement = measurement_in(held, model.robot, data.measurement, settings)
-    held_data = fit_data(held, model, settings, measurement, data.level)
+    held_data = fit_data(held, model, settings, measurement, data.torque_noise)
     start = torque_start(data, model, tolerated, settings)
     used = replace(used, fitted=fitted)
     return WeighedLogs(used, model, unknown, tolerated, start, with_torques(data, start), held_data)

@@ -38,7 +38,7 @@ class FitData:
             motion is prescribed; larger where the torque of a lost command still matters.
         measurement: Noise of the encoders.
         settings: Settings of the diagnosis.
-        level: Torque noise that the predictor allows for, relative: see `observer_gain` [1].
+        torque_noise: Torque noise that the predictor allows for, relative: see `observer_gain` [1].
         from_rest: Whether the log begins at rest, in which case every model begins in its own equilibrium.
         lead_in: First part of a log that begins in motion, with the gain of the predictor that finds the state there;
             None for one that begins at rest.
@@ -53,8 +53,8 @@ class FitData:
             than noise, the prior of tolerated parameters weighs as much more.
         line: What acts at one frequency, which is projected out of the errors of the motors; None for nothing.
         torques: Errors of the torques of a measured log, which count as well; None where they tell no more.
-        least_level: Torque noise that the predictor would allow for if the model were not far off [1]; infinite where
-            that does not matter, as in logs of real machines.
+        least_torque_noise: Torque noise that the predictor would allow for if the model were not far off [1]; infinite
+            where that does not matter, as in logs of real machines.
     """
 
     record: Record
@@ -63,7 +63,7 @@ class FitData:
     spread: FloatArray
     measurement: Measurement
     settings: DiagnosisSettings
-    level: float
+    torque_noise: float
     from_rest: bool = False
     lead_in: tuple[Record, ObserverGain] | None = None
     tool: ToolData | None = None
@@ -74,7 +74,7 @@ class FitData:
     misfit: float = 1.0
     line: Line | None = None
     torques: TorqueErrors | None = None
-    least_level: float = np.inf
+    least_torque_noise: float = np.inf
 
     @property
     def without_torques(self) -> FitData:

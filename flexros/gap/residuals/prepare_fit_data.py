@@ -38,7 +38,7 @@ def fit_data(
     model: RobotWithEffects,
     settings: DiagnosisSettings,
     measurement: Measurement | None = None,
-    level: float | None = None,
+    torque_noise: float | None = None,
     around: tuple[Predictor, FloatArray] | None = None,
 ) -> FitData:
     """Prepare a log for a fit: compute observer gain, initial state and weights.
@@ -57,7 +57,7 @@ def fit_data(
         model: The nominal model.
         settings: Settings of the diagnosis.
         measurement: Noise of the encoders from another log of the same robot; None to measure it in this one.
-        level: Torque noise that the predictor allows for, as for another log of the same robot [1]; None to choose it.
+        torque_noise: What the predictor allows for, as for another log of the same robot [1]; None to choose it.
         around: Predictor and parameters of an explanation, around which the log is weighed in place of the nominal
             model: how far that one is off does not matter then.
 
@@ -68,10 +68,11 @@ def fit_data(
     nominal = ObservedModel.of(record, model, measurement, settings.residuals)
     beginning = nominal.beginning()
     around = (nominal.predictor, NOTHING[:, 0]) if around is None else around
-    if level is None and record.premises.floor_is_noise:
+    if torque_noise is None and record.premises.floor_is_noise:
         data, predicted = _followed(nominal, beginning, settings, around)
     else:  # a measured log is tied as its tolerance says
-        data, predicted = _weighed(nominal, beginning, settings, settings.level if level is None else level, around)
+        noise = settings.level if torque_noise is None else torque_noise
+        data, predicted = _weighed(nominal, beginning, settings, noise, around)
     _check_bounded(predicted, beginning.record, model.robot)
     data = _with_tool(data, *around)
     if record.sensors:
@@ -103,18 +104,18 @@ def _followed(
 ) -> tuple[FitData, LoopPrediction]:
     """Weigh a log with an observer that settles early and follows it more closely while the model is far off."""
     numbers = settings.residuals
-    level = nominal.settled_level(settings.level, beginning.record.n_samples)
-    data, predicted = _weighed(nominal, beginning, settings, level, around)
-    while not data.nominal_level <= numbers.far_off and 10 * data.level <= numbers.starting_level:
-        data, predicted = _weighed(nominal, beginning, settings, 10 * data.level, around)
-    return replace(data, least_level=level), predicted
+    least = nominal.settled_level(settings.level, beginning.record.n_samples)
+    data, predicted = _weighed(nominal, beginning, settings, least, around)
+    while not data.nominal_level <= numbers.far_off and 10 * data.torque_noise <= numbers.starting_level:
+        data, predicted = _weighed(nominal, beginning, settings, 10 * data.torque_noise, around)
+    return replace(data, least_torque_noise=least), predicted
 
 
 def _weighed(
     nominal: ObservedModel,
     beginning: Beginning,
     settings: DiagnosisSettings,
-    level: float,
+    torque_noise: float,
     around: tuple[Predictor, FloatArray],
 ) -> tuple[FitData, LoopPrediction]:
     """Weigh the motors of a log, and predict it.
@@ -123,10 +124,10 @@ def _weighed(
         nominal: The nominal model.
         beginning: How the log begins.
         settings: Settings of the diagnosis.
-        level: Torque noise that the observer allows for, relative [1].
+        torque_noise: What the observer allows for, relative [1].
         around: Predictor and parameters of what predicts the log.
     """
-    record, gain, measurement = beginning.record, nominal.gain(level), nominal.measurement
+    record, gain, measurement = beginning.record, nominal.gain(torque_noise), nominal.measurement
     lost = lost_commands(record, nominal.predictor, gain, beginning.state, nominal.pose, settings.residuals)
     known = spread_of(lost.record, gain, measurement, from_rest=beginning.from_rest)
     spread = lost.spread(known)
@@ -139,7 +140,7 @@ def _weighed(
         spread=spread,
         measurement=measurement,
         settings=settings,
-        level=level,
+        torque_noise=torque_noise,
         from_rest=beginning.from_rest,
         lead_in=beginning.lead_in,
         pose=nominal.pose,

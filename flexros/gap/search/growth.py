@@ -103,7 +103,7 @@ def _may_hide(search: Search, comparison: ModelComparison) -> bool:
     A log that is tied more loosely next shows them better, and tells candidates apart that are the same here: a gain of
     torques and the weight of another body were added beside a limit of torques.
     """
-    loosest = search.resumed or not search.data.level > search.data.least_level
+    loosest = search.resumed or not search.data.torque_noise > search.data.least_torque_noise
     return loosest and floor_is_uncertain(comparison)
 
 

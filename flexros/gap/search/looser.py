@@ -61,14 +61,14 @@ def looser_null(
         tolerance of its torques says.
     """
     data, fit = null.data, null.fit if around is None else around
-    if not data.least_level < data.level:
+    if not data.least_torque_noise < data.torque_noise:
         return None
     weigh = partial(fit_data, record, null.model, settings, data.measurement, around=(fit.predictor, fit.theta))
     again = weigh()
-    if not again.level < data.level:
+    if not again.torque_noise < data.torque_noise:
         return None
-    if again.level < least:
-        again = replace(weigh(level=least), least_level=again.least_level)
+    if again.torque_noise < least:
+        again = replace(weigh(torque_noise=least), least_torque_noise=again.least_torque_noise)
     start = fit.predictor.tolerance.by_name(fit.deviations)
     return fit_null(again, null.model, tolerance, settings.fit, start, stop)
 
@@ -114,7 +114,7 @@ def _looser_search(search: Search, chosen: CandidateFit, record: Record, toleran
     settings, deadline = search.settings, search.deadline
     if deadline.stops():
         return None
-    least = search.data.level / STEP
+    least = search.data.torque_noise / STEP
     null = looser_null(search.null, record, tolerance, settings, chosen, least, deadline.of_fit())
     if null is None:
         return None

@@ -97,7 +97,7 @@ def test_effects_of_a_simulated_log_are_as_they_were_found() -> None:
 
 def test_without_a_gap_in_either_log_an_effect_that_does_not_hold_is_chance() -> None:
     """Torques that are known to a tolerance leave less than it: what fits their rest of one log is no finding."""
-    data = replace(measured("torque_bias@motor_1:level=0.1"), level=1.0)
+    data = replace(measured("torque_bias@motor_1:level=0.1"), torque_noise=1.0)
     null = fit_null(data, MODEL, Tolerance())
     search = prepare_search(null, settings_of("coulomb_friction", "torque_bias"))
     additions = search.additions(search.directions(search.candidates()), null.fit, search.surroundings(null.fit))

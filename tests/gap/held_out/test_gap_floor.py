@@ -25,7 +25,7 @@ def test_the_floor_with_tolerance_is_the_gap_of_a_torque_that_is_off_by_it() -> 
     assert tolerance_floor(nominal, log) is None  # torques of a simulation are exact
     tolerated = replace(log, measurement=replace(log.measurement, signal_tolerance=0.05))
     record = record_of("torque_gain_error@motor_1:relative=0.05")
-    off = errors_ahead(nominal, fit_data(record, MODEL, log.settings, level=log.level)).mean
+    off = errors_ahead(nominal, fit_data(record, MODEL, log.settings, torque_noise=log.torque_noise)).mean
     smaller = (record.torque.std() / log.record.torque.std()) ** 2  # for the same motion
     assert tolerance_floor(nominal, tolerated) == pytest.approx(off / smaller, rel=0.03)
 

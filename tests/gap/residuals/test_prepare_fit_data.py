@@ -76,26 +76,26 @@ def test_the_frame_of_a_tracker_is_that_of_the_prediction_it_is_seen_by() -> Non
 
 def test_a_model_that_is_far_off_is_tied_more_closely_to_the_encoders() -> None:
     friction, settings = "coulomb_friction@motor_1:level=1", DiagnosisSettings()
-    strayed = fit_data(record_of(friction), MODEL, settings, level=settings.level)
+    strayed = fit_data(record_of(friction), MODEL, settings, torque_noise=settings.level)
     assert strayed.nominal_level > settings.residuals.far_off
     data = data_of(friction)
-    assert data.level > settings.level
+    assert data.torque_noise > settings.level
     assert data.nominal_level < settings.residuals.far_off
-    assert data_of().level == settings.level
+    assert data_of().torque_noise == settings.level
 
 
 def test_a_measured_log_is_tied_as_its_tolerance_says() -> None:
     record = replace(record_of("coulomb_friction@motor_1:level=1"), imported=True)
-    assert fit_data(record, MODEL, DiagnosisSettings()).level == DiagnosisSettings().level
+    assert fit_data(record, MODEL, DiagnosisSettings()).torque_noise == DiagnosisSettings().level
 
 
 def test_the_gain_of_the_predictor_settles_early_in_a_short_log() -> None:
     """Where it did not, an exact rigid arm of six axes, sampled every 4 ms, had a coloured prediction error."""
     short, settings = record_of().part(0, 6000), DiagnosisSettings()
-    late, data = (fit_data(short, MODEL, settings, level=level) for level in (settings.level, None))
+    late, data = (fit_data(short, MODEL, settings, torque_noise=level) for level in (settings.level, None))
     longest = settings.residuals.settles_within * short.n_samples
     assert data.gain.settling <= longest < late.gain.settling
-    assert data.level <= 8 * settings.level
+    assert data.torque_noise <= 8 * settings.level
 
 
 @pytest.mark.slow

@@ -31,7 +31,7 @@ def search_that_never_ends() -> Any:
         torques_decide=False,
         resumed=False,
         premises=SIMULATED,
-        data=SimpleNamespace(n_values=10, level=1.0, least_level=1.0),
+        data=SimpleNamespace(n_values=10, torque_noise=1.0, least_torque_noise=1.0),
         deadline=SimpleNamespace(stops=lambda: False),
         within_limits=lambda one: one,
     )
@@ -189,16 +189,18 @@ def test_a_step_of_a_resumed_search_removes_as_much_as_an_effect_must_in_the_end
     assert steps
 
 
-@pytest.mark.parametrize(("resumed", "level", "grows"), [(False, 1.0, True), (False, 10.0, False), (True, 10.0, True)])
+@pytest.mark.parametrize(
+    ("resumed", "torque_noise", "grows"), [(False, 1.0, True), (False, 10.0, False), (True, 10.0, True)]
+)
 def test_near_an_uncertain_floor_effects_are_added_where_they_show_best(
-    monkeypatch: pytest.MonkeyPatch, steps: list[str], resumed: bool, level: float, grows: bool
+    monkeypatch: pytest.MonkeyPatch, steps: list[str], resumed: bool, torque_noise: float, grows: bool
 ) -> None:
     monkeypatch.setattr(growth, "incomplete", lambda *_: False)
     monkeypatch.setattr(growth, "floor_is_uncertain", lambda *_: True)
     monkeypatch.setattr(growth, "in_vain", lambda *_: False)
     monkeypatch.setattr(growth, "reduced", lambda _search, one, *_: one)
     search = search_that_never_ends()
-    search.resumed, search.data.level = resumed, level
+    search.resumed, search.data.torque_noise = resumed, torque_noise
     growth.extended(search, fit("first"), [], [])
     assert bool(steps) is grows
 

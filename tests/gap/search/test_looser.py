@@ -34,10 +34,10 @@ def far_off() -> NullFit:
 def test_numbers_within_tolerance_do_not_decide_how_closely_a_log_is_tied() -> None:
     """On six-axis arms 3 % off, friction that is worth 1600 nats at the least torque noise was worth 40."""
     null, settings = far_off(), DiagnosisSettings()
-    assert null.data.level > null.data.least_level == settings.level
+    assert null.data.torque_noise > null.data.least_torque_noise == settings.level
     found = looser_null(null, record_of(), NUMBERS, settings)
     assert found is not None
-    assert found.data.level == settings.level
+    assert found.data.torque_noise == settings.level
     assert found.fit.chi2 / found.data.n_values == pytest.approx(1.0, abs=0.05)
     assert looser_null(found, record_of(), NUMBERS, settings) is None
 
@@ -60,9 +60,9 @@ def first_search() -> tuple[Search, Explanations]:
 @pytest.mark.slow
 def test_a_search_goes_on_from_an_explanation_in_the_log_tied_more_loosely() -> None:
     search, first = first_search()
-    assert search.data.level > search.data.least_level
+    assert search.data.torque_noise > search.data.least_torque_noise
     again, found = found_looser(search, first, record_of(LARGE, SMALL), Tolerance())
-    assert again.data.level == search.data.least_level
+    assert again.data.torque_noise == search.data.least_torque_noise
     assert again.resumed
     assert again.of_torques == frozenset()
     assert found.chosen.names > first.chosen.names

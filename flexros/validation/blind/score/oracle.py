@@ -45,7 +45,7 @@ def oracle_fraction(folder: Path, case: OpenCase, truth: Truth) -> float | None:
     settings = case_settings()
     data = fit_data(record, model, settings)
     measurement = measurement_in(holdout, robot, data.measurement, settings)
-    held = fit_data(holdout, model, settings, measurement, data.level)
+    held = fit_data(holdout, model, settings, measurement, data.torque_noise)
     null = fit_null(data, model, tolerance_of(robot, {}), settings.fit)
     held = with_tool_frame_of(held, null.fit.predictor, null.fit.theta)
     search = prepare_search(null, settings)
