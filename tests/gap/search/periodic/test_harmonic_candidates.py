@@ -135,11 +135,16 @@ def test_a_fit_at_a_neighbouring_order_finds_the_true_one() -> None:
 
 def test_ripple_in_proportion_to_the_torque_stays_below_it() -> None:
     """A motor that sticks for most of the log leaves errors as large as its torque."""
+    largest = {}
     for one in found_in("coulomb_friction@motor_1:level=20"):
         low, high = predictor_of(one).bounds
-        one.placed({free.name: float(free.decode(np.array(end))) for free, end in zip(one.free, high, strict=True)})
-        assert np.all(low <= initial_values(predictor_of(one))[:, 0])
-        assert np.all(initial_values(predictor_of(one))[:, 0] <= high + 1e-12)
+        start = initial_values(predictor_of(one))[:, 0]
+        assert np.all(low <= start)
+        assert np.all(start <= high + 1e-12)
+        ends = {free.name: float(free.decode(np.array(end))) for free, end in zip(one.free, high, strict=True)}
+        largest[one.effect.name, one.fixed] = one.placed(ends).effect.model_dump()["amplitude"]
+    assert largest["torque_ripple", (("proportional", True),)] == pytest.approx(0.99)
+    assert largest["torque_ripple", ()] > 1
 
 
 def test_nothing_is_next_to_a_fit_without_parameters() -> None:
