@@ -6,11 +6,16 @@ from dataclasses import replace
 
 import pytest
 
+from flexros.gap.answer.sensitivity import Sensitivity, sensitivity_of
+from flexros.gap.deadline import Deadline
 from flexros.gap.diagnose import diagnose
+from flexros.gap.diagnosis_task import DiagnosisTask, SearchedLog
+from flexros.gap.residuals.fit_data import FitData
 from flexros.gap.schema import Diagnosis
-from flexros.gap.settings import DiagnosisSettings, SensitivitySettings
+from flexros.gap.search.forward_selection import Explanations
+from flexros.gap.settings import SensitivitySettings
 from flexros.record.record import Record
-from tests.gap.diagnosis_logs import ROBOT, record_of, settings_of
+from tests.gap.diagnosis_logs import MODEL, ROBOT, predictor_of, record_of, settings_of
 
 pytestmark = pytest.mark.slow
 
@@ -22,23 +27,40 @@ STATED = 0.022
 """Tolerance of which the error of the inertia is 4.5 standard deviations [1]; twice of it allows for that error."""
 
 
-def simulated(seed: int) -> Record:
-    return record_of(FRICTION, HEAVY, length=LENGTH, seed=seed)
-
-
 def recorded(seed: int) -> Record:
     """A log that could be that of a machine."""
-    return replace(simulated(seed), simulated=False)
+    return replace(record_of(FRICTION, HEAVY, length=LENGTH, seed=seed), simulated=False)
 
 
-def diagnosed(tolerance: float, settings: DiagnosisSettings = SETTINGS, **others: float) -> Diagnosis:
+def diagnosed(tolerance: float, **others: float) -> Diagnosis:
     tolerances = {"inertia": tolerance, **others}
-    return diagnose(recorded(1), ROBOT, holdout=recorded(2), tolerance=tolerances, settings=settings).diagnosis
+    return diagnose(recorded(1), ROBOT, holdout=recorded(2), tolerance=tolerances, settings=SETTINGS).diagnosis
 
 
 @pytest.fixture(scope="module")
-def guessed() -> Diagnosis:
-    return diagnosed(STATED)
+def task() -> DiagnosisTask:
+    return DiagnosisTask(MODEL, recorded(2), {"inertia": STATED}, (), SETTINGS, Deadline(), None)
+
+
+@pytest.fixture(scope="module")
+def searched(task: DiagnosisTask) -> SearchedLog:
+    return task.searched(recorded(1))
+
+
+@pytest.fixture(scope="module")
+def guessed(task: DiagnosisTask, searched: SearchedLog) -> Diagnosis:
+    return task.answered(searched).diagnosis
+
+
+def sensitivity(
+    searched: SearchedLog,
+    settings: SensitivitySettings | None = SETTINGS.sensitivity,
+    explanations: Explanations | None = None,
+    data: FitData | None = None,
+) -> Sensitivity:
+    """Compare the explanations of the search at other tolerances, or others, or those of another log."""
+    explanations, data = explanations or searched.explanations, data or searched.null.data
+    return sensitivity_of(explanations, data, MODEL, searched.unknown, settings, lambda: False)
 
 
 def test_a_name_that_changes_with_the_tolerance_is_ambiguous(guessed: Diagnosis) -> None:
@@ -81,17 +103,21 @@ def test_a_small_tolerance_changes_no_name() -> None:
     assert diagnosis.verdict != "ambiguous"
 
 
-def test_exact_models_and_simulated_logs_have_no_guesses() -> None:
-    assert diagnosed(0.0).tolerance_sensitivity == ()
-    found = diagnose(simulated(1), ROBOT, tolerance={"inertia": STATED}, settings=SETTINGS).diagnosis
-    assert found.tolerance_sensitivity == ()
+def test_exact_models_and_simulated_logs_have_no_guesses(searched: SearchedLog) -> None:
+    explanations, data = searched.explanations, searched.null.data
+    null = replace(explanations.null, predictor=predictor_of())
+    exact = replace(explanations, comparison=replace(explanations.comparison, null=null))
+    assert sensitivity(searched, explanations=exact).rows == ()
+    assert sensitivity(searched, data=replace(data, record=replace(data.record, simulated=True))).rows == ()
 
 
-def test_it_can_be_left_out() -> None:
-    assert diagnosed(STATED, SETTINGS.model_copy(update={"sensitivity": None})).tolerance_sensitivity == ()
+def test_it_can_be_left_out(task: DiagnosisTask, searched: SearchedLog) -> None:
+    without = replace(task, settings=SETTINGS.model_copy(update={"sensitivity": None}))
+    assert without.answered(searched).diagnosis.tolerance_sensitivity == ()
 
 
-def test_no_explanation_is_fitted_again_where_none_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_explanation_is_fitted_again_where_none_is_asked_for(
+    searched: SearchedLog, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("flexros.gap.answer.sensitivity.fit_again", lambda *_, **__: pytest.fail("it was fitted again"))
-    settings = SETTINGS.model_copy(update={"sensitivity": SensitivitySettings(refitted=0)})
-    assert diagnosed(STATED, settings).tolerance_sensitivity
+    assert sensitivity(searched, SensitivitySettings(refitted=0)).rows
