@@ -33,6 +33,9 @@ if TYPE_CHECKING:
     from flexros.gap.search.fits.candidate_fits import Search
     from flexros.gap.search.model_probability import ModelComparison
 
+TWIN = 1.05
+"""Gain of two candidates together, over the larger of theirs alone, up to which they do the same [1] (chosen)."""
+
 
 def extended(
     search: Search,
@@ -207,8 +210,8 @@ def with_more(
 
     Several begin with the sizes that they have together by linear theory. In a simulated log each further one gains
     more than its parameters cost: beside one that is missing, imitations of noise made the group not worth it. Where
-    the fit of several removes less than it must, that is no sign that nothing is missing: then each of the best ones is
-    tried alone as well.
+    the fit of several is not worth it, that is no sign that nothing is missing: then each of the best ones that differ
+    is tried alone as well.
 
     Args:
         search: The search.
@@ -241,11 +244,17 @@ def with_more(
         sizes = surroundings.sizes(np.stack([addition.change for addition in group], axis=-1))
         group = [addition.sized(size) for addition, size in zip(group, sizes, strict=True)]
     grown = (_known(fit, group, known) or _fitted(search, fit, [group], fits)) if len(group) > 1 else None
-    enough = fit.chi2 - _removed(search, fit, settings.removed_by_step) * max(fit.chi2 - search.data.n_values, 0.0)
-    if grown is None or (grown.chi2 > enough and not search.torques_decide and not search.deadline.stops()):
-        alone = _fitted(search, fit, [[addition] for addition in additions[: settings.added]], fits)
-        grown = min((one for one in (grown, alone) if one is not None), key=lambda one: one.chi2, default=None)
-    return grown
+    step = _removed(search, fit, settings.removed_by_step)
+
+    def worth_it(one: CandidateFit) -> bool:
+        return worth(search, compared(search, best_of_each(fits)), fit, one, step)
+
+    if grown is not None and (search.torques_decide or search.deadline.stops() or worth_it(grown)):
+        return grown
+    alone = _fitted(search, fit, [[addition] for addition in _different(search, fit, additions)], fits)
+    if grown is None or alone is None:
+        return grown or alone
+    return alone if alone.chi2 < grown.chi2 or worth_it(alone) else grown  # others of the group may hide its worth
 
 
 def promises(search: Search, fit: CandidateFit, directions: Sequence[Directions], share: float) -> bool:
@@ -278,6 +287,25 @@ def _independent(search: Search, fit: CandidateFit, additions: Sequence[Addition
     changes = np.stack([one.change for one in distinct], axis=-1) if distinct else np.empty((len(search.rows), 0))
     chosen = search.surroundings(fit).independent(changes, settings.grouped, settings.kept)
     return [distinct[index] for index in chosen]
+
+
+def _different(search: Search, fit: CandidateFit, additions: Sequence[Addition]) -> list[Addition]:
+    """Select the most promising candidates of which none promises what another one does.
+
+    Three delays and lags of a servo are one candidate to linear theory, and hid friction that promised nearly as much.
+    """
+    around, most = search.surroundings(fit), search.settings.search.added
+    chosen: list[Addition] = []
+    for one in additions:
+        twins = (
+            around.least - around.left(np.stack([one.change, other.change], axis=-1)) < TWIN * max(one.gain, other.gain)
+            for other in chosen
+        )
+        if not any(twins):
+            chosen.append(one)
+        if len(chosen) == most:
+            break
+    return chosen
 
 
 def _known(fit: CandidateFit, group: Sequence[Addition], known: Sequence[CandidateFit]) -> CandidateFit | None:

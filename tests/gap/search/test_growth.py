@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from flexros.gap.fit.screening import Surroundings
 from flexros.gap.search import growth
 from flexros.gap.settings import DiagnosisSettings
 from flexros.record.premises import MEASURED, SIMULATED
@@ -229,7 +230,8 @@ def first_group(
     """Gains of the candidates that are tried together first, of some that are independent of each other."""
     tried: list[Any] = []
     search = search_with(found, monkeypatch)
-    monkeypatch.setattr(growth, "_removed", lambda *_: 0.1)
+    for name, value in (("_removed", 0.1), ("best_of_each", []), ("compared", None), ("worth", True)):
+        monkeypatch.setattr(growth, name, lambda *_, value=value: value)
     monkeypatch.setattr(growth, "_fitted", lambda _search, _fit, trials, _fits: tried.append(trials[0]) or fit("first"))
     search.torques_decide = torques_decide
     growth.with_more(search, fit(), [], [], further)
@@ -246,6 +248,33 @@ def test_what_gains_less_than_its_parameters_cost_is_not_added_beside_others(mon
     """Three eccentricities that noise feigned made a group not worth it in which a gain of torques was right."""
     found = [addition("gain@motor_3", 150.0), addition("drag@motor_1", 5.0), addition("ripple@motor_2", 6.5, 3)]
     assert first_group(monkeypatch, found) == [150.0, 5.0]  # ln 10 per parameter
+
+
+def test_where_a_group_is_not_worth_it_different_candidates_are_tried_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A lag was not worth it beside an eccentricity, and its twins came before friction, which was the cause."""
+    rng = np.random.default_rng(6)
+    lag, drag, ripple = rng.normal(size=(3, 400))
+    around = Surroundings(-2 * lag - 1.8 * drag, np.zeros((400, 0)), np.zeros(0), np.zeros(0), 1.0)
+    changes = {"lag": 2 * lag, "delay": 2 * lag + 0.02 * ripple, "hold": 1.9 * lag, "drag": 1.8 * drag}
+    gains = around.gains(np.stack(list(changes.values()), axis=-1))[0]
+    found = [addition(name, gain) for name, gain in zip(changes, gains)]
+    for one in found:
+        one.change = changes[one.candidate.name]
+    search = search_with(found, monkeypatch)
+    search.surroundings = lambda _fit: around
+    tried: list[list[str]] = []
+
+    def fitted(_search: Any, _fit: Any, trials: Any, _fits: Any) -> Any:
+        tried.append(["+".join(one.candidate.name for one in trial) for trial in trials])
+        return fit(*tried[-1])
+
+    for name, value in (("_removed", 0.1), ("best_of_each", []), ("compared", None)):
+        monkeypatch.setattr(growth, name, lambda *_, value=value: value)
+    monkeypatch.setattr(growth, "_independent", lambda *_: [found[0], found[0]])
+    monkeypatch.setattr(growth, "_fitted", fitted)
+    monkeypatch.setattr(growth, "worth", lambda _search, _comparison, _before, after, _least: "drag" in after.names)
+    assert growth.with_more(search, fit(), [], []).names == {"lag", "drag"}
+    assert tried == [["lag+lag"], ["lag", "drag"]]
 
 
 @dataclass(frozen=True, eq=False)
