@@ -76,7 +76,7 @@ def answer_warnings(findings: Findings, gap: GapNumbers, *, worse: bool) -> list
             "hold beyond the fitted log"
         )
     warnings += [
-        f"{name} explains a part of the fitted log, but the held-out log is predicted better without it: it was "
+        f"{name} explains a part of the fitted log, but the held-out log does not confirm it: it was "
         "withdrawn, and what it stood for is not known; that log took part in the choice, so check the patch on a third"
         for name in findings.withdrawn
     ]

@@ -5,12 +5,15 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from flexros.gap.answer.decision import level_of_positions, on_held_out
 from flexros.gap.fit.candidate_fit import best_of_each
 from flexros.gap.fit.null_fit import predicting_best
 from flexros.gap.held_out.closed_share import closed_fraction, share_between
 from flexros.gap.held_out.errors_ahead import errors_ahead
 from flexros.gap.held_out.gap_floor import tolerance_floor
+from flexros.gap.search.elimination import unclear
 from flexros.gap.search.fits.refits import at_limits
 from flexros.gap.search.forward_selection import explanations_of
 from flexros.gap.search.worth import compared
@@ -24,6 +27,8 @@ if TYPE_CHECKING:
     from flexros.gap.search.fits.candidate_fits import Search
     from flexros.gap.search.forward_selection import Explanations
 
+SAME = 1e-3
+"""Share by which predictions of one sample may be worse and still count as the same [1] (chosen)."""
 RIVALS = 3
 """Other explanations that are tried once an effect was withdrawn, the likeliest ones [1] (chosen)."""
 
@@ -34,8 +39,8 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> tupl
     On a real machine no law has exactly the form of the library. A size that gains in the fitted log may make up for
     that there, as a gain of a servo does for friction that depends on the position, and spoil what is predicted of
     another motion. An effect is withdrawn where, with all others fitted again without it, the predictions 0.1 s ahead
-    are clearly better and by more than chance, and those of one sample are not worse. A simulated log has no such
-    errors of form.
+    are clearly better and by more than chance, and those of one sample are not worse. One whose size is not determined,
+    with errors of form, is also withdrawn where they are no worse. A simulated log has no such errors of form.
 
     Where the nominal model leaves no more than noise and tolerance in either log, there is no gap that an effect could
     be the cause of: one that does not hold in the held-out log is chance, however much it gains in the fitted one. So
@@ -147,13 +152,21 @@ def _hardly_a_gap(search: Search, explanations: Explanations, held: FitData) -> 
 
 
 def _better_without(search: Search, chosen: CandidateFit, before: AheadErrors, held: FitData) -> CandidateFit | None:
-    """Fit an explanation without the effect that spoils the predictions of the held-out log most; None without one."""
-    sample_time, after = held.record.sample_time, errors_ahead(chosen, held)
-    without = search.parallel("effects on held-out data", partial(search.without, chosen), sorted(chosen.names))
-    squares, best, least = on_held_out(chosen, held).chi2, None, -search.settings.ranking.withdrawn
-    for fit in without:
+    """Fit an explanation without the effect that spoils the predictions of the held-out log most; None without one.
+
+    One whose size is not determined is left out where they gain nothing by it.
+    """
+    settings, sample_time = search.settings.ranking, held.record.sample_time
+    after, squares = errors_ahead(chosen, held), on_held_out(chosen, held).chi2
+    names, undetermined = sorted(chosen.names), unclear(search, chosen, settings.undetermined)
+    without = search.parallel("effects on held-out data", partial(search.without, chosen), names)
+    best, least = None, np.inf
+    for name, fit in zip(names, without, strict=True):
         share = share_between(before, errors_ahead(fit, held), after, sample_time)
-        spoils = share is not None and share.interval[1] < 0 and on_held_out(fit, held).chi2 <= squares
-        if spoils and share is not None and share.value <= least:
+        if share is None or share.value >= least:
+            continue
+        more = on_held_out(fit, held).chi2 / squares - 1
+        spoils = share.interval[1] < 0 and share.value <= -settings.withdrawn and more <= 0
+        if spoils or (name in undetermined and share.value <= 0 and more <= SAME):
             best, least = fit, share.value
     return best

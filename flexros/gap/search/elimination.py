@@ -386,6 +386,18 @@ def without_unclear(search: Search, fit: CandidateFit, fits: list[CandidateFit])
     return fit
 
 
+def unclear(search: Search, fit: CandidateFit, least: float) -> list[str]:
+    """Return the effects of a fit of which no size, with errors of form, is clearly not zero.
+
+    Args:
+        search: The search.
+        fit: The fit.
+        least: Size over its standard deviation from which it is clear [1].
+    """
+    found = zip(fit.hypothesis, parameters_of(fit, search.data, search.settings.ranking), strict=True)
+    return [one.name for one, sizes in found if clearness(sizes[free.name] for free in sizes_of(one)) < least]
+
+
 def clearness(sizes: Iterable[CauseParameter]) -> float:
     """Return the largest determined size of an effect over its standard deviation [1]; 0 without one.
 

@@ -11,9 +11,8 @@ import numpy as np
 from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.motor_inertia_error import MotorInertiaError
 from flexros.effects.torque_gain_error import TorqueGainError
-from flexros.gap.fit.estimates import parameters_of, sizes_of
 from flexros.gap.fit.screening import Directions, changes_of
-from flexros.gap.search.elimination import clearness, one_by_one
+from flexros.gap.search.elimination import one_by_one, unclear
 from flexros.gap.search.fits.additions import Addition
 from flexros.gap.search.worth import compared
 
@@ -26,7 +25,6 @@ if TYPE_CHECKING:
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.fit.screening import Surroundings
-    from flexros.gap.schema import CauseParameter
     from flexros.gap.search.fits.candidate_fits import Search
 
 FEWEST = 2
@@ -243,11 +241,10 @@ def without_tangled(search: Search, fit: CandidateFit, fits: list[CandidateFit])
     if search.premises.library_is_complete:
         return fit
     while not search.deadline.stops():
-        sizes = parameters_of(fit, search.data, search.settings.ranking)
-        unclear = [one.name for one, own in zip(fit.hypothesis, sizes, strict=True) if _is_unclear(search, one, own)]
-        if len(unclear) < FEWEST:
+        tangled = unclear(search, fit, search.settings.search.clear)
+        if len(tangled) < FEWEST:
             break
-        groups = [[name for name in unclear if name != kept] for kept in unclear]
+        groups = [[name for name in tangled if name != kept] for kept in tangled]
         without = search.parallel("effects regrouped", partial(_without, search, fit), groups)
         whole = [search.completed(one) for one in without if one.hypothesis]
         fits += whole
@@ -261,8 +258,3 @@ def without_tangled(search: Search, fit: CandidateFit, fits: list[CandidateFit])
 
 def _without(search: Search, fit: CandidateFit, names: Sequence[str]) -> CandidateFit:
     return search.without(fit, *names)
-
-
-def _is_unclear(search: Search, one: Candidate, sizes: Mapping[str, CauseParameter]) -> bool:
-    """Return whether no size of an effect is clearly not zero."""
-    return clearness(sizes[free.name] for free in sizes_of(one)) < search.settings.search.clear

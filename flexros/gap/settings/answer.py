@@ -96,6 +96,12 @@ class RankingSettings(Settings):
         "effect of a measured log for it to be withdrawn [1]: of four legs of a quadruped robot those that spoiled "
         "another log had 0.06 and 0.39, one that did not 0.01",
     )
+    undetermined: float = Field(
+        default=1.0,
+        ge=0,
+        description="size of an effect of a measured log over its standard deviation, with errors of form, below which "
+        "it is withdrawn where predictions of the held-out log are no worse without it [1] (chosen: not determined)",
+    )
     confirmed_share: float = Field(
         default=0.2,
         gt=0,

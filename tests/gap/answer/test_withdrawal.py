@@ -75,6 +75,17 @@ def test_effects_that_hold_in_the_held_out_log_stay() -> None:
     assert explanations is found()[1]
 
 
+def test_an_effect_of_undetermined_size_that_gains_nothing_in_the_held_out_log_is_withdrawn() -> None:
+    null = fit_null(measured(BOTH[0]), MODEL, Tolerance())
+    search = prepare_search(null, settings_of("coulomb_friction", "stiffness_error"))
+    additions = search.additions(search.directions(search.candidates()), null.fit, search.surroundings(null.fit))
+    chosen = search.together(null.fit, [one for one in additions if one.candidate.name in (FRICTION, SOFT)])
+    explanations = explanations_of(search, compared(search, [chosen]), chosen, detected=True)
+    confirmed_ones, withdrawn = confirmed(search, explanations, measured(BOTH[0], seed=2))
+    assert withdrawn == (SOFT,)
+    assert confirmed_ones.chosen.names == {FRICTION}
+
+
 def test_the_last_effect_is_not_withdrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where there is a gap and no effect holds, it is the verdict that says so."""
     monkeypatch.setattr(withdrawal, "_changes_nothing", lambda *_: False)
