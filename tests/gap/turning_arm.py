@@ -14,6 +14,8 @@ from flexros.robot import Robot, robot_from_data
 from tests.gap.rigid_arm import T, motion
 from tests.oracles.pinocchio_model import build
 
+SECONDS = 12.0
+"""Of the logs [s]."""
 ROTORS, VISCOUS, COULOMB = np.array([0.9, 0.8, 0.3]), np.array([5.0, 4.0, 1.5]), np.array([4.0, 6.0, 2.0])
 TURNING = """
 name: turning arm
@@ -37,11 +39,12 @@ def turning_arm(gravity: tuple[float, float, float] = (0.0, 0.0, -9.81)) -> Robo
 
 
 def motion_in_space() -> FloatArray:
-    """Return positions, speeds and accelerations of 20 s, shape (3, n, 3)."""
+    """Return positions, speeds and accelerations, shape (3, n, 3)."""
     w, turns = 0.7, [0.9, 0.63, 0.441]
-    time = T * np.arange(motion().shape[1])
+    others = motion(SECONDS)
+    time = T * np.arange(others.shape[1])
     first = [turn * np.sin(w * time + order * np.pi / 2) for order, turn in enumerate(turns)]
-    return np.concatenate([np.array(first)[:, :, None], motion()], axis=2)
+    return np.concatenate([np.array(first)[:, :, None], others], axis=2)
 
 
 def log_of(*, tilt: FloatArray, offset: float = 0.0) -> Record:

@@ -55,15 +55,16 @@ def test_gravity_fixes_the_factor() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("true", "named"),
+    ("true", "named", "imported"),
     [
-        (("torque_gain_error@motor_1:relative=-0.3",), {"torque_gain_error"}),
-        (("torque_gain_error@motor_1:relative=0.35",), {"torque_gain_error"}),
-        (("servo_stiffness_error@motor_1:relative=-0.3",), {"servo_stiffness_error"}),
-        ((GAIN, RUBS), {"servo_stiffness_error", "viscous_friction"}),
+        (("torque_gain_error@motor_1:relative=-0.3",), {"torque_gain_error"}, True),
+        (("torque_gain_error@motor_1:relative=0.35",), {"torque_gain_error"}, True),
+        (("torque_gain_error@motor_1:relative=0.35",), {"torque_gain_error"}, False),
+        (("servo_stiffness_error@motor_1:relative=-0.3",), {"servo_stiffness_error"}, True),
+        ((GAIN, RUBS), {"servo_stiffness_error", "viscous_friction"}, True),
+        ((GAIN, RUBS), {"servo_stiffness_error", "viscous_friction"}, False),
     ],
 )
-@pytest.mark.parametrize("imported", [True, False])
 def test_a_wrong_torque_constant_is_told_from_a_wrong_stiffness(
     true: tuple[str, ...], named: set[str], imported: bool
 ) -> None:

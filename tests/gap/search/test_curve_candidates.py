@@ -89,7 +89,8 @@ def measured(*texts: str, one_sided: bool = False, swing: float = 0.4, samples: 
 @cache
 def diagnosed(*texts: str, one_sided: bool = False) -> DiagnosisResult:
     record = measured(*texts, one_sided=one_sided, samples=12000 if one_sided else 8000)
-    return diagnose(record, RobotWithEffects(ROBOT, ()), settings=SETTINGS)
+    stated = {"torque": 0.05} if one_sided else {}  # no smaller tolerance is tried beside the curve
+    return diagnose(record, RobotWithEffects(ROBOT, ()), tolerance=stated, settings=SETTINGS)
 
 
 def causes(found: DiagnosisResult) -> dict[str, dict[str, tuple[float, float]]]:

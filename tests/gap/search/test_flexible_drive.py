@@ -33,7 +33,8 @@ if TYPE_CHECKING:
 pytestmark = pytest.mark.slow
 
 FRICTION = ("coulomb_friction@motor_1:level=6", "viscous_friction@motor_1:coefficient=10")
-N = 12_000
+N, FEW = 12_000, 7_000
+"""Samples of a log that is diagnosed, and of one in which single steps of a search are tried."""
 RIVALS = (
     *("coulomb_friction", "viscous_friction", "stribeck_friction", "presliding_friction", "hysteresis"),
     *("backlash", "stiffness_error"),
@@ -44,23 +45,23 @@ SETTINGS = DiagnosisSettings(where=None, next_experiment=None, search=SearchSett
 
 
 @cache
-def record_of(*effects: str) -> Record:
+def record_of(*effects: str, samples: int = N) -> Record:
     """Drive a motor by sines and a slow position loop, and record it as another program would."""
     robot = load_robot("two_mass")
     T = robot.sample_time
     placed = place_effects(robot, [parse_effect(text, "test") for text in effects])
-    random, time, drive = generator(1, 600), T * np.arange(N), np.zeros(N)
+    random, time, drive = generator(1, 600), T * np.arange(samples), np.zeros(samples)
     for frequency in np.arange(1.3, 30, 1.7):
         drive += 30 * np.sin(2 * np.pi * frequency * time + random.uniform(0, 2 * np.pi))
     plant = Plant(placed.robot, T, np.zeros(4), substeps=4, laws=placed.laws)
-    position, torque = np.zeros((N, 1)), np.zeros((N, 1))
-    for k in range(N):
+    position, torque = np.zeros((samples, 1)), np.zeros((samples, 1))
+    for k in range(samples):
         state = plant.state
         position[k] = state[1]
         torque[k] = drive[k] + 200 * (0.5 * np.sin(2 * np.pi * 0.4 * time[k]) - state[1]) - 20 * state[3]
         plant.advance(torque[k])
     position += 1e-5 * random.standard_normal(position.shape)
-    return Record("log", T, position, torque, np.ones(N, dtype=bool), imported=True)
+    return Record("log", T, position, torque, np.ones(samples, dtype=bool), imported=True)
 
 
 def search_and_fit(
@@ -69,7 +70,7 @@ def search_and_fit(
     """Prepare a search in such a log with numbers of the model known to 3 %, and fit some effects to it."""
     robot = load_robot("two_mass")
     model = RobotWithEffects(robot, ())
-    data = fit_data(record_of(*truth), model, SETTINGS)
+    data = fit_data(record_of(*truth, samples=FEW), model, SETTINGS)
     among = dict.fromkeys(("inertia", "stiffness", "damping"), 0.03)
     settings = SETTINGS.model_copy(update={"search": SearchSettings(effects=rivals)})
     search = prepare_search(fit_null(data, model, tolerance_of(robot, among)), settings)

@@ -10,7 +10,7 @@ import pytest
 
 from flexros.effects import RobotWithEffects, parse_effect, place_effects
 from flexros.gap.diagnose import diagnose
-from flexros.gap.settings import DiagnosisSettings, SearchSettings
+from flexros.gap.settings import DiagnosisSettings, NoiseSettings, SearchSettings
 from flexros.random_streams import generator
 from flexros.record.record import Record
 from flexros.robot import Robot, robot_from_data
@@ -99,8 +99,9 @@ def measured(
 
 
 def sizes_of(record: Record, robot: Robot, rivals: tuple[str, ...] = RIVALS) -> dict[str, dict[str, float]]:
-    search = SearchSettings(effects=rivals)
-    settings = DiagnosisSettings(where=None, next_experiment=None, search=search)
+    """Diagnose a log with a tolerance of the torques that is stated, so that no smaller one is tried."""
+    noise, search = NoiseSettings(signal_tolerance=0.05), SearchSettings(effects=rivals)
+    settings = DiagnosisSettings(where=None, next_experiment=None, noise=noise, search=search)
     found = diagnose(record, RobotWithEffects(robot, ()), settings=settings)
     return {
         f"{one.effect}@{one.location}": {name: size.value for name, size in one.parameters.items()}

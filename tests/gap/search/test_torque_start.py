@@ -23,7 +23,7 @@ from flexros.gap.residuals.fit_data import FitData
 from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.result import DiagnosisResult
 from flexros.gap.search.torque_start import TorqueStart, base_fit, first_values, torque_start, with_torques
-from flexros.gap.settings import DiagnosisSettings, SearchSettings
+from flexros.gap.settings import DiagnosisSettings, NoiseSettings, SearchSettings
 from flexros.record.record import Record
 from flexros.record.torques.torque_noise import without_torque_noise
 from flexros.robot import Robot, load_robot, robot_from_data
@@ -38,7 +38,9 @@ RIVALS = (
 
 
 def settings_of(*effects: str) -> DiagnosisSettings:
-    return DiagnosisSettings(where=None, next_experiment=None, sensitivity=None, search=SearchSettings(effects=effects))
+    """Let some effects compete, with a tolerance of the torques that is stated, so that no smaller one is tried."""
+    noise, search = NoiseSettings(signal_tolerance=0.05), SearchSettings(effects=effects)
+    return DiagnosisSettings(where=None, next_experiment=None, sensitivity=None, noise=noise, search=search)
 
 
 FEW = settings_of(*RIVALS)
