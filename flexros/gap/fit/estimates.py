@@ -161,7 +161,7 @@ def fit_covariance(fit: CandidateFit, data: FitData, form: RankingSettings | Non
     meat += J[M * n : end].T @ J[M * n : end]
     for begin in range(end, len(r), (len(r) - end) // M or 1):
         rows = slice(begin, begin + (len(r) - end) // M)
-        meat += coloured(J[rows], r[rows, None], int(np.count_nonzero(r[rows])))
+        meat += coloured(J[rows], r[rows, None], rows.stop - rows.start)
     inverse = inverse_of(line.information)
     meat += doubt_of(of_timing(fit, data, r), J, r, inverse)
     for changed in of_smooth_friction(fit, data, r):

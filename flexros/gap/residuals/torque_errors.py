@@ -9,7 +9,7 @@ with the standard parameters pi of the robot (Moberg 2007, eq. 4.11), the torque
 of the torque; q is the position less the offset of its encoder. Errors of predicted positions are these errors divided
 by the inertia, so that more inertia leaves less of any of them, and light joints outweigh all others. The errors of the
 torques do not have this fault, but they show no springs, and of a delay only that it moves the torques. Where a motor
-rests its dry friction may be any within its level, and only torques beyond that are errors.
+rests its dry friction may be any within its level, and the torque is known no better than that.
 """
 
 from __future__ import annotations
@@ -69,9 +69,10 @@ class TorqueErrors:
         torque: Torques in the same rows, after the delay [Nm or N], shape (m, M).
         rate: Their rates of change [Nm/s or N/s], shape (m, M).
         delay: Delay of the torques beyond that of the model [s]; that of a hypothesis is near it.
-        known: Least and largest friction of the laws of the nominal model in the same rows [Nm or N], shape (2, m, M).
+        known: Friction of the laws of the nominal model in the same rows [Nm or N], shape (m, M).
         deviation: Standard deviation of an error [Nm or N], shape (M,); infinite for a motor of prescribed
             motion.
+        held: Dry friction that holds a motor at rest, about [Nm or N], shape (M,).
         motion: Time [s], then positions, speeds, torques and torques in the gears of all motors [SI], shape
             (1 + 4 M, n).
         rows: The rows.
@@ -86,6 +87,7 @@ class TorqueErrors:
     delay: float
     known: FloatArray
     deviation: FloatArray
+    held: FloatArray
     motion: FloatArray
     rows: RegressionRows
     factor: int
@@ -151,7 +153,6 @@ class TorqueErrors:
         given = predictor.numbers(theta).items()
         numbers = {name: value for name, value in given if tilted or name not in GRAVITY}
         needed = self._rows_of_bodies(predictor.robot, tuple(numbers.items()), zeros).copy()
-        friction = self.known.copy()
         gains, late = np.ones(self.robot.n_motors), np.full(self.robot.n_motors, -self.delay)
         lags, limits = dict[int, float](), dict[int, AbstractCommandLaw]()
         for candidate, sizes in zip(predictor.hypothesis, values, strict=True):
@@ -172,13 +173,17 @@ class TorqueErrors:
                     limits[motor] = effect
             else:
                 own = tuple(effect.parameter_values.values())
-                friction[:, :, motor] += self._rows_of(type(effect), motor, own, zeros[motor])
+                needed[:, motor] += self._rows_of(type(effect), motor, own, zeros[motor])
         torque = self.torque - late * self.rate
         for motor in lags.keys() | limits.keys():
             torque[:, motor] = self._passed(motor, limits.get(motor), lags.get(motor, 0.0), float(late[motor]))
-        least, most = np.sort((needed + friction) / gains, axis=0)
-        errors: FloatArray = ((torque - np.clip(torque, least, most)) / self.deviation).T.ravel()
+        errors: FloatArray = ((torque - needed / gains) / self._deviations).T.ravel()
         return errors
+
+    @cached_property
+    def _deviations(self) -> FloatArray:
+        """Standard deviation of each error [Nm or N], shape (m, M); at rest friction is any within its level."""
+        return np.hypot(self.deviation, np.where(self.rows.resting, self.held / np.sqrt(3), 0.0))
 
     @cached_property
     def _positions(self) -> FloatArray:
@@ -187,11 +192,11 @@ class TorqueErrors:
 
     @cached_property
     def _rows_of_bodies(self) -> Callable[[Robot, tuple[tuple[str, float], ...], tuple[float, ...]], FloatArray]:
-        """Function of the torque that a robot with other numbers and zeros needs, in rows."""
+        """Function of the torque that a robot with other numbers and zeros needs, and its known friction, in rows."""
 
         def rows(robot: Robot, numbers: tuple[tuple[str, float], ...], zeros: tuple[float, ...]) -> FloatArray:
             values = np.array([one.nominal for one in standard_parameters(robot, numbers=dict(numbers))])
-            needed: FloatArray = self.regressor @ values
+            needed: FloatArray = self.regressor @ values + self.known
             upright = all(value == robot.parameters[name].value for name, value in numbers if name in GRAVITY)
             if upright and not any(zeros):
                 return needed
@@ -219,10 +224,7 @@ class TorqueErrors:
 
     @cached_property
     def _rows_of(self) -> Callable[[type[AbstractMotorLaw], int, tuple[float, ...], float], FloatArray]:
-        """Function of the least and largest torque that a motor needs against a law, shape (1 or 2, m).
-
-        They differ where the motor rests. Of many sets few laws differ.
-        """
+        """Function of the torque that a motor needs against a law, in the rows; of many sets few laws differ."""
         return lru_cache(maxsize=KEPT)(self._law)
 
     def _law(
@@ -230,16 +232,16 @@ class TorqueErrors:
     ) -> FloatArray:
         needed = _needed_torque(kind)
         if needed is None:
-            return np.zeros((1, len(self.torque)))
+            return np.zeros(len(self.torque))
         shape = tuple(0.0 if size else number for number, size in zip(numbers, needed.sizes, strict=True))
         torque: FloatArray = self._parts_of(kind, motor, shape, zero) @ needed.monomials(numbers)
         return torque
 
     @cached_property
     def _parts_of(self) -> Callable[[type[AbstractMotorLaw], int, tuple[float, ...], float], FloatArray]:
-        """Function of the parts of a law with the parameters of its shape, in the rows, shape (1 or 2, m, parts).
+        """Function of the parts of a law with the parameters of its shape, in the rows, shape (m, parts).
 
-        They are those of rests that a backward and a forward motion end, or of the motion alone where there are none.
+        At rest they are the mean of those in both directions: what there is of dry friction is not known.
         """
         M, robot = self.robot.n_motors, self.robot
 
@@ -248,18 +250,21 @@ class TorqueErrors:
             assert needed is not None
             time, position, speed, torque, load = self.motion[[0, *(1 + row * M + motor for row in range(4))]]
             position, rests = position - zero, self.rows.rests[:, motor]
-            viscous, found = robot.parameters[f"{robot.joint_names[motor]}.viscous_friction"].value, []
+            viscous = robot.parameters[f"{robot.joint_names[motor]}.viscous_friction"].value
+            directions = []
             for creep in (-CREEP, CREEP) if rests.any() else (0.0,):
                 moved = np.where(rests, creep, speed)
                 state = np.stack([time, position, robot.rotor_turns[motor] * position, moved, torque, load], axis=-1)
                 (values,) = over_rows(needed.parts, state, np.tile([viscous, *shape], (len(state), 1)))
-                found.append(decimate(values, self.factor)[self.counts])
-            return np.array(found)
+                directions.append(values)
+            return decimate(np.mean(directions, axis=0), self.factor)[self.counts]
 
         return lru_cache(maxsize=PARTS)(parts)
 
 
-def torque_errors(record: Record, model: RobotWithEffects, delay: float, deviation: FloatArray) -> TorqueErrors | None:
+def torque_errors(
+    record: Record, model: RobotWithEffects, delay: float, deviation: FloatArray, held: FloatArray
+) -> TorqueErrors | None:
     """Prepare the errors of the torques of a log.
 
     Args:
@@ -267,6 +272,7 @@ def torque_errors(record: Record, model: RobotWithEffects, delay: float, deviati
         model: The nominal model, with no laws but Coulomb friction.
         delay: Delay of the torques beyond that of the model [s].
         deviation: Standard deviation of an error of each motor [Nm or N], shape (M,).
+        held: Dry friction that holds each motor at rest, about [Nm or N], shape (M,).
 
     Returns:
         The errors; None where no motor moves or the log is too short.
@@ -283,8 +289,9 @@ def torque_errors(record: Record, model: RobotWithEffects, delay: float, deviati
         torque=rows.torque,
         rate=rows.decimated(np.gradient(torque, record.sample_time, axis=0)),
         delay=delay,
-        known=np.zeros((2, *rows.torque.shape)),
+        known=np.zeros_like(rows.torque),
         deviation=deviation,
+        held=held,
         motion=np.vstack([time, motion.position.T, motion.velocity.T, torque.T, _in_gears(robot, motion)]),
         rows=rows,
         factor=rows.factor,
@@ -293,7 +300,7 @@ def torque_errors(record: Record, model: RobotWithEffects, delay: float, deviati
     for law in model.laws:
         if isinstance(law.effect, AbstractMotorLaw):
             motor, numbers = robot.joint_names.index(law.location), tuple(law.effect.parameter_values.values())
-            whole.known[:, :, motor] += whole._rows_of(type(law.effect), motor, numbers, 0.0)
+            whole.known[:, motor] += whole._rows_of(type(law.effect), motor, numbers, 0.0)
     return whole
 
 

@@ -160,7 +160,7 @@ def prepared_regression(
     tolerance = tolerance if load == "none" else Tolerance()
     sought = Sought(
         robot=robot,
-        known=_known_friction(model),
+        known=known_friction(model),
         moving=rows.motion.moving,
         position_torques=(),
         load=load,
@@ -338,8 +338,8 @@ def _inertia_slopes(load: FloatArray) -> FloatArray:
     return np.array([[one[entry] for one in slopes] for entry in (ENTRIES[name] for name in INERTIA_COMPONENTS)])
 
 
-def _known_friction(model: RobotWithEffects) -> FloatArray:
-    """Return the Coulomb friction that a model has, shape (M,)."""
+def known_friction(model: RobotWithEffects) -> FloatArray:
+    """Return the Coulomb friction that a model has [Nm or N], shape (M,)."""
     there = {name: [law.effect for law in model.laws if law.location == name] for name in model.robot.joint_names}
     levels = [CoulombFriction().reductions(model.robot, name, laws)["level"] for name, laws in there.items()]
     return np.array(levels)
