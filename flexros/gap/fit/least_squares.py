@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.fit.candidate_fit import CandidateFit
+from flexros.gap.fit.least_norm import least_norm
 from flexros.gap.prediction.compiled_plant import LANES
 from flexros.gap.settings import FitSettings
 
@@ -319,7 +320,7 @@ def may_move(predictor: Predictor, theta: FloatArray, line: Linearised) -> BoolA
 def _predicted_fall(line: Linearised, free: BoolArray) -> float:
     """Return by how much the sum of squares would fall with the best step of linear theory."""
     gradient, information = line.gradient[free], line.information[np.ix_(free, free)]
-    return float(gradient @ np.linalg.lstsq(information, gradient, rcond=1e-12)[0])
+    return float(gradient @ least_norm(information, gradient, 1e-12))
 
 
 def _best_step(
@@ -375,7 +376,7 @@ def _bent(
     free = may_move(predictor, theta, line)
     for lane, damping in enumerate(dampings):
         information = (line.information + np.diag(damping))[np.ix_(free, free)]
-        steps[free, lane] -= 0.5 * np.linalg.lstsq(information, second[free, lane], rcond=None)[0]
+        steps[free, lane] -= 0.5 * least_norm(information, second[free, lane])
     low, high = predictor.bounds
     return np.clip(theta[:, None] + steps, low[:, None], high[:, None])
 
@@ -387,7 +388,7 @@ def _trial(
     free = may_move(predictor, theta, line)
     information = line.information + np.diag(damping)
     step = np.zeros(len(theta))
-    step[free] = -np.linalg.lstsq(information[np.ix_(free, free)], line.gradient[free], rcond=None)[0]
+    step[free] = -least_norm(information[np.ix_(free, free)], line.gradient[free])
     length = float(np.max(np.abs(step[: predictor.n_effect]), initial=0.0))
     result: FloatArray = np.clip(theta + step * min(1.0, longest / max(length, 1e-300)), *predictor.bounds)
     return result

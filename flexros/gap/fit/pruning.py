@@ -9,6 +9,7 @@ import numpy as np
 
 from flexros.effects.kinds.curve import AbstractCurve
 from flexros.effects.kinds.law import AbstractLaw
+from flexros.gap.fit.least_norm import least_norm
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -61,5 +62,5 @@ def own_information(information: FloatArray, index: int) -> float:
     """Return the information on a parameter when all others are free (Schur complement)."""
     rest = np.delete(np.arange(len(information)), index)
     shared = information[rest, index]
-    follow = np.linalg.lstsq(information[np.ix_(rest, rest)], shared, rcond=1e-12)[0]
+    follow = least_norm(information[np.ix_(rest, rest)], shared, 1e-12)
     return max(float(information[index, index] - shared @ follow), 0.0)

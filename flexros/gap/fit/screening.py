@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexros.gap.fit.least_norm import least_norm
 from flexros.gap.fit.least_squares import may_move
 from flexros.gap.prediction.compiled_plant import LANES
 
@@ -154,7 +155,7 @@ class Surroundings:
             if len(selected) == most:
                 break
             among = curvature[selected, index]
-            weights = np.linalg.lstsq(curvature[np.ix_(selected, selected)], among, rcond=1e-12)[0]
+            weights = least_norm(curvature[np.ix_(selected, selected)], among, 1e-12)
             left, along = own[index] - among @ weights, slope[index] - slope[selected] @ weights
             if left > kept * own[index] and along > 0 and along**2 / left > kept * slope[index] ** 2 / own[index]:
                 selected.append(int(index))
@@ -183,7 +184,7 @@ class Surroundings:
 
         def gain(members: tuple[int, ...]) -> float:
             rows = np.ix_(members, members)
-            return float(slope[list(members)] @ np.linalg.lstsq(alike[rows], slope[list(members)], rcond=1e-6)[0])
+            return float(slope[list(members)] @ least_norm(alike[rows], slope[list(members)], 1e-6))
 
         every = [int(one) for one in np.flatnonzero(seen)]
         found: list[tuple[int, ...]] = []
@@ -286,7 +287,7 @@ class Surroundings:
         return np.asarray(self.weight * self.slopes.T @ self.slopes + np.diag(self.prior), dtype=float)
 
     def _refitted(self, gradient: FloatArray) -> FloatArray:
-        return np.asarray(np.linalg.lstsq(self._information, gradient, rcond=1e-12)[0], dtype=float)
+        return least_norm(self._information, gradient, 1e-12)
 
 
 def surroundings_of(

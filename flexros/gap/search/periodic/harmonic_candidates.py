@@ -9,6 +9,7 @@ import numpy as np
 
 from flexros.effects import effects
 from flexros.gap.candidates.candidate import Candidate, FreeParameter
+from flexros.gap.fit.least_norm import least_norm
 from flexros.gap.fit.screening import changes_of
 from flexros.gap.prediction.compiled_plant import LANES
 from flexros.gap.search.periodic.harmonics import SEARCH, VALLEYS, OrderSearch
@@ -171,7 +172,7 @@ class _Neighbours:
             X = changes[:, 2 * index : 2 * index + 2]
             if not np.isfinite([X.sum(), rest.sum()]).all():
                 continue
-            wave, *_ = np.linalg.lstsq(X.T @ X, -X.T @ rest, rcond=None)
+            wave = least_norm(X.T @ X, -X.T @ rest)
             amplitude, lead = values["amplitude"] * float(np.hypot(*wave)), float(np.arctan2(wave[1], wave[0]))
             left = float(np.sum((rest + X @ wave) ** 2))
             found.append((left, self._theta(amplitude=amplitude, order=order, phase=phase + lead)))

@@ -13,6 +13,7 @@ from scipy.linalg import expm
 from scipy.signal import find_peaks, lfilter
 
 from flexros.effects.kinds.ranges import HIGHEST_ORDER
+from flexros.gap.fit.least_norm import least_norm
 from flexros.gap.settings import SearchSettings
 from flexros.record.quantization import encoder_step
 from flexros.robot.linear.linearise import linear_model
@@ -169,7 +170,7 @@ class OrderSearch:
         errors = self._forward(self._source(motor, entry), np.exp(1j * order * angle) * factor)
         X = self.data.weighted(np.stack([errors.imag, errors.real], axis=-1))
         r = self._residual.T.ravel()
-        solution, *_ = np.linalg.lstsq(X.T @ X, X.T @ r, rcond=None)
+        solution = least_norm(X.T @ X, X.T @ r)
         gain = float(solution @ (X.T @ r))
         return HarmonicFit(order, float(np.hypot(*solution)), float(np.arctan2(solution[1], solution[0])), gain)
 
