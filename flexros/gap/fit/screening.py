@@ -290,9 +290,7 @@ class Surroundings:
         return least_norm(self._information, gradient, 1e-12)
 
 
-def surroundings_of(
-    fit: CandidateFit, line: Linearised, rows: IntArray, n_used: int, misfit: float = 1.0
-) -> Surroundings:
+def surroundings_of(fit: CandidateFit, line: Linearised, rows: IntArray, misfit: float = 1.0) -> Surroundings:
     """Reduce a linearised fit to some of its prediction errors.
 
     Parameters at a bound that would leave it are held there. Moved by linear theory, a number of the model that is far
@@ -301,8 +299,7 @@ def surroundings_of(
     Args:
         fit: The fit.
         line: The same, linearised.
-        rows: Prediction errors drawn from those that are used, shape (n_rows,).
-        n_used: Number of those that are used.
+        rows: The prediction errors, shape (n_rows,).
         misfit: Weight of the prior of tolerated deviations, see `FitData` [1].
     """
     prior = np.zeros(len(fit.theta))
@@ -313,7 +310,7 @@ def surroundings_of(
         line.slopes[rows] * moves,
         prior,
         prior * fit.theta * moves,
-        n_used / max(len(rows), 1),
+        len(line.residual) / max(len(rows), 1),
     )
 
 

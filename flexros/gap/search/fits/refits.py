@@ -77,8 +77,7 @@ class Refits(LogFits):
         if known is None:
             line = linearise(fit.predictor, self.data, fit.theta)
             slopes = line.slopes[:, fit.predictor.n_effect :].copy(order="F")
-            n_used = int(np.count_nonzero(self.data.used))
-            known = _Around(fit, slopes, surroundings_of(fit, line, self.rows, n_used, self.data.misfit))
+            known = _Around(fit, slopes, surroundings_of(fit, line, self.rows, self.data.misfit))
             self._linearised[:] = [known, *self._linearised[: REMEMBERED - 1]]
         return known.surroundings
 
