@@ -204,7 +204,7 @@ def solve(
     """
     found = _solution(A, b, resting, sought, settings.most_reduced)
     # a column acts on its own motor alone, so that the diagonal of each kind is all of it
-    size = _rms(A, ~resting[..., None]) * np.abs(found.values)
+    size: FloatArray = np.sqrt(np.mean(A**2, axis=0)) * np.abs(found.values)
     shares = [settings.least_bias if kind == "torque_offset" else settings.least_share for kind in KINDS]
     clear = [_stands_out(size[:, sought.of_kind(kind)], share * found.left) for kind, share in zip(KINDS, shares)]
     own = np.where(np.stack(clear) & sought.moving, found.values[sought.of_motors].reshape(len(KINDS), -1), 0.0)
@@ -279,15 +279,16 @@ def _stands_out(size: FloatArray, least: FloatArray) -> BoolArray:
 def _solution(A: FloatArray, b: FloatArray, resting: BoolArray, sought: Sought, most_reduced: float) -> _Solution:
     """Solve, weigh each motor by what is left of its torque, and solve again until that settles.
 
-    What is left is that of rows in which a motor slides. In the others its dry friction is any within its level, as
-    likely as any other, which is a further deviation of the level over root 3; at first they do not count.
+    Where a motor rests its dry friction is any within its level, as likely as any other, which is a further deviation of
+    the level over root 3; in the first round these rows do not count.
     """
     bounds = sought.bounds(most_reduced)
     whole = np.maximum(_rms(b, ~resting), 1e-300)
     left, weights = whole, np.where(resting, 0.0, 1 / whole)
     for _ in range(ROUNDS):
         values, free = _weighted(A * weights[..., None], b * weights, sought.prior, bounds)
-        before, left = left, np.maximum(_rms(b - A @ values, ~resting), 1e-6 * whole)
+        errors = (b - A @ values) * weights * left
+        before, left = left, np.maximum(_rms(errors, weights > 0), 1e-6 * whole)
         friction = sought.known + values[sought.of_kind("coulomb_friction")]
         weights = 1 / np.hypot(left, np.where(resting, friction / np.sqrt(3), 0.0))
         if np.allclose(left, before, rtol=1e-3):
