@@ -279,8 +279,8 @@ def _stands_out(size: FloatArray, least: FloatArray) -> BoolArray:
 def _solution(A: FloatArray, b: FloatArray, resting: BoolArray, sought: Sought, most_reduced: float) -> _Solution:
     """Solve, weigh each motor by what is left of its torque, and solve again until that settles.
 
-    Where a motor rests its dry friction is any within its level, as likely as any other, which is a further deviation of
-    the level over root 3; in the first round these rows do not count.
+    Where a motor rests its dry friction is any within its level, as likely as any other, which is a further deviation
+    of the level over root 3; in the first round these rows do not count.
     """
     bounds = sought.bounds(most_reduced)
     whole = np.maximum(_rms(b, ~resting), 1e-300)
