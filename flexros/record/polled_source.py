@@ -65,6 +65,8 @@ class PolledSource:
     def evened(self, series: JointSeries) -> JointSeries:
         """Put a series of the same messages on the periods of the source; short holes are interpolated linearly.
 
+        Torques are the mean of those taken from one value to the next: a recorder may read them more often.
+
         Args:
             series: The series, n messages.
         """
@@ -86,13 +88,13 @@ class PolledSource:
             stamp=stamp,
             position=filled(series.position),
             velocity=filled(series.velocity),
-            effort=filled(series.effort),
+            effort=filled(_means(series.effort, kept)),
             received=None,
         )
 
 
 def polled_source(stamp: IntArray, position: FloatArray) -> PolledSource | None:
-    """Recognize a polled source by its positions.
+    """Recognize a polled source by its positions, held ones also by their stamps.
 
     Args:
         stamp: Stamps of the messages [ns], shape (n,).
@@ -115,15 +117,18 @@ def polled_source(stamp: IntArray, position: FloatArray) -> PolledSource | None:
     usual = elapsed[fast & (elapsed > 0)]
     if len(usual) < FEWEST:
         return None
-    period = float(np.median(usual))
+    if np.mean(_one_step(np.diff(position[new], axis=0))[fast]) >= WHOLE:
+        return None  # a coarse encoder holds each value as long as its step takes
+    held_for = _held_for(time, between[fast])
+    period = float(np.median(usual)) if held_for is None else held_for
     shown = elapsed[fast] / period
     whole = np.rint(shown)
-    if np.mean(np.abs(shown - whole) < NEAR) < WHOLE:
+    if held_for is None and np.mean(np.abs(shown - whole) < NEAR) < WHOLE:
         return None
     follows = np.minimum(np.cumsum(new)[1:] - 1 - new[1:], len(between) - 1)  # around each interval
     off, off_by_stamps = (np.abs(shown - one) >= NEAR for one in (whole, between[fast] / period))
     clear = (speed > CLEAR * float(np.quantile(speed, 0.99))) & whole_speed
-    same_by_stamps = np.mean(off_by_stamps) < np.mean(off) + LEAST_SHARE
+    same_by_stamps = held_for is not None or np.mean(off_by_stamps) < np.mean(off) + LEAST_SHARE
     if same_by_stamps:
         elapsed, clear = between, between < LONGEST * period
     held = np.mean(~new[1:][fast[follows]])
@@ -132,8 +137,33 @@ def polled_source(stamp: IntArray, position: FloatArray) -> PolledSource | None:
     periods = np.rint(elapsed / period)
     exact = float(between[clear].sum() / max(periods[clear].sum(), 1.0))  # speeds are means over a curved motion
     period = exact if abs(exact / period - 1) < NEAR else period
+    if held_for is not None:
+        clear = np.zeros_like(clear)  # equal values, as at a turn of the motion, are values of the source too
     by_motion = np.where(new[1:], periods[follows], 0.0)
     return PolledSource(period, _steps(time, by_motion, clear[follows], new[1:], period))
+
+
+def _one_step(change: FloatArray) -> BoolArray:
+    """Whether no motor moves by more than the smallest change that it ever makes, shape (k,).
+
+    Args:
+        change: Change of positions from each value to the next other one [rad or m], shape (k, M).
+    """
+    size = np.abs(change)
+    least = np.min(size, axis=0, where=size > 0, initial=np.inf)
+    return np.asarray(np.all(size < 1.5 * least, axis=1))
+
+
+def _held_for(time: FloatArray, between: FloatArray) -> float | None:
+    """Return the time for which values are held [s], where the stamps alone tell it; it needs no slow motion.
+
+    Args:
+        time: Time of each row [s], shape (n,).
+        between: Time from each value to the next other one [s], shape (k,).
+    """
+    row, period = float(np.median(np.diff(time))), float(np.median(between))
+    whole = np.abs(between - period * np.rint(between / period)) < 0.5 * row  # to the row
+    return period if period > 1.5 * row and np.mean(whole) >= WHOLE else None
 
 
 def recovered(log: Log, warnings: list[str]) -> Log:
@@ -165,6 +195,16 @@ def recovered(log: Log, warnings: list[str]) -> Log:
         joint_states=source.evened(states),
         joint_commands=None if commands is None else source.evened(commands),
     )
+
+
+def _means(values: FloatArray | None, kept: BoolArray) -> FloatArray | None:
+    """Return the mean from each row that is kept to the next one, at every row, shape (n, M)."""
+    if values is None:
+        return None
+    group = np.cumsum(kept) - 1
+    first = values[kept]
+    beyond = np.add.reduceat(values - first[group], np.flatnonzero(kept), axis=0)  # exact where all are alike
+    return np.asarray((first + beyond / np.bincount(group)[:, None])[group])
 
 
 def _rows(series: JointSeries, rows: BoolArray) -> JointSeries:

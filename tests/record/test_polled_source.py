@@ -74,6 +74,36 @@ def test_a_recorder_that_is_faster_by_a_whole_number_holds_each_value(times: int
     assert np.array_equal(source.evened(states).position, once)
 
 
+def test_values_held_in_a_motion_that_is_fast_for_them_are_told_by_their_stamps() -> None:
+    """At last 13 values in a turn of the motion: too few for a speed from several of them."""
+    time = 0.015 * np.arange(800)
+    once = np.round(0.2 * np.sin(2 * np.pi * (0.1 + 0.2 * time) * time), 4)[:, None]
+    held = np.repeat(once, 15, axis=0)
+    stamp = 1_000_000 * np.arange(len(held))
+    source = polled_source(stamp, held)
+    assert source is not None
+    assert source.period == pytest.approx(0.015, rel=1e-6)
+    states = JointSeries(stamp, ("motor_1",), position=held)
+    np.testing.assert_allclose(source.evened(states).position, once, atol=1e-12)
+
+
+def test_torques_taken_while_a_position_is_held_become_their_mean() -> None:
+    held = np.repeat(np.round(motion(0.01 * np.arange(1500)), 6), 5, axis=0)
+    effort = np.arange(len(held), dtype=float)[:, None] * [1.0, -2.0]
+    stamp = 2_000_000 * np.arange(len(held))
+    source = polled_source(stamp, held)
+    assert source is not None
+    evened = source.evened(JointSeries(stamp, ("motor_1", "motor_2"), position=held, effort=effort))
+    np.testing.assert_allclose(evened.effort, effort.reshape(-1, 5, 2).mean(axis=1))
+
+
+def test_steps_of_a_coarse_encoder_are_no_held_values() -> None:
+    """Slow motion, several rows within one step, and any number of them."""
+    time = PERIOD * np.arange(N)
+    coarse = np.round(0.3 * np.sin(2.0 * time) / 2e-3) * 2e-3
+    assert polled_source(np.rint(1e9 * time).astype(np.int64), coarse[:, None]) is None
+
+
 def test_a_lost_value_is_one_that_was_missed() -> None:
     log, _ = log_of()
     states = log.joint_states
