@@ -49,6 +49,8 @@ def wrap_period(values: FloatArray) -> float | None:
     turn = next((turn for turn in TURNS if abs(period / turn - 1) < ALIKE), None)
     if turn is not None or len(jumps) < 2:
         return turn
+    if np.diff(np.unique(finite)).max() > USUAL * span:
+        return None  # a motor at rest, whose encoder toggles between two steps
     rounded = float(f"{period:.2g}")
     return rounded if abs(rounded / period - 1) < ALIKE / 4 else period
 

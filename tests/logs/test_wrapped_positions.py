@@ -45,9 +45,10 @@ def test_one_step_is_a_turn_or_a_reset() -> None:
 
 @pytest.mark.parametrize("step", [0.5, 30.0])
 def test_motion_to_and_fro_does_not_begin_again(step: float) -> None:
-    """Nor do an encoder of a few steps, a joint that stands still, and one that is thrown about."""
+    """Nor do an encoder of a few steps or that toggles between two, a joint at rest, and one that is thrown about."""
     assert wrap_period(step * np.rint(turning(2.0) / step)) is None
     assert wrap_period(np.zeros(100)) is None
+    assert wrap_period(step * (np.arange(1000) // 100 % 2)) is None
     assert wrap_period(np.random.default_rng(1).standard_normal(1000)) is None
 
 

@@ -85,6 +85,7 @@ UNITS: Mapping[str, Unit] = MappingProxyType(
         "rad/s": Unit("velocity", True, 1.0),
         "deg/s": Unit("velocity", True, pi / 180),
         "rpm": Unit("velocity", True, 2 * pi / 60),
+        "turn/s": Unit("velocity", True, 2 * pi),
         "m/s": Unit("velocity", False, 1.0),
         "mm/s": Unit("velocity", False, 1e-3),
         "Nm": Unit("torque", True, 1.0),

@@ -11,6 +11,7 @@ import numpy as np
 from flexros.errors import InputError
 from flexros.logs.foreign.mapping import Clock
 from flexros.logs.foreign.quantities import TIME_UNITS
+from flexros.record.proposal.column_units import name_without_unit
 from flexros.record.proposal.found_signals import FoundSignals
 
 if TYPE_CHECKING:
@@ -22,8 +23,8 @@ _TOKEN = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+")
 _KINDS = {
     "position": "q qpos jpos pos position positions ang angle angles theta th",
     "velocity": "dq qd qdot qvel jvel vel velocity velocities speed speeds omega",
-    "torque": "tau jtau torque torques torq trq effort efforts eff moment u",
-    "acceleration": "ddq qdd qddot acc acceleration accelerations",
+    "torque": "tau jtau torque torques torq tor trq effort efforts eff moment u",
+    "acceleration": "ddq qdd qddot acc accel acceleration accelerations",
     "current": "current currents cur i",
 }
 _KIND = {word: kind for kind, words in _KINDS.items() for word in words.split()}
@@ -73,7 +74,7 @@ def table_signals(
     ignored, times, unnamed, group = {}, list[str](), dict[str, str](), _group(names)
     perhaps = list[str]()
     for name in names:
-        words = name_words(name.removeprefix(group))
+        words = name_words(name_without_unit(name.removeprefix(group)))
         if words and words[0] in _TIMES and set(words) <= _TIMES | set(_SECONDS):
             times.append(name)
             continue

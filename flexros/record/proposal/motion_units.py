@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.logs.foreign.quantities import UNITS
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -78,3 +80,16 @@ def unit_ratio(factors: Sequence[float]) -> float:
     middle = float(np.median(known))
     ratios = (1.0, DEGREES, 1 / DEGREES, *TURNS_PER_MINUTE.values())
     return next((ratio for ratio in ratios if 1 / NEAR < middle / ratio < NEAR), float("nan"))
+
+
+def velocity_unit(position: str, ratio: float = float("nan")) -> str:
+    """Return the unit of velocities beside positions in a unit.
+
+    Args:
+        position: Unit of the positions.
+        ratio: Unit of the velocities over that of the positions per second [1]; NaN where it is not known.
+    """
+    own = UNITS[position]
+    size = own.factor * (ratio if np.isfinite(ratio) else 1.0)
+    units = {name: unit for name, unit in UNITS.items() if (unit.kind, unit.rotary) == ("velocity", own.rotary)}
+    return min(units, key=lambda name: abs(float(np.log(units[name].factor / size))))

@@ -12,12 +12,13 @@ from flexros.config.yaml_file import parse_yaml
 from flexros.errors import InputError
 from flexros.logs.foreign.import_log import import_log
 from flexros.logs.foreign.mapping import Clock, LogMapping, MappedColumn, Scale
-from flexros.logs.foreign.quantities import TIME_UNITS
+from flexros.logs.foreign.quantities import QUANTITIES, TIME_UNITS, UNITS
 from flexros.logs.foreign.signal_source import Signal, open_source
 from flexros.logs.foreign.sources.ros_bag import RosBag
 from flexros.logs.foreign.usable_rows import FEWEST
 from flexros.logs.wrapped_positions import joined, wrap_period
 from flexros.record.proposal.assumption import Assumption
+from flexros.record.proposal.column_units import unit_in_name
 from flexros.record.proposal.columns import TORQUES, clock_of_column, table_signals
 from flexros.record.proposal.effort_unit import effort_unit
 from flexros.record.proposal.joints import match_joints
@@ -27,6 +28,7 @@ from flexros.record.proposal.motion_units import (
     compare_velocity,
     in_degrees,
     unit_ratio,
+    velocity_unit,
 )
 from flexros.record.proposal.topics import bag_topics
 from flexros.record.proposal.turned_joints import turned_joints
@@ -35,6 +37,7 @@ from flexros.record.proposal.words import (
     about_commands,
     about_effort,
     about_joints,
+    about_left_out,
     about_rate,
     about_signs,
     about_topics,
@@ -187,7 +190,8 @@ class _Proposer:
         self.agrees = False  # whether torques agree with what the model needs of this motion
         self.rotary = [True] * len(matches) if robot is None else [motor.rotary for motor in robot.motors]
         usable = [quantity for quantity in topics.signals if self._is_finite(quantity)]
-        self.quantities = usable
+        self.quantities = self._without_idle_commands(usable)
+        self.units |= {name: unit for name in TORQUES if (unit := self._named_unit(name)) is not None}
 
     def proposal(self) -> Proposal:
         """Return the mapping, with the log that it makes."""
@@ -195,7 +199,6 @@ class _Proposer:
         assert first is not None
         if len(first) < FEWEST or not first[-1] > first[0]:
             raise InputError(f"{self.bag} has fewer than {FEWEST} positions with increasing times; give a longer log")
-        self.assumptions += about_topics(self.topics, self.quantities, [match.joint for match in self.matches])
         if self.unnamed is not None:
             columns = [column for joint, column in self.topics.unnamed.items() if joint in self.topics.joints]
             self.assumptions.append(about_commands(columns, self.unnamed))
@@ -224,15 +227,16 @@ class _Proposer:
             if "position_command" in self.quantities:
                 text = "no torque: the position commands drive the servos of the robot file"
             ground = f"no {'column' if self.topics.of_table else 'topic'} has an effort for every joint"
+            if self.topics.currents:
+                ground = "the currents have no known torque constant"
             self.assumptions.append(Assumption("effort", text, ground, True))
         if self.endless and not self.agrees:
             of_position = next(each for each in self.assumptions if each.about == "position")
             self.assumptions[self.assumptions.index(of_position)] = replace(of_position, checked=False)
         if self.left_out:
-            text = "left out: " + "; ".join(f"{topic} ({why})" for topic, why in self.left_out.items())
-            self.assumptions.append(Assumption("others", text, "map them by hand where they matter", True))
-        mapping = self._mapping()
-        return Proposal(mapping, tuple(self.assumptions), log, self.robot)
+            self.assumptions.append(about_left_out(self.left_out))
+        held = about_topics(self.topics, self.quantities, [match.joint for match in self.matches])
+        return Proposal(self._mapping(), (*held, *self.assumptions), log, self.robot)
 
     def _said(self, quantity: str) -> str:
         """What says that efforts are torques in Nm."""
@@ -265,6 +269,29 @@ class _Proposer:
             self.left_out[quantity.replace("_", " ")] = f"without usable values of {named}{found}"
         return not lacking
 
+    def _without_idle_commands(self, quantities: list[str]) -> list[str]:
+        """Leave torques out that are commanded as zero though measured ones are not."""
+        sizes = {
+            name: max(float(np.abs(self._values(name, match).values).max()) for match in self.matches)
+            for name in TORQUES
+            if name in quantities
+        }
+        if sizes.get("torque_command") == 0.0 < sizes.get("measured_torque", 0.0):
+            columns = (self.topics.signals["torque_command"][match.joint] for match in self.matches)
+            self.left_out |= dict.fromkeys(columns, "all zero")
+            return [name for name in quantities if name != "torque_command"]
+        return quantities
+
+    def _named_unit(self, quantity: str) -> str | None:
+        """Return the unit that the names of all columns of a quantity state; None where they state none."""
+        if not self.topics.of_table or quantity not in self.quantities:
+            return None
+        columns = [self.topics.signals[quantity][match.joint] for match in self.matches]
+        units = {unit_in_name(column, QUANTITIES[quantity].kind) for column in columns}
+        unit = units.pop()
+        fits = not units and unit is not None and set(self.rotary) == {UNITS[unit].rotary}
+        return unit if fits else None
+
     def _about_motion(self) -> None:
         """Find the units of positions and velocities."""
         positions = [self._values("position", m) for m in self.matches]
@@ -275,14 +302,21 @@ class _Proposer:
         ratio = unit_ratio(compared)
         by_range = "deg" if degrees else "rad"
         unit, of_velocity = _UNITS_BY_RATIO.get(ratio, (by_range, f"{by_range}/s"))
-        self.units |= dict.fromkeys(POSITIONS, unit)
-        self.units |= {"velocity": of_velocity, "reference_velocity": f"{unit}/s"}
+        named = self._named_unit("position")
+        if named is not None:
+            unit, of_velocity = named, velocity_unit(named, ratio)
+        of_velocity = self._named_unit("velocity") or of_velocity
+        self.units |= {quantity: self._named_unit(quantity) or unit for quantity in POSITIONS}
+        reference = self._named_unit("reference_velocity") or velocity_unit(unit)
+        self.units |= {"velocity": of_velocity, "reference_velocity": reference}
         ground = f"the largest is {span:.3g}, {'more than' if degrees else 'within'} two turns in rad"
-        if unit != by_range:
+        if named is not None:
+            ground = "names of columns say so"
+        elif unit != by_range:
             ground += f", but {unit} by the velocities"
         elif degrees and of_velocity != "rpm":
             self.endless = "; a joint that turns round and round would do so in rad"
-        checked = degrees or self.robot is not None
+        checked = degrees or self.robot is not None or named is not None
         if not turning:
             ground = "all motors of the model slide"
         taken = f"in {unit if turning else 'm'}"
@@ -295,6 +329,8 @@ class _Proposer:
         opposite = [motor for (quantity, motor), sign in self.signs.items() if quantity == "velocity" and sign < 0]
         ground = "derivative of the positions over the velocities: "
         ground += f"{float(np.nanmedian(compared)):.3g}" if np.any(np.isfinite(compared)) else "not alike"
+        if self._named_unit("velocity") is not None:
+            ground = f"names of columns say so; {ground}"
         taken = f"in {of_velocity if turning else 'm/s'}" + (f", opposite at {', '.join(opposite)}" if opposite else "")
         self.assumptions.append(Assumption("velocity", taken, ground, bool(np.isfinite(ratio))))
 
@@ -341,7 +377,8 @@ class _Proposer:
             return True
         if self.robot is None:
             ground = f"{self._said(torques[0])}; without a model nothing shows it: some drivers fill in currents"
-            self.assumptions.append(Assumption("effort", "torques in Nm", ground, False))
+            taken = f"torques in {self.units.get(torques[0], 'Nm')}"
+            self.assumptions.append(Assumption("effort", taken, ground, torques[0] in self.units))
             return False
         changed = False
         for quantity in torques:
@@ -353,6 +390,8 @@ class _Proposer:
                 self._leave_out(quantity, "a current whose torque constant no weight shows: map it by hand")
                 changed = True
                 continue
+            if (named := self._named_unit(quantity)) is not None:
+                found = replace(found, unit=named, scale=())
             self.units[quantity] = found.unit
             for motor, sign in zip(self.robot.joint_names, found.signs, strict=True):
                 self.signs[quantity, motor] = -1 if sign < 0 else 1
@@ -367,6 +406,11 @@ class _Proposer:
         """Leave out the signals of a quantity."""
         self.quantities.remove(quantity)
         self.left_out |= dict.fromkeys((self.topics.signals[quantity][m.joint] for m in self.matches), why)
+        signals = dict(self.topics.signals)
+        if "reference_position" in signals and not any(name in self.quantities for name in TORQUES):
+            signals["position_command"] = signals.pop("reference_position")  # nothing else drives the robot
+            self.topics = replace(self.topics, signals=signals)
+            self.quantities = ["position_command" if q == "reference_position" else q for q in self.quantities]
 
     def _mapping(self) -> LogMapping:
         columns = []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,7 +12,7 @@ from flexros.record.proposal.assumption import Assumption
 from flexros.record.proposal.unnamed_commands import NEAR
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from flexros.arrays import FloatArray
     from flexros.logs.foreign.mapping import Clock
@@ -123,6 +124,24 @@ def about_signs(matches: Sequence[JointMatch], turned: TurnedJoints | None = Non
             "other logs of this recorder with this file"
         )
     return Assumption("signs", signs, why, True)
+
+
+def about_left_out(reasons: Mapping[str, str]) -> Assumption:
+    """State what was left out: columns of one matrix and one reason together.
+
+    Args:
+        reasons: Why each topic, column or quantity was left out, by its name.
+    """
+    alike: dict[tuple[str, str], list[str]] = {}
+    for name, why in reasons.items():
+        stem = re.sub(r"\d+", "", name)
+        alike.setdefault((stem, re.sub(r"\d+", "", why)), []).append(name)
+    parts = []
+    for names in alike.values():
+        named = names[0] or "a column without a name"
+        named += f" to {names[-1]}" if len(names) > 2 else f", {names[1]}" if len(names) == 2 else ""
+        parts.append(f"{named} ({reasons[names[0]]})")
+    return Assumption("others", f"left out: {'; '.join(parts)}", "map them by hand where they matter", True)
 
 
 def _words(quantity: str) -> str:

@@ -37,6 +37,12 @@ from flexros.record.proposal.columns import clock_of_column, table_signals
     (["t", "target_j1", "actual_j1"], {"position": ["actual_j1"], "position_command": ["target_j1"]}),
     (["timestamp", "action.elbow_flex.pos", "observation.elbow_flex.pos"],
      {"position": ["observation.elbow_flex.pos"], "position_command": ["action.elbow_flex.pos"]}),
+    (["Time (sec)", "Angle (rad)", "Speed (rad/sec)", "Torque [N*m]"],
+     {"position": ["Angle (rad)"], "velocity": ["Speed (rad/sec)"], "measured_torque": ["Torque [N*m]"]}),
+    (["t", "q_rad_1", "dq_rad_s_1", "tau_nm_1", "current_1 [A]"],
+     {"position": ["q_rad_1"], "velocity": ["dq_rad_s_1"], "measured_torque": ["tau_nm_1"]}),
+    (["t", "posAct", "torDes", "torAct", "accelAct"],
+     {"position": ["posAct"], "torque_command": ["torDes"], "measured_torque": ["torAct"]}),
     (["t", "q1", "q1dot", "effort1"], {"position": ["q1"], "velocity": ["q1dot"], "measured_torque": ["effort1"]}),
 ])  # fmt: skip
 def test_usual_names_tell_their_quantity(names: list[str], expected: dict[str, list[str]]) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.record.proposal.motion_units import compare_velocity, in_degrees, unit_ratio
+from flexros.record.proposal.motion_units import compare_velocity, in_degrees, unit_ratio, velocity_unit
 
 TIME = np.arange(2000) / 500
 ANGLE = np.sin(3 * TIME)
@@ -34,3 +34,9 @@ def test_velocity_that_is_another_signal() -> None:
 def test_two_turns_part_radians_from_degrees() -> None:
     assert not in_degrees([ANGLE, 12.0 * ANGLE])
     assert in_degrees([ANGLE, 40.0 * ANGLE])
+
+
+def test_units_of_velocities_follow_from_those_of_positions() -> None:
+    assert [velocity_unit(unit) for unit in ("rad", "deg", "turn", "mm")] == ["rad/s", "deg/s", "turn/s", "mm/s"]
+    assert velocity_unit("deg", 6.0) == "rpm"
+    assert velocity_unit("rad", 1 / 57.3) == "deg/s"

@@ -83,7 +83,7 @@ def test_currents_of_a_table_get_constants_that_make_the_weights_true(table_of_c
 def test_currents_without_a_model_are_left_out(table_of_currents: Path) -> None:
     found = propose_mapping(table_of_currents, None)
     assert {one.quantity for one in found.mapping.columns} == {"position"}
-    assert "current0 (a current needs a torque constant: give a model" in about(found, "others")[0].taken
+    assert "current0 to current5 (a current needs a torque constant: give a model" in about(found, "others")[0].taken
 
 
 def test_opposite_efforts_are_turned_round(written, ur5e) -> None:
@@ -227,6 +227,43 @@ def test_degrees_are_not_checked_where_a_joint_may_turn_round_and_round(tmp_path
     np.savetxt(file, np.column_stack([time, 5 * time, 0 * time]), delimiter=",", header="t,q,tau", comments="")
     (position,) = about(propose_mapping(file, None), "position")
     assert (position.taken, position.checked) == ("in deg", False)
+
+
+def _table(folder: Path, **columns: np.ndarray) -> Path:
+    """Write columns of 500 rows at 100 Hz, without times in seconds."""
+    time = np.arange(500) / 100
+    rows, names = np.column_stack([time, *columns.values()]), ",".join(["time", *columns])
+    np.savetxt(folder / "run.csv", rows, delimiter=",", header=names, comments="")
+    return folder / "run.csv"
+
+
+def test_units_in_names_decide(tmp_path: Path) -> None:
+    """Though the joint leaves two turns, and the torque is a thousand times as large."""
+    time = np.arange(500) / 100
+    columns = {"Angle (rad)": 40 * np.sin(time), "Speed (rad/sec)": 40 * np.cos(time), "tau [mNm]": np.cos(time)}
+    found = propose_mapping(_table(tmp_path, **columns), None)
+    assert [one.unit for one in found.mapping.columns] == ["rad", "rad/s", "mNm"]
+    assert [about(found, subject)[0].checked for subject in ("position", "velocity", "effort")] == [True] * 3
+    assert about(found, "position")[0].ground == "names of columns say so"
+
+
+def test_a_current_that_is_left_out_is_no_torque_and_commanded_positions_drive(tmp_path: Path) -> None:
+    time = np.arange(500) / 100
+    columns = {"pos_0": np.sin(time), "cmd_0": np.sin(time + 0.1), "cur_0": np.cos(time)}
+    found = propose_mapping(_table(tmp_path, **columns), None)
+    assert [one.quantity for one in found.mapping.columns] == ["position", "position_command"]
+    assert about(found, "columns")[0].taken == "position: pos_0; position command: cmd_0"
+    (effort,) = about(found, "effort")
+    assert effort.taken == "no torque: the position commands drive the servos of the robot file"
+    assert effort.ground == "the currents have no known torque constant"
+
+
+def test_commanded_torques_that_are_zero_beside_measured_ones_are_left_out(tmp_path: Path) -> None:
+    time = np.arange(500) / 100
+    columns = {"pos": np.sin(time), "torDes": 0 * time, "torAct": np.cos(time)}
+    found = propose_mapping(_table(tmp_path, **columns), None)
+    assert [one.quantity for one in found.mapping.columns] == ["position", "measured_torque"]
+    assert "torDes (all zero)" in about(found, "others")[0].taken
 
 
 def test_position_commands_without_a_torque_are_said_to_drive_the_servos(tmp_path: Path) -> None:
