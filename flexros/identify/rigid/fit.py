@@ -206,8 +206,9 @@ def rows_of_log(
     rows = RegressionRows.of_record(record, torque, settings.cutoff_at(1 / record.sample_time), regressor, base.leading)
     if not np.any(rows.motion.moving):
         raise InputError(
-            f"{label}: no motion: the position of {', '.join(robot.joint_names)} does not change beyond its noise; "
-            "give a log in which the motors move"
+            f"{label}: no motion: the position of {', '.join(robot.joint_names)} does not change beyond its noise "
+            f"below the cut-off of {rows.cutoff:.4g} Hz; give a log in which the motors move, or a higher cut-off "
+            "where they move faster"
         )
     return rows
 

@@ -13,6 +13,7 @@ from scipy.sparse import csr_array
 
 from flexros.errors import InputError
 from flexros.record.even_grid import HIGHEST_RATE
+from flexros.record.smoothing import noise_power
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
@@ -30,7 +31,7 @@ _PASS = 0.9
 """Its corner, relative to half the decimated rate (chosen)."""
 
 _STILL = 20.0
-"""Range of a position, in rms values of the part removed by the filter, up to which a motor is at rest (chosen)."""
+"""Range of a position, in rms values of its noise, up to which a motor is at rest (chosen)."""
 
 _ODD_RATE = ", or correct the time unit in the mapping if the rate is not that of the recorder"
 
@@ -87,7 +88,7 @@ def estimate_motion(position: FloatArray, sample_time: float, cutoff: float) -> 
         )
     sections = butter(_ORDER, 2 * cutoff * sample_time, output="sos")
     filtered: FloatArray = sosfiltfilt(sections, position, axis=0)
-    noise = np.sqrt(np.mean((position - filtered) ** 2, axis=0))
+    noise = np.minimum(np.sqrt(np.mean((position - filtered) ** 2, axis=0)), _noise(position))
     moving: BoolArray = np.ptp(filtered, axis=0) > _STILL * noise
     velocity = np.gradient(filtered, sample_time, axis=0)
     acceleration = np.zeros_like(filtered)
@@ -95,6 +96,16 @@ def estimate_motion(position: FloatArray, sample_time: float, cutoff: float) -> 
     return MotionEstimate(
         np.where(moving, filtered, filtered.mean(axis=0)), velocity * moving, acceleration * moving, moving
     )
+
+
+def _noise(position: FloatArray) -> FloatArray:
+    """Return the noise of positions and their rounding where they move least [rad or m], shape (M,).
+
+    What the filter removes may be motion that is faster than its corner.
+    """
+    change = np.abs(np.diff(position, axis=0))
+    step = np.min(change, axis=0, where=change > 0, initial=np.inf) / np.sqrt(12)
+    return np.asarray(np.maximum(np.sqrt(noise_power(position)), np.where(np.isfinite(step), step, 0.0)))
 
 
 def lowest_cutoff(samples: int, sample_time: float) -> float:

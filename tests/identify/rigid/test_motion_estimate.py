@@ -40,6 +40,16 @@ def test_motor_that_stands_still_has_no_speed() -> None:
     assert motion.position[0, 1] == pytest.approx(0.3, abs=1e-5)
 
 
+def test_motion_above_the_cutoff_is_no_noise() -> None:
+    """Also beside a motor at rest whose coarse encoder toggles for a while."""
+    rng = np.random.default_rng(2)
+    time = np.arange(4000) * T
+    fast = 0.03 * np.sin(2 * np.pi * 6 * time) + 0.02 * np.sin(2 * np.pi * 65 * time)
+    toggling = 1e-3 * rng.integers(0, 2, len(time)) * (time > 3.3)
+    q = np.column_stack([fast + 1e-5 * rng.normal(size=len(time)), toggling])
+    assert estimate_motion(q, T, 50.0).moving.tolist() == [True, False]
+
+
 def test_decimation_leaves_slow_signals_and_their_phase_alone() -> None:
     factor = decimation(T, 50.0)
     assert factor == 20
