@@ -44,8 +44,15 @@ class Motion(AbstractCheck):
                     hopeless=True,
                 ),
             )
-        still = [name for name, moved in zip(robot.joint_names, moves, strict=True) if not moved]
+        told = np.ptp(checked.record.position[checked.record.valid], axis=0) == 0.0  # by the check for stuck encoders
+        told[list(checked.record.prescribed)] = True
+        still = [robot.joint_names[motor] for motor in np.flatnonzero(~moves & ~told)]
         if not still:
             return ()
-        text = f"{', '.join(still)} does not move beyond the noise of its encoder, so little about it is identifiable"
+        text = f"{still[0]} does not move beyond the noise of its encoder, so little about it is identifiable"
+        if len(still) > 1:
+            text = (
+                f"{', '.join(still)} do not move beyond the noise of their encoders, so little about them is "
+                "identifiable"
+            )
         return (Finding(text, hopeless=False),)

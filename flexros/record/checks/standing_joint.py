@@ -45,4 +45,5 @@ def without_standing_joints(record: Record, robot: Robot) -> Record:
     motors = np.flatnonzero(standing & ~stuck).tolist()
     if not motors or len({*motors, *record.prescribed}) == robot.n_motors:
         return record
-    return with_prescribed_motion(record, robot, motors, "it stands still in this log")
+    reason = "it stands still in this log" if len(motors) == 1 else "they stand still in this log"
+    return with_prescribed_motion(record, robot, motors, reason)

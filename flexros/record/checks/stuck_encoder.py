@@ -12,6 +12,8 @@ from flexros.record.missing_samples import MOST_BRIDGED, runs
 from flexros.record.quantization import encoder_step
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from flexros.arrays import BoolArray, FloatArray, IntArray
     from flexros.record.checks.checked_record import CheckedRecord
     from flexros.record.record import Record
@@ -43,12 +45,12 @@ class StuckEncoder(AbstractCheck):
         """Find equal samples in a row."""
         record, robot = checked.record, checked.robot
         rows = np.flatnonzero(record.valid)
-        problems = []
+        constant = np.flatnonzero(np.ptp(record.position[rows], axis=0) == 0.0).tolist()
+        problems = _constant(checked, [motor for motor in constant if motor not in record.prescribed])
         for motor, name in enumerate(robot.joint_names):
-            values, torque = record.position[rows, motor], record.torque[rows, motor]
-            if np.ptp(values) == 0.0:
-                problems += _constant(name, torque, _stands_still(record, motor))
+            if motor in constant:
                 continue
+            values = record.position[rows, motor]
             stuck = _stuck(values, rows, encoder_step(record, motor))
             if not checked.moves[motor] or not np.any(stuck):
                 continue
@@ -92,13 +94,29 @@ def _stands_still(record: Record, motor: int) -> bool:
     return False
 
 
-def _constant(name: str, torque: FloatArray, still: bool) -> list[Finding]:
-    """Judge a position that never changes: stuck where the torque varies as much as it is large."""
-    driven = float(np.std(torque)) > DRIVEN * float(np.sqrt(np.mean(torque**2))) > 0
-    if still or not driven:
-        return [Finding(f"the position of {name} never changes; nothing about it is identifiable", hopeless=False)]
-    text = (
-        f"the position of {name} never changes although its torque does: its encoder is stuck, or its brake is closed; "
-        "check the encoder, release the brake, or name it as prescribed where it was held"
-    )
-    return [Finding(text, hopeless=True)]
+def _constant(checked: CheckedRecord, motors: Sequence[int]) -> list[Finding]:
+    """Judge positions that never change: stuck where the torque varies as much as it is large.
+
+    Of several such joints of a real machine at once none is stuck: something holds them.
+    """
+    record, names = checked.record, checked.robot.joint_names
+    torque = record.torque[record.valid]
+    varies = np.std(torque, axis=0) > DRIVEN * np.sqrt(np.mean(torque**2, axis=0))
+    several = record.imported and len(motors) > 1
+    stuck = [] if several else [motor for motor in motors if varies[motor] and not _stands_still(record, motor)]
+    problems = [
+        Finding(
+            f"the position of {names[motor]} never changes although its torque does: its encoder is stuck, or its "
+            "brake is closed; check the encoder, release the brake, or name it as prescribed where it was held",
+            hopeless=True,
+        )
+        for motor in stuck
+    ]
+    still = [names[motor] for motor in motors if motor not in stuck]
+    if len(still) > 1:
+        text = f"the positions of {', '.join(still)} never change; nothing about these motors is identifiable"
+        problems.append(Finding(text, hopeless=False))
+    elif still:
+        text = f"the position of {still[0]} never changes; nothing about it is identifiable"
+        problems.append(Finding(text, hopeless=False))
+    return problems

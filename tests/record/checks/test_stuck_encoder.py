@@ -50,6 +50,18 @@ def test_encoder_that_never_changes_is_refused(found, healthy) -> None:
     assert "the position of motor_1 never changes although its torque does" in findings[0].text
 
 
+def test_of_several_encoders_of_a_real_machine_that_never_change_none_is_stuck(found, healthy) -> None:
+    """They are told in one line, and those that are prescribed not at all."""
+    record = healthy("e12")
+    position = np.tile(record.position[0], (record.n_samples, 1))
+    texts = [finding.text for finding in found("e12", position=position, imported=True)]
+    told = "the positions of motor_1, motor_2 never change; nothing about these motors is identifiable"
+    assert [text for text in texts if "never change" in text] == [told]
+    moving = np.column_stack([record.position[:, 0], position[:, 1]])
+    texts = [finding.text for finding in found("e12", position=moving, imported=True, prescribed=(1,))]
+    assert not any("never change" in text or "does not move" in text for text in texts)
+
+
 def test_coarse_encoder_may_rest(found, healthy) -> None:
     record = healthy("emps")
     texts = [finding.text for finding in found("emps", position=2e-5 * np.round(record.position / 2e-5))]
