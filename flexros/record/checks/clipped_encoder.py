@@ -32,6 +32,9 @@ FAR = 20.0
 """Such a step over the median one of those that are not zero (chosen): an encoder that stands still steps by its
 resolution, which is all the range it has."""
 
+SMALLEST = 1e-3
+"""Smallest range of an encoder [rad or m] (chosen): positions within less are of a motor at rest, whose noise jumps."""
+
 MOST = 0.05
 """Share of samples in flat tops above which a log is rejected (chosen)."""
 
@@ -52,7 +55,7 @@ class ClippedEncoder(AbstractCheck):
             values = record.position[rows, motor]
             span, step = float(np.ptp(values)), encoder_step(record, motor)
             steps = np.abs(np.diff(values))[near]
-            if span > 0 and _wraps(steps, span, step):
+            if span > SMALLEST and _wraps(steps, span, step):
                 at = float(rows[:-1][near][int(np.argmax(steps))]) * record.sample_time
                 text = (
                     f"the position of {name} jumps by {steps.max():.4g} at {at:.4g} s, as an encoder that wraps around "

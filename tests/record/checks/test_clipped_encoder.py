@@ -43,6 +43,14 @@ def test_encoder_that_is_reset_in_fast_motion_is_refused(found, healthy) -> None
     assert "the position of motor_1 jumps by" in found("elbow", position=position)[0].text
 
 
+def test_noise_of_a_motor_at_rest_that_jumps_is_no_range_of_an_encoder(found, healthy) -> None:
+    """As of a fine encoder whose controller filters it."""
+    position = healthy("elbow").position.copy()
+    position[:, 0] = 0.3 + 3e-6 * (np.arange(len(position)) > 10_000)
+    position[:, 0] += 6e-8 * np.random.default_rng(1).integers(0, 2, len(position))
+    assert not any("jumps by" in finding.text for finding in found("elbow", position=position))
+
+
 def test_motor_that_moves_on_in_a_hole_of_the_log_does_not_wrap_around(found, healthy) -> None:
     """A motor that turns far while two seconds are missing is elsewhere behind the hole."""
     record = healthy("elbow")
