@@ -13,6 +13,7 @@ import numpy as np
 from flexros.errors import InputError, unknown_name
 from flexros.logs.bag.files import find_bag_files
 from flexros.logs.foreign.mapping import clock_of
+from flexros.logs.foreign.message_rows import message_rows
 from flexros.logs.foreign.plausibility import doubts
 from flexros.logs.foreign.quantities import QUANTITIES, TIME_UNITS
 from flexros.logs.foreign.signal_source import AbstractSignalSource, open_source, safe_name
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from flexros.arrays import FloatArray, IntArray
+    from flexros.arrays import BoolArray, FloatArray, IntArray
     from flexros.logs.foreign.mapping import Clock, LogMapping, MappedColumn
     from flexros.logs.foreign.signal_source import Signal
 
@@ -152,10 +153,15 @@ def _read(
             raise InputError(f"{path} has none of the columns of mapping {mapping.name}; leave the file out")
     read = {path: sources[path].read(list(dict.fromkeys(columns))) for path, columns in wanted.items()}
     origin = min(signal.origin for signals in read.values() for signal in signals.values())
+    messages = _message_rows(read, {clock.column for clock, _ in clocks if clock is not None})
     mapped, lost = [], LostValues()
     for (path, entry), (clock, holder) in zip(present, clocks, strict=True):
         signal, column = _added(entry, read[path], path), f"{path}, column '{entry.label}'"
         time, clock_name = _times(mapping, clock, signal, read[holder], sources[holder].names, column, str(holder))
+        rows = messages[path].get(next(iter(entry.factors)))
+        if rows is not None and clock is not None and clock.rate is None:
+            signal, time = replace(signal, values=signal.values[rows]), time[rows]
+            left_out.append(f"{path} has a row for each message: columns count in the rows of theirs")
         used, notes = usable_times(time, clock_name)
         time = time + ((signal.origin - origin) * 1e-9 + entry.time_offset)
         quantity = f"{entry.quantity} of {entry.component}"
@@ -166,6 +172,14 @@ def _read(
         left_out += notes
     left_out += lost.notes
     return mapped
+
+
+def _message_rows(read: dict[Path, dict[str, Signal]], times: set[str]) -> dict[Path, dict[str, BoolArray]]:
+    """Return the rows of the message of each column of each file that has a row for each message."""
+    return {
+        path: message_rows({k: one.values for k, one in signals.items() if one.time is None and k not in times})
+        for path, signals in read.items()
+    }
 
 
 def _clocks(

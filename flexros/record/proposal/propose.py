@@ -12,6 +12,7 @@ from flexros.config.yaml_file import parse_yaml
 from flexros.errors import InputError
 from flexros.logs.foreign.import_log import import_log
 from flexros.logs.foreign.mapping import Clock, LogMapping, MappedColumn, Scale
+from flexros.logs.foreign.message_rows import message_rows
 from flexros.logs.foreign.quantities import QUANTITIES, TIME_UNITS, UNITS
 from flexros.logs.foreign.signal_source import Signal, open_source
 from flexros.logs.foreign.sources.ros_bag import RosBag
@@ -150,13 +151,20 @@ def _usable_rows(bag: Path, signals: Mapping[str, Signal], time: FloatArray) -> 
             raise InputError(
                 f"{bag} has {len(signal.values)} rows in column '{name}' and {len(time)} times; make them equally long"
             )
-    finite = {name: np.isfinite(signal.values) for name, signal in signals.items()}
+    values, messages = {name: signal.values for name, signal in signals.items()}, {}
+    if np.isfinite(time).all():
+        messages = message_rows(values)
+    finite = {name: np.isfinite(own) for name, own in values.items() if name not in messages}
     rows = np.isfinite(time) & np.all([own for own in finite.values() if np.mean(~own) < MOST_LOST], axis=0)
-    rows &= time > np.maximum.accumulate(np.concatenate([[-np.inf], np.where(rows, time, -np.inf)[:-1]]))
-    if not rows.any():
+    usable = {}
+    for name in values:
+        taken = messages.get(name, rows).copy()
+        taken &= time > np.maximum.accumulate(np.concatenate([[-np.inf], np.where(taken, time, -np.inf)[:-1]]))
+        usable[name] = taken
+    if not all(map(np.any, usable.values())):
         return dict(signals)  # the import says what is wrong
-    begin = time[rows][0]
-    return {name: Signal(signal.values[rows], time[rows] - begin) for name, signal in signals.items()}
+    begin = min(time[taken][0] for taken in usable.values())
+    return {name: Signal(values[name][taken], time[taken] - begin) for name, taken in usable.items()}
 
 
 def _pairs(topics: FoundSignals, matches: Sequence[JointMatch]) -> list[tuple[str, JointMatch]]:
