@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
@@ -16,7 +14,7 @@ _SIGNIFICANT = 2.0
 """Deviations from zero above which a value is significant (chosen)."""
 
 _LARGEST_ASYMMETRY = 2.0
-"""Largest asymmetry that effects have: one direction without friction."""
+"""Largest asymmetry that friction has: one direction without any. More is a constant torque beside it."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +36,7 @@ def friction_outside_file(fit: RigidFit) -> FrictionOutsideFile:
     """Collect the identified friction that a robot file cannot hold.
 
     The effect `coulomb_friction` has a level F and an asymmetry a, so F (1 + a/2) forward and F (1 - a/2) backward: an
-    offset is half the difference of the directions.
+    offset is half the difference of the directions. One beyond the friction is a `torque_bias`.
     """
     excited = {
         name: (float(value), float(deviation))
@@ -52,9 +50,7 @@ def friction_outside_file(fit: RigidFit) -> FrictionOutsideFile:
     }
     effects, means = [], []
     for motor in fit.robot.joint_names:
-        effect = _coulomb_effect(motor, values)
-        if effect:
-            effects.append(effect)
+        effects += _dry_effects(motor, values)
         pair = [excited.get(f"{motor}.viscous_friction_{direction}") for direction in ("forward", "backward")]
         if pair[0] is not None and pair[1] is not None:
             forward, backward = pair[0][0], pair[1][0]
@@ -65,16 +61,17 @@ def friction_outside_file(fit: RigidFit) -> FrictionOutsideFile:
     return FrictionOutsideFile(values, tuple(effects), tuple(means))
 
 
-def _coulomb_effect(motor: str, values: Mapping[str, float]) -> str:
-    """Effect of a motor; empty where its Coulomb friction was not identified or is not positive."""
+def _dry_effects(motor: str, values: Mapping[str, float]) -> list[str]:
+    """Effects of a motor; none where neither its Coulomb friction is positive nor a constant torque was identified."""
     level, offset = values.get(f"{motor}.coulomb_friction", 0.0), values.get(f"{motor}.torque_offset", 0.0)
     forward, backward = (
         values.get(f"{motor}.coulomb_friction_{direction}", 0.0) for direction in ("forward", "backward")
     )
     if forward or backward:
         level, offset = (forward + backward) / 2, (forward - backward) / 2
-    if level <= 0:
-        return ""
-    asymmetry = float(np.clip(2 * offset / level, -_LARGEST_ASYMMETRY, _LARGEST_ASYMMETRY))
-    text = f"coulomb_friction@{motor}:level={level:.4g}"
-    return f"{text},asymmetry={asymmetry:.3g}" if asymmetry else text
+    effects = [f"coulomb_friction@{motor}:level={level:.4g}"] if level > 0 else []
+    if abs(2 * offset) > _LARGEST_ASYMMETRY * abs(level):  # the motor holds against it, so that it is opposite
+        effects.append(f"torque_bias@{motor}:level={-offset:.4g}")
+    elif effects and offset:
+        effects[0] += f",asymmetry={2 * offset / level:.3g}"
+    return effects

@@ -45,6 +45,16 @@ def test_no_effect_without_friction(elbow, fourier_motion, rigid_log) -> None:
     assert friction_outside_file(fit_rigid(log, elbow, RigidSettings(cutoff=25.0))).effects == ()
 
 
+def test_an_offset_beyond_the_friction_is_a_constant_torque(emps, fourier_motion, rigid_log) -> None:
+    """It acts against what the motor has to hold."""
+    log = rigid_log(emps, fourier_motion(8000, 1e-3, 1), noise=1e-6, friction=lambda v: 2 * np.sign(v) + 9)
+    friction, bias = friction_outside_file(fit_rigid(log, emps, RigidSettings(cutoff=25.0))).effects
+    assert friction.startswith("coulomb_friction@motor_1:level=")
+    assert float(friction.partition("=")[2]) == pytest.approx(2, rel=0.05)
+    assert bias.startswith("torque_bias@motor_1:level=")
+    assert float(bias.partition("=")[2]) == pytest.approx(-9, rel=0.02)
+
+
 def test_effect_is_understood_by_a_scenario(emps, fourier_motion, rigid_log) -> None:
     log = rigid_log(emps, fourier_motion(8000, 1e-3, 1), noise=1e-6, friction=friction)
     (effect,) = friction_outside_file(fit_rigid(log, emps, RigidSettings(cutoff=25.0))).effects
