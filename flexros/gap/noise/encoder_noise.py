@@ -89,11 +89,15 @@ def measure_noise(record: Record, robot: Robot, settings: DiagnosisSettings) -> 
     rounded = {motor for motor, step in steps.items() if step > HIDES * robot.encoder_noise[motor]}
     driven = _driven(record, robot, position, settings.level)
     power, jitter = _above_band(position, speed, record)
+    constant = np.ptp(position, axis=0) == 0.0
+    power[constant] = 0.0  # else numerical errors are left of it
     deviation, colours, source = np.sqrt(power), [np.zeros(0)] * M, ["above the band"] * M
     for motor in range(M):
-        rest = _at_standstill(
-            position[:, motor], smooth[:, motor], driven[:, motor], record, float(deviation[motor]), numbers
-        )
+        rest = None
+        if record.predicted[motor] and not constant[motor]:
+            rest = _at_standstill(
+                position[:, motor], smooth[:, motor], driven[:, motor], record, float(deviation[motor]), numbers
+            )
         if motor in rounded and robot.encoder_noise[motor] > 0:
             deviation[motor], source[motor] = robot.encoder_noise[motor], "robot file"
         elif rest is not None:

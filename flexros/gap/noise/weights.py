@@ -189,7 +189,9 @@ def _declared(record: Record, robot: Robot, noise: Noise) -> FloatArray:
 def _undeclared(record: Record, robot: Robot, used: FloatArray) -> tuple[str, ...]:
     """Say which noise is used for encoders whose robot file declares none."""
     names = [
-        f"{name}: {used[motor]:.2g}" for motor, name in enumerate(robot.joint_names) if not robot.encoder_noise[motor]
+        f"{name}: {used[motor]:.2g}"
+        for motor, name in enumerate(robot.joint_names)
+        if not robot.encoder_noise[motor] and record.predicted[motor]
     ]
     if not names:
         return ()

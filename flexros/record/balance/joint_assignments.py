@@ -60,6 +60,7 @@ class JointAssignment:
             robot explain.
         clear: Whether it fits so much better that no effect explains the difference.
         zeros: Whether it adds angles to positions, which a base that is mounted otherwise may look like.
+        exchanged: Motors that it exchanges; none where it exchanges none.
     """
 
     text: str
@@ -67,6 +68,7 @@ class JointAssignment:
     opposite: bool
     clear: bool = True
     zeros: bool = False
+    exchanged: tuple[int, ...] = ()
 
 
 def own_fits(balance: TorqueBalance | None, n_motors: int) -> tuple[BalanceFit | None, ...]:
@@ -255,4 +257,5 @@ def _both(record: Record, robot: Robot, order: np.ndarray, sign: FloatArray, cha
         agreement = own_score(compared, M)
         if agreement is not None:
             opposite = compared is kept and bool(np.any(sign < 0))
-            yield JointAssignment(f"{signals} {change}", agreement, opposite)
+            exchanged = tuple(np.flatnonzero(order != np.arange(M)).tolist())
+            yield JointAssignment(f"{signals} {change}", agreement, opposite, exchanged=exchanged)

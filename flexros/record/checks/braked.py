@@ -40,6 +40,7 @@ def without_braked_rests(record: Record, robot: Robot) -> Record:
     if not record.imported or record.command is not None or not np.any(torque):
         return record
     known = HEAVY * np.sqrt(np.mean(torque[np.any(torque, axis=1)] ** 2, axis=0))
+    known[~np.any(torque, axis=0)] = np.inf  # no drive, and no brake: what shows is the zero of its encoder
     braked = np.zeros(record.n_samples, dtype=bool)
     for begin, length in zip(*runs(~np.any(torque, axis=1)), strict=True):
         rows = int(begin) + np.flatnonzero(record.valid[begin : begin + length])

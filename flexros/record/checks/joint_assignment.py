@@ -21,6 +21,8 @@ class JointAssignmentCheck(AbstractCheck):
         if checked.assignment is None or (checked.postures and not checked.assignment.clear):
             return ()
         if not checked.assignment.clear:
+            if set(checked.assignment.exchanged) & set(checked.record.prescribed):
+                return ()  # a joint without a torque that counts, which nearly any torque fits better
             text = (
                 f"torques and motions fit robot {checked.robot.name} badly, and better with {checked.assignment.text} "
                 f"(agreement {checked.assignment.agreement:.2f} of 1): check signs and zeros (offset) of the mapping"

@@ -163,3 +163,18 @@ def test_jitter_is_found_beside_rounding_at_high_speed(robot: Robot) -> None:
     record = record_of(white(0.1 * SIGMA), still=True, jitter=1e-4)
     record = replace(record, position=3e-4 * np.round(record.position / 3e-4))
     assert measure_noise(record, robot, SETTINGS).jitter == pytest.approx(1e-4, rel=0.1)
+
+
+def test_positions_that_never_change_have_no_noise(robot: Robot) -> None:
+    """Numerical errors of a filter are none; the robot file states what the encoder has."""
+    record = record_of(white(), still=True)
+    noise = measure_noise(replace(record, position=np.full((N, 1), 0.1654815673828125)), robot, SETTINGS)
+    assert (noise.source, noise.warnings) == (("robot file",), ())
+    np.testing.assert_array_equal(noise.standard_deviation, robot.encoder_noise)
+
+
+def test_the_colour_of_a_motor_that_is_not_predicted_does_not_count(robot: Robot) -> None:
+    record = replace(record_of(coloured(0.8), still=True), prescribed=(0,))
+    noise = measure_noise(record, robot, SETTINGS)
+    assert noise.autoregression.shape == (1, 0)
+    assert not any("is not white" in text for text in noise.warnings)

@@ -182,6 +182,16 @@ def test_a_robot_file_without_noise_takes_that_of_the_log() -> None:
     assert any("declares no encoder noise" in text for text in found.warnings)
 
 
+def test_noise_of_motors_that_are_not_predicted_is_not_said() -> None:
+    record = record_of_arm(imported=True)
+    position = record.position.copy()
+    position[:, 0] = 0.1654815673828125
+    still = replace(record, position=position, torque=record.torque * [0.0, 1.0], prescribed=(0,))
+    (said,) = (text for text in measurement_of(still, arm(), SETTINGS).warnings if "declares no encoder noise" in text)
+    assert "motor_2: " in said
+    assert "motor_1" not in said
+
+
 @pytest.mark.parametrize(("noise", "moves", "said"), [(1e-10, True, True), (1e-8, True, False), (1e-10, False, False)])
 def test_positions_without_the_noise_of_an_encoder_are_said_of_joints_that_move(
     noise: float, moves: bool, said: bool, monkeypatch: pytest.MonkeyPatch

@@ -66,15 +66,16 @@ def test_the_record_of_a_log_leaves_them_out(tmp_path) -> None:
     assert checked.valid[BEFORE + 2 :].all()
 
 
-@pytest.mark.parametrize("case", ["torque", "hangs", "short", "falls", "simulated"])
+@pytest.mark.parametrize("case", ["torque", "hangs", "short", "falls", "simulated", "no drive"])
 def test_other_rests_count(case: str) -> None:
-    """A torque that is not zero, links that hang down, a moment, an arm that falls, and logs of this program."""
+    """A torque that is not zero, links that hang down, a moment, a fall, logs of this program, no drive at a joint."""
     record = {
         "torque": braked(torque=1e-9),
         "hangs": _hanging(),
         "short": braked(before=20),
         "falls": _falling(),
         "simulated": braked(imported=False),
+        "no drive": _without_drive(),
     }[case]
     assert without_braked_rests(record, arm()) is record
 
@@ -93,3 +94,11 @@ def _falling() -> Record:
     position = record.position.copy()
     position[:BEFORE] = (0.125 * 9.81 / 0.3) * (T * np.arange(BEFORE)[:, None]) ** 2 * np.array([1.0, 0.0])
     return replace(record, position=position)
+
+
+def _without_drive() -> Record:
+    """Return a log that begins with a pendulum at rest below the first link, the zero of its encoder a little off."""
+    record = _hanging()
+    position = record.position.copy()
+    position[:BEFORE, 1] = 0.07
+    return replace(record, position=position, torque=record.torque * [1.0, 0.0])

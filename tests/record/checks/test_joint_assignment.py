@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import pytest
+
+from flexros.record.balance.joint_assignments import JointAssignment
+from flexros.record.checks.joint_assignment import JointAssignmentCheck
 
 pytestmark = pytest.mark.slow
 
@@ -34,3 +39,11 @@ def test_axis_that_counts_the_other_way_is_named(found, healthy, scaled) -> None
     assert findings[0].hopeless
     assert "with torque and position of motor_" in findings[0].text
     assert "inverted" in findings[0].text
+
+
+@pytest.mark.parametrize(("prescribed", "told"), [((), 1), ((1,), 0), ((2,), 1)])
+def test_an_exchange_with_a_joint_without_a_torque_that_counts_is_not_told(prescribed, told: int) -> None:
+    other = JointAssignment("the position of motor_1 and motor_2 exchanged", 0.3, False, clear=False, exchanged=(0, 1))
+    record, robot = SimpleNamespace(prescribed=prescribed), SimpleNamespace(name="arm")
+    checked = SimpleNamespace(assignment=other, postures=(), record=record, robot=robot)
+    assert len(JointAssignmentCheck().look(checked)) == told
