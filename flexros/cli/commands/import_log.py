@@ -125,7 +125,11 @@ def _propose(bag: Path, model: str, out: Path | None, proposed: Path | None, rat
         assumed += found.assumptions
         text = mapping_text(found.mapping, assumed)
         if path.exists() and not (path.is_file() and path.read_bytes() == text.encode()):
-            raise InputError(f"{path} exists already and says something else; give another name or remove it")
+            again = f"flexros import {shlex.quote(str(path))} {shlex.quote(str(bag))} --out LOG"
+            raise InputError(
+                f"{path} exists already and says something else than the mapping that is proposed; to import the log "
+                f"by it: {again}; to propose one, give another name or remove it"
+            )
         if out is not None:
             show("writing", 0.9)
             write_log(found.log, out)

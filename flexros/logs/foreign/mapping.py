@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from fnmatch import fnmatch
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -20,14 +21,23 @@ MAPPINGS = Path(__file__).parents[1] / "mappings"
 """Folder of the built-in mapping files."""
 
 
+_PER = re.compile(r"[^/]+(/s2?)?/[^/]+")
+"""A mechanical unit per another unit."""
+
+
 class Scale(Settings):
     """Conversion of a non-mechanical unit to a mechanical one, e.g. 35.15 N/V or 6.28e-5 rad/count."""
 
     value: float = Field(description="of the unit below; not zero")
-    unit: str = Field(pattern=r"^[^/]+(/s2?)?/[^/]+$", description="mechanical unit per unit of the column, e.g. N/V")
+    unit: str = Field(description="mechanical unit per unit of the column, e.g. N/V")
 
     @model_validator(mode="after")
-    def _not_zero(self) -> Scale:
+    def _converts(self) -> Scale:
+        if not _PER.fullmatch(self.unit):
+            raise ValueError(
+                f"unit is '{self.unit}', but must be a mechanical unit per unit of the column, as Nm/A, rad/count or "
+                "rad/s/V"
+            )
         if self.value == 0:
             raise ValueError("a scale of 0 makes the column zero; give another value")
         return self

@@ -160,6 +160,7 @@ def test_existing_mapping_is_kept(flexros, bag, tmp_path: Path) -> None:
     (tmp_path / "log_mapping.yaml").write_text("mine")
     ended = flexros("import", bag, "--model", "two_mass", "--out", str(tmp_path / "log"))
     assert ended.code == 2
+    assert f"to import the log by it: flexros import {tmp_path / 'log_mapping.yaml'} {bag} --out LOG" in ended.err
     assert (tmp_path / "log_mapping.yaml").read_text() == "mine"
     assert not (tmp_path / "log").exists()
 

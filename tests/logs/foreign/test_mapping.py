@@ -49,6 +49,11 @@ def test_scale_of_a_unit_without_mechanics(mapping_of) -> None:
             "unit is 'V', but the scale is per 'A'",
         ),
         ([{**POSITION, "unit": "V", "scale": {"value": 0, "unit": "rad/V"}}], {}, "scale of 0"),
+        (
+            [{**POSITION, "unit": "V", "scale": {"value": 2, "unit": "rad per V"}}],
+            {},
+            "scale': unit is 'rad per V', but must be a mechanical unit per unit of the column, as Nm/A",
+        ),
         ([{**POSITION, "quantity": "angle"}], {}, "'angle' is not a known quantity; allowed are position, velocity"),
         ([{**POSITION, "joint": "axis1"}], {}, "key 'columns[0].joint' is 'axis1'"),
         ([{**POSITION, "colum": "q"}], {}, "did you mean 'column'?"),

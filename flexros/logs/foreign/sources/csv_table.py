@@ -162,8 +162,10 @@ def _header(path: Path) -> tuple[int, str | None, tuple[str, ...]]:
         if commented is None or len(_cells(commented[1], delimiter)) != len(names):
             if all(not name or _holds_numbers(name) for name in names):
                 return number - 1, delimiter, tuple(f"[{k}]" for k in range(len(names)))
+            at = next(k for k, name in enumerate(names) if _holds_numbers(name))
             raise InputError(
-                f"{path}, line {number}: the first line holds '{names[0]}', but must name the columns; add such a line"
+                f"{path}, line {number}: the first line holds '{names[at]}' at column {at + 1}, but must name the "
+                "columns; add such a line, or name that column by a word"
             )
         number, names = number - 1, _cells(commented[1], delimiter)
     twice = sorted({name for name in names if names.count(name) > 1})

@@ -58,7 +58,11 @@ def test_entry_that_is_no_number(tmp_path: Path, text: str, message: str) -> Non
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("0,a\n1,2\n", "line 1: the first line holds '0', but must name the columns"),
+        ("0,a\n1,2\n", "line 1: the first line holds '0' at column 1, but must name the columns"),
+        (
+            "timestep,q,0.5\n1,2,3\n",
+            "holds '0.5' at column 3, but must name the columns; add such a line, or name that",
+        ),
         ("t,q,q\n0,1,2\n", "line 1: the column name 'q' occurs twice"),
         ("# only a comment\n", "has no rows; give a table with a line of names"),
     ],
