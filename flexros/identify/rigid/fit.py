@@ -12,7 +12,7 @@ from flexros.identify.log_record import log_record
 from flexros.identify.rigid.base_parameters import BaseParameters, base_parameters
 from flexros.identify.rigid.excitation import LARGEST_CONDITION, Excitation, judge_excitation
 from flexros.identify.rigid.least_squares import Solution, condition_number, covariance, weighted_least_squares
-from flexros.identify.rigid.motion_estimate import check_rows
+from flexros.identify.rigid.motion_estimate import HIGHEST_CUTOFF, check_rows
 from flexros.identify.rigid.record import torque_as_it_acts, torque_at_samples
 from flexros.identify.rigid.regression_rows import RegressionRows
 from flexros.identify.rigid.regressor import RigidRegressor
@@ -64,8 +64,8 @@ class RigidFit:
         error: Torque error on the log itself.
         error_with_hold: Total error [%] with delay and hold of the command; None where the torque was measured or
             `hold` was set.
-        slower: A lower cut-off [Hz] and the total error [%] with it, where the model leaves too much with the default
-            one and little enough there; None without.
+        other_cutoff: Another cut-off [Hz] and the total error [%] with it, where the model leaves too much with the
+            default one and little enough there; None without.
         cutoff: Cut-off of the low-pass for the positions [Hz].
         rate: Rate after decimation [Hz].
         measured_torque: Whether the torque was measured; else it is the command.
@@ -89,7 +89,7 @@ class RigidFit:
     measured_torque: bool
     moving: BoolArray
     warnings: tuple[str, ...]
-    slower: tuple[float, float] | None = None
+    other_cutoff: tuple[float, float] | None = None
 
     @property
     def deviation(self) -> FloatArray:
@@ -152,26 +152,45 @@ def fit_rigid(
     fit = _fit(rows, factor, robot, settings, base, label)
     if fit.error.total <= LARGEST_ERROR or settings.cutoff is not None:
         return fit
-    return replace(fit, slower=_slower(rows, fit))
+    return replace(fit, other_cutoff=_lower_cutoff(rows, fit) or _higher_cutoff(rows, fit))
 
 
-def _slower(rows: RegressionRows, fit: RigidFit) -> tuple[float, float] | None:
+def _lower_cutoff(rows: RegressionRows, fit: RigidFit) -> tuple[float, float] | None:
     """Halve the cut-off until the rigid model leaves little enough, and return it with the error [%] there.
 
     Accelerations of fast bands are those of the noise of a coarse encoder, or of the motor side of a part that bends.
     None where nothing is left before that.
     """
-    cutoff, torque = rows.cutoff, torque_at_samples(rows.record)
+    cutoff = rows.cutoff
     while True:
         cutoff /= 2
         try:
-            slow = RegressionRows.of_record(rows.record, torque, cutoff, rows.regressor, rows.leading)
-            check_rows(len(slow.torque), len(rows.leading), slow.torque.shape[1])
+            found = _error_at(cutoff, rows, fit)
         except InputError:  # too little is left of the log
             return None
-        found = _fit(slow, slow.triangular(), fit.robot, fit.settings, fit.base, fit.error.label)
-        if found.error.total <= LARGEST_ERROR:
-            return cutoff, found.error.total
+        if found <= LARGEST_ERROR:
+            return cutoff, found
+
+
+def _higher_cutoff(rows: RegressionRows, fit: RigidFit) -> tuple[float, float] | None:
+    """Double the cut-off until the rigid model leaves little enough, and return it with the error [%] there.
+
+    Motors without load may move faster than the default. None where that needs more than the sampling rate allows.
+    """
+    cutoff = 2 * rows.cutoff
+    while cutoff <= HIGHEST_CUTOFF / rows.record.sample_time:
+        found = _error_at(cutoff, rows, fit)
+        if found <= LARGEST_ERROR:
+            return cutoff, found
+        cutoff *= 2
+    return None
+
+
+def _error_at(cutoff: float, rows: RegressionRows, fit: RigidFit) -> float:
+    """Fit with another cut-off [Hz], and return the total error [%]."""
+    other = RegressionRows.of_record(rows.record, torque_at_samples(rows.record), cutoff, rows.regressor, rows.leading)
+    check_rows(len(other.torque), len(rows.leading), other.torque.shape[1])
+    return _fit(other, other.triangular(), fit.robot, fit.settings, fit.base, fit.error.label).error.total
 
 
 def rows_of_log(

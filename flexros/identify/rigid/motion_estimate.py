@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 _ORDER = 4
 """Order of the Butterworth filter, applied forwards and backwards (as by the authors of EMPS)."""
 
+HIGHEST_CUTOFF = 0.25
+"""Largest corner of that filter over the sampling rate [1] (chosen)."""
+
 _LENGTH = 20
 """Length of the low-pass before decimation, in decimated samples (usual for a finite response)."""
 
@@ -74,7 +77,7 @@ def estimate_motion(position: FloatArray, sample_time: float, cutoff: float) -> 
         InputError: The corner is too high for the sampling rate, or the record too short.
     """
     rate = 1 / sample_time
-    if not 0 < cutoff <= rate / 4:
+    if not 0 < cutoff <= HIGHEST_CUTOFF * rate:
         raise InputError(
             f"the cut-off is {cutoff:.6g} Hz, but must be above 0 and at most a quarter of the sampling rate of "
             f"{rate:.6g} Hz",

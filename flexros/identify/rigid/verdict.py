@@ -71,11 +71,14 @@ def _reason(fit: RigidFit) -> str:
             f"with delay and hold of the command it would be {fit.error_with_hold:.3g} %; pair positions with the "
             "command as it acts (setting hold)"
         )
-    if fit.slower is not None:
-        cutoff, error = fit.slower
+    if fit.other_cutoff is not None:
+        cutoff, error = fit.other_cutoff
+        why = "what is left is fast, as the noise of a coarse encoder or a part that bends"
+        if cutoff > fit.cutoff:
+            why = "the motors move faster than that"
         return (
-            f"with a cut-off of {cutoff:.3g} Hz instead of {fit.cutoff:.3g} Hz it would be {error:.3g} %: what is left "
-            "is fast, as the noise of a coarse encoder or a part that bends (setting cutoff)"
+            f"with a cut-off of {cutoff:.3g} Hz instead of {fit.cutoff:.3g} Hz it would be {error:.3g} %: {why} "
+            "(setting cutoff)"
         )
     if fit.robot.n_coordinates > fit.robot.n_motors:
         return "the motion excites the flexibilities or shows too little; record slow moves"

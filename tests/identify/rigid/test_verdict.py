@@ -77,9 +77,29 @@ def test_a_lower_cutoff_is_advised_where_the_noise_of_a_coarse_encoder_is_fast(e
     log = rigid_log(emps, fourier_motion(8000, 1e-3, 1), noise=2e-4)
     fit = fit_rigid(log, emps)
     assert fit.error.total > LARGEST_ERROR
-    assert fit.slower is not None
-    cutoff, error = fit.slower
+    assert fit.other_cutoff is not None
+    cutoff, error = fit.other_cutoff
     assert error < LARGEST_ERROR
     assert fit_rigid(log, emps, RigidSettings(cutoff=cutoff)).error.total == pytest.approx(error)
     assert f"with a cut-off of {cutoff:.3g} Hz instead of 100 Hz it would be {error:.3g} %" in judge_fit(fit).sentence
-    assert fit_rigid(log, emps, RigidSettings(cutoff=100.0)).slower is None  # as the user wants it
+    assert fit_rigid(log, emps, RigidSettings(cutoff=100.0)).other_cutoff is None  # as the user wants it
+
+
+def test_a_higher_cutoff_is_advised_where_the_motors_move_faster(emps, rigid_log) -> None:
+    """As a motor without load does: what is slow is mostly torque that the model lacks."""
+    time, w = 0.002 * np.arange(8000)[:, None], 2 * np.pi * np.array([27.0, 31.0, 0.5])
+    size = np.array([1.0, 0.7, 3.0]) * 1e-3
+    motion = np.array(
+        [
+            (size * np.sin(w * time)).sum(axis=1, keepdims=True),
+            (size * w * np.cos(w * time)).sum(axis=1, keepdims=True),
+            (-size * w**2 * np.sin(w * time)).sum(axis=1, keepdims=True),
+        ]
+    )
+    log = rigid_log(emps, motion, 0.002, friction=lambda _: 300 * np.sin(2 * np.pi * 0.3 * time))
+    fit = fit_rigid(log, emps)
+    assert fit.error.total > LARGEST_ERROR
+    assert fit.other_cutoff is not None
+    assert fit.other_cutoff[0] == pytest.approx(100.0)
+    said = judge_fit(fit).sentence
+    assert f"it would be {fit.other_cutoff[1]:.3g} %: the motors move faster than that (setting cutoff)" in said
