@@ -46,7 +46,8 @@ class Cause(EffectLocation):
     )
     determined: bool = Field(
         default=True,
-        description="whether the log determines any of its sizes; else it is not named in the verdict sentence",
+        description="whether the log determines any of its sizes; else the verdict sentence names it only where no "
+        "other cause closes any of the gap",
     )
 
 

@@ -34,6 +34,8 @@ _LACKED = (RotorInertia.name, ToolLoad.name)
 """Numbers that a robot file may leave out."""
 _SURE = 0.995
 """Probability from which it is not stated in the sentence (chosen)."""
+_PLACES, _NOTHING = 2, 0.005
+"""Decimals to which shares decide the order, and the share below which an effect closes nothing [1] (chosen)."""
 
 
 def verdict_sentence(diagnosis: Diagnosis) -> str:
@@ -66,14 +68,16 @@ def reported_causes(diagnosis: Diagnosis) -> tuple[Cause, ...]:
 
     They are the effects that the budget is divided among, of which the closed share is; without a budget all that are
     more probable than not, otherwise the most probable one. Those of which the log determines no size are left out
-    where there are others.
+    where there are others that close any of the gap.
     """
     divided = {(share.effect, share.location) for share in diagnosis.budget}
     divided |= {(step.effect, step.location) for waterfall in diagnosis.waterfall for step in waterfall.steps}
     repaired = tuple(cause for cause in diagnosis.causes if (cause.effect, cause.location) in divided)
     likely = repaired or tuple(cause for cause in diagnosis.causes if cause.probability >= LIKELY)
-    likely = tuple(cause for cause in likely if cause.determined) or likely
-    return tuple(sorted(likely, key=lambda cause: -closed_by(diagnosis, cause))) or diagnosis.causes[:1]
+    likely = tuple(sorted(likely, key=lambda cause: _needed(diagnosis, cause), reverse=True))
+    sized = tuple(cause for cause in likely if cause.determined)
+    closing = not diagnosis.budget or any(max(_needed(diagnosis, cause)) >= _NOTHING for cause in sized)
+    return (sized if sized and closing else likely) or diagnosis.causes[:1]
 
 
 def tolerance_sentence(diagnosis: Diagnosis) -> str:
@@ -96,6 +100,13 @@ def closed_by(diagnosis: Diagnosis, effect: EffectLocation) -> float:
     own = (effect.effect, effect.location)
     steps = (step for waterfall in diagnosis.waterfall for step in waterfall.steps)
     return sum(step.share for step in steps if (step.effect, step.location) == own)
+
+
+def _needed(diagnosis: Diagnosis, effect: EffectLocation) -> tuple[float, float]:
+    """Return the share of the gap that opens without an effect, and the share that it closes in the waterfall [1]."""
+    own = (effect.effect, effect.location)
+    opens = next((one.share_last for one in diagnosis.budget if (one.effect, one.location) == own), None)
+    return round(opens or 0.0, _PLACES), closed_by(diagnosis, effect)
 
 
 def _no_gap(diagnosis: Diagnosis) -> str:

@@ -201,6 +201,23 @@ def test_a_cause_of_undetermined_size_is_not_named(divided: Diagnosis) -> None:
     assert "hysteresis" not in verdict_sentence(part)
 
 
+def test_what_closes_nothing_does_not_stand_before_what_closes_most(divided: Diagnosis) -> None:
+    """An eccentricity of some size that closed nothing was named in place of friction whose size was not determined."""
+    coulomb, hysteresis = divided.causes
+    shares = [one.model_copy(update={"share_first": 0.0, "share_last": 0.0}) for one in divided.budget]
+    shares[0] = divided.budget[0]
+    steps = divided.waterfall[0].model_copy(update={"steps": divided.waterfall[0].steps[:1]})
+    causes = (coulomb, hysteresis.model_copy(update={"determined": False}))
+    part = divided.model_copy(update={"causes": causes, "budget": tuple(shares), "waterfall": (steps,)})
+    assert [cause.effect for cause in reported_causes(part)] == ["hysteresis", "coulomb_friction"]
+
+
+def test_the_cause_without_which_most_opens_comes_first(divided: Diagnosis) -> None:
+    shares = [one.model_copy(update={"share_last": last}) for one, last in zip(divided.budget, (0.1, 0.3), strict=True)]
+    part = divided.model_copy(update={"budget": tuple(shares)})
+    assert [cause.effect for cause in reported_causes(part)] == ["coulomb_friction", "hysteresis"]
+
+
 def test_the_floor_with_tolerance_stands_beside_the_floor(divided: Diagnosis) -> None:
     gap = divided.gap.model_copy(update={"tolerance_floor": 24.9})
     assert "floor 1, 24.9 with tolerance" in gap_line(gap)
