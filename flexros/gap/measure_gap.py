@@ -13,6 +13,7 @@ from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.fit.torques.noted_timing import shift_of_noted, with_torque_in_time_behind_springs
 from flexros.gap.fit.torques.rough_gains import with_likely_gains
 from flexros.gap.fit.torques.unknown_numbers import unknown_numbers
+from flexros.gap.held_out.constant_speed import moving_on, moving_on_words
 from flexros.gap.held_out.errors_ahead import errors_ahead
 from flexros.gap.held_out.gap_floor import over_expected_floor, tolerance_floor, unknown_rounding
 from flexros.gap.held_out.gap_numbers import gap_numbers, settled
@@ -58,7 +59,7 @@ class MeasuredGap:
 
     @property
     def significant(self) -> bool:
-        """Whether that is more than noise and its tolerance, or the model lacks the rounding of an encoder."""
+        """Whether that is more than noise and its tolerance, or the model predicts little, see `LeftOver`."""
         return self.left.significant
 
     def to_pandas(self) -> pd.Series:
@@ -74,11 +75,12 @@ class MeasuredGap:
         return gap_figure(self.numbers)
 
     def _repr_html_(self) -> str:
-        from flexros.gap.report.terminal import gap_line, left_line
+        from flexros.gap.report.terminal import gap_line, gap_verdict, left_line
+        from flexros.gap.report.words import capital
         from flexros.report.base import Paragraph
         from flexros.report.notebook import notebook_html
 
-        verdict = "A gap: more than noise and tolerance" if self.significant else "No gap beyond noise and tolerance"
+        verdict = capital(gap_verdict(self.left, "the model" if self.numbers.after is None else "the repaired model"))
         warnings = (Paragraph(text, "warning") for text in self.warnings)
         return notebook_html(verdict, (Paragraph(gap_line(self.numbers)), Paragraph(left_line(self.left)), *warnings))
 
@@ -128,9 +130,12 @@ def measure_gap(
     after = None if fits.repaired is None else _errors(fits.repaired, data)
     floor = tolerance_floor(fits.last.fit, data)
     left = _left_over(fits.last, data, (after or before).mean, floor)
+    if after is not None:
+        alike = moving_on(fits.last.fit, model.robot, data, before, after)
+        left = replace(left, moving_on=tuple(alike))
     numbers = gap_numbers(before, after, record.sample_time, with_tolerance=floor)
     warnings = settled(data.record, numbers.closed_fraction).warnings
-    return MeasuredGap(numbers, left, (*warnings, *_cut_short(deadline)))
+    return MeasuredGap(numbers, left, (*moving_on_words(left.moving_on), *warnings, *_cut_short(deadline)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -130,10 +130,8 @@ def _refuse_missing(patch: Path) -> None:
 
 
 def _print(measured: MeasuredGap) -> None:
-    from flexros.gap.report.terminal import gap_line, left_line
+    from flexros.gap.report.terminal import gap_line, gap_verdict, left_line
 
-    verdict, compared = ("a gap", "more than") if measured.significant else ("no gap", "no more than")
-    model = "the repaired model" if measured.numbers.after is not None else "the model"
-    console.print(f"{verdict}: the errors of {model} are {compared} noise and tolerance")
+    console.print(gap_verdict(measured.left, "the model" if measured.numbers.after is None else "the repaired model"))
     say(gap_line(measured.numbers))
     say(left_line(measured.left))

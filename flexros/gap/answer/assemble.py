@@ -24,11 +24,13 @@ from flexros.gap.answer.warnings import answer_warnings, record_warnings, sensor
 from flexros.gap.candidates.candidate import name_of
 from flexros.gap.fit.estimates import covariance_of, determined, parameters_of, placed_effects
 from flexros.gap.held_out.closed_share import closed_fraction
+from flexros.gap.held_out.constant_speed import moving_on, moving_on_words
 from flexros.gap.held_out.errors_ahead import errors_ahead
 from flexros.gap.held_out.gap_floor import over_expected_floor, tolerance_floor
 from flexros.gap.held_out.gap_numbers import gap_numbers, settled, signal_gaps
 from flexros.gap.held_out.predictions import prediction_of, signature_evidence
 from flexros.gap.next_experiment.choose import file_or_name, next_experiment
+from flexros.gap.prediction.driven_model import driven_model
 from flexros.gap.result import DiagnosisResult, Explanation, RankedCandidate
 from flexros.gap.schema import NEXT_EXPERIMENT, Cause, CauseParameter, Diagnosis
 from flexros.provenance import versions
@@ -64,6 +66,8 @@ class HeldOutErrors:
         alone: Of single candidates, by effect@location.
         null: Of the model before, over the floor of the log.
         with_tolerance: The gap of torques that are off by their tolerance [1]; None where they are exact.
+        moving_on: Motors that the chosen explanation predicts hardly better than at constant speed, by a much larger
+            inertia.
     """
 
     before: AheadErrors
@@ -73,6 +77,7 @@ class HeldOutErrors:
     alone: Mapping[str, AheadErrors]
     null: AheadErrors
     with_tolerance: float | None = None
+    moving_on: tuple[str, ...] = ()
 
     @property
     def worse(self) -> bool:
@@ -105,6 +110,7 @@ def result_of(
         (errors.after or errors.before).mean,
         errors.with_tolerance,
         worse=errors.worse,
+        moving_on=bool(errors.moving_on),
         closed=_surely_closed(findings, errors),
     )
     patch = () if errors.worse else repair_of(findings)
@@ -161,14 +167,18 @@ def _held_out_errors(findings: Findings) -> HeldOutErrors:
     alone = {name: singles[name] for fit in compared for name in fit.names if name in singles and before is null}
     fits = dict.fromkeys([null, before, findings.repaired, *([] if rival is None else [rival]), *alone.values()])
     errors = {fit: errors_ahead(fit, held) for fit in fits}
+    after = errors[findings.repaired] if repaired else None
+    stated = driven_model(findings.given, held.record).robot
+    alike = [] if after is None else moving_on(findings.repaired, stated, held, errors[null], after)
     return HeldOutErrors(
         before=over_expected_floor(errors[before], findings.model, held),
         nominal=over_expected_floor(errors[null], findings.model, held),
-        after=errors[findings.repaired] if repaired else None,
+        after=after,
         rival=None if rival is None else errors[rival],
         alone={name: errors[fit] for name, fit in alone.items()},
         null=errors[before],
         with_tolerance=tolerance_floor(findings.repaired, held),
+        moving_on=tuple(alike),
     )
 
 
@@ -187,7 +197,12 @@ def _diagnosis(
     gap = gap_numbers(errors.before, errors.after, sample_time, errors.rival, errors.with_tolerance)
     whole = verdict != "no_gap"
     budget = budget_of(findings, errors.before, errors.after or errors.before) if whole else without_gap(findings)
-    warnings = (*answer_warnings(findings, gap, worse=errors.worse), *of_records, *sensor_warnings(findings))
+    warnings = (
+        *moving_on_words(errors.moving_on),
+        *answer_warnings(findings, gap, worse=errors.worse),
+        *of_records,
+        *sensor_warnings(findings),
+    )
     following = _next(findings, verdict, stages, deadline) if settings.next_experiment else None
     return Diagnosis(
         schema=2,

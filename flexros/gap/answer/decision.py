@@ -173,6 +173,7 @@ def verdict_of(
     with_tolerance: float | None = None,
     *,
     worse: bool = False,
+    moving_on: bool = False,
     closed: float = 0.0,
 ) -> Verdict:
     """Return the verdict.
@@ -182,7 +183,7 @@ def verdict_of(
 
     A curve names where something is, but no law: what it explains is explained in part at best. An explanation may be
     as good as its form allows and still leave much more than noise: then it is one in part as well. So it is where it
-    leaves torques that errors of positions do not show.
+    leaves torques that errors of positions do not show, or predicts hardly better than at constant speed.
 
     Args:
         findings: Fits of one log, and what the held-out log says of them.
@@ -191,6 +192,8 @@ def verdict_of(
         with_tolerance: What torques that are off by their tolerance leave there [1]; None where they are exact.
         worse: Whether the chosen explanation predicts that log worse 0.1 s ahead than the nominal model: then it is no
             part of the truth, however certain it is in the fitted log.
+        moving_on: Whether the chosen explanation predicts a motor hardly better than at constant speed, by a much
+            larger inertia.
         closed: Lower end of the interval of the share of the gap that the chosen explanation closes there [1].
     """
     explanations, comparison = findings.explanations, findings.explanations.comparison
@@ -209,7 +212,7 @@ def verdict_of(
         if rivals_of(explanations, findings.settings, findings.elsewhere):
             return "ambiguous"
         within = _within_floor(findings, left, with_tolerance) and not unexplained_torques(findings)
-        return "explained" if within else "partly_explained"
+        return "explained" if within and not moving_on else "partly_explained"
     return "partly_explained" if _partly(findings, closed) else "unknown_effect"
 
 

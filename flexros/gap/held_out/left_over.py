@@ -17,6 +17,8 @@ class LeftOver:
         ahead: That gap [1].
         most_ahead: Up to where that gap is small: as for an explanation, floors with the tolerance of torques [1].
         lacking: Motors whose encoder has a coarse rounding that the model lacks, which is a gap.
+        moving_on: Motors that the repaired model predicts hardly better than at constant speed, by a much larger
+            inertia, which repairs nothing: that is a gap.
     """
 
     level: float
@@ -25,10 +27,16 @@ class LeftOver:
     ahead: float
     most_ahead: float
     lacking: tuple[str, ...] = ()
+    moving_on: tuple[str, ...] = ()
+
+    @property
+    def beyond(self) -> bool:
+        """Whether errors are beyond noise and tolerance, or the model lacks the rounding of an encoder."""
+        machine = self.most_of_machine
+        within = machine is not None and self.level <= machine and self.ahead <= self.most_ahead
+        return (self.level > self.most and not within) or bool(self.lacking)
 
     @property
     def significant(self) -> bool:
         """Whether it is a gap."""
-        machine = self.most_of_machine
-        within = machine is not None and self.level <= machine and self.ahead <= self.most_ahead
-        return (self.level > self.most and not within) or bool(self.lacking)
+        return self.beyond or bool(self.moving_on)

@@ -117,6 +117,20 @@ def gap_line(gap: GapNumbers) -> str:
     return f"Gap ({gap.metric}): {', '.join(parts)}"
 
 
+def gap_verdict(left: LeftOver, model: str) -> str:
+    """Say whether a model leaves a gap.
+
+    Args:
+        left: What it leaves.
+        model: What it is called.
+    """
+    if left.moving_on and not left.beyond:
+        motors = ", ".join(left.moving_on)
+        return f"a gap: {model} predicts {motors} hardly better than at constant speed, by a far larger inertia"
+    verdict, compared = ("a gap", "more than") if left.significant else ("no gap", "no more than")
+    return f"{verdict}: the errors of {model} are {compared} noise and tolerance"
+
+
 def left_line(left: LeftOver) -> str:
     """Return in one line what decides whether a model leaves a gap, with its bound."""
     text = (

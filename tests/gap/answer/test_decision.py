@@ -307,3 +307,9 @@ def test_errors_of_a_real_machine_within_the_floors_of_an_explanation_are_no_gap
     assert verdict_of(found, left=1.9) == "unknown_effect"
     assert verdict_of(real, left=1.9) == "no_gap"
     assert verdict_of(real, left=2.1) == "unknown_effect"
+
+
+def test_what_predicts_hardly_better_than_constant_speed_is_not_explained() -> None:
+    found = findings(fitted(1.0, COULOMB), [], [1.0], TRUTH)
+    assert verdict_of(found) == "explained"
+    assert verdict_of(found, moving_on=True) == "partly_explained"
