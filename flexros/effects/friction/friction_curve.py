@@ -39,6 +39,7 @@ class FrictionCurve(AbstractCurve, AbstractMotorTorque, AbstractDryFriction):
     words: ClassVar[str] = "friction of unknown law"
     eases = True
     depends_on_speed: ClassVar[bool] = True
+    uneven: ClassVar[tuple[str, ...]] = ("uneven_50", "uneven_100")
     signatures: ClassVar[tuple[str, ...]] = ("torque_over_speed",)
     fingerprint: ClassVar[str] = (
         "a disturbance torque against the motion that depends on the speed in another way than any law of friction "

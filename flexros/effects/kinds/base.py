@@ -84,6 +84,8 @@ class AbstractEffect(Settings, ABC):
     ranges again, without them nothing would be left."""
     unsaid: ClassVar[tuple[str, ...]] = ()
     """Parameters that a text names only where they are not at their defaults."""
+    uneven: ClassVar[tuple[str, ...]] = ()
+    """Sizes of a difference between directions, which a motion in one direction does not tell from the others."""
     seeks_less: ClassVar[bool] = False
     """Whether a diagnosis seeks its `reductions` in every log, not in those of real machines alone."""
     jumps: ClassVar[bool] = False

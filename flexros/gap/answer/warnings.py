@@ -13,9 +13,9 @@ from flexros.gap.answer.short_events import short_events
 from flexros.gap.answer.strained_numbers import strained_numbers
 from flexros.gap.answer.unexplained_torques import torque_warnings
 from flexros.gap.fit.estimates import placed_effects
-from flexros.gap.fit.torques.regression import ONE_WAY
 from flexros.gap.held_out.errors_ahead import errors_ahead
 from flexros.gap.held_out.gap_floor import tolerance_floor
+from flexros.record.one_way import ONE_WAY, moves_one_way
 
 if TYPE_CHECKING:
     from flexros.gap.answer.decision import Findings
@@ -230,7 +230,7 @@ def _one_way_warnings(findings: Findings) -> list[str]:
         motor = findings.model.robot.joint_names.index(one.location)
         steps = np.diff(record.position[record.valid, motor])
         stands = np.mean(np.abs(steps) <= STANDS * np.median(np.abs(steps)))
-        if abs(steps.sum()) > ONE_WAY * np.abs(steps).sum() and stands < 1 - ONE_WAY:
+        if moves_one_way(record, motor) and stands < 1 - ONE_WAY:
             texts.append(
                 f"{one.location} moves in one direction only, where Coulomb friction and a bias of the torque are one "
                 f"constant torque: {one.effect.name}@{one.location} stands for both; a log with both directions tells "

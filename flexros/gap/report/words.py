@@ -236,13 +236,14 @@ def clear_words(effect: str, parameters: Mapping[str, CauseParameter]) -> str:
 
 
 def _extent_words(curve: type[AbstractCurve], parameters: Mapping[str, CauseParameter]) -> str:
-    """Write the smallest and the largest value of a curve, e.g. "-7.54 to 15.6 Nm"."""
+    """Write the smallest and largest value of a curve, and its largest deviation, e.g. "-7.54 to 15.6 Nm (±0.4)"."""
     known = [one for one in parameters.values() if one.determined]
     if not known:
         return NOT_DETERMINED
     values = [one.value for one in known] + [0.0] * (len(known) < len(curve.ranges))
     scale, unit = _scaled(max(map(abs, values)), known[0].unit)
-    return f"{number(min(values) / scale, 3)} to {number(max(values) / scale, 3)} {unit}"
+    ends = f"{number(min(values) / scale, 3)} to {number(max(values) / scale, 3)} {unit}"
+    return f"{ends} (±{number(max(one.std for one in known) / scale, 2)})"
 
 
 def band_words(band: tuple[float, float], highest: float = 1e9) -> str:

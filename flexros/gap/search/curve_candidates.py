@@ -12,6 +12,7 @@ from flexros.effects import effects
 from flexros.effects.kinds.curve import AbstractCurve
 from flexros.gap.candidates.candidate import Candidate, FreeParameter
 from flexros.gap.fit.screening import Directions
+from flexros.record.one_way import moves_one_way
 from flexros.robot.spring import Spring
 
 if TYPE_CHECKING:
@@ -57,7 +58,8 @@ def list_curves(search: Search, fit: CandidateFit) -> list[Candidate]:
             fixed = covered.knots(effect, location)
             shown = effect(**dict(fixed)).shown
             shared = _shared(effect, shown, location, fit)
-            names = [name for name in shown if name not in shared]
+            hidden = {*shared, *(effect.uneven if covered.one_way(location) else ())}
+            names = [name for name in shown if name not in hidden]
             sizes = [effect.ranges[name] for name in names]
             starts = TRIED * torque * np.eye(len(names))
             free = tuple(
@@ -156,6 +158,10 @@ class Covered:
         parts = [part[np.isfinite(part)] for part in np.array_split(position, effect.intervals)]
         ranges = [np.ptp(part) if len(part) else 0.0 for part in parts]
         return bool(min(ranges) >= REPEATED * (np.nanmax(position) - np.nanmin(position)))
+
+    def one_way(self, location: str) -> bool:
+        """Return whether a motor moves in one direction only; False for springs."""
+        return location in self.robot.joint_names and moves_one_way(self.record, self._motor(location))
 
     def knots(self, effect: type[AbstractCurve], location: str) -> tuple[tuple[str, float], ...]:
         """Return the parameters of a curve that state where its first and last knots are."""

@@ -39,9 +39,9 @@ def test_of_a_curve_its_smallest_and_largest_torque_are_written() -> None:
     """Sizes that it shares with a law beside it are zero, and not among its parameters."""
     torques = {f"torque_{k}": parameter(0.1 * k - 0.25, 0.01, "Nm") for k in range(1, 9)}
     curve = Cause(effect="torque_curve", location="motor_1", probability=1.0, parameters=torques, closed_fraction=None)
-    assert cause_words(curve) == "torque over position of unknown law at motor_1, -0.150 to 0.550 Nm"
+    assert cause_words(curve) == "torque over position of unknown law at motor_1, -0.150 to 0.550 Nm (±0.010)"
     shared = {name: one for name, one in torques.items() if one.value > 0.1}
-    assert cause_words(curve.model_copy(update={"parameters": shared})).endswith(", 0 to 0.550 Nm")
+    assert cause_words(curve.model_copy(update={"parameters": shared})).endswith(", 0 to 0.550 Nm (±0.010)")
 
 
 def test_locations_are_named_in_words() -> None:

@@ -44,6 +44,7 @@ RIVALS = (
 """Friction, springs and curves, which may stand for each other."""
 SETTINGS = DiagnosisSettings(where=None, next_experiment=None, search=SearchSettings(effects=RIVALS))
 FRICTION = {"coulomb_friction@motor_1": 6.0, "viscous_friction@motor_1": 10.0}
+UNEVEN = {"uneven_50", "uneven_100", "asymmetry"}
 TEXTS = ("coulomb_friction@motor_1:level=6", "viscous_friction@motor_1:coefficient=10")
 
 
@@ -208,3 +209,19 @@ def test_of_two_curves_at_a_motor_one_has_the_size_of_a_bias() -> None:
     np.testing.assert_array_equal(beside.changes, over_time.changes[:, 1:])
     np.testing.assert_array_equal(starts_of((beside.candidate,)), beside.starts)
     assert without_shared(over_time, [directions(curves["friction_curve@motor_1"])]) is over_time
+
+
+@pytest.mark.parametrize("both", [False, True])
+def test_friction_in_one_direction_has_no_difference_between_directions(both: bool) -> None:
+    """Mean and difference are one torque there: a curve had been all difference, and drove a motor that turned back."""
+    record = measured(*TEXTS, samples=1500)
+    turning = record.position + (0 if both else 100 * T * np.arange(record.n_samples)[:, None])
+    model = RobotWithEffects(ROBOT, ())
+    search = prepare_search(fit_null(fit_data(record, model, SETTINGS), model, Tolerance()), SETTINGS)
+    data = replace(search.data, record=replace(record, position=turning))
+    search = replace(search, null=replace(search.null, data=data))
+    (curve,) = (one for one in list_curves(search, search.null.fit) if one.effect.name == "friction_curve")
+    (viscous,) = (one for one in search.candidates() if one.effect.name == "viscous_friction")
+    names = {free.name for free in (*curve.free, *viscous.free)}
+    assert {"standstill", "speed_100", "coefficient"} <= names
+    assert names & UNEVEN == (UNEVEN if both else set())

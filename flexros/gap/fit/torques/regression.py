@@ -25,6 +25,7 @@ from flexros.gap.residuals.torque_rows import acting_torque, torque_rows
 from flexros.gap.settings import TorqueStartSettings
 from flexros.identify.rigid.standard_parameters import standard_parameters
 from flexros.record.missing_samples import bridged_motion
+from flexros.record.one_way import ONE_WAY
 from flexros.robot.parameters import INERTIA_COMPONENTS
 
 if TYPE_CHECKING:
@@ -44,8 +45,6 @@ STEP_OF_TURN = 1e-4
 """Step of the derivatives to the offset of an encoder and to a rotation of the base [rad or m]."""
 STEP = 1e-6
 """Relative step of the derivatives of the regression parameters to those of the robot [1]."""
-ONE_WAY = 0.96
-"""Mean direction of a motion from which it is in one direction only [1] (chosen): less than 2 % of it is back."""
 
 
 def regress_torque(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -22,6 +22,7 @@ from flexros.gap.prediction.compiled_plant import LANES, grouped
 from flexros.gap.search.fits.additions import addition_of, best_starts
 from flexros.gap.search.fits.refits import Refits
 from flexros.gap.search.periodic.harmonic_candidates import harmonic_candidates, harmonics_in_place
+from flexros.record.one_way import moves_one_way
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping, Sequence
@@ -98,7 +99,8 @@ class Search(Refits):
         """List the candidates that come from the ranges of effects; those of harmonics follow from a fit.
 
         A measured torque is what a limit left of it, so that no limit competes, nor does one of a torque that only
-        changes its sign: that would scale all of it.
+        changes its sign: that would scale all of it. Where a motor moves in one direction only, friction has no
+        difference between directions.
 
         Args:
             for_curve: Whether those are listed that are tried in place of a curve.
@@ -106,7 +108,7 @@ class Search(Refits):
         tool = self.data.tool is not None
         model, measured = self.null.model, self.data.record.imported
         return tuple(
-            candidate
+            self._told(candidate)
             for candidate in list_candidates(
                 model.robot, self.scales, measured=measured, known=model.laws, for_curve=for_curve
             )
@@ -116,6 +118,16 @@ class Search(Refits):
             and not self._acts_on_nothing(candidate)
             and (tool or not issubclass(candidate.effect, AbstractToolError))
         )
+
+    def _told(self, candidate: Candidate) -> Candidate:
+        """Return a candidate without the sizes that a motion in one direction does not tell from the others."""
+        names = self.null.model.robot.joint_names
+        if not candidate.effect.uneven or candidate.location not in names:
+            return candidate
+        if not moves_one_way(self.data.record, names.index(candidate.location)):
+            return candidate
+        free = tuple(one for one in candidate.free if one.name not in candidate.effect.uneven)
+        return replace(candidate, free=free)
 
     def _switches(self, motor: str) -> bool:
         """Return whether the torque of a motor has one size and changes its sign alone, as behind a relay."""
