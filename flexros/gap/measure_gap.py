@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from flexros.blas_threads import one_blas_thread
 from flexros.errors import InputError
+from flexros.gap.answer.strained_numbers import STRAINED_ALONE, far_out, moved_words
 from flexros.gap.candidates.tolerance import tolerance_of, with_torque_tolerance
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.null_fit import fit_null
@@ -135,7 +136,8 @@ def measure_gap(
         left = replace(left, moving_on=tuple(alike))
     numbers = gap_numbers(before, after, record.sample_time, with_tolerance=floor)
     warnings = settled(data.record, numbers.closed_fraction).warnings
-    return MeasuredGap(numbers, left, (*moving_on_words(left.moving_on), *warnings, *_cut_short(deadline)))
+    doubts = (*moving_on_words(left.moving_on), *_moved(fits))
+    return MeasuredGap(numbers, left, (*doubts, *warnings, *_cut_short(deadline)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,11 +148,13 @@ class _Fits:
         data: Log and weights.
         nominal: The nominal model.
         repaired: The repaired one; None without a repair.
+        lacked: Names of the numbers that the model lacked and was given.
     """
 
     data: FitData
     nominal: NullFit
     repaired: NullFit | None
+    lacked: frozenset[str]
 
     @property
     def last(self) -> NullFit:
@@ -173,10 +177,12 @@ def _fits(
     record = replace(record, warnings=(*record.warnings, *unknown.warnings))
     data = _data(record, unknown.given_to(model), repaired, settings)
     nominal = _fitted(model, unknown, data, tolerance, settings, deadline)
+    lacked = unknown.names(nominal.model.robot)
     if repaired is None:
-        return _Fits(data, nominal, None)
+        return _Fits(data, nominal, None, lacked)
     stages.begin("repaired model", 1.0)
-    return _Fits(data, nominal, _fitted(driven_model(repaired, record), unknown, data, tolerance, settings, deadline))
+    patched = _fitted(driven_model(repaired, record), unknown, data, tolerance, settings, deadline)
+    return _Fits(data, nominal, patched, lacked)
 
 
 def _data(
@@ -192,6 +198,18 @@ def _data(
         measurement = measurement_of(record, given.robot, settings)
         observed = ObservedModel.of(record, given, measurement, settings.residuals)
         return fit_data(record, model, settings, measurement, around=(observed.predictor, NOTHING[:, 0]))
+
+
+def _moved(fits: _Fits) -> tuple[str, ...]:
+    """State the numbers of the nominal model that its fit moves far out of their tolerance."""
+    fit = fits.nominal.fit
+    factors = {name: factor for name, factor in far_out(fit, STRAINED_ALONE).items() if name not in fits.lacked}
+    if not factors:
+        return ()
+    return (
+        f"the nominal model is that with numbers moved beyond their tolerance: {moved_words(fit, factors)}. So a patch "
+        "that states them closes little of its gap; give a smaller tolerance to see that of the file",
+    )
 
 
 def _cut_short(deadline: Deadline) -> tuple[str, ...]:

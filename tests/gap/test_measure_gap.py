@@ -44,6 +44,15 @@ def test_noise_that_is_a_little_more_than_declared_is_no_gap_here_as_it_is_none_
     assert not measure_gap(record, quieter).significant
 
 
+def test_numbers_that_a_wide_tolerance_moves_far_are_stated() -> None:
+    """An inertia was found within its tolerance of 30 %, and a patch that stated it closed 0 % without a word."""
+    tolerance = {"stiffness": 0.0, "damping": 0.0, "inertia": 0.3}
+    found = measure_gap(record_of("motor_inertia_error@motor_1:relative=1.5"), MODEL, tolerance=tolerance)
+    (text,) = (text for text in found.warnings if "moved beyond their tolerance" in text)
+    assert "motor_1.inertia to 2." in text
+    assert not any("moved beyond" in text for text in measure_gap(record_of(), MODEL, tolerance=tolerance).warnings)
+
+
 def test_a_hidden_effect_is_significant() -> None:
     found = measure_gap(record_of(FRICTION), MODEL)
     assert found.numbers.before > 20

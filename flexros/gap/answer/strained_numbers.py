@@ -17,12 +17,18 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from flexros.gap.answer.decision import Findings
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.robot import Robot
 
 STRAINED, STRAINED_ALONE = 4.0, 8.0
 """Deviation from which a number is far out of its tolerance, over this [1] (chosen): of some forty numbers of an arm of
 six axes one is beyond three now and then; without any effect, errors of torques within their tolerance moved one of an
 exact model by 4.6."""
+SHOWN = 3
+"""Numbers of the model beyond their tolerance that are stated one by one [1] (chosen)."""
+LARGE, SEVERAL = 0.5, 2.0
+"""Logarithm of a factor, and deviation over the tolerance, from which both together are far out as well [1] (chosen): a
+guessed inertia, tolerated by 30 %, was 0.42 times its value, which no torques within their tolerance make of one."""
 
 
 def strained_numbers(findings: Findings) -> dict[str, float]:
@@ -38,13 +44,47 @@ def strained_numbers(findings: Findings) -> dict[str, float]:
         Factors, that of the number farthest out of its tolerance first.
     """
     chosen = findings.explanations.chosen
-    tolerance = chosen.predictor.tolerance
-    sizes = np.asarray(tolerance.by_name(chosen.deviations))
-    factors = np.exp(np.asarray(tolerance.logarithms(chosen.deviations)))
     lacked = findings.unknown.names(findings.model.robot)  # the patch states these
-    least = STRAINED if findings.explanations.detected else STRAINED_ALONE
-    far = [k for k in np.argsort(-np.abs(sizes)) if abs(sizes[k]) > least and tolerance.names[k] not in lacked]
-    return {tolerance.names[k]: float(factors[k]) for k in far}
+    found = far_out(chosen, STRAINED if findings.explanations.detected else STRAINED_ALONE)
+    return {name: factor for name, factor in found.items() if name not in lacked}
+
+
+def far_out(fit: CandidateFit, least: float) -> dict[str, float]:
+    """Return the factors of the numbers that a fit moves far out of their tolerance, by name [1].
+
+    Args:
+        fit: The fit.
+        least: Deviation from which it is far, however small the tolerance [1].
+
+    Returns:
+        Factors, that of the number farthest out of its tolerance first.
+    """
+    tolerance = fit.predictor.tolerance
+    sizes = np.abs(tolerance.by_name(fit.deviations))
+    logarithms = np.asarray(tolerance.logarithms(fit.deviations))
+    far = (sizes > least) | ((sizes > SEVERAL) & (np.abs(logarithms) > LARGE))
+    return {tolerance.names[k]: float(np.exp(logarithms[k])) for k in np.argsort(-sizes) if far[k]}
+
+
+def moved_words(fit: CandidateFit, factors: Mapping[str, float]) -> str:
+    """Write by how much a fit moves numbers, e.g. "motor_1.inertia to 0.42 times, 2.9 times its tolerance".
+
+    Args:
+        fit: The fit.
+        factors: Their factors by name [1].
+    """
+    tolerance = fit.predictor.tolerance
+    stated = dict(zip(tolerance.names, tolerance.deviations, strict=True))
+    named = [
+        f"{name} {_changed(np.log(factor))}, {abs(np.log(factor)) / stated[name]:.2g} times its tolerance"
+        for name, factor in list(factors.items())[:SHOWN]
+    ]
+    return "; ".join(named) + (f" and {len(factors) - SHOWN} more" if len(factors) > SHOWN else "")
+
+
+def _changed(logarithm: float) -> str:
+    """Say by how much a number changes whose logarithm does by this: tolerances count on logarithms."""
+    return f"by {np.expm1(logarithm):+.1%}" if abs(logarithm) < np.log(2) else f"to {np.exp(logarithm):.3g} times"
 
 
 def as_effects(robot: Robot, placed: Sequence[PlacedEffect], factors: Mapping[str, float]) -> tuple[PlacedEffect, ...]:

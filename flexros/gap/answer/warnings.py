@@ -10,7 +10,7 @@ from flexros.effects.kinds.command_law import AbstractCommandLaw
 from flexros.effects.torque_drift import TorqueDrift
 from flexros.gap.answer.hanging_sizes import hanging_sizes
 from flexros.gap.answer.short_events import short_events
-from flexros.gap.answer.strained_numbers import strained_numbers
+from flexros.gap.answer.strained_numbers import moved_words, strained_numbers
 from flexros.gap.answer.unexplained_torques import torque_warnings
 from flexros.gap.fit.estimates import placed_effects
 from flexros.gap.held_out.errors_ahead import errors_ahead
@@ -36,9 +36,6 @@ such drives [1] (chosen): torque constants drop by 10 % when hot."""
 MUCH_MORE = 4.0
 """Gap of the held-out log over that of its torques in tolerance, from which the other log may show more [1] (chosen):
 twice that is allowed."""
-
-SHOWN = 3
-"""Numbers of the model beyond their tolerance that are stated one by one [1] (chosen)."""
 
 CONSTANT_ONE_WAY = ("coulomb_friction", "torque_bias")
 """Effects that are one constant torque at a motor that moves in one direction only."""
@@ -158,23 +155,12 @@ def _strained(findings: Findings) -> list[str]:
     factors = strained_numbers(findings)
     if not factors:
         return []
-    tolerance = findings.explanations.chosen.predictor.tolerance
-    stated = dict(zip(tolerance.names, tolerance.deviations, strict=True))
-    named = [
-        f"{name} {_changed(np.log(factor))}, {abs(np.log(factor)) / stated[name]:.2g} times its tolerance"
-        for name, factor in list(factors.items())[:SHOWN]
-    ]
-    more = f" and {len(factors) - SHOWN} more" if len(factors) > SHOWN else ""
+    moved = moved_words(findings.explanations.chosen, factors)
     held = " A patch holds those that effects change." if findings.explanations.detected else ""
     return [
-        f"the answer moves numbers of the model beyond their tolerance: {'; '.join(named)}{more}.{held} They may stand "
+        f"the answer moves numbers of the model beyond their tolerance: {moved}.{held} They may stand "
         "for an effect such as a load: measure them, or correct them in the robot file"
     ]
-
-
-def _changed(logarithm: float) -> str:
-    """Say by how much a number changes whose logarithm does by this: tolerances count on logarithms."""
-    return f"by {np.expm1(logarithm):+.1%}" if abs(logarithm) < np.log(2) else f"to {np.exp(logarithm):.3g} times"
 
 
 def _unit_warnings(findings: Findings) -> list[str]:

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
 import pytest
 
 from flexros.effects import parse_effect, place_effects
-from flexros.gap.answer.strained_numbers import as_effects
+from flexros.gap.answer.strained_numbers import STRAINED, as_effects, far_out, moved_words
+from flexros.gap.candidates.tolerance import Tolerance
 from flexros.robot import load_robot
 
 FACTORS = {
@@ -41,3 +46,16 @@ def test_numbers_of_no_possible_body_are_left_out() -> None:
     robot = load_robot("six_axis")
     heavy = parse_effect("payload_error@tool:relative=-0.9", "test")
     assert as_effects(robot, [heavy], {"body_7.mass": 0.05}) == ()
+
+
+@pytest.mark.parametrize(("tolerance", "deviation", "far"), [
+    (0.3, -2.87, True), (0.3, -1.9, False), (0.05, 3.9, False), (0.05, -4.1, True), (0.1, 3.5, False),
+])  # fmt: skip
+def test_a_guessed_number_is_far_out_where_its_factor_is_large(tolerance: float, deviation: float, far: bool) -> None:
+    """An inertia that is tolerated by 30 % became 0.42 times its value, and nothing said so."""
+    predictor = SimpleNamespace(tolerance=Tolerance(("motor_1.inertia",), (tolerance,)))
+    fit: Any = SimpleNamespace(predictor=predictor, deviations=np.array([deviation]))
+    found = far_out(fit, STRAINED)
+    assert found == ({"motor_1.inertia": pytest.approx(np.exp(tolerance * deviation))} if far else {})
+    if far:
+        assert f"motor_1.inertia {'to 0.423 times' if tolerance > 0.1 else 'by -18.5%'}" in moved_words(fit, found)
