@@ -45,18 +45,6 @@ def motion(seconds: float = 20.0) -> FloatArray:
     return result
 
 
-def motion_with_rests(seconds: float = 20.0) -> FloatArray:
-    """Return the same path with a rest of both joints of 1.8 s in every period of 3 s, shape (3, n, 2)."""
-    time, w = T * np.arange(round(seconds / T)), np.pi / 0.6
-    phase = time % 3.0
-    goes = phase < 1.2
-    course = 1.2 * (time // 3.0) + np.where(goes, phase - np.sin(w * phase) / w, 1.2)  # a cycloid
-    speed, acceleration = np.where(goes, 1 - np.cos(w * phase), 0.0), np.where(goes, w * np.sin(w * phase), 0.0)
-    q, v, a = (np.stack([np.interp(course, time, one) for one in order.T], axis=-1) for order in motion(seconds))
-    speed, acceleration = speed[:, None], acceleration[:, None]
-    return np.stack([q, v * speed, a * speed**2 + v * acceleration])
-
-
 @cache
 def record_of_arm(
     *,
@@ -71,7 +59,6 @@ def record_of_arm(
     offset: float = 0.0,
     rotors: tuple[float, float] | None = None,
     rise: float = 0.0,
-    held: float | None = None,
     seconds: float = 20.0,
 ) -> Record:
     """Compute the torques of that motion by inverse dynamics, with rotors and friction that the model lacks.
@@ -88,23 +75,21 @@ def record_of_arm(
         offset: Of the torque of motor_1 [Nm].
         rotors: Inertias of the rotors [kg m2]; None for `INERTIA`.
         rise: Speed within which the dry friction rises to its level [rad/s].
-        held: Share of its Coulomb friction that holds a joint at rest [1]; None for a motion without rests.
         seconds: Length [s].
     """
-    q, v, a = motion(seconds) if held is None else motion_with_rests(seconds)
+    q, v, a = motion(seconds)
     last = [name for name in arm().parameters if name.startswith(("body_2.mass", "body_2.inertia."))]
     model = arm().with_values({name: (1 + load) * arm().parameters[name].value for name in last}).model
     rigid = np.asarray(model.arm_inverse_dynamics(q.T, v.T, a.T, model.parameter_values), dtype=float).T
     uneven = 1 + 0.5 * np.array([asymmetry, 0.0]) * np.sign(v)
     torque = rigid + (INERTIA if rotors is None else np.array(rotors)) * a + VISCOUS * v * uneven
     torque += COULOMB * (np.tanh(v / rise) if rise else np.sign(v))
-    torque += COULOMB * np.where(v == 0, held or 0.0, 0.0)
     torque[:, 0] += share * np.abs(rigid[:, 0]) * np.sign(v[:, 0])
     torque[:, 0] += offset
     torque[:, 0] -= balance[0] * np.cos(q[:, 0]) + balance[1] * np.sin(q[:, 0])
     pulled = q[:, 1] - q[:, 1].mean()
     torque[:, 1] += cable[0] * pulled + cable[1] * pulled**3
     noise = 1e-6 * np.random.default_rng(seed).standard_normal(q.shape)
-    mean = 0.5 * (torque + np.vstack([torque[1:], torque[-1:]]))
+    held = 0.5 * (torque + np.vstack([torque[1:], torque[-1:]]))
     valid = np.ones(len(q), dtype=bool)
-    return Record("log", T, q + noise, mean, valid, measured_torque=True, simulated=simulated, imported=imported)
+    return Record("log", T, q + noise, held, valid, measured_torque=True, simulated=simulated, imported=imported)

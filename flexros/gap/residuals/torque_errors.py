@@ -8,8 +8,7 @@ the measured motion q, the torque that a hypothesis needs is
 with the standard parameters pi of the robot (Moberg 2007, eq. 4.11), the torques f of laws at the motors and the gain g
 of the torque; q is the position less the offset of its encoder. Errors of predicted positions are these errors divided
 by the inertia, so that more inertia leaves less of any of them, and light joints outweigh all others. The errors of the
-torques do not have this fault, but they show no springs, and of a delay only that it moves the torques. Where a motor
-rests its dry friction may be any within its level, and the torque is known no better than that.
+torques do not have this fault, but they show no springs, and of a delay only that it moves the torques.
 """
 
 from __future__ import annotations
@@ -53,8 +52,6 @@ PARTS = 64
 """Laws whose parts are kept (chosen): those of all laws of a hypothesis, and of a step of each parameter of shape."""
 BODIES = 16
 """Torques of the bodies that are kept (chosen): many sets of parameters have the same ones of the robot."""
-CREEP = 1e-9
-"""Speed that stands for none, as friction against it has its level at rest [rad/s or m/s] (chosen)."""
 NORMAL = 1.4826
 """Standard deviation of normal numbers over the median of their magnitudes [1]."""
 
@@ -72,7 +69,6 @@ class TorqueErrors:
         known: Friction of the laws of the nominal model in the same rows [Nm or N], shape (m, M).
         deviation: Standard deviation of an error [Nm or N], shape (M,); infinite for a motor of prescribed
             motion.
-        held: Dry friction that holds a motor at rest, about [Nm or N], shape (M,).
         motion: Time [s], then positions, speeds, torques and torques in the gears of all motors [SI], shape
             (1 + 4 M, n).
         rows: The rows.
@@ -87,7 +83,6 @@ class TorqueErrors:
     delay: float
     known: FloatArray
     deviation: FloatArray
-    held: FloatArray
     motion: FloatArray
     rows: RegressionRows
     factor: int
@@ -134,18 +129,18 @@ class TorqueErrors:
         return np.stack([self._of_one(predictor, theta) for theta in thetas.T], axis=-1)
 
     def usual(self, predictor: Predictor, theta: FloatArray) -> FloatArray:
-        """Return how large the errors of a hypothesis usually are while a motor slides [Nm or N], shape (M,).
+        """Return how large the errors of a hypothesis usually are [Nm or N], shape (M,).
 
-        They are those of most rows. Zero for a motor of prescribed motion.
+        They are those of most rows: where a joint sticks, its torque may be any within its friction. Zero for a motor
+        of prescribed motion.
 
         Args:
             predictor: The hypothesis.
             theta: Its parameters, shape (n_fitted,).
         """
-        errors = self._of_one(predictor, theta).reshape(-1, len(self.torque)).T
+        errors = self._of_one(predictor, theta).reshape(-1, len(self.torque))
         deviation = np.where(np.isfinite(self.deviation), self.deviation, 0.0)
-        median = np.nanmedian(np.where(self.rows.resting, np.nan, np.abs(errors)), axis=0)
-        return np.asarray(NORMAL * median * deviation)
+        return np.asarray(NORMAL * np.median(np.abs(errors), axis=1) * deviation)
 
     def _of_one(self, predictor: Predictor, theta: FloatArray) -> FloatArray:
         values, zeros = predictor.values(theta), tuple(predictor.encoder_offsets(theta).tolist())
@@ -177,13 +172,8 @@ class TorqueErrors:
         torque = self.torque - late * self.rate
         for motor in lags.keys() | limits.keys():
             torque[:, motor] = self._passed(motor, limits.get(motor), lags.get(motor, 0.0), float(late[motor]))
-        errors: FloatArray = ((torque - needed / gains) / self._deviations).T.ravel()
+        errors: FloatArray = ((torque - needed / gains) / self.deviation).T.ravel()
         return errors
-
-    @cached_property
-    def _deviations(self) -> FloatArray:
-        """Standard deviation of each error [Nm or N], shape (m, M); at rest friction is any within its level."""
-        return np.hypot(self.deviation, np.where(self.rows.resting, self.held / np.sqrt(3), 0.0))
 
     @cached_property
     def _positions(self) -> FloatArray:
@@ -239,32 +229,23 @@ class TorqueErrors:
 
     @cached_property
     def _parts_of(self) -> Callable[[type[AbstractMotorLaw], int, tuple[float, ...], float], FloatArray]:
-        """Function of the parts of a law with the parameters of its shape, in the rows, shape (m, parts).
-
-        At rest they are the mean of those in both directions: what there is of dry friction is not known.
-        """
+        """Function of the parts of a law with the parameters of its shape, in the rows, shape (m, parts)."""
         M, robot = self.robot.n_motors, self.robot
 
         def parts(kind: type[AbstractMotorLaw], motor: int, shape: tuple[float, ...], zero: float) -> FloatArray:
             needed = _needed_torque(kind)
             assert needed is not None
             time, position, speed, torque, load = self.motion[[0, *(1 + row * M + motor for row in range(4))]]
-            position, rests = position - zero, self.rows.rests[:, motor]
+            position = position - zero
+            state = np.stack([time, position, robot.rotor_turns[motor] * position, speed, torque, load], axis=-1)
             viscous = robot.parameters[f"{robot.joint_names[motor]}.viscous_friction"].value
-            directions = []
-            for creep in (-CREEP, CREEP) if rests.any() else (0.0,):
-                moved = np.where(rests, creep, speed)
-                state = np.stack([time, position, robot.rotor_turns[motor] * position, moved, torque, load], axis=-1)
-                (values,) = over_rows(needed.parts, state, np.tile([viscous, *shape], (len(state), 1)))
-                directions.append(values)
-            return decimate(np.mean(directions, axis=0), self.factor)[self.counts]
+            (values,) = over_rows(needed.parts, state, np.tile([viscous, *shape], (len(state), 1)))
+            return decimate(values, self.factor)[self.counts]
 
         return lru_cache(maxsize=PARTS)(parts)
 
 
-def torque_errors(
-    record: Record, model: RobotWithEffects, delay: float, deviation: FloatArray, held: FloatArray
-) -> TorqueErrors | None:
+def torque_errors(record: Record, model: RobotWithEffects, delay: float, deviation: FloatArray) -> TorqueErrors | None:
     """Prepare the errors of the torques of a log.
 
     Args:
@@ -272,7 +253,6 @@ def torque_errors(
         model: The nominal model, with no laws but Coulomb friction.
         delay: Delay of the torques beyond that of the model [s].
         deviation: Standard deviation of an error of each motor [Nm or N], shape (M,).
-        held: Dry friction that holds each motor at rest, about [Nm or N], shape (M,).
 
     Returns:
         The errors; None where no motor moves or the log is too short.
@@ -291,7 +271,6 @@ def torque_errors(
         delay=delay,
         known=np.zeros_like(rows.torque),
         deviation=deviation,
-        held=held,
         motion=np.vstack([time, motion.position.T, motion.velocity.T, torque.T, _in_gears(robot, motion)]),
         rows=rows,
         factor=rows.factor,

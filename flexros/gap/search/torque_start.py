@@ -22,7 +22,7 @@ from flexros.gap.fit.torques.arm_torque import arm_torque
 from flexros.gap.fit.torques.balanced import regress_balanced
 from flexros.gap.fit.torques.delay import torque_delay
 from flexros.gap.fit.torques.missing_load import lowered, may_carry
-from flexros.gap.fit.torques.regression import known_friction, only_coulomb, regress_torque
+from flexros.gap.fit.torques.regression import only_coulomb, regress_torque
 from flexros.gap.fit.torques.rough_bodies import is_inertial, with_rough_bodies
 from flexros.gap.fit.torques.solution import is_silent, rest_of
 from flexros.gap.fit.torques.turned_weight import with_turned_weight
@@ -266,8 +266,7 @@ def with_torques(data: FitData, start: TorqueStart | None) -> FitData:
     least = data.settings.torque_start.least_rest * data.measurement.tolerated_torque(record)
     rest = np.where(record.predicted, np.maximum(start.regression.rest, least), 0.0)
     deviation = np.where(is_silent(rest), np.inf, rest)
-    held = start.regression.coulomb_friction + known_friction(start.model)
-    return replace(data, torques=torque_errors(record, start.model, start.delay, deviation, held))
+    return replace(data, torques=torque_errors(record, start.model, start.delay, deviation))
 
 
 def first_values(start: TorqueStart, null: NullFit, settings: DiagnosisSettings) -> CandidateFit | None:

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.ndimage import binary_opening
 
 from flexros.identify.rigid.body_torque import body_torque
 from flexros.identify.rigid.motion_estimate import (
@@ -30,14 +28,6 @@ if TYPE_CHECKING:
     from flexros.identify.rigid.regressor import RigidRegressor
     from flexros.record.record import Record
 
-SLOW, FAST = 0.01, 0.999
-"""Speed over a fast one up to which a motor may rest, and share of speeds that are below that [1] (chosen)."""
-SHORTEST_REST = 0.2
-"""Time that a motor is slow from which it rests, and does not only turn back [s] (chosen)."""
-MOSTLY = 0.5
-"""Share of a row in which a motor rests from which it counts as resting [1] (chosen)."""
-FEWEST = 8
-"""Fewest rows in which a motor slides that it is judged by (chosen)."""
 _CHUNK_ROWS = 200
 """Decimated rows of a block (chosen)."""
 
@@ -93,24 +83,6 @@ class RegressionRows:
         torques = decimate(torque, factor)[counts]
         torques[:, list(record.prescribed)] = 0.0
         return cls(record, motion, regressor, leading, cutoff, counts, torques, [])
-
-    @cached_property
-    def rests(self) -> BoolArray:
-        """Whether each sample is of a rest of a motor that moves elsewhere, shape (n_samples, M)."""
-        speed = np.abs(self.motion.velocity)
-        slow = (speed <= SLOW * np.quantile(speed, FAST, axis=0)) & self.motion.moving
-        samples = max(1, round(SHORTEST_REST / self.record.sample_time))
-        return np.asarray(binary_opening(slow, np.ones((samples, 1))))
-
-    @cached_property
-    def resting(self) -> BoolArray:
-        """Whether each motor rests in most of a row, shape (n, M).
-
-        Where friction holds a motor its torque may be any within that. One that hardly slides in any row counts as
-        sliding, as nothing else is known of its torque.
-        """
-        resting = self.decimated(self.rests.astype(float)) >= MOSTLY
-        return np.asarray(resting & (np.sum(~resting, axis=0) >= FEWEST))
 
     def torque_as_it_acts(self) -> FloatArray | None:
         """Return the torques with delay and hold of the command [Nm or N], shape (n, M); None for measured ones."""

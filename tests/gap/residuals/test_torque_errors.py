@@ -43,22 +43,9 @@ def with_rotors(factor: float = 1.0) -> Robot:
 
 @cache
 def errors_of(offset: float = 0.0) -> TorqueErrors:
-    found = torque_errors(record_of_arm(imported=True, offset=offset), model(), 0.0, DEVIATION, COULOMB)
+    found = torque_errors(record_of_arm(imported=True, offset=offset), model(), 0.0, DEVIATION)
     assert found is not None
     return found
-
-
-@pytest.mark.parametrize("held", [-0.9, 0.5])
-def test_where_a_motor_rests_its_torque_is_known_no_better_than_its_friction(held: float) -> None:
-    errors = torque_errors(record_of_arm(imported=True, held=held), model(), 0.0, DEVIATION, COULOMB)
-    assert errors is not None
-    predictor, theta = predictor_of(friction())
-    found = errors.errors(predictor, theta)[:, 0].reshape(2, -1).T
-    deep = np.abs(errors.rows.decimated(errors.rows.rests.astype(float)) - 1) < 1e-9  # no sample of motion
-    assert 0.1 < deep.mean() < 0.5
-    expected = held * COULOMB / np.hypot(DEVIATION, COULOMB / np.sqrt(3))
-    np.testing.assert_allclose(found[deep], np.broadcast_to(expected, found.shape)[deep], atol=0.02)
-    assert np.all(errors.usual(predictor, theta[:, 0]) < 0.02 * COULOMB)
 
 
 def model() -> RobotWithEffects:
@@ -224,7 +211,7 @@ def test_a_gain_divides_the_torque_that_is_needed() -> None:
 
 def test_a_delay_of_the_hypothesis_moves_the_torques() -> None:
     """Prepared with the delay of two samples, or with none and moved there."""
-    prepared = torque_errors(record_of_arm(imported=True), model(), 2 * T, DEVIATION, COULOMB)
+    prepared = torque_errors(record_of_arm(imported=True), model(), 2 * T, DEVIATION)
     assert prepared is not None
     values = {**friction(), "delay@all": {"time": 2 * T}}
     skipped = len(errors_of().torque) - len(prepared.torque)
@@ -236,7 +223,7 @@ def test_a_delay_of_the_hypothesis_moves_the_torques() -> None:
 
 def test_friction_that_the_model_states_is_known() -> None:
     coulomb = [candidates()[name].placed(numbers) for name, numbers in friction().items() if name.startswith("coulomb")]
-    stated = torque_errors(record_of_arm(imported=True), place_effects(with_rotors(), coulomb), 0.0, DEVIATION, COULOMB)
+    stated = torque_errors(record_of_arm(imported=True), place_effects(with_rotors(), coulomb), 0.0, DEVIATION)
     assert stated is not None
     rest = {name: numbers for name, numbers in friction().items() if name.startswith("viscous")}
     np.testing.assert_allclose(size_of(rest, stated), size_of(friction()))
@@ -244,7 +231,7 @@ def test_friction_that_the_model_states_is_known() -> None:
 
 def test_a_log_without_motion_has_none() -> None:
     still = replace(record_of_arm(imported=True), position=np.zeros((4000, 2)))
-    assert torque_errors(still, model(), 0.0, DEVIATION, COULOMB) is None
+    assert torque_errors(still, model(), 0.0, DEVIATION) is None
 
 
 @cache
@@ -287,7 +274,7 @@ def test_torques_of_an_encoder_with_another_zero_are_those_at_the_true_positions
     """The same torques, and positions that are read 0.1 rad too large: with that offset the errors are the old ones."""
     record = record_of_arm(imported=True)
     read = replace(record, position=record.position + np.array([0.0, 0.1]))
-    of = torque_errors(read, model(), 0.0, DEVIATION, COULOMB)
+    of = torque_errors(read, model(), 0.0, DEVIATION)
     assert of is not None
     offset = {"encoder_offset@motor_2": {"offset": 0.1}}
     assert np.all(size_of(friction(), of) > 3 * size_of(friction()))
@@ -304,7 +291,7 @@ def test_torques_behind_a_lag_are_those_of_the_lag(delay: float) -> None:
     smooth = np.convolve(np.pad(command, fine // 2, "edge"), np.ones(fine) / fine, "same")[fine // 2 : -fine // 2]
     torque = record.torque.copy()
     torque[:, 0] = smooth[::fine][: record.n_samples]
-    of = torque_errors(replace(record, torque=torque), model(), delay, DEVIATION, COULOMB)
+    of = torque_errors(replace(record, torque=torque), model(), delay, DEVIATION)
     assert of is not None
     name = "actuator_lag@motor_1"
     with_lag = size_of({**friction(), name: {"time_constant": lag}}, of)[0]
@@ -320,7 +307,7 @@ def test_torques_beyond_a_limit_are_those_within_it(delay: float) -> None:
     assert 0.05 < beyond[:, 0].mean() < 0.7
     commands = replace(record, torque=np.where(beyond, 1.5 * record.torque, record.torque))
     within = replace(record, torque=np.clip(record.torque, -limit, limit))
-    of, expected = (torque_errors(one, model(), delay, DEVIATION, COULOMB) for one in (commands, within))
+    of, expected = (torque_errors(one, model(), delay, DEVIATION) for one in (commands, within))
     assert of is not None
     assert expected is not None
     limited = {**friction(), "torque_saturation@motor_1": {"limit": limit}}

@@ -45,28 +45,6 @@ def test_triangular_factor_has_the_products_of_all_rows(rows: RegressionRows) ->
         np.testing.assert_allclose(R[:, motor].T @ R[:, motor], expected, atol=1e-9 * np.abs(expected).max())
 
 
-def test_a_motor_rests_where_it_is_slow_for_long_and_not_where_it_turns_back(elbow, rigid_log) -> None:
-    time = 1e-3 * np.arange(12_000)
-    course = np.interp(time, [0, 4, 7, 12], [0, 4, 4, 9])  # rests from 4 to 7 s
-    position = np.stack([np.sin(2 * np.pi * 0.5 * course), np.sin(2 * np.pi * 0.5 * time)], axis=1)
-    speed, acceleration = (np.gradient(one, 1e-3, axis=0) for one in (position, np.gradient(position, 1e-3, axis=0)))
-    log = rigid_log(elbow, np.stack([position, speed, acceleration]), noise=1e-6)
-    regressor = RigidRegressor(elbow)
-    resting = rows_of_log(log, SLOW, "log", regressor, base_parameters(regressor, 2)).resting
-    assert not resting[:, 1].any()
-    assert 0.2 < resting[:, 0].mean() < 0.3
-
-
-def test_a_motor_that_moves_for_a_short_time_rests_for_the_others(elbow, rigid_log) -> None:
-    time = 1e-3 * np.arange(12_000)
-    position = np.stack([0.2 * np.sin(2 * np.pi * time), np.interp(time, [0, 5, 5.5, 12], [0, 0, 1, 1])], axis=1)
-    speed, acceleration = (np.gradient(one, 1e-3, axis=0) for one in (position, np.gradient(position, 1e-3, axis=0)))
-    log = rigid_log(elbow, np.stack([position, speed, acceleration]), noise=1e-6)
-    regressor = RigidRegressor(elbow)
-    resting = rows_of_log(log, SLOW, "log", regressor, base_parameters(regressor, 2)).resting
-    assert 0.92 < resting[:, 1].mean() < 0.98
-
-
 def test_regressor_that_is_too_large_to_be_kept_gives_the_same_fit(
     elbow, fourier_motion, rigid_log, monkeypatch: pytest.MonkeyPatch
 ) -> None:

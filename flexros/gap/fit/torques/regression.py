@@ -31,7 +31,7 @@ from flexros.robot.parameters import INERTIA_COMPONENTS
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flexros.arrays import BoolArray, FloatArray
+    from flexros.arrays import FloatArray
     from flexros.effects import RobotWithEffects
     from flexros.gap.fit.torques.arm_torque import ArmTorque
     from flexros.gap.fit.torques.position_torque import PositionTorque
@@ -118,7 +118,6 @@ class PreparedRegression:
         rows, sought = self.rows, replace(self.sought, position_torques=position_torques)
         own, others = np.split(self.slopes, [sought.of_motors.stop], axis=-1)
         own = _identifiable(own, rows, sought, uneven=uneven)
-        own[..., sought.of_kind("coulomb_friction")] *= ~rows.resting[..., None]  # it has no direction there
         b = self.torque - own[..., sought.of_kind("coulomb_friction")] @ sought.known
         further = (
             _of_position(rows, position_torques),
@@ -134,7 +133,7 @@ class PreparedRegression:
         silent = is_silent(np.sqrt(np.mean(b**2, axis=0)))
         A[:, silent], b[:, silent] = 0.0, 0.0
         solution = _with_point if sought.load == "point" else solve
-        return solution(A, b, rows.resting, sought, self.settings)
+        return solution(A, b, sought, self.settings)
 
 
 def prepared_regression(
@@ -159,7 +158,7 @@ def prepared_regression(
     tolerance = tolerance if load == "none" else Tolerance()
     sought = Sought(
         robot=robot,
-        known=known_friction(model),
+        known=_known_friction(model),
         moving=rows.motion.moving,
         position_torques=(),
         load=load,
@@ -303,9 +302,7 @@ def _of_servos(rows: RegressionRows, acting: ActingTorque, sought: Sought) -> Fl
     return -rows.decimated(acting.springs[acting.begin :])[:, :, None] * np.eye(sought.robot.n_motors)
 
 
-def _with_point(
-    A: FloatArray, b: FloatArray, resting: BoolArray, sought: Sought, settings: TorqueStartSettings
-) -> TorqueRegression:
+def _with_point(A: FloatArray, b: FloatArray, sought: Sought, settings: TorqueStartSettings) -> TorqueRegression:
     """Solve the regression with a load at a point, whose inertia follows from its mass and first moment.
 
     With mass m and first moment s its inertia at the joint is (s's E - s s') / m. That is linear where the load is
@@ -313,14 +310,14 @@ def _with_point(
     """
     inertias = A[..., -len(INERTIA_COMPONENTS) :]
     A = A[..., : -len(INERTIA_COMPONENTS)]
-    found = solve(A, b, resting, sought, settings)
+    found = solve(A, b, sought, settings)
     for _ in range(ROUNDS):
         before, turned = found.load.copy(), A.copy()
         before[0] = max(before[0], np.linalg.norm(before[1:]) / settings.farthest_load)
         if before[0] <= 0:
             break
         turned[..., -len(LOAD) :] += inertias @ _inertia_slopes(before)
-        found = solve(turned, b, resting, sought, settings)
+        found = solve(turned, b, sought, settings)
         if np.allclose(found.load, before, rtol=1e-3, atol=1e-6):
             break
     return found
@@ -337,8 +334,8 @@ def _inertia_slopes(load: FloatArray) -> FloatArray:
     return np.array([[one[entry] for one in slopes] for entry in (ENTRIES[name] for name in INERTIA_COMPONENTS)])
 
 
-def known_friction(model: RobotWithEffects) -> FloatArray:
-    """Return the Coulomb friction that a model has [Nm or N], shape (M,)."""
+def _known_friction(model: RobotWithEffects) -> FloatArray:
+    """Return the Coulomb friction that a model has, shape (M,)."""
     there = {name: [law.effect for law in model.laws if law.location == name] for name in model.robot.joint_names}
     levels = [CoulombFriction().reductions(model.robot, name, laws)["level"] for name, laws in there.items()]
     return np.array(levels)

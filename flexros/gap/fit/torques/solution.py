@@ -179,30 +179,25 @@ class _Solution:
         values: The numbers, shape (k,).
         whole: Torque of every motor beyond the nominal model, rms [Nm or N], shape (M,); never zero.
         left: What is left of it, rms [Nm or N], shape (M,); never zero.
-        weights: Weights of the rows [1/Nm or 1/N], shape (n, M).
         free: Columns that are seen and whose number is not at a bound, shape (k,).
     """
 
     values: FloatArray
     whole: FloatArray
     left: FloatArray
-    weights: FloatArray
     free: BoolArray
 
 
-def solve(
-    A: FloatArray, b: FloatArray, resting: BoolArray, sought: Sought, settings: TorqueStartSettings
-) -> TorqueRegression:
+def solve(A: FloatArray, b: FloatArray, sought: Sought, settings: TorqueStartSettings) -> TorqueRegression:
     """Solve a regression of torques.
 
     Args:
         A: Slopes of the torques to what is sought, shape (n, M, k).
         b: Torques beyond those of the nominal model [Nm or N], shape (n, M).
-        resting: Where friction holds a motor, which may take any torque within itself there, shape (n, M).
         sought: What the columns are.
         settings: Settings of the regression.
     """
-    found = _solution(A, b, resting, sought, settings.most_reduced)
+    found = _solution(A, b, sought, settings.most_reduced)
     # a column acts on its own motor alone, so that the diagonal of each kind is all of it
     size: FloatArray = np.sqrt(np.mean(A**2, axis=0)) * np.abs(found.values)
     shares = [settings.least_bias if kind == "torque_offset" else settings.least_share for kind in KINDS]
@@ -231,17 +226,6 @@ def solve(
         faint_inertia=np.where(sought.moving, found.values[sought.of_kind("inertia")], 0.0),
         inertia_deviation=_deviation(A, b, sought, found)[sought.of_kind("inertia")],
     )
-
-
-def _rms(values: FloatArray, counts: BoolArray) -> FloatArray:
-    """Return the root mean square of the rows that count; zero where none does.
-
-    Args:
-        values: Shape (n, ...).
-        counts: Which count, of a shape that fits.
-    """
-    squares: FloatArray = np.sum(np.where(counts, values, 0.0) ** 2, axis=0)
-    return np.asarray(np.sqrt(squares / np.maximum(counts.sum(axis=0), 1)))
 
 
 def rest_of(regression: TorqueRegression) -> float:
@@ -276,24 +260,17 @@ def _stands_out(size: FloatArray, least: FloatArray) -> BoolArray:
     return np.asarray(np.diag(size) > least)
 
 
-def _solution(A: FloatArray, b: FloatArray, resting: BoolArray, sought: Sought, most_reduced: float) -> _Solution:
-    """Solve, weigh each motor by what is left of its torque, and solve again until that settles.
-
-    Where a motor rests its dry friction is any within its level, as likely as any other, which is a further deviation
-    of the level over root 3; in the first round these rows do not count.
-    """
+def _solution(A: FloatArray, b: FloatArray, sought: Sought, most_reduced: float) -> _Solution:
+    """Solve, weigh each motor by what is left of its torque, and solve again until that settles."""
     bounds = sought.bounds(most_reduced)
-    whole = np.maximum(_rms(b, ~resting), 1e-300)
-    left, weights = whole, np.where(resting, 0.0, 1 / whole)
+    whole = np.maximum(np.sqrt(np.mean(b**2, axis=0)), 1e-300)
+    left = whole
     for _ in range(ROUNDS):
-        values, free = _weighted(A * weights[..., None], b * weights, sought.prior, bounds)
-        errors = (b - A @ values) * weights * left
-        before, left = left, np.maximum(_rms(errors, weights > 0), 1e-6 * whole)
-        friction = sought.known + values[sought.of_kind("coulomb_friction")]
-        weights = 1 / np.hypot(left, np.where(resting, friction / np.sqrt(3), 0.0))
+        values, free = _weighted(A / left[:, None], b / left, sought.prior, bounds)
+        before, left = left, np.maximum(np.sqrt(np.mean((b - A @ values) ** 2, axis=0)), 1e-6 * whole)
         if np.allclose(left, before, rtol=1e-3):
             break
-    return _Solution(values, whole, left, weights, free)
+    return _Solution(values, whole, left, free)
 
 
 def _weighted(
@@ -317,8 +294,7 @@ def _weighted(
 
 def _deviation(A: FloatArray, b: FloatArray, sought: Sought, found: _Solution) -> FloatArray:
     """Return the standard deviation of every number, shape (k,); infinite at a bound and where nothing is seen."""
-    errors = (b - A @ found.values) * found.weights
-    covariance = _covariance(A * found.weights[..., None], errors, sought.prior, found.free)
+    covariance = _covariance(A / found.left[:, None], (b - A @ found.values) / found.left, sought.prior, found.free)
     return np.where(found.free, np.sqrt(np.maximum(np.diag(covariance), 0.0)), np.inf)
 
 

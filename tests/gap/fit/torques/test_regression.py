@@ -54,16 +54,6 @@ def test_constant_torque_of_a_motor_that_turns_in_one_direction_is_its_friction(
     assert shifted.coulomb_friction[0] == pytest.approx(COULOMB[0], rel=0.03)
 
 
-def test_where_friction_holds_a_motor_its_torque_may_be_any_within_it() -> None:
-    found = regress_torque(record_of_arm(held=-0.9), RobotWithEffects(arm(), ()), tolerance_of(arm(), {}))
-    assert found is not None
-    np.testing.assert_allclose(found.inertia, INERTIA, rtol=0.03)
-    np.testing.assert_allclose(found.viscous_friction, VISCOUS, rtol=0.03)
-    np.testing.assert_allclose(found.coulomb_friction, COULOMB, rtol=0.03)
-    np.testing.assert_array_equal(found.bias, 0)
-    assert np.all(found.left < 0.15)
-
-
 def test_a_log_without_motion_shows_nothing() -> None:
     still = Record("still", T, np.zeros((4000, 2)), np.ones((4000, 2)), np.ones(4000, dtype=bool))
     assert regress_torque(still, RobotWithEffects(arm(), ()), Tolerance()) is None
