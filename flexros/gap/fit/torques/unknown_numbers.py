@@ -141,7 +141,8 @@ class UnknownNumbers:
         friction = tuple(
             PlacedEffect(ViscousFriction(coefficient=-value), motor) for motor, value in self.placeholders.items()
         )
-        load = () if self.load is None else (PlacedEffect(self._fitted_load(robot, factors), "tool"),)
+        carried = None if self.load is None else self._fitted_load(robot, factors)
+        load = () if carried is None else (PlacedEffect(carried, "tool"),)
         return (*rotors, *friction, *load, *(fitted_bodies(robot, factors) if self.rough else ()))
 
     def _of_load(self, robot: Robot) -> list[str]:
@@ -150,8 +151,8 @@ class UnknownNumbers:
         body = last_moved(robot)
         return [f"{body}.mass", *(f"{body}.center_of_mass.{axis}" for axis in CENTER)]
 
-    def _fitted_load(self, robot: Robot, factors: Mapping[str, float]) -> ToolLoad:
-        """Return the load of a robot that has one, with mass and centre of its body scaled by factors."""
+    def _fitted_load(self, robot: Robot, factors: Mapping[str, float]) -> ToolLoad | None:
+        """Return the load of a robot, with mass and centre of its body scaled by factors; None where none is left."""
         assert self.load is not None
         mass, center, _ = body_numbers(robot, last_moved(robot))
         scaled, *places = (factors.get(name, 1.0) for name in self._of_load(robot))
@@ -159,7 +160,7 @@ class UnknownNumbers:
         own = mass * center - self.load.mass * place  # first moment of the body alone
         carried = scaled * mass - self.bare
         if carried <= 0:
-            return ToolLoad()
+            return None
         x, y, z = ((scaled * mass * center * np.array(places) - own) / carried).tolist()
         return ToolLoad(mass=float(carried), x=x, y=y, z=z)
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -205,6 +207,18 @@ def test_an_inertia_that_no_body_can_have_grows_with_the_mass() -> None:
     for entry in ("xx", "yy", "zz"):
         name = f"body_2.inertia.{entry}"
         assert changed.parameters[name].value == pytest.approx(1.2 * robot.parameters[name].value)
+
+
+@pytest.mark.parametrize(("factor", "kept"), [(1.0, True), (0.8, False)])
+def test_a_load_of_which_a_fit_leaves_nothing_is_no_number(factor: float, kept: bool) -> None:
+    """Its last body is lighter than by the file: a patch cannot hold a load without mass."""
+    numbers = UnknownNumbers(load=ToolLoad(mass=0.5, x=0.3), bare=3.0)
+    robot, names = numbers.given_to(RobotWithEffects(arm(), ())).robot, ("body_2.mass",)
+    tolerance = SimpleNamespace(names=names, logarithms=lambda _: np.log([factor]))
+    fit: Any = SimpleNamespace(predictor=SimpleNamespace(robot=robot, tolerance=tolerance), deviations=np.zeros(1))
+    found = numbers.fitted(fit)
+    assert len(found) == kept
+    assert not kept or found[0].effect.mass == pytest.approx(0.5)
 
 
 @pytest.mark.parametrize(
