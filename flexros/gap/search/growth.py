@@ -247,7 +247,8 @@ def with_more(
     step = _removed(search, fit, settings.removed_by_step)
 
     def worth_it(one: CandidateFit) -> bool:
-        return worth(search, compared(search, best_of_each(fits)), fit, one, step)
+        enough = fit.chi2 - one.chi2 >= step * max(fit.chi2 - search.data.n_values, 0.0)
+        return enough and worth(search, compared(search, best_of_each(fits)), fit, one, step)
 
     if grown is not None and (search.torques_decide or search.deadline.stops() or worth_it(grown)):
         return grown

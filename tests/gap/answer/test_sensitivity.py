@@ -10,6 +10,7 @@ from flexros.gap.answer.sensitivity import Sensitivity, sensitivity_of
 from flexros.gap.deadline import Deadline
 from flexros.gap.diagnose import diagnose
 from flexros.gap.diagnosis_task import DiagnosisTask, SearchedLog
+from flexros.gap.progress import Stages
 from flexros.gap.residuals.fit_data import FitData
 from flexros.gap.schema import Diagnosis
 from flexros.gap.search.forward_selection import Explanations
@@ -39,7 +40,7 @@ def diagnosed(tolerance: float, **others: float) -> Diagnosis:
 
 @pytest.fixture(scope="module")
 def task() -> DiagnosisTask:
-    return DiagnosisTask(MODEL, recorded(2), {"inertia": STATED}, (), SETTINGS, Deadline(), None)
+    return DiagnosisTask(MODEL, recorded(2), {"inertia": STATED}, (), SETTINGS, Deadline(), Stages(None))
 
 
 @pytest.fixture(scope="module")

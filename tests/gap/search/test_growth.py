@@ -230,7 +230,7 @@ def first_group(
     """Gains of the candidates that are tried together first, of some that are independent of each other."""
     tried: list[Any] = []
     search = search_with(found, monkeypatch)
-    for name, value in (("_removed", 0.1), ("best_of_each", []), ("compared", None), ("worth", True)):
+    for name, value in (("_removed", 0.0), ("best_of_each", []), ("compared", None), ("worth", True)):
         monkeypatch.setattr(growth, name, lambda *_, value=value: value)
     monkeypatch.setattr(growth, "_fitted", lambda _search, _fit, trials, _fits: tried.append(trials[0]) or fit("first"))
     search.torques_decide = torques_decide
@@ -268,7 +268,7 @@ def test_where_a_group_is_not_worth_it_different_candidates_are_tried_alone(monk
         tried.append(["+".join(one.candidate.name for one in trial) for trial in trials])
         return fit(*tried[-1])
 
-    for name, value in (("_removed", 0.1), ("best_of_each", []), ("compared", None)):
+    for name, value in (("_removed", 0.0), ("best_of_each", []), ("compared", None)):
         monkeypatch.setattr(growth, name, lambda *_, value=value: value)
     monkeypatch.setattr(growth, "_independent", lambda *_: [found[0], found[0]])
     monkeypatch.setattr(growth, "_fitted", fitted)

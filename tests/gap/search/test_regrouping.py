@@ -74,11 +74,10 @@ def test_of_effects_that_balance_each_other_one_stays_where_it_is_enough(
 
     whole = SimpleNamespace(**{**vars(fitted(*clear)), "chi2": 999.0})
 
-    def sizes_of_fit(fit: Any, *_: Any) -> list[float]:
-        return [clear[one.name] if len(fit.names) == len(clear) else 90.0 for one in fit.hypothesis]
+    def unclear(_search: Any, fit: Any, least: float) -> list[str]:
+        return [name for name in clear if len(fit.names) == len(clear) and clear[name] < least]
 
-    monkeypatch.setattr(regrouping, "parameters_of", sizes_of_fit)
-    monkeypatch.setattr(regrouping, "_is_unclear", lambda search, one, size: size < 3.0)
+    monkeypatch.setattr(regrouping, "unclear", unclear)
     score = SimpleNamespace(score=lambda fit: -fit.chi2 - 10 * len(fit.names))
     monkeypatch.setattr(regrouping, "compared", lambda *_: score)
     search: Any = SimpleNamespace(
