@@ -235,7 +235,7 @@ def _estimated(findings: Findings) -> list[ModelNumber]:
         if isinstance(effect, ViscousFriction):
             continue  # no number of its own: it takes that of the file away
         if isinstance(effect, BodyDifference):
-            numbers += _of_body(effect, placed.location, robot, with_uninformed)
+            numbers += _of_body(effect, placed.location, findings.given.robot, with_uninformed)
             continue
         assert isinstance(effect, RotorInertia)
         numbers.append(

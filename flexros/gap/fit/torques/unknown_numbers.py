@@ -10,8 +10,9 @@ import numpy as np
 
 from flexros.effects import PlacedEffect
 from flexros.effects.friction.viscous_friction import ViscousFriction
+from flexros.effects.left_out.body_difference import BodyDifference
 from flexros.effects.left_out.rotor_inertia import RotorInertia
-from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_moved
+from flexros.effects.left_out.tool_load import ENTRIES, ToolLoad, body_numbers, last_moved
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.torques.balanced import regress_balanced
 from flexros.gap.fit.torques.delay import torque_delay
@@ -28,6 +29,8 @@ from flexros.gap.fit.torques.rough_bodies import (
 from flexros.gap.fit.torques.solution import rest_of
 from flexros.gap.fit.torques.turned_weight import with_turned_weight
 from flexros.gap.settings import TorqueStartSettings
+from flexros.robot.parameters import INERTIA_COMPONENTS
+from flexros.robot.point_inertia import point_inertia
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -141,8 +144,7 @@ class UnknownNumbers:
         friction = tuple(
             PlacedEffect(ViscousFriction(coefficient=-value), motor) for motor, value in self.placeholders.items()
         )
-        carried = None if self.load is None else self._fitted_load(robot, factors)
-        load = () if carried is None else (PlacedEffect(carried, "tool"),)
+        load = () if self.load is None else (self._fitted_load(robot, factors),)
         return (*rotors, *friction, *load, *(fitted_bodies(robot, factors) if self.rough else ()))
 
     def _of_load(self, robot: Robot) -> list[str]:
@@ -151,18 +153,26 @@ class UnknownNumbers:
         body = last_moved(robot)
         return [f"{body}.mass", *(f"{body}.center_of_mass.{axis}" for axis in CENTER)]
 
-    def _fitted_load(self, robot: Robot, factors: Mapping[str, float]) -> ToolLoad | None:
-        """Return the load of a robot, with mass and centre of its body scaled by factors; None where none is left."""
+    def _fitted_load(self, robot: Robot, factors: Mapping[str, float]) -> PlacedEffect:
+        """Return the load of a robot that has one, with mass and centre of its body scaled by factors.
+
+        Where nothing of the load is left the body is lighter than by its file, which is a difference of that body.
+        """
         assert self.load is not None
-        mass, center, _ = body_numbers(robot, last_moved(robot))
+        body = last_moved(robot)
+        mass, center, _ = body_numbers(robot, body)
         scaled, *places = (factors.get(name, 1.0) for name in self._of_load(robot))
-        place = np.array([self.load.x, self.load.y, self.load.z])
+        place, fitted = np.array([self.load.x, self.load.y, self.load.z]), center * np.array(places)
         own = mass * center - self.load.mass * place  # first moment of the body alone
-        carried = scaled * mass - self.bare
-        if carried <= 0:
-            return None
-        x, y, z = ((scaled * mass * center * np.array(places) - own) / carried).tolist()
-        return ToolLoad(mass=float(carried), x=x, y=y, z=z)
+        carried = float(scaled * mass - self.bare)
+        if carried > 0:
+            x, y, z = ((scaled * mass * fitted - own) / carried).tolist()
+            return PlacedEffect(ToolLoad(mass=carried, x=x, y=y, z=z), "tool")
+        alone = own / self.bare
+        added = point_inertia(self.bare, alone - center) + point_inertia(self.load.mass, place - center)
+        numbers = dict(zip(CENTER, (fitted - alone).tolist(), strict=True))
+        numbers |= {name: float(added[ENTRIES[name]]) for name in INERTIA_COMPONENTS}
+        return PlacedEffect(BodyDifference(mass=carried, **numbers), body)
 
 
 def unknown_numbers(

@@ -14,6 +14,7 @@ import yaml
 from flexros.effects import RobotWithEffects
 from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.kinds.base import PlacedEffect
+from flexros.effects.left_out.body_difference import BodyDifference
 from flexros.effects.left_out.tool_load import ToolLoad
 from flexros.gap.candidates.tolerance import Tolerance, tolerance_of
 from flexros.gap.diagnose import diagnose
@@ -209,16 +210,18 @@ def test_an_inertia_that_no_body_can_have_grows_with_the_mass() -> None:
         assert changed.parameters[name].value == pytest.approx(1.2 * robot.parameters[name].value)
 
 
-@pytest.mark.parametrize(("factor", "kept"), [(1.0, True), (0.8, False)])
-def test_a_load_of_which_a_fit_leaves_nothing_is_no_number(factor: float, kept: bool) -> None:
-    """Its last body is lighter than by the file: a patch cannot hold a load without mass."""
-    numbers = UnknownNumbers(load=ToolLoad(mass=0.5, x=0.3), bare=3.0)
-    robot, names = numbers.given_to(RobotWithEffects(arm(), ())).robot, ("body_2.mass",)
-    tolerance = SimpleNamespace(names=names, logarithms=lambda _: np.log([factor]))
-    fit: Any = SimpleNamespace(predictor=SimpleNamespace(robot=robot, tolerance=tolerance), deviations=np.zeros(1))
-    found = numbers.fitted(fit)
-    assert len(found) == kept
-    assert not kept or found[0].effect.mass == pytest.approx(0.5)
+@pytest.mark.parametrize(("factor", "kind"), [(1.0, ToolLoad), (0.8, BodyDifference)])
+def test_where_a_fit_leaves_nothing_of_a_load_its_body_is_lighter(factor: float, kind: type[object]) -> None:
+    """A load has no negative mass: writing a patch of such a fit ended in an internal error."""
+    numbers, bare = UnknownNumbers(load=ToolLoad(mass=0.5, x=0.3), bare=3.0), RobotWithEffects(arm(), ())
+    loaded = numbers.given_to(bare).robot
+    tolerance = SimpleNamespace(names=("body_2.mass",), logarithms=lambda _: np.log([factor]))
+    fit: Any = SimpleNamespace(predictor=SimpleNamespace(robot=loaded, tolerance=tolerance), deviations=np.zeros(1))
+    (found,) = numbers.fitted(fit)
+    assert isinstance(found.effect, kind)
+    repaired, fitted = bare.with_effects([found]).robot, loaded.with_values({"body_2.mass": factor * 3.5})
+    for name, parameter in fitted.parameters.items():
+        assert repaired.parameters[name].value == pytest.approx(parameter.value, abs=1e-12)
 
 
 @pytest.mark.parametrize(
