@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.gap.fit.torques.unknown_numbers import inertias_of_bodies
 from flexros.gap.held_out.errors_ahead import HORIZON, samples_ahead
 
 if TYPE_CHECKING:
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     from flexros.gap.held_out.errors_ahead import AheadErrors
     from flexros.gap.prediction.predictor import Predictor
     from flexros.gap.residuals.fit_data import FitData
-    from flexros.record.record import Record
     from flexros.robot import Robot
 
 HEAVIER = 3.0
@@ -47,8 +47,9 @@ def moving_on(fit: CandidateFit, nominal: Robot, data: FitData, before: AheadErr
     stated = np.array([nominal.parameters[f"{name}.inertia"].value > 0 for name in nominal.joint_names])
     if not stated.any():
         return []
-    now = inertias(fit.predictor.robot, data.record, fit.predictor.numbers(fit.theta))
-    heavier = stated & (now > HEAVIER * inertias(nominal, data.record))
+    repaired = fit.predictor.robot.with_values(fit.predictor.numbers(fit.theta))
+    given, now = (inertias_of_bodies(data.record, robot) for robot in (nominal, repaired))
+    heavier = stated & np.array([now[name] > HEAVIER * given[name] for name in nominal.joint_names])
     if not heavier.any():
         return []
     constant = constant_speed_errors(fit.predictor, fit.theta, data, after)
@@ -82,20 +83,6 @@ def constant_speed_errors(predictor: Predictor, theta: FloatArray, data: FitData
     horizon = samples_ahead(record.sample_time)
     missed = record.position[starts + horizon] - position - horizon * record.sample_time * speed
     return np.asarray(np.sqrt(np.mean(missed**2, axis=0)))
-
-
-def inertias(robot: Robot, record: Record, numbers: dict[str, float] | None = None) -> FloatArray:
-    """Return the inertia that acts at every motor in the middle of a motion, shape (M,) [kg m2 or kg].
-
-    Args:
-        robot: The robot.
-        record: The log.
-        numbers: Numbers of it that have other values, by name [SI].
-    """
-    state = robot.equilibrium(motor_position=np.median(record.position, axis=0))
-    model = (robot.with_values(numbers) if numbers else robot).model
-    masses = model.mass_matrix(state[: robot.n_coordinates], model.parameter_values)
-    return np.diag(np.asarray(masses, dtype=float))[list(robot.motor_rows)]
 
 
 def moving_on_words(motors: Sequence[str]) -> list[str]:

@@ -369,12 +369,7 @@ def without_unclear(search: Search, fit: CandidateFit, fits: list[CandidateFit])
     if not search.premises.library_is_complete or more_than_chance(comparison, fit):
         return fit
     while len(fit.hypothesis) > 1 and not search.deadline.stops_finishing():
-        found = zip(fit.hypothesis, parameters_of(fit, search.data, search.settings.ranking), strict=True)
-        clear_by = {
-            one.name: clearness(sizes[free.name] for free in sizes_of(one))
-            for one, sizes in found
-            if one.name not in needed
-        }
+        clear_by = {name: clear for name, clear in _clear_by(search, fit).items() if name not in needed}
         least = min(clear_by, key=clear_by.__getitem__, default="")
         if not least or clear_by[least] >= search.settings.search.clear:
             break
@@ -394,8 +389,13 @@ def unclear(search: Search, fit: CandidateFit, least: float) -> list[str]:
         fit: The fit.
         least: Size over its standard deviation from which it is clear [1].
     """
+    return [name for name, clear in _clear_by(search, fit).items() if clear < least]
+
+
+def _clear_by(search: Search, fit: CandidateFit) -> dict[str, float]:
+    """Return by how many standard deviations, with errors of form, the size of each effect of a fit is not zero [1]."""
     found = zip(fit.hypothesis, parameters_of(fit, search.data, search.settings.ranking), strict=True)
-    return [one.name for one, sizes in found if clearness(sizes[free.name] for free in sizes_of(one)) < least]
+    return {one.name: clearness(sizes[free.name] for free in sizes_of(one)) for one, sizes in found}
 
 
 def clearness(sizes: Iterable[CauseParameter]) -> float:

@@ -230,7 +230,7 @@ def unknown_numbers(
 
 
 def inertias_of_bodies(record: Record, robot: Robot) -> dict[str, float]:
-    """Return the inertia that the bodies have at every motor in the middle of a motion [kg m2 or kg]."""
+    """Return the inertia at every motor, with its rotor, in the middle of a motion [kg m2 or kg]."""
     state = robot.equilibrium(motor_position=np.median(record.position, axis=0))
     masses = robot.model.mass_matrix(state[: robot.n_coordinates], robot.model.parameter_values)
     return dict(zip(robot.joint_names, np.diag(np.asarray(masses, dtype=float))[list(robot.motor_rows)]))
