@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any, Literal, Protocol
 
 from pydantic import Field
 
@@ -34,6 +34,23 @@ class EffectLocation(Settings):
 
     effect: str = Field(description="name of the effect")
     location: str = Field(description="joint, spring, body, 'tool', 'base' or 'all'")
+
+
+class Located(Protocol):
+    """What an effect at a location has: a cause, a candidate of the ranking, a share of the budget."""
+
+    @property
+    def effect(self) -> str | None:
+        """Name of the effect."""
+
+    @property
+    def location(self) -> str:
+        """Its location."""
+
+
+def same_effect(one: Located, other: Located) -> bool:
+    """Return whether both are the same effect at the same location."""
+    return (one.effect, one.location) == (other.effect, other.location)
 
 
 class Cause(EffectLocation):

@@ -16,7 +16,7 @@ from flexros.gap.fit.screening import switched_off
 from flexros.gap.schema import CauseParameter
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
     from flexros.arrays import FloatArray
     from flexros.effects import PlacedEffect
@@ -84,6 +84,15 @@ def determined(candidate: Candidate, parameters: Mapping[str, CauseParameter]) -
         parameters: Its fitted parameters by name.
     """
     return any(parameters[free.name].determined for free in sizes_of(candidate))
+
+
+def clearness(sizes: Iterable[CauseParameter]) -> float:
+    """Return the largest determined size of an effect over its standard deviation [1]; 0 without one.
+
+    Args:
+        sizes: Its sizes.
+    """
+    return max((abs(size.value) / max(size.std, 1e-300) for size in sizes if size.determined), default=0.0)
 
 
 def sizes_of(candidate: Candidate) -> tuple[FreeParameter, ...]:

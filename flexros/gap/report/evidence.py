@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.gap.report.ranking import first_of_ranking, same_effect
+from flexros.gap.report.ranking import first_of_ranking
 from flexros.gap.report.signature_pictures import signature_pictures
 from flexros.gap.report.words import (
     capital,
@@ -17,6 +17,7 @@ from flexros.gap.report.words import (
     partners_words,
     share_words,
 )
+from flexros.gap.schema import same_effect
 from flexros.report.base import AbstractSection, Block, Folded, Heading, Paragraph
 from flexros.report.number_text import number
 

@@ -14,6 +14,7 @@ from flexros.gap.report.words import (
     share_words,
     undetermined_words,
 )
+from flexros.gap.schema import same_effect
 from flexros.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
 from flexros.report.colours import FLOOR, REPAIRED, RIVAL
 from flexros.report.number_text import number
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     import plotly.graph_objects as go
 
     from flexros.gap.result import DiagnosisResult, RankedCandidate
-    from flexros.gap.schema import Diagnosis, EffectLocation, ToleranceSensitivity
+    from flexros.gap.schema import Diagnosis, ToleranceSensitivity
 
 NOTHING = "nothing"
 _MOST_BARS, _MOST_ROWS = 10, 15
@@ -147,11 +148,6 @@ def _colour(candidate: RankedCandidate, diagnosis: Diagnosis) -> str:
         same_effect(candidate, cause) for cause in diagnosis.causes
     )
     return _CAUSE if reported and candidate.probability >= LIKELY else _REST
-
-
-def same_effect(candidate: RankedCandidate, location: EffectLocation) -> bool:
-    """Return whether both are the same effect at the same location."""
-    return (candidate.effect, candidate.location) == (location.effect, location.location)
 
 
 def table_of_ranking(ranking: Sequence[RankedCandidate]) -> TextTable:

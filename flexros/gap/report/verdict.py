@@ -22,7 +22,7 @@ from flexros.gap.report.words import (
     where_words,
     with_std,
 )
-from flexros.gap.schema import NEXT_EXPERIMENT
+from flexros.gap.schema import NEXT_EXPERIMENT, same_effect
 from flexros.report.number_text import number
 
 if TYPE_CHECKING:
@@ -97,15 +97,13 @@ def tolerance_sentence(diagnosis: Diagnosis) -> str:
 
 def closed_by(diagnosis: Diagnosis, effect: EffectLocation) -> float:
     """Return the share of the gap of all joints that an effect closes in the waterfall [1]; 0 where it is not there."""
-    own = (effect.effect, effect.location)
     steps = (step for waterfall in diagnosis.waterfall for step in waterfall.steps)
-    return sum(step.share for step in steps if (step.effect, step.location) == own)
+    return sum(step.share for step in steps if same_effect(step, effect))
 
 
 def _needed(diagnosis: Diagnosis, effect: EffectLocation) -> tuple[float, float]:
     """Return the share of the gap that opens without an effect, and the share that it closes in the waterfall [1]."""
-    own = (effect.effect, effect.location)
-    opens = next((one.share_last for one in diagnosis.budget if (one.effect, one.location) == own), None)
+    opens = next((one.share_last for one in diagnosis.budget if same_effect(one, effect)), None)
     return round(opens or 0.0, _PLACES), closed_by(diagnosis, effect)
 
 
@@ -175,7 +173,7 @@ def _ambiguous(diagnosis: Diagnosis) -> str:
 def _chance(diagnosis: Diagnosis, rival: EffectLocation, probability: float) -> str:
     """Say how probable a rival is, or with which tolerances where it is not with those that are stated."""
     for row in diagnosis.tolerance_sensitivity if not probability else ():
-        if (row.effect, row.location) == (rival.effect, rival.location) and row.changes:
+        if same_effect(row, rival) and row.changes:
             return f"with {'halved' if row.halved > row.doubled else 'doubled'} tolerances"
     return share_words(probability)
 
@@ -200,7 +198,7 @@ def _rivals(diagnosis: Diagnosis) -> tuple[EffectLocation, ...]:
 
 
 def _in(cause: Cause, rivals: Sequence[EffectLocation]) -> bool:
-    return any((cause.effect, cause.location) == (rival.effect, rival.location) for rival in rivals)
+    return any(same_effect(cause, rival) for rival in rivals)
 
 
 def _closed(gap: GapNumbers) -> str:

@@ -11,16 +11,15 @@ from flexros.effects.kinds.relative_error import AbstractRelativeError
 from flexros.effects.left_out.tool_load import ToolLoad
 from flexros.effects.torque_bias import TorqueBias
 from flexros.gap.fit.candidate_fit import best_of_each
-from flexros.gap.fit.estimates import parameters_of, sizes_of
+from flexros.gap.fit.estimates import clearness, parameters_of, sizes_of
 from flexros.gap.fit.torques.missing_load import moved_mass
 from flexros.gap.search.worth import compared, more_than_chance, strains, worth
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
+    from collections.abc import Callable, Sequence
 
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
-    from flexros.gap.schema import CauseParameter
     from flexros.gap.search.fits.candidate_fits import Search
 
 ASYMMETRY = "asymmetry"
@@ -396,15 +395,6 @@ def _clear_by(search: Search, fit: CandidateFit) -> dict[str, float]:
     """Return by how many standard deviations, with errors of form, the size of each effect of a fit is not zero [1]."""
     found = zip(fit.hypothesis, parameters_of(fit, search.data, search.settings.ranking), strict=True)
     return {one.name: clearness(sizes[free.name] for free in sizes_of(one)) for one, sizes in found}
-
-
-def clearness(sizes: Iterable[CauseParameter]) -> float:
-    """Return the largest determined size of an effect over its standard deviation [1]; 0 without one.
-
-    Args:
-        sizes: Its sizes.
-    """
-    return max((abs(size.value) / max(size.std, 1e-300) for size in sizes if size.determined), default=0.0)
 
 
 def _uneven(candidate: Candidate) -> bool:

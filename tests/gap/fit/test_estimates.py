@@ -17,6 +17,7 @@ from flexros.gap.fit import estimates
 from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.fit.doubts import doubt_of
 from flexros.gap.fit.estimates import (
+    clearness,
     covariance_of,
     fit_covariance,
     parameters_of,
@@ -25,6 +26,7 @@ from flexros.gap.fit.estimates import (
     unit_of_parameter,
 )
 from flexros.gap.fit.least_squares import chi2_of, fit, initial_values
+from flexros.gap.schema import CauseParameter
 from flexros.gap.settings import FitSettings, RankingSettings
 from flexros.random_streams import generator
 from flexros.robot import load_robot
@@ -45,6 +47,13 @@ def fitted_fixture() -> CandidateFit:
     scale = np.array([0.1, 0.02 / pair[1].free[0].high, 0.8])
     correlation = np.array([[1.0, 0.5, 0.2], [0.5, 1.0, 0.1], [0.2, 0.1, 1.0]])
     return CandidateFit(predictor, theta, 1.0, np.linalg.inv(correlation * np.outer(scale, scale)))
+
+
+def test_an_effect_is_as_clear_as_its_clearest_size_that_the_log_determines() -> None:
+    sizes = [(0.3, 0.1, True), (-2.0, 0.5, True), (9.0, 1.0, False)]
+    made = [CauseParameter(value=value, std=std, unit="1", determined=told) for value, std, told in sizes]
+    assert clearness(made) == pytest.approx(4.0)
+    assert clearness(made[2:]) == 0.0
 
 
 def test_effects_have_their_numbers(fitted: CandidateFit) -> None:
