@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,28 +11,19 @@ from flexros.config.settings import validate
 from flexros.config.yaml_file import parse_yaml
 from flexros.errors import InputError
 from flexros.logs.foreign.import_log import import_log
-from flexros.logs.foreign.mapping import Clock, LogMapping, MappedColumn, Scale
+from flexros.logs.foreign.mapping import Clock, LogMapping, MappedColumn
 from flexros.logs.foreign.message_rows import message_rows
-from flexros.logs.foreign.quantities import QUANTITIES, TIME_UNITS, UNITS
+from flexros.logs.foreign.quantities import TIME_UNITS
 from flexros.logs.foreign.signal_source import Signal, open_source
 from flexros.logs.foreign.sources.ros_bag import RosBag
 from flexros.logs.foreign.usable_rows import FEWEST
-from flexros.logs.wrapped_positions import joined, wrap_period
 from flexros.record.proposal.assumption import Assumption
-from flexros.record.proposal.column_units import unit_in_name
 from flexros.record.proposal.columns import TORQUES, clock_of_column, table_signals
 from flexros.record.proposal.effort_unit import effort_unit
 from flexros.record.proposal.joints import match_joints
-from flexros.record.proposal.motion_units import (
-    DEGREES,
-    TURNS_PER_MINUTE,
-    compare_velocity,
-    in_degrees,
-    unit_ratio,
-    velocity_unit,
-)
 from flexros.record.proposal.topics import bag_topics
 from flexros.record.proposal.turned_joints import turned_joints
+from flexros.record.proposal.units import JointSignals, Units, units_of_motion
 from flexros.record.proposal.unnamed_commands import UnnamedCommands
 from flexros.record.proposal.words import (
     about_commands,
@@ -62,7 +53,6 @@ if TYPE_CHECKING:
 
 DESCRIPTION = "robot_description"
 """Topic on which the URDF of a robot is published."""
-POSITIONS = ("position", "reference_position", "position_command")
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,7 +164,7 @@ def _pairs(topics: FoundSignals, matches: Sequence[JointMatch]) -> list[tuple[st
 
 
 class _Proposer:
-    """Collects units, signs and assumptions."""
+    """Collects assumptions."""
 
     def __init__(
         self,
@@ -187,23 +177,30 @@ class _Proposer:
         clock: Clock | None,
         unnamed: UnnamedCommands | None,
     ) -> None:
-        self.bag, self.robot, self.topics, self.matches, self.signals = bag, robot, topics, matches, signals
-        self.say, self.clock, self.unnamed = say, clock, unnamed
+        self.bag, self.robot, self.say, self.clock, self.unnamed = bag, robot, say, clock, unnamed
         self.assumptions: list[Assumption] = []
         self.left_out: dict[str, str] = dict(topics.ignored)
-        self.units: dict[str, str] = {}
-        self.signs: dict[tuple[str, str], Literal[1, -1]] = {}
-        self.scales: dict[str, float] = {}
-        self.endless = ""  # what speaks against degrees
         self.agrees = False  # whether torques agree with what the model needs of this motion
-        self.rotary = [True] * len(matches) if robot is None else [motor.rotary for motor in robot.motors]
+        rotary = [True] * len(matches) if robot is None else [motor.rotary for motor in robot.motors]
+        self.joints = JointSignals(topics, signals, matches, dict(zip((m.motor for m in matches), rotary, strict=True)))
         usable = [quantity for quantity in topics.signals if self._is_finite(quantity)]
         self.quantities = self._without_idle_commands(usable)
-        self.units |= {name: unit for name in TORQUES if (unit := self._named_unit(name)) is not None}
+        torques = [name for name in TORQUES if name in self.quantities]
+        self.units = Units({name: unit for name in torques if (unit := self.joints.named_unit(name)) is not None})
+
+    @property
+    def topics(self) -> FoundSignals:
+        """Names of the signals by quantity and joint."""
+        return self.joints.found
+
+    @property
+    def matches(self) -> Sequence[JointMatch]:
+        """The joints that are motors."""
+        return self.joints.matches
 
     def proposal(self) -> Proposal:
         """Return the mapping, with the log that it makes."""
-        first = self._values("position", self.matches[0]).time
+        first = self.joints.of("position", self.matches[0]).time
         assert first is not None
         if len(first) < FEWEST or not first[-1] > first[0]:
             raise InputError(f"{self.bag} has fewer than {FEWEST} positions with increasing times; give a longer log")
@@ -222,7 +219,10 @@ class _Proposer:
                 for joint, column in self.topics.signals[quantity].items():
                     if joint not in self.topics.joints:
                         self.left_out[column] = f"no column is the position of {joint or 'the only joint'}"
-        self._about_motion()
+        motion = units_of_motion(self.joints, self.quantities, modelled=self.robot is not None)
+        self.units.units |= motion.units
+        self.units.signs |= motion.signs
+        self.assumptions += motion.assumptions
         self.say("comparing with the model")
         log = import_log(self._mapping(), [self.bag])
         torques = [name for name in TORQUES if name in self.quantities]
@@ -238,7 +238,7 @@ class _Proposer:
             if self.topics.currents:
                 ground = "the currents have no known torque constant"
             self.assumptions.append(Assumption("effort", text, ground, True))
-        if self.endless and not self.agrees:
+        if motion.against_degrees and not self.agrees:
             of_position = next(each for each in self.assumptions if each.about == "position")
             self.assumptions[self.assumptions.index(of_position)] = replace(of_position, checked=False)
         if self.left_out:
@@ -252,20 +252,12 @@ class _Proposer:
             return "values far from the positions say so"
         return "names of columns say so" if self.clock else "sensor_msgs says so"
 
-    def _values(self, quantity: str, match: JointMatch) -> Signal:
-        return self.signals[self.topics.signals[quantity][match.joint]]
-
-    def _period(self, quantity: str, match: JointMatch) -> float | None:
-        """Return the range after which positions of a joint that turns on begin again; None where they do not."""
-        turns = quantity in POSITIONS and self.rotary[self.matches.index(match)]
-        return wrap_period(self._values(quantity, match).values) if turns else None
-
     def _is_finite(self, quantity: str) -> bool:
         """Whether a quantity has finite values at every joint, else it is left out with the reason."""
         own = self.topics.signals[quantity]
         lacking = [m.joint for m in self.matches if m.joint not in own]
         if not lacking:
-            lacking = [m.joint for m in self.matches if not np.all(np.isfinite(self._values(quantity, m).values))]
+            lacking = [m.joint for m in self.matches if not np.all(np.isfinite(self.joints.of(quantity, m).values))]
         if lacking and quantity == "position":
             raise InputError(
                 f"{self.bag}: the position of {', '.join(lacking)} has values that are not finite; cut these messages "
@@ -280,7 +272,7 @@ class _Proposer:
     def _without_idle_commands(self, quantities: list[str]) -> list[str]:
         """Leave torques out that are commanded as zero though measured ones are not."""
         sizes = {
-            name: max(float(np.abs(self._values(name, match).values).max()) for match in self.matches)
+            name: max(float(np.abs(self.joints.of(name, match).values).max()) for match in self.matches)
             for name in TORQUES
             if name in quantities
         }
@@ -289,72 +281,6 @@ class _Proposer:
             self.left_out |= dict.fromkeys(columns, "all zero")
             return [name for name in quantities if name != "torque_command"]
         return quantities
-
-    def _named_unit(self, quantity: str) -> str | None:
-        """Return the unit that the names of all columns of a quantity state; None where they state none."""
-        if not self.topics.of_table or quantity not in self.quantities:
-            return None
-        columns = [self.topics.signals[quantity][match.joint] for match in self.matches]
-        units = {unit_in_name(column, QUANTITIES[quantity].kind) for column in columns}
-        unit = units.pop()
-        fits = not units and unit is not None and set(self.rotary) == {UNITS[unit].rotary}
-        return unit if fits else None
-
-    def _about_motion(self) -> None:
-        """Find the units of positions and velocities."""
-        positions = [self._values("position", m) for m in self.matches]
-        turning = [p.values for p, rotary in zip(positions, self.rotary, strict=True) if rotary]
-        degrees = bool(turning) and in_degrees(turning)
-        span = max((float(np.abs(values).max()) for values in turning), default=0.0)
-        compared = self._compare_velocities(positions) if "velocity" in self.quantities else []
-        ratio = unit_ratio(compared)
-        by_range = "deg" if degrees else "rad"
-        unit, of_velocity = _UNITS_BY_RATIO.get(ratio, (by_range, f"{by_range}/s"))
-        named = self._named_unit("position")
-        if named is not None:
-            unit, of_velocity = named, velocity_unit(named, ratio)
-        of_velocity = self._named_unit("velocity") or of_velocity
-        self.units |= {quantity: self._named_unit(quantity) or unit for quantity in POSITIONS}
-        reference = self._named_unit("reference_velocity") or velocity_unit(unit)
-        self.units |= {"velocity": of_velocity, "reference_velocity": reference}
-        ground = f"the largest is {span:.3g}, {'more than' if degrees else 'within'} two turns in rad"
-        if named is not None:
-            ground = "names of columns say so"
-        elif unit != by_range:
-            ground += f", but {unit} by the velocities"
-        elif degrees and of_velocity != "rpm":
-            self.endless = "; a joint that turns round and round would do so in rad"
-        checked = degrees or self.robot is not None or named is not None
-        if not turning:
-            ground = "all motors of the model slide"
-        taken = f"in {unit if turning else 'm'}"
-        for match in self.matches:
-            period = self._period("position", match)
-            taken += "" if period is None else f", beginning again after {period:.4g} at {match.motor}"
-        self.assumptions.append(Assumption("position", taken, f"{ground}{self.endless}", checked))
-        if "velocity" not in self.quantities:
-            return
-        opposite = [motor for (quantity, motor), sign in self.signs.items() if quantity == "velocity" and sign < 0]
-        ground = "derivative of the positions over the velocities: "
-        ground += f"{float(np.nanmedian(compared)):.3g}" if np.any(np.isfinite(compared)) else "not alike"
-        if self._named_unit("velocity") is not None:
-            ground = f"names of columns say so; {ground}"
-        taken = f"in {of_velocity if turning else 'm/s'}" + (f", opposite at {', '.join(opposite)}" if opposite else "")
-        self.assumptions.append(Assumption("velocity", taken, ground, bool(np.isfinite(ratio))))
-
-    def _compare_velocities(self, positions: Sequence[Signal]) -> list[float]:
-        """Return derivatives of the positions over the velocities, and note their signs."""
-        compared = []
-        for match, position in zip(self.matches, positions, strict=True):
-            velocity = self._values("velocity", match)
-            assert position.time is not None
-            period = self._period("position", match)
-            values = position.values if period is None else joined(position.values, period)
-            if len(velocity.values) == len(position.values):
-                result = compare_velocity(position.time, values, velocity.values)
-                compared.append(result.factor)
-                self.signs["velocity", match.motor] = -1 if result.sign < 0 else 1
-        return compared
 
     def _record(self, log: Log, robot: Robot, quantity: str) -> Record:
         """Read a log with the torques of a quantity."""
@@ -370,10 +296,11 @@ class _Proposer:
             return False
         turning = {self.matches[motor].motor for motor in turned.motors}
         said = self.assumptions.index(about_signs(self.matches))
-        self.matches = tuple(
+        matches = tuple(
             replace(match, sign=-1 if match.sign > 0 else 1) if match.motor in turning else match
             for match in self.matches
         )
+        self.joints = replace(self.joints, matches=matches)
         self.assumptions[said] = about_signs(self.matches, turned)
         return True
 
@@ -385,8 +312,8 @@ class _Proposer:
             return True
         if self.robot is None:
             ground = f"{self._said(torques[0])}; without a model nothing shows it: some drivers fill in currents"
-            taken = f"torques in {self.units.get(torques[0], 'Nm')}"
-            self.assumptions.append(Assumption("effort", taken, ground, torques[0] in self.units))
+            taken = f"torques in {self.units.unit(torques[0], rotary=True)}"
+            self.assumptions.append(Assumption("effort", taken, ground, torques[0] in self.units.units))
             return False
         changed = False
         for quantity in torques:
@@ -398,13 +325,9 @@ class _Proposer:
                 self._leave_out(quantity, "a current whose torque constant no weight shows: map it by hand")
                 changed = True
                 continue
-            if (named := self._named_unit(quantity)) is not None:
+            if (named := self.joints.named_unit(quantity)) is not None:
                 found = replace(found, unit=named, scale=())
-            self.units[quantity] = found.unit
-            for motor, sign in zip(self.robot.joint_names, found.signs, strict=True):
-                self.signs[quantity, motor] = -1 if sign < 0 else 1
-            if found.unit == "A":
-                self.scales |= {f"{quantity}.{m}": s for m, s in zip(self.robot.joint_names, found.scale, strict=True)}
+            self.units.take_effort(quantity, found, self.robot.joint_names)
             self.assumptions.append(about_effort(name, found, self.robot, self._said(quantity)))
             changed |= found.unit != "Nm" or min(found.signs) < 0
             self.agrees |= bool(found.compared) and found.unit == "Nm"
@@ -417,38 +340,26 @@ class _Proposer:
         signals = dict(self.topics.signals)
         if "reference_position" in signals and not any(name in self.quantities for name in TORQUES):
             signals["position_command"] = signals.pop("reference_position")  # nothing else drives the robot
-            self.topics = replace(self.topics, signals=signals)
+            self.joints = replace(self.joints, found=replace(self.topics, signals=signals))
             self.quantities = ["position_command" if q == "reference_position" else q for q in self.quantities]
 
     def _mapping(self) -> LogMapping:
         columns = []
         for quantity in self.quantities:
-            for match, rotary in zip(self.matches, self.rotary, strict=True):
-                sign = match.sign * self.signs.get((quantity, match.motor), 1)
-                unit = self.units.get(quantity, "Nm")
-                unit = unit if rotary else _SLIDING.get(unit, unit)
-                size = self.scales.get(f"{quantity}.{match.motor}")
-                scale = None if size is None else Scale(value=size, unit="Nm/A" if rotary else "N/A")
-                column = self.topics.signals[quantity][match.joint]
+            for match in self.matches:
+                sign = match.sign * self.units.signs.get((quantity, match.motor), 1)
+                rotary = self.joints.rotary[match.motor]
                 columns.append(
                     MappedColumn(
-                        column=column,
+                        column=self.topics.signals[quantity][match.joint],
                         quantity=quantity,
                         joint=match.motor,
                         sign=1 if sign > 0 else -1,
-                        unit=unit,
-                        period=self._period(quantity, match),
-                        scale=scale,
+                        unit=self.units.unit(quantity, rotary=rotary),
+                        period=self.joints.period(quantity, match),
+                        scale=self.units.scale(quantity, match.motor, rotary=rotary),
                     )
                 )
         model = f" and robot {self.robot.name}" if self.robot else ""
         text = f"Proposed from the names in {self.bag.name}{model}."
         return LogMapping(name=self.bag.stem, description=text, time=self.clock, columns=tuple(columns))
-
-
-_UNITS_BY_RATIO = {DEGREES: ("deg", "rad/s"), 1 / DEGREES: ("rad", "deg/s")} | {
-    minute: (unit, "rpm") for unit, minute in TURNS_PER_MINUTE.items()
-}
-"""Units of positions and velocities by the derivative of the former over the latter, where they are not alike."""
-_SLIDING = {"rad": "m", "deg": "m", "rad/s": "m/s", "deg/s": "m/s", "rpm": "m/s", "Nm": "N", "mNm": "N", "kNm": "kN"}
-"""Units of prismatic joints."""
