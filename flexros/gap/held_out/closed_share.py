@@ -10,6 +10,8 @@ import numpy as np
 from flexros.gap.held_out.errors_ahead import HORIZON, AheadErrors
 from flexros.random_streams import generator
 
+NOTHING = 0.005
+"""Share of the gap below which an effect closes nothing [1] (chosen): it is written as 0 %."""
 BOOTSTRAP_STREAM = 20
 """Stream of random numbers of the bootstrap."""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flexros.effects.left_out import RotorInertia, ToolLoad
+from flexros.gap.held_out.closed_share import NOTHING
 from flexros.gap.report.words import (
     LIKELY,
     budget_words,
@@ -34,8 +35,8 @@ _LACKED = (RotorInertia.name, ToolLoad.name)
 """Numbers that a robot file may leave out."""
 _SURE = 0.995
 """Probability from which it is not stated in the sentence (chosen)."""
-_PLACES, _NOTHING = 2, 0.005
-"""Decimals to which shares decide the order, and the share below which an effect closes nothing [1] (chosen)."""
+_PLACES = 2
+"""Decimals to which shares decide the order (chosen)."""
 
 
 def verdict_sentence(diagnosis: Diagnosis) -> str:
@@ -76,7 +77,7 @@ def reported_causes(diagnosis: Diagnosis) -> tuple[Cause, ...]:
     likely = repaired or tuple(cause for cause in diagnosis.causes if cause.probability >= LIKELY)
     likely = tuple(sorted(likely, key=lambda cause: _needed(diagnosis, cause), reverse=True))
     sized = tuple(cause for cause in likely if cause.determined)
-    closing = not diagnosis.budget or any(max(_needed(diagnosis, cause)) >= _NOTHING for cause in sized)
+    closing = not diagnosis.budget or any(max(_needed(diagnosis, cause)) >= NOTHING for cause in sized)
     return (sized if sized and closing else likely) or diagnosis.causes[:1]
 
 

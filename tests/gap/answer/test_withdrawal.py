@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
+from typing import TYPE_CHECKING, cast
 
+import numpy as np
 import pytest
 
 from flexros.gap.answer import withdrawal
-from flexros.gap.answer.withdrawal import confirmed
+from flexros.gap.answer.withdrawal import confirmed, surely_worse
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.fit.null_fit import fit_null
@@ -20,6 +22,9 @@ from flexros.gap.search.prepare import prepare_search
 from flexros.gap.search.worth import compared
 from flexros.gap.settings import DiagnosisSettings
 from tests.gap.diagnosis_logs import MODEL, record_of, settings_of
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
 
 pytestmark = pytest.mark.slow
 
@@ -84,6 +89,52 @@ def test_an_effect_of_undetermined_size_that_gains_nothing_in_the_held_out_log_i
     confirmed_ones, withdrawn = confirmed(search, explanations, measured(BOTH[0], seed=2))
     assert withdrawn == (SOFT,)
     assert confirmed_ones.chosen.names == {FRICTION}
+
+
+@dataclass(frozen=True)
+class Left:
+    """A fit that leaves given errors one sample ahead."""
+
+    errors: FloatArray
+
+    def residual(self, _: FitData) -> FloatArray:
+        return self.errors.copy()
+
+
+def test_predictions_of_one_sample_are_worse_only_where_they_are_by_more_than_chance() -> None:
+    """An eccentricity stayed that a third of the gap 0.1 s ahead came from: in one second of the log it helped."""
+    held = measured(seed=2)
+    errors = np.ones_like(found()[0].null.fit.residual(held))
+    in_one_second = errors.copy()
+    in_one_second[: round(1 / held.record.sample_time)] = 1.5
+    more, once = Left(1.01 * errors), Left(in_one_second)
+    same = Left(errors)
+    assert surely_worse(cast("CandidateFit", more), cast("CandidateFit", same), held)
+    assert not surely_worse(cast("CandidateFit", once), cast("CandidateFit", same), held)
+
+
+def test_an_effect_that_spoils_predictions_goes_though_one_sample_ahead_chance_speaks_for_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    real = CandidateFit.residual
+
+    def with_chance(self: CandidateFit, data: FitData) -> FloatArray:
+        """Without the spring, one second of the held-out log is predicted far worse one sample ahead."""
+        errors = real(self, data)
+        if data is held and SOFT not in self.names:
+            errors[: round(1 / data.record.sample_time)] += 1e3
+        return errors
+
+    held = measured(BOTH[0], seed=2)
+    monkeypatch.setattr(CandidateFit, "residual", with_chance)
+    assert confirmed(*found(), held)[1] == (SOFT,)
+
+
+def test_what_closes_nothing_goes_however_little_it_spoils() -> None:
+    search, explanations = found()
+    ranking = search.settings.ranking.model_copy(update={"withdrawn": 1e9})
+    search = replace(search, settings=search.settings.model_copy(update={"ranking": ranking}))
+    assert confirmed(search, explanations, measured(BOTH[0], seed=2))[1] == (SOFT,)
 
 
 def test_the_last_effect_is_not_withdrawn(monkeypatch: pytest.MonkeyPatch) -> None:
