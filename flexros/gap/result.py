@@ -99,7 +99,7 @@ class DiagnosisResult:
         record: The fitted log.
         holdout: The held-out log; None where none could be set aside.
         before: The nominal model, fitted within its tolerance.
-        ranking: All effects that competed, by probability.
+        ranking: All effects that competed, what closes most of the held-out gap first, equal ones by probability.
         null_probability: Probability that no effect is there [1].
         after: The model with the causes; None where none was found.
         rival: The best explanation that was not chosen; None where there is none.

@@ -204,7 +204,9 @@ class Diagnosis(Settings):
 
     schema_version: int = Field(default=2, alias="schema", description="version of this schema")
     verdict: Verdict = Field(description="the verdict")
-    causes: tuple[Cause, ...] = Field(description="by probability, the most probable first")
+    causes: tuple[Cause, ...] = Field(
+        description="what closes most of the held-out gap first, equal ones by probability"
+    )
     ambiguity_groups: tuple[tuple[EffectLocation, ...], ...] = Field(
         description="effects that the log does not separate; one alone: it does not show whether that is there"
     )

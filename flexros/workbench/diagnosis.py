@@ -59,7 +59,7 @@ class Diagnosis:
 
     @property
     def causes(self) -> tuple[Cause, ...]:
-        """Effects that are probably part of the truth, by probability."""
+        """Effects that are probably part of the truth, what closes most of the held-out gap first."""
         return self.answer.causes
 
     @property

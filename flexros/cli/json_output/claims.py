@@ -32,7 +32,7 @@ class Repaired(Output):
     """A hidden effect: what was found, and the run with the repaired feedforward."""
 
     verdict: Verdict = Field(description="verdict of the diagnosis")
-    causes: list[Cause] = Field(description="by probability, the most probable first")
+    causes: list[Cause] = Field(description="what closes most of the held-out gap first, equal ones by probability")
     patch: str | None = Field(description="file of the repaired model; null where no effect was found")
     path_error_without_effect_m: float = Field(description="largest path error without the effect [m]")
     path_error_before_m: float = Field(description="with it [m]")
@@ -44,7 +44,7 @@ class MeasuredMachine(Output):
 
     data: str = Field(description="whose data, under which licence")
     verdict: Verdict = Field(description="verdict of the diagnosis")
-    causes: list[Cause] = Field(description="by probability, the most probable first")
+    causes: list[Cause] = Field(description="what closes most of the held-out gap first, equal ones by probability")
     gap: GapNumbers = Field(description="gap before and after the repair")
     budget: list[BudgetShare] = Field(description="the gap divided among effects, the largest first")
     waterfall: list[Waterfall] = Field(description="the gap at each joint, an effect at a time")

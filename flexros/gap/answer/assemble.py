@@ -20,6 +20,7 @@ from flexros.gap.answer.decision import (
     verdict_of,
 )
 from flexros.gap.answer.limits import identifiability_limits
+from flexros.gap.answer.order import in_order
 from flexros.gap.answer.warnings import answer_warnings, record_warnings, sensor_warnings
 from flexros.gap.candidates.candidate import name_of
 from flexros.gap.fit.estimates import covariance_of, determined, parameters_of, placed_effects
@@ -113,6 +114,8 @@ def result_of(
         moving_on=bool(errors.moving_on),
         closed=_surely_closed(findings, errors),
     )
+    whole = verdict != "no_gap"
+    budget = budget_of(findings, errors.before, errors.after or errors.before) if whole else without_gap(findings)
     patch = () if errors.worse else repair_of(findings)
     names, covariance = covariance_of(chosen, findings.data, findings.settings)
     tolerated = chosen.predictor.tolerance
@@ -123,12 +126,12 @@ def result_of(
     after = _explanation(findings.repaired, findings) if patch else None
     probabilities = dict(zip(explanations.rivals, explanations.probabilities))
     return DiagnosisResult(
-        diagnosis=_diagnosis(findings, verdict, errors, excess, settings, stages, deadline, of_records),
+        diagnosis=_diagnosis(findings, verdict, errors, budget, excess, settings, stages, deadline, of_records),
         robot=model.robot,
         record=record,
         holdout=holdout,
         before=before,
-        ranking=_ranking(findings, verdict),
+        ranking=_ranking(findings, verdict, budget),
         null_probability=float(probabilities[explanations.null]),
         after=after,
         rival=None if rival is None else _explanation(rival, findings),
@@ -186,6 +189,7 @@ def _diagnosis(
     findings: Findings,
     verdict: Verdict,
     errors: HeldOutErrors,
+    budget: Budget,
     excess: Where | None,
     settings: DiagnosisSettings,
     stages: Stages,
@@ -195,8 +199,6 @@ def _diagnosis(
     """Put together what is written into diagnosis.json."""
     sample_time = findings.held.record.sample_time
     gap = gap_numbers(errors.before, errors.after, sample_time, errors.rival, errors.with_tolerance)
-    whole = verdict != "no_gap"
-    budget = budget_of(findings, errors.before, errors.after or errors.before) if whole else without_gap(findings)
     warnings = (
         *moving_on_words(errors.moving_on),
         *answer_warnings(findings, gap, worse=errors.worse),
@@ -261,7 +263,8 @@ def _causes(findings: Findings, verdict: Verdict, errors: HeldOutErrors, budget:
                     if name in errors.alone
                     else added_first.get(name),
                 )
-    return tuple(causes[name] for name in sorted(causes, key=lambda name: rank_key(name, findings, verdict)))
+    ranked = [causes[name] for name in sorted(causes, key=lambda name: rank_key(name, findings, verdict))]
+    return in_order(ranked, budget.shares, budget.waterfalls)
 
 
 def _surely_closed(findings: Findings, errors: HeldOutErrors) -> float:
@@ -294,21 +297,17 @@ def _rounding(name: str, findings: Findings, errors: HeldOutErrors) -> Cause:
     )
 
 
-def _ranking(findings: Findings, verdict: Verdict) -> tuple[RankedCandidate, ...]:
+def _ranking(findings: Findings, verdict: Verdict, budget: Budget) -> tuple[RankedCandidate, ...]:
     """List every effect in its explanation, the first few with their gain in the held-out log."""
-    ranked = sorted(
-        _candidates(findings, verdict),
-        key=lambda pair: rank_key(f"{pair[0].effect}@{pair[0].location}", findings, verdict),
-    )
+    fits = _candidates(findings, verdict)
+    ranked = sorted(fits, key=lambda one: rank_key(f"{one.effect}@{one.location}", findings, verdict))
     return tuple(
-        replace(candidate, holdout_gain=held_out_gain(fit, findings))
-        if index < findings.settings.confirmed
-        else candidate
-        for index, (candidate, fit) in enumerate(ranked)
+        replace(one, holdout_gain=held_out_gain(fits[one], findings)) if index < findings.settings.confirmed else one
+        for index, one in enumerate(in_order(ranked, budget.shares, budget.waterfalls))
     )
 
 
-def _candidates(findings: Findings, verdict: Verdict) -> list[tuple[RankedCandidate, CandidateFit]]:
+def _candidates(findings: Findings, verdict: Verdict) -> dict[RankedCandidate, CandidateFit]:
     """List every effect with its explanation: the chosen one, whose sizes the patch has, else the most probable one."""
     explanations, comparison = findings.explanations, findings.explanations.comparison
     best: dict[str, tuple[RankedCandidate, CandidateFit]] = {}
@@ -334,7 +333,7 @@ def _candidates(findings: Findings, verdict: Verdict) -> list[tuple[RankedCandid
                 together_with=tuple(effect_location(other) for other in others),
             )
             best[candidate.name] = (ranked, fit)
-    return list(best.values())
+    return dict(best.values())
 
 
 def _next(findings: Findings, verdict: Verdict, stages: Stages, deadline: Deadline) -> NextExperiment | None:

@@ -322,7 +322,9 @@ def probability_of(name: str, findings: Findings, verdict: Verdict) -> float:
 
 
 def rank_key(name: str, findings: Findings, verdict: Verdict) -> tuple[float, float, float]:
-    """Return the sort key of an effect: by probability to the hundredth, then by what is lost without it.
+    """Return the sort key of an effect among those that close as much of the held-out gap, see `in_order`.
+
+    It is by probability to the hundredth, then by what is lost without it in the fitted log.
 
     Lost is the rise of the mean squared prediction error when the chosen explanation does without it; for the rounding
     of an encoder, which is certain, its variance over that of the noise.

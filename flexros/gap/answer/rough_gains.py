@@ -10,6 +10,7 @@ import numpy as np
 from flexros.effects import PlacedEffect
 from flexros.effects.kinds.relative_error import AbstractRelativeError
 from flexros.effects.servos import ServoStiffnessError
+from flexros.gap.answer.order import in_order
 from flexros.gap.schema import Cause, CauseParameter, ModelNumber
 
 if TYPE_CHECKING:
@@ -120,7 +121,7 @@ def _restated(diagnosis: Diagnosis, factors: Factors, given: RobotWithEffects) -
     return diagnosis.model_copy(
         update={
             "verdict": verdict,
-            "causes": tuple(causes),
+            "causes": in_order(causes, diagnosis.budget, diagnosis.waterfall),
             "model_numbers": (*_numbers(diagnosis, factors, given),),
             "warnings": (*diagnosis.warnings, _warning(factors, given)),
             "provenance": {**diagnosis.provenance, "robot_hash": given.robot.model_hash},

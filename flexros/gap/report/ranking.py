@@ -1,4 +1,4 @@
-"""Section: all candidate effects by probability, together with 'nothing'."""
+"""Section: all candidate effects in their order with their probabilities, together with 'nothing'."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def first_of_ranking(ranking: Sequence[RankedCandidate], most: int) -> Sequence[
     """Return the first effects, and all further causes.
 
     Args:
-        ranking: Effects by probability.
+        ranking: Effects in their order.
         most: Effects that are returned if no more are causes.
     """
     return [one for rank, one in enumerate(ranking) if rank < most or one.probability >= LIKELY]
@@ -151,7 +151,7 @@ def _colour(candidate: RankedCandidate, diagnosis: Diagnosis) -> str:
 
 
 def table_of_ranking(ranking: Sequence[RankedCandidate]) -> TextTable:
-    """Return the first effects by probability with their fitted parameters and evidence."""
+    """Return the first effects in their order with their fitted parameters and evidence."""
     unseen = any(candidate.holdout_gain is not None for candidate in ranking)
     rows = tuple(
         (

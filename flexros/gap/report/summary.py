@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.gap.report.verdict import closed_by, partial_sentence, reported_causes, verdict_sentence
+from flexros.gap.answer.order import closed_by
+from flexros.gap.report.verdict import partial_sentence, reported_causes, verdict_sentence
 from flexros.gap.report.words import (
     capital,
     closed_words,
@@ -74,7 +75,7 @@ def _cause_tile(diagnosis: Diagnosis) -> tuple[str, str, str, str]:
     if diagnosis.verdict == "unknown_effect":
         return "Verdict", "unknown effect", "", f"best known effect: {named(causes[0])}"
     more = f" and {len(causes) - 1} more" if len(causes) > 1 else ""
-    below, closed = f"{capital(named(causes[0]))}{more}", closed_by(diagnosis, causes[0])
+    below, closed = f"{capital(named(causes[0]))}{more}", closed_by(causes[0], diagnosis.waterfall)
     if more and closed > 0:
         return "Closed by the first cause", share_words(min(closed, 1.0)).removesuffix(" %"), "%", below
     return "Probability of the first cause", share_words(causes[0].probability).removesuffix(" %"), "%", below

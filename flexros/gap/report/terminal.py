@@ -45,7 +45,7 @@ def verdict_line(diagnosis: Diagnosis) -> str:
 
 
 def ranking_table(result: DiagnosisResult) -> Table:
-    """Return a table of the first effects by probability, of all further causes, and of 'nothing'."""
+    """Return a table of the first effects in their order, of all further causes, and of 'nothing'."""
     from rich.table import Table
     from rich.text import Text
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flexros.effects.left_out import RotorInertia, ToolLoad
+from flexros.gap.answer.order import shares_of
 from flexros.gap.held_out.closed_share import NOTHING
 from flexros.gap.report.words import (
     LIKELY,
@@ -35,8 +36,6 @@ _LACKED = (RotorInertia.name, ToolLoad.name)
 """Numbers that a robot file may leave out."""
 _SURE = 0.995
 """Probability from which it is not stated in the sentence (chosen)."""
-_PLACES = 2
-"""Decimals to which shares decide the order (chosen)."""
 
 
 def verdict_sentence(diagnosis: Diagnosis) -> str:
@@ -65,7 +64,7 @@ def partial_sentence(diagnosis: Diagnosis) -> str:
 
 
 def reported_causes(diagnosis: Diagnosis) -> tuple[Cause, ...]:
-    """List the causes that a verdict names, what closes most first.
+    """List the causes that a verdict names, in their order.
 
     They are the effects that the budget is divided among, of which the closed share is; without a budget all that are
     more probable than not, otherwise the most probable one. Those of which the log determines no size are left out
@@ -75,9 +74,9 @@ def reported_causes(diagnosis: Diagnosis) -> tuple[Cause, ...]:
     divided |= {(step.effect, step.location) for waterfall in diagnosis.waterfall for step in waterfall.steps}
     repaired = tuple(cause for cause in diagnosis.causes if (cause.effect, cause.location) in divided)
     likely = repaired or tuple(cause for cause in diagnosis.causes if cause.probability >= LIKELY)
-    likely = tuple(sorted(likely, key=lambda cause: _needed(diagnosis, cause), reverse=True))
     sized = tuple(cause for cause in likely if cause.determined)
-    closing = not diagnosis.budget or any(max(_needed(diagnosis, cause)) >= NOTHING for cause in sized)
+    shares = [max(shares_of(cause, diagnosis.budget, diagnosis.waterfall)) for cause in sized]
+    closing = not diagnosis.budget or any(share >= NOTHING for share in shares)
     return (sized if sized and closing else likely) or diagnosis.causes[:1]
 
 
@@ -94,18 +93,6 @@ def tolerance_sentence(diagnosis: Diagnosis) -> str:
         f"Which effects are named hangs on the tolerances of the model, which were stated and not measured: "
         f"{first_few(texts, most=4)}."
     )
-
-
-def closed_by(diagnosis: Diagnosis, effect: EffectLocation) -> float:
-    """Return the share of the gap of all joints that an effect closes in the waterfall [1]; 0 where it is not there."""
-    steps = (step for waterfall in diagnosis.waterfall for step in waterfall.steps)
-    return sum(step.share for step in steps if same_effect(step, effect))
-
-
-def _needed(diagnosis: Diagnosis, effect: EffectLocation) -> tuple[float, float]:
-    """Return the share of the gap that opens without an effect, and the share that it closes in the waterfall [1]."""
-    opens = next((one.share_last for one in diagnosis.budget if same_effect(one, effect)), None)
-    return round(opens or 0.0, _PLACES), closed_by(diagnosis, effect)
 
 
 def _no_gap(diagnosis: Diagnosis) -> str:

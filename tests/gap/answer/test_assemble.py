@@ -184,12 +184,19 @@ def test_a_size_that_the_log_does_not_determine_is_flagged() -> None:
 
 def test_rounding_is_a_certain_cause_in_addition_to_others() -> None:
     found = answered(fitted(1.0, COULOMB), probabilities=(0.9,), rounded=True).diagnosis
-    assert [one.effect for one in found.causes] == ["encoder_quantization", "coulomb_friction"]
-    assert found.causes[0].probability == 1.0
-    assert found.causes[0].parameters["step"].value == 1e-3
-    assert found.causes[0].parameters["step"].unit == "rad"
-    assert found.causes[0].closed_fraction == pytest.approx(0.0, abs=0.01)  # the log has no such rounding
-    assert found.causes[1].closed_fraction == pytest.approx(1.0, abs=0.05)
+    friction, rounding = found.causes
+    assert (friction.effect, rounding.effect) == ("coulomb_friction", "encoder_quantization")
+    assert rounding.probability == 1.0
+    assert (rounding.parameters["step"].value, rounding.parameters["step"].unit) == (1e-3, "rad")
+    assert rounding.closed_fraction == pytest.approx(0.0, abs=0.01)  # the log has no such rounding
+    assert friction.closed_fraction == pytest.approx(1.0, abs=0.05)
+
+
+def test_causes_and_ranking_have_the_order_of_what_is_closed() -> None:
+    """The friction closes the gap, and is less probable than the stiffness, which closes nothing."""
+    result = answered(fitted(1.0, COULOMB, STIFFNESS), fitted(1.2, STIFFNESS), probabilities=(0.6, 0.4))
+    causes = [one.effect for one in result.diagnosis.causes]
+    assert causes == [one.effect for one in result.ranking] == ["coulomb_friction", "stiffness_error"]
 
 
 def test_what_an_explanation_leaves_is_warned_of() -> None:

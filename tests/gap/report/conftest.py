@@ -205,7 +205,7 @@ def divided() -> Diagnosis:
     steps = tuple(Step(effect=effect, location="motor_1", share=part) for effect, part in closed.items())
     causes = tuple(
         Cause(effect=effect, location="motor_1", probability=p, parameters=parameters(effect), closed_fraction=None)
-        for effect, p in (("coulomb_friction", 0.99), ("hysteresis", 0.98))
+        for effect, p in (("hysteresis", 0.98), ("coulomb_friction", 0.99))
     )
     changed = {
         "verdict": "partly_explained",

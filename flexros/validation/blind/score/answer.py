@@ -41,7 +41,7 @@ class Answer:
 
     @property
     def causes(self) -> tuple[Cause, ...]:
-        """Causes that are claimed, by probability; none where no gap was found."""
+        """Causes that are claimed, in their order; none where no gap was found."""
         if self.diagnosis is None or self.diagnosis.verdict == "no_gap":
             return ()
         return self.diagnosis.causes

@@ -1,0 +1,44 @@
+"""The order of effects in an answer."""
+
+from __future__ import annotations
+
+from flexros.gap.answer.order import in_order
+from flexros.gap.schema import BudgetShare, Cause, Step, Waterfall
+
+
+def cause(effect: str, probability: float) -> Cause:
+    return Cause(effect=effect, location="motor_1", probability=probability, parameters={}, closed_fraction=None)
+
+
+def share(effect: str, last: float) -> BudgetShare:
+    names = {"joint": "motor_1", "class": "friction", "effect": effect, "location": "motor_1"}
+    return BudgetShare.model_validate({**names, "share_first": None, "share_last": last, "interval": None})
+
+
+def waterfall(**closed: float) -> Waterfall:
+    steps = tuple(Step(effect=effect, location="motor_1", share=part) for effect, part in closed.items())
+    return Waterfall(joint="motor_1", before=1.0, steps=steps, left=0.0)
+
+
+def ordered(shares: tuple[BudgetShare, ...], steps: Waterfall, **probabilities: float) -> list[str]:
+    causes = [cause(effect, probability) for effect, probability in probabilities.items()]
+    return [one.effect for one in in_order(causes, shares, (steps,))]
+
+
+def test_what_closes_most_comes_before_what_is_more_probable() -> None:
+    shares = share("hysteresis", 0.6), share("backlash", 0.2)
+    assert ordered(shares, waterfall(hysteresis=0.6, backlash=0.2), backlash=0.99, hysteresis=0.7) == [
+        "hysteresis", "backlash",
+    ]  # fmt: skip
+
+
+def test_of_effects_that_stand_for_each_other_the_first_of_the_waterfall_leads() -> None:
+    shares = share("delay", 0.0), share("actuator_lag", 0.001)
+    assert ordered(shares, waterfall(delay=0.9, actuator_lag=0.0), actuator_lag=0.9, delay=0.8)[0] == "delay"
+
+
+def test_what_closes_nothing_or_makes_it_worse_is_sorted_by_probability() -> None:
+    shares = share("delay", -0.3), share("backlash", 0.001)
+    assert ordered(shares, waterfall(delay=-0.3), backlash=0.6, hysteresis=0.7, delay=0.9) == [
+        "delay", "hysteresis", "backlash",
+    ]  # fmt: skip
