@@ -9,9 +9,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.effects import effects
 from flexros.gap.answer.decision import level_of_positions, on_held_out
+from flexros.gap.answer.strained_numbers import STRAINED, far_out
 from flexros.gap.fit.candidate_fit import best_of_each
 from flexros.gap.fit.null_fit import predicting_best
+from flexros.gap.fit.tolerance_takeover import with_own_numbers
 from flexros.gap.held_out.closed_share import BOOTSTRAP_STREAM, NOTHING, closed_fraction, share_between
 from flexros.gap.held_out.errors_ahead import errors_ahead
 from flexros.gap.held_out.gap_floor import tolerance_floor
@@ -44,9 +47,11 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> tupl
     On a real machine no law has exactly the form of the library. A size that gains in the fitted log may make up for
     that there, as a gain of a servo does for friction that depends on the position, and spoil what is predicted of
     another motion. An effect is withdrawn where, with all others fitted again without it, the predictions 0.1 s ahead
-    are better by more than chance, and those of one sample are not worse by more than chance: clearly better, unless
-    the effect closes nothing of the gap beside the others. One whose size is not determined, with errors of form, is
-    also withdrawn where they are no worse. A simulated log has no such errors of form.
+    are better by more than chance, and those of one sample are not worse by more than chance: clearly better, by a
+    share of the gap or of what is left of it, unless the effect closes nothing beside the others. One whose size is not
+    determined, with errors of form, is also withdrawn where they are no worse. A simulated log has no such errors of
+    form. One that comes back as a number of the model far out of its tolerance is not withdrawn: the fitted log needs
+    it.
 
     Where the nominal model leaves no more than noise and tolerance in either log, there is no gap that an effect could
     be the cause of: one that does not hold in the held-out log is chance, however much it gains in the fitted one. So
@@ -81,7 +86,9 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> tupl
             break
         fits.append(better)
         chosen = better
-    if withdrawn:
+    found, chosen = chosen, with_own_numbers(chosen, search.data, STRAINED)
+    if withdrawn or chosen is not found:
+        fits = [chosen, *(fit for fit in fits if fit is not found)]
         kept = [fit for fit in fits if fit is chosen or (fit.names != chosen.names and fit.names.isdisjoint(withdrawn))]
         comparison = compared(search, best_of_each(kept))
         explanations = explanations_of(search, comparison, chosen, detected=True)
@@ -110,6 +117,7 @@ def _rival(
     """
     comparison = compared(search, best_of_each(fits))
     others = [fit for fit in comparison.fits if fit.names.isdisjoint(withdrawn) and not at_limits(fit)]
+    others = [fit for fit in others if not any(comes_back(name, fit) for name in withdrawn)]
     better = [fit for fit in others if comparison.score(fit) > comparison.score(chosen) + comparison.threshold]
     if not better:
         return None
@@ -163,26 +171,43 @@ def _better_without(search: Search, chosen: CandidateFit, before: AheadErrors, h
     One whose size is not determined is left out where they gain nothing by it.
     """
     settings, sample_time = search.settings.ranking, held.record.sample_time
+    after, squares = errors_ahead(chosen, held), on_held_out(chosen, held).chi2
+    clearly = settings.withdrawn
+    if after.mean > settings.floors * (tolerance_floor(chosen, held) or 1.0):
+        clearly = min(clearly, settings.withdrawn_of_rest * (after.mean - 1.0) / max(before.mean - 1.0, 1e-12))
 
     def closes_nothing(name: str) -> bool:
         rest = replace(chosen, theta=chosen.switched_off({name}))
         share = share_between(before, errors_ahead(rest, held), after, sample_time)
         return share is not None and share.value < NOTHING
 
-    after, squares = errors_ahead(chosen, held), on_held_out(chosen, held).chi2
     names, undetermined = sorted(chosen.names), unclear(search, chosen, settings.undetermined)
     without = search.parallel("effects on held-out data", partial(search.without, chosen), names)
     best, least = None, np.inf
     for name, fit in zip(names, without, strict=True):
+        if comes_back(name, fit):
+            continue
         share = share_between(before, errors_ahead(fit, held), after, sample_time)
         if share is None or share.value >= least:
             continue
         better = share.interval[1] < 0 and not surely_worse(fit, chosen, held)
-        spoils = better and (share.value <= -settings.withdrawn or closes_nothing(name))
+        spoils = better and (share.value <= -clearly or closes_nothing(name))
         more = on_held_out(fit, held).chi2 / squares - 1
         if spoils or (name in undetermined and share.value <= 0 and more <= SAME):
             best, least = fit, share.value
     return best
+
+
+def comes_back(name: str, fit: CandidateFit) -> bool:
+    """Return whether a fit without an effect has it all the same, as a number of the model far out of its tolerance.
+
+    Args:
+        name: The effect, effect@location.
+        fit: The fit.
+    """
+    effect, _, location = name.partition("@")
+    own = effects()[effect]().numbers(fit.predictor.robot, location)
+    return not far_out(fit, STRAINED).keys().isdisjoint(own)
 
 
 def surely_worse(fit: CandidateFit, other: CandidateFit, held: FitData) -> bool:

@@ -130,6 +130,20 @@ def test_an_effect_that_spoils_predictions_goes_though_one_sample_ahead_chance_s
     assert confirmed(*found(), held)[1] == (SOFT,)
 
 
+def test_an_effect_that_comes_back_as_a_number_far_out_of_tolerance_is_not_withdrawn() -> None:
+    """Viscous friction was withdrawn, and its number in the model moved by five tolerances."""
+    data = measured("viscous_friction@motor_1:coefficient=0.1", BOTH[0])
+    null = fit_null(data, MODEL, Tolerance(("motor_1.viscous_friction",), (0.2,)))
+    search = prepare_search(null, settings_of("coulomb_friction", "viscous_friction"))
+    additions = search.additions(search.directions(search.candidates()), null.fit, search.surroundings(null.fit))
+    wanted = (FRICTION, "viscous_friction@motor_1")
+    chosen = search.together(null.fit, [one for one in additions if one.candidate.name in wanted])
+    assert chosen.names == set(wanted)
+    explanations = explanations_of(search, compared(search, [chosen]), chosen, detected=True)
+    held = measured("viscous_friction@motor_1:coefficient=0.01", BOTH[0], seed=2)
+    assert confirmed(search, explanations, held)[1] == ()
+
+
 def test_what_closes_nothing_goes_however_little_it_spoils() -> None:
     search, explanations = found()
     ranking = search.settings.ranking.model_copy(update={"withdrawn": 1e9})
