@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.search.fits.candidate_fits import Search
     from flexros.gap.search.forward_selection import Explanations
+    from flexros.gap.search.model_probability import ModelComparison
 
 SAME = 1e-3
 """Share by which predictions of one sample may be worse and still count as the same [1] (chosen)."""
@@ -104,7 +105,7 @@ def _rival(
     withdrawn: Collection[str],
     held: FitData,
 ) -> CandidateFit | None:
-    """Return an explanation that leaves less of both logs than what is left of the chosen one; None without one.
+    """Return a more probable explanation that leaves less of both logs than what is left of the chosen one, if any.
 
     What was withdrawn may have taken the place of a true effect: friction that drove a motor stood for a stiff servo.
 
@@ -119,6 +120,7 @@ def _rival(
     others = [fit for fit in comparison.fits if fit.names.isdisjoint(withdrawn) and not at_limits(fit)]
     others = [fit for fit in others if not any(comes_back(name, fit) for name in withdrawn)]
     better = [fit for fit in others if comparison.score(fit) > comparison.score(chosen) + comparison.threshold]
+    better = [fit for fit in better if _more_probable(comparison, fit, chosen)]
     if not better:
         return None
     ahead, squares = errors_ahead(chosen, held).mean, on_held_out(chosen, held).chi2
@@ -126,6 +128,12 @@ def _rival(
         if errors_ahead(fit, held).mean < ahead and on_held_out(fit, held).chi2 <= squares:
             return search.completed(fit)
     return None
+
+
+def _more_probable(comparison: ModelComparison, fit: CandidateFit, other: CandidateFit) -> bool:
+    """Return whether a fit is the more probable one of two, with errors of form."""
+    first, second = comparison.probabilities([fit, other])
+    return bool(first > second)
 
 
 def _of_chance(search: Search, explanations: Explanations, held: FitData) -> bool:

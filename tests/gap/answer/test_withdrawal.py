@@ -18,12 +18,15 @@ from flexros.gap.residuals.fit_data import FitData
 from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.search.fits.candidate_fits import Search
 from flexros.gap.search.forward_selection import Explanations, explanations_of
+from flexros.gap.search.model_probability import ModelComparison
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.search.worth import compared
 from flexros.gap.settings import DiagnosisSettings
 from tests.gap.diagnosis_logs import MODEL, record_of, settings_of
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from flexros.arrays import FloatArray
 
 pytestmark = pytest.mark.slow
@@ -57,8 +60,8 @@ def test_an_effect_that_spoils_the_held_out_log_is_withdrawn() -> None:
     assert all(SOFT not in fit.names for fit in explanations.rivals)
 
 
-def test_what_a_withdrawn_effect_hid_takes_the_place_of_the_rest() -> None:
-    """Beside a wrong spring, a constant torque stood for friction."""
+def hidden() -> tuple[Search, Explanations]:
+    """Beside a wrong spring, a constant torque stands for friction; friction alone was fitted as well."""
     search, _ = found()
     among = {one.candidate.name: one for one in search.directions(search.candidates())}
     null = search.null.fit
@@ -68,10 +71,27 @@ def test_what_a_withdrawn_effect_hid_takes_the_place_of_the_rest() -> None:
         return search.together(null, search.additions(own, null, search.surroundings(null)))
 
     right, wrong = fitted(FRICTION), fitted(BIAS, SOFT)
-    explanations = explanations_of(search, compared(search, [right, wrong]), wrong, detected=True)
-    confirmed_ones, withdrawn = confirmed(search, explanations, measured(BOTH[0], seed=2))
+    return search, explanations_of(search, compared(search, [right, wrong]), wrong, detected=True)
+
+
+def test_what_a_withdrawn_effect_hid_takes_the_place_of_the_rest() -> None:
+    confirmed_ones, withdrawn = confirmed(*hidden(), measured(BOTH[0], seed=2))
     assert withdrawn == (SOFT,)
     assert confirmed_ones.chosen.names == {FRICTION}
+
+
+def test_what_is_less_probable_than_the_rest_does_not_take_its_place(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Presliding friction with a probability of 1 % had taken the place of Coulomb friction."""
+
+    def doubtful(self: ModelComparison, rivals: Sequence[CandidateFit]) -> FloatArray:
+        sizes = np.array([0.01 if FRICTION in fit.names else 1.0 for fit in rivals])
+        return np.asarray(sizes / sizes.sum())
+
+    search, explanations = hidden()
+    monkeypatch.setattr(ModelComparison, "probabilities", doubtful)
+    monkeypatch.setattr(withdrawal, "_changes_nothing", lambda *_: False)
+    confirmed_ones, _ = confirmed(search, explanations, measured(BOTH[0], seed=2))
+    assert confirmed_ones.chosen.names == {BIAS}
 
 
 def test_effects_that_hold_in_the_held_out_log_stay() -> None:
