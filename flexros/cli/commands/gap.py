@@ -73,6 +73,8 @@ def gap(
         print_json(measured.numbers.model_dump(mode="json", exclude_none=patch is None))
     else:
         _print(measured)
+        if patch is not None:
+            _print_other_figures(patch, bag.name, measured)
         for text in measured.warnings:
             say(f"warning: {text}")
     return GAP_FOUND if measured.significant else 0
@@ -127,6 +129,21 @@ def _refuse_missing(patch: Path) -> None:
         f"{patch} does not exist, as the diagnosis in {patch.parent} {why}; leave it out to measure the model as it is",
         "patch",
     )
+
+
+def _print_other_figures(patch: Path, log: str, measured: MeasuredGap) -> None:
+    """Say why the diagnosis that made a patch states other figures, where it held this log out."""
+    from flexros.gap.report.comparison import read_diagnosis
+    from flexros.gap.report.files import DIAGNOSIS
+    from flexros.gap.report.terminal import other_figures_line
+
+    try:
+        diagnosis = read_diagnosis(patch.with_name(DIAGNOSIS))
+    except (InputError, OSError):
+        return  # the patch was written by hand, or by another version
+    line = other_figures_line(diagnosis, log, measured.numbers)
+    if line:
+        say(line)
 
 
 def _print(measured: MeasuredGap) -> None:

@@ -117,6 +117,27 @@ def gap_line(gap: GapNumbers) -> str:
     return f"Gap ({gap.metric}): {', '.join(parts)}"
 
 
+def other_figures_line(diagnosis: Diagnosis, log: str, gap: GapNumbers) -> str:
+    """Say why the gap of a log is another one in a diagnosis that held it out; empty where that is no question.
+
+    Args:
+        diagnosis: The diagnosis.
+        log: Name of the log.
+        gap: Its gap as `flexros gap` measures it, with the patch of that diagnosis.
+    """
+    fitted, held, stated = diagnosis.provenance.get("log"), diagnosis.provenance.get("holdout"), diagnosis.gap
+    figures = [[gap_words(one.before, 4), gap_words(one.after or one.before, 4)] for one in (stated, gap)]
+    if held != log or figures[0] == figures[1]:
+        return ""
+    alone = fitted == held
+    which, here = ("its last part", "all of it") if alone else ("this log", "this log")
+    return (
+        f"The diagnosis of {fitted} states {figures[0][0]} before and {figures[0][1]} after for {which}: there the "
+        "numbers that the model tolerates, noise, rate and time of the torques are those of the fitted "
+        f"{'part' if alone else 'log'}, here those of {here}. Compare figures of one command"
+    )
+
+
 def gap_verdict(left: LeftOver, model: str) -> str:
     """Say whether a model leaves a gap.
 

@@ -12,6 +12,7 @@ from flexros.gap.report.terminal import (
     gap_line,
     group_lines,
     next_lines,
+    other_figures_line,
     ranking_table,
     rest_lines,
     tolerance_lines,
@@ -42,6 +43,18 @@ def test_gap_is_one_line(diagnosed: Diagnosed) -> None:
         ": 38.20 before, 1.120 after, floor 1, best rival 2.900, 99.7 % closed (98.7 % to 99.9 %)"
     )
     assert gap_line(diagnosed("no_gap").diagnosis.gap).endswith(": 1.030 before, floor 1")
+
+
+def test_other_figures_of_a_log_that_a_diagnosis_held_out_are_explained(diagnosed: Diagnosed) -> None:
+    diagnosis = diagnosed("explained").diagnosis.model_copy(update={"provenance": {"log": "slow", "holdout": "fast"}})
+    gap = diagnosis.gap.model_copy(update={"after": 0.9})
+    line = other_figures_line(diagnosis, "fast", gap)
+    assert "The diagnosis of slow states 38.20 before and 1.120 after for this log" in line
+    assert "are those of the fitted log, here those of this log" in line
+    assert other_figures_line(diagnosis, "other", gap) == ""
+    assert other_figures_line(diagnosis, "fast", diagnosis.gap) == ""
+    alone = diagnosis.model_copy(update={"provenance": {"log": "fast", "holdout": "fast"}})
+    assert "for its last part" in other_figures_line(alone, "fast", gap)
 
 
 def test_the_first_three_locations_are_listed(diagnosed: Diagnosed) -> None:
