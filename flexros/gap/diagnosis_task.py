@@ -45,9 +45,9 @@ if TYPE_CHECKING:
     from flexros.gap.where.find import Where
     from flexros.record.record import Record
 
-NOMINAL, SERVOS, WHERE, CAUSES, ANSWER = 0.15, 0.25, 0.16, 0.94, 0.99
-"""Shares of a diagnosis that are done at the ends of its stages [1] (chosen): about the medians of their times on the
-measured robots; logs of servos have that stage in place of `WHERE`."""
+NOMINAL, SERVOS, WHERE, CAUSES, ANSWER = 0.06, 0.25, 0.11, 0.97, 0.99
+"""Shares of a diagnosis that are done at the ends of its stages [1]: about the medians of their times in diagnoses of
+measured robots, see `BEGINS`; logs of servos have that stage in place of `WHERE`."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,7 @@ import pytest
 from flexros.gap import diagnose as diagnose_module
 from flexros.gap import diagnosis_task
 from flexros.gap.diagnose import diagnose
-from flexros.gap.progress import STEP, Stages
+from flexros.gap.progress import BEGINS, Stages
 from flexros.gap.settings import DiagnosisSettings, SearchSettings
 from tests.gap.rigid_arm import arm, record_of_arm
 
@@ -19,14 +19,26 @@ def test_stages_tell_their_share_of_all() -> None:
     calls: list[tuple[str, float]] = []
     stages = Stages(lambda name, share: calls.append((name, share)))
     stages.begin("first", 0.5)
-    stages.inner("part of it", 0.5)
+    stages.inner("all of it", 0.5)
     stages.begin("second", 1.0)
-    stages.inner("part of it", 0.5)
+    stages.inner("all of it", 0.5)
     stages.end()
-    part = STEP + 0.5 * STEP * (1 - STEP)
-    assert [name for name, _ in calls] == ["first", "part of it", "second", "part of it"]
-    assert [share for _, share in calls] == pytest.approx([0.0, 0.5 * part, 0.5, 0.5 + 0.5 * part])
+    assert [name for name, _ in calls] == ["first", "all of it", "second", "all of it"]
+    assert [share for _, share in calls] == pytest.approx([0.0, 0.25, 0.5, 0.75])
     assert set(stages.timings) == {"first", "second"}
+
+
+def test_a_step_of_a_search_stands_where_it_usually_begins_and_the_share_never_falls() -> None:
+    """With each new step a fifth of what was left had been told, so that 94 % stood for half of a search."""
+    told: dict[str, float] = {}
+    stages = Stages(lambda name, share: told.update({name: share}))
+    stages.begin("causes", 1.0)
+    for step in ("candidates", "single effects", "best effects", "effects together", "effects left out"):
+        stages.inner(step, 1.0)
+    assert told["effects together"] == pytest.approx(BEGINS["effects exchanged"])
+    assert told["effects left out"] == told["effects together"]
+    stages.inner("effects on held-out data", 0.0)
+    assert told["effects on held-out data"] == BEGINS["effects on held-out data"]
 
 
 def test_stages_that_are_gone_through_again_share_what_is_left() -> None:
