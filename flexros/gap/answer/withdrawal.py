@@ -48,11 +48,10 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> tupl
     On a real machine no law has exactly the form of the library. A size that gains in the fitted log may make up for
     that there, as a gain of a servo does for friction that depends on the position, and spoil what is predicted of
     another motion. An effect is withdrawn where, with all others fitted again without it, the predictions 0.1 s ahead
-    are better by more than chance, and those of one sample are not worse by more than chance: clearly better, by a
-    share of the gap or of what is left of it, unless the effect closes nothing beside the others. One whose size is not
-    determined, with errors of form, is also withdrawn where they are no worse. A simulated log has no such errors of
-    form. One that comes back as a number of the model far out of its tolerance is not withdrawn: the fitted log needs
-    it.
+    are better by more than chance, clearly so unless the effect closes nothing beside the others, and those of one
+    sample are not worse by more than chance. One whose size is not determined, with errors of form, is also withdrawn
+    where they are no worse. A simulated log has no such errors of form. One that comes back as a number of the model
+    far out of its tolerance is not withdrawn: the fitted log needs it.
 
     Where the nominal model leaves no more than noise and tolerance in either log, there is no gap that an effect could
     be the cause of: one that does not hold in the held-out log is chance, however much it gains in the fitted one. So
@@ -180,9 +179,6 @@ def _better_without(search: Search, chosen: CandidateFit, before: AheadErrors, h
     """
     settings, sample_time = search.settings.ranking, held.record.sample_time
     after, squares = errors_ahead(chosen, held), on_held_out(chosen, held).chi2
-    clearly = settings.withdrawn
-    if after.mean > settings.floors * (tolerance_floor(chosen, held) or 1.0):
-        clearly = min(clearly, settings.withdrawn_of_rest * (after.mean - 1.0) / max(before.mean - 1.0, 1e-12))
 
     def closes_nothing(name: str) -> bool:
         rest = replace(chosen, theta=chosen.switched_off({name}))
@@ -199,7 +195,7 @@ def _better_without(search: Search, chosen: CandidateFit, before: AheadErrors, h
         if share is None or share.value >= least:
             continue
         better = share.interval[1] < 0 and not surely_worse(fit, chosen, held)
-        spoils = better and (share.value <= -clearly or closes_nothing(name))
+        spoils = better and (share.value <= -settings.withdrawn or closes_nothing(name))
         more = on_held_out(fit, held).chi2 / squares - 1
         if spoils or (name in undetermined and share.value <= 0 and more <= SAME):
             best, least = fit, share.value

@@ -96,13 +96,6 @@ class RankingSettings(Settings):
         "effect of a measured log for it to be withdrawn [1]: of four legs of a quadruped robot those that spoiled "
         "another log had 0.06 and 0.39, one that did not 0.01",
     )
-    withdrawn_of_rest: float = Field(
-        default=0.25,
-        gt=0,
-        description="the same as a share of what the explanation leaves of that gap, where it leaves more than an "
-        "explanation may [1] (chosen): a friction curve that spoiled another log of a motor by 0.019 of its gap had "
-        "0.37",
-    )
     undetermined: float = Field(
         default=1.0,
         ge=0,
