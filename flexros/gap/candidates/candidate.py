@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 
+ERRORS_OF_NUMBERS = ("relative", "coefficient")
+"""Parameters of effects that are errors of a number of the model: over it, or in its unit."""
 AT_LIMIT = 1e-3
 """Distance from a limit of the search, over the whole range in the unit of the fit, that counts as at the limit [1]."""
 REDUCED = (0.3, 0.6, 0.9)
@@ -228,6 +230,19 @@ def alike(one: Candidate, other: Candidate) -> bool:
     if one.effect.name in other.effect.taken_for or other.effect.name in one.effect.taken_for:
         return True
     return all(each.effect.plain and "relative" in each.effect.ranges for each in (one, other))
+
+
+def own_numbers(hypothesis: Hypothesis, robot: Robot) -> frozenset[str]:
+    """Return the numbers of a robot that the free effects of a hypothesis are errors of.
+
+    A log cannot tell such an error from a tolerated deviation of the same number.
+
+    Args:
+        hypothesis: The hypothesis.
+        robot: The nominal robot.
+    """
+    errors = [one for one in hypothesis if any(free.name in ERRORS_OF_NUMBERS for free in one.free)]
+    return frozenset(name for one in errors for name in one.effect().numbers(robot, one.location))
 
 
 def names_of(hypothesis: Hypothesis) -> frozenset[str]:

@@ -11,7 +11,7 @@ from flexros.errors import unknown_name
 from flexros.robot.parameters import SERVO
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Collection, Mapping, Sequence
 
     from flexros.arrays import BoolArray, FloatArray
     from flexros.gap.settings import DiagnosisSettings
@@ -106,6 +106,17 @@ class Tolerance:
             replaced: Whether a parameter is one of them, shape (n_names,).
         """
         return self.along(np.where(replaced, 0.0, self.by_name(free))) if np.any(replaced) else free
+
+    def known(self, names: Collection[str]) -> Tolerance:
+        """Return the same tolerance with some numbers at their nominal values, whose directions have no effect there.
+
+        Args:
+            names: Names of robot parameters.
+        """
+        if not any(name in names for name in self.names):
+            return self
+        pairs = zip(self.names, self.deviations, strict=True)
+        return replace(self, deviations=tuple(0.0 if name in names else deviation for name, deviation in pairs))
 
     def informed(self, information: FloatArray) -> Tolerance:
         """Return the same tolerance along those directions alone in which a log informs.

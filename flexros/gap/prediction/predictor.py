@@ -13,6 +13,7 @@ from flexros.effects.kinds.law import AbstractLaw
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.effects.kinds.sensor import AbstractSensor
 from flexros.errors import InputError
+from flexros.gap.candidates.candidate import own_numbers
 from flexros.gap.prediction.compiled_plant import LANES, compiled_plant, delays, is_law
 from flexros.gap.prediction.plant_inputs import ParameterSet, PlantInputs
 
@@ -76,7 +77,7 @@ class Predictor:
         plant: CompiledPlant | None = None,
     ) -> None:
         self.robot = model.robot
-        self.hypothesis, self.tolerance = hypothesis, tolerance
+        self.hypothesis, self.tolerance = hypothesis, tolerance.known(own_numbers(hypothesis, model.robot))
         self.sample_time = sample_time
         if plant is None or not plant.covers(hypothesis):
             plant = compiled_plant(model, hypothesis, tolerance.names, sample_time, measured_torque=measured_torque)

@@ -85,10 +85,16 @@ class Refits(LogFits):
         """Return what is known around a fit; None where it was not linearised yet."""
         return next((one for one in self._linearised if one.fit is fit), None)
 
-    def _slopes_around(self, fit: CandidateFit) -> FloatArray | None:
-        """Return the derivatives to the tolerated deviations around a fit; None where they are not known."""
+    def _slopes_around(self, fit: CandidateFit, predictor: Predictor) -> FloatArray | None:
+        """Return the derivatives to the tolerated deviations around a fit; None where they are not known.
+
+        Args:
+            fit: The fit.
+            predictor: Of another hypothesis, whose tolerated numbers must be the same.
+        """
         around = self._around(fit)
-        return None if around is None else around.tolerance_slopes
+        alike = predictor.tolerance.deviations == fit.predictor.tolerance.deviations
+        return around.tolerance_slopes if around is not None and alike else None
 
     def together(
         self,
@@ -116,7 +122,8 @@ class Refits(LogFits):
         deviations = fit.predictor.tolerance.without(fit.deviations, replaced)
         theta = np.concatenate([own, *(addition.start for addition in additions), deviations])
         predictor = self.null.predictor((*rest, *(addition.candidate for addition in additions)), plant)
-        slopes = self._slopes_around(fit) if without or fit.chi2 < NEAR * self.data.n_values else None
+        near = bool(without) or fit.chi2 < NEAR * self.data.n_values
+        slopes = self._slopes_around(fit, predictor) if near else None
         fit = self._joint(predictor, theta, rival=rival, slopes=slopes)
         harmonic = any(addition.candidate.effect.harmonics for addition in additions)
         return self._near_best_order(fit) if harmonic else fit
@@ -140,7 +147,7 @@ class Refits(LogFits):
             with_fewer = float(chi2_of(predictor, self.data, theta[:, None])[0])
             if not abs(with_fewer - with_same_steps) < np.log(self.data.n_values):
                 predictor = self.null.predictor(rest, self.null.plant(rest, steps=fit.predictor.plant.steps))
-        return self._joint(predictor, theta, finishing=True, slopes=self._slopes_around(fit))
+        return self._joint(predictor, theta, finishing=True, slopes=self._slopes_around(fit, predictor))
 
     def with_nominal_numbers(self, fit: CandidateFit) -> CandidateFit:
         """Return a fit with the tolerated numbers of the model at their nominal values, not fitted again."""
