@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.linalg import null_space
 
 from flexros.errors import unknown_name
 from flexros.robot.parameters import SERVO
@@ -90,6 +91,14 @@ class Tolerance:
             parts = np.einsum("ij,jk,ik->i", self.directions, covariance, self.directions)
         result: FloatArray = np.array(self.deviations) * np.sqrt(np.maximum(parts, 0.0))
         return result
+
+    @property
+    def left_out(self) -> FloatArray:
+        """Directions in which no log informs, which are not fitted, shape (n_names, n_names - n_free)."""
+        n = len(self.names)
+        if self.directions is None:
+            return np.empty((n, 0))
+        return np.asarray(null_space(self.directions.T)) if self.n_free else np.eye(n)
 
     @property
     def uninformed(self) -> FloatArray:

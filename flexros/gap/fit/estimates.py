@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,6 +11,7 @@ from scipy.ndimage import uniform_filter1d
 
 from flexros.gap.fit.doubts import doubt_of, of_smooth_friction, of_timing, with_doubt_of_shapes
 from flexros.gap.fit.least_squares import linearise, with_smooth_slopes
+from flexros.gap.fit.null_fit import predictor_for
 from flexros.gap.fit.once_per_fit import once_per_fit
 from flexros.gap.fit.parts import estimates_of_parts, parts_of, variation_between_parts
 from flexros.gap.fit.screening import switched_off
@@ -176,11 +178,34 @@ def fit_covariance(fit: CandidateFit, data: FitData, form: RankingSettings | Non
     for changed in of_smooth_friction(fit, data, r):
         meat += doubt_of(changed, J, r, inverse, 1.0)
     covariance: FloatArray = inverse @ meat @ inverse
+    if form is not None and fit.predictor.tolerance.left_out.size:
+        covariance += inverse @ _of_uninformed(fit, data, J) @ inverse
     if form is not None and not data.record.premises.library_is_complete:
         covariance = with_doubt_of_shapes(covariance, inverse, fit)
         covariance = _with_variation(covariance, inverse, fit, data, line, form)
     # where an unlikely fit nearly diverges, the spectrum overflows
     return covariance if np.all(np.isfinite(covariance)) else np.asarray(inverse)
+
+
+def _of_uninformed(fit: CandidateFit, data: FitData, J: FloatArray) -> FloatArray:
+    """Return the covariance of J'r by tolerated directions that are not fitted, shape (n_fitted, n_fitted).
+
+    The log does not inform in them beside the nominal model, so they stay nominal in all fits (Schmidt 1966: considered
+    parameters). Beside effects they matter: the mass of the last body is as uncertain as that of the one before where
+    both hang at one joint.
+
+    Args:
+        fit: The fit.
+        data: The log.
+        J: Derivatives of its errors, shape (n, n_fitted).
+    """
+    predictor, tolerance = fit.predictor, fit.predictor.tolerance
+    whole = replace(tolerance, directions=None)
+    every = predictor_for(data, predictor.model, fit.hypothesis, whole, predictor.plant)
+    theta = np.concatenate([fit.theta[: predictor.n_effect], tolerance.by_name(fit.deviations)])
+    slopes = linearise(every, data, theta).slopes[:, predictor.n_effect :]
+    changed = J.T @ (slopes @ tolerance.left_out)
+    return np.asarray(changed @ changed.T)
 
 
 def _with_variation(

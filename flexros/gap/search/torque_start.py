@@ -52,8 +52,9 @@ RELIEVED_BY_LOAD = 0.65
 LEFT_BY_LOAD = 0.2
 """What a fit with a load leaves on a rigid arm, over what one without it leaves, below which it is there [1]
 (chosen)."""
-
-
+OF_DEVIATIONS = (1.0, 0.5, 0.25, 0.0)
+"""Shares of the regressed deviations of tolerated numbers, tried in turn until the robot can be predicted [1]
+(chosen)."""
 KNOWN = 0.1
 """Tolerance of the mass of the last body below which it carries no load that was estimated before [1] (chosen)."""
 
@@ -278,7 +279,8 @@ def first_values(start: TorqueStart, null: NullFit, settings: DiagnosisSettings)
         settings: Settings of the diagnosis.
 
     Returns:
-        The effects with these values; None where none of them competes.
+        The effects with these values; None where none of them competes, or no robot with them can be predicted. Torques
+        may ask for bodies that no arm has: then these are less off, as far as needed.
     """
     competing = competitors(start.robot, settings.search, start.record.prescribed)
     pairs = [(one, values) for one, values in start.hypothesis() if competing.contain(one)]
@@ -287,7 +289,9 @@ def first_values(start: TorqueStart, null: NullFit, settings: DiagnosisSettings)
     sizes = np.array(
         [free.encode(value) for one, values in pairs for free, value in zip(one.free, values, strict=True)]
     )
-    return _at(null, tuple(candidate for candidate, _ in pairs), sizes, start.regression.deviations)
+    hypothesis, deviations = tuple(candidate for candidate, _ in pairs), start.regression.deviations
+    trials = (_at(null, hypothesis, sizes, share * deviations) for share in OF_DEVIATIONS)
+    return next((one for one in trials if np.isfinite(one.chi2)), None)
 
 
 def on_null(null: NullFit, fit: CandidateFit) -> CandidateFit:

@@ -82,6 +82,21 @@ def test_replaced_parameters_are_nominal() -> None:
     assert whole.without(free, np.array([False, False])) is free
 
 
+def test_numbers_that_are_known_stay_nominal() -> None:
+    whole = Tolerance(("a", "b"), (0.1, 0.2))
+    assert whole.known({"b", "c"}).logarithms(np.array([1.0, 5.0])).tolist() == [0.1, 0.0]
+    assert whole.known({"c"}) is whole
+
+
+@pytest.mark.parametrize("n_free", [0, 1, 2])
+def test_directions_that_are_left_out_are_all_others(n_free: int) -> None:
+    some = Tolerance(("a", "b", "c"), (0.1, 0.1, 0.1), directions=np.eye(3)[:, :n_free])
+    assert some.left_out.shape == (3, 3 - n_free)
+    every = np.column_stack([some.directions, some.left_out])
+    np.testing.assert_allclose(every.T @ every, np.eye(3), atol=1e-12)
+    assert Tolerance(("a",), (0.1,)).left_out.shape == (1, 0)
+
+
 def test_a_stated_tolerance_of_torques_is_one_of_the_log() -> None:
     settings = with_torque_tolerance(DiagnosisSettings(), {"torque": 0.005, "stiffness": 0.1})
     assert settings.noise.signal_tolerance == 0.005

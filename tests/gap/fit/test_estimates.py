@@ -238,6 +238,21 @@ def test_a_number_that_a_log_says_nothing_of_keeps_its_tolerance_however_the_pri
         assert np.sqrt(fit_covariance(replace(fitted), replace(data), None)[2, 2]) == pytest.approx(1.0)
 
 
+def test_tolerated_numbers_that_are_not_fitted_widen_the_sizes_that_they_look_like() -> None:
+    """No log informs of the inertia of a body beside that of a rotor at low frequency, and the rotor seemed certain."""
+    candidate, data, form = candidates_of()["motor_inertia_error@motor_1"], data_of(), RankingSettings()
+    names, theta = ("body_1.inertia.zz", "body_1.mass"), encoded(candidate, relative=0.2)
+    widths = []
+    for directions in (np.eye(2), np.empty((2, 0))):
+        predictor = predictor_of(candidate, tolerance=Tolerance(names, (0.1, 0.1), directions=directions))
+        whole = np.array([*theta, *np.zeros(predictor.tolerance.n_free)])
+        fit = CandidateFit(predictor, whole, float(chi2_of(predictor, data, whole[:, None])[0]))
+        widths.append([parameters_of(fit, data, one)[0]["relative"].std for one in (form, None)])
+    (fitted, _), (considered, ignored) = widths
+    assert considered > 0.9 * fitted
+    assert considered > 1.5 * ignored
+
+
 def test_a_shift_in_time_is_a_doubt_where_the_errors_show_it_or_leave_it_open() -> None:
     rng = np.random.default_rng(2)
     J, other = rng.standard_normal((500, 1)), rng.standard_normal(500)

@@ -170,6 +170,17 @@ def test_a_tolerated_number_moves_by_its_standard_deviation() -> None:
     np.testing.assert_allclose(innovations(tolerant, [3.0]), expected, atol=1e-12)
 
 
+def test_a_number_has_no_tolerance_beside_an_effect_that_is_an_error_of_it() -> None:
+    """A spring 25 % too soft had become one 26.4 % too soft and 1.4 % too stiff, and a patch held the first alone."""
+    names = ("body_2.rz.stiffness", "body_1.rz.stiffness")
+    candidate = candidates_of()["stiffness_error@body_2.rz"]
+    predictor = predictor_of(candidate, tolerance=Tolerance(names, (0.02, 0.02)))
+    softer = encoded(candidate, relative=-0.25)
+    expected = innovations(predictor, [*softer, 0.0, 0.0])
+    np.testing.assert_array_equal(innovations(predictor, [*softer, 4.0, 0.0]), expected)
+    assert np.abs(innovations(predictor, [*softer, 0.0, 4.0]) - expected).max() > 1e-6
+
+
 def test_sets_of_numbers_are_predicted_side_by_side() -> None:
     candidate = candidates_of()["coulomb_friction@motor_1"]
     predictor, data = predictor_of(candidate), data_of()

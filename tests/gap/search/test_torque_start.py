@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import yaml
 
+from flexros.arrays import FloatArray
 from flexros.effects import PlacedEffect, RobotWithEffects
 from flexros.effects.counterbalance import Counterbalance
 from flexros.effects.friction.coulomb_friction import CoulombFriction
@@ -19,6 +20,7 @@ from flexros.gap.diagnose import diagnose
 from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.fit.null_fit import NullFit, fit_null
 from flexros.gap.fit.torques.unknown_numbers import unknown_numbers
+from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.residuals.fit_data import FitData
 from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.result import DiagnosisResult
@@ -101,6 +103,21 @@ def test_only_named_effects_and_motors_are_in_it() -> None:
 
 def test_without_a_competing_effect_there_is_no_start() -> None:
     assert first(effects=("backlash", "payload_error")) is None
+
+
+def test_bodies_with_which_no_robot_can_be_predicted_are_less_off(monkeypatch: pytest.MonkeyPatch) -> None:
+    found, few = start(), null()
+    deviations = np.full(len(found.regression.deviations), 4.0)
+    far = replace(found, regression=replace(found.regression, deviations=deviations))
+
+    def diverging(predictor: Predictor, data: FitData, thetas: FloatArray) -> FloatArray:
+        return np.where(np.abs(thetas[predictor.n_effect :]).max(axis=0) > 1.5, np.inf, 1.0)
+
+    monkeypatch.setattr("flexros.gap.search.torque_start.chi2_of", diverging)
+    first = first_values(far, few, DiagnosisSettings())
+    assert first is not None
+    assert np.isfinite(first.chi2)
+    np.testing.assert_allclose(first.deviations, few.predictor(()).tolerance.along(0.25 * deviations))
 
 
 def test_a_start_that_removes_little_is_none() -> None:
