@@ -144,9 +144,10 @@ def fit(
     chi2, information, converged, done = np.inf, np.zeros((0, 0)), False, 0
     slopes = first_slopes if tolerance_slopes is None else tolerance_slopes
     many = predictor.tolerance.n_free >= LANES
+    known: FloatArray | None = None
     while done < iterations:
         done += 1
-        line = linearise(predictor, data, theta, slopes)
+        line = linearise(predictor, data, theta, slopes, residual=known)
         exact = slopes is tolerance_slopes
         chi2, information = line.chi2, line.information
         limit = max(least, share * (chi2 - data.n_values)) if share else least
@@ -154,7 +155,7 @@ def fit(
             break
         predicted = _predicted_fall(line, may_move(predictor, theta, line))
         if predicted < limit and not exact:
-            slopes = None
+            slopes, known = None, line.residual
             continue
         if predicted < limit:
             converged = True
@@ -162,7 +163,7 @@ def fit(
         if chi2 - settings.hope * predicted > rival:
             break
         well = KEPT * predicted if done > STRAIGHT else limit
-        theta, chi2 = _best_step(predictor, data, theta, line, settings.longest_step, well)
+        theta, chi2, known = _best_step(predictor, data, theta, line, settings.longest_step, well)
         fall = line.chi2 - chi2
         if tolerance_slopes is None:
             # of many tolerated deviations the slopes change little: those of the last step serve while they do
@@ -197,7 +198,12 @@ class Linearised:
 
 
 def linearise(
-    predictor: Predictor, data: FitData, theta: FloatArray, tolerance_slopes: FloatArray | None = None
+    predictor: Predictor,
+    data: FitData,
+    theta: FloatArray,
+    tolerance_slopes: FloatArray | None = None,
+    *,
+    residual: FloatArray | None = None,
 ) -> Linearised:
     """Linearise the weighted prediction errors by differences.
 
@@ -206,17 +212,19 @@ def linearise(
         data: Log and weights.
         theta: Parameters in the units of the fit, shape (n_fitted,).
         tolerance_slopes: As for `fit`.
+        residual: Weighted prediction errors, where they are known, shape (n_values,).
     """
     own, every = predictor.n_effect, len(theta)
-    coarse = predictor.coarse if tolerance_slopes is None and every - own >= LANES else None
-    exactly = own if tolerance_slopes is not None or coarse is not None else every
+    moved = every if tolerance_slopes is None else own
+    coarse = predictor.coarse if moved - own >= LANES else None
+    exactly = moved if coarse is None else own
     _, high = predictor.bounds
     steps = STEP * predictor.fineness
     steps = np.where(theta + steps > high, -steps, steps)
     # the first lane of the first pass has the parameters themselves, all others a step: lanes yield the same bits
-    passes = [(predictor, group) for group in _groups(0, exactly)]
+    passes = [(predictor, group) for group in _groups(0, exactly, known=residual is not None)]
     if coarse is not None:  # they change a prediction a little and smoothly
-        passes += [(coarse, group) for group in _groups(own, every)]
+        passes += [(coarse, group) for group in _groups(exactly, moved)]
 
     def stepped(one: tuple[Predictor, list[int]]) -> FloatArray:
         used, group = one
@@ -226,20 +234,21 @@ def linearise(
                 sets[index, lane] += steps[index]
         return data.residuals(used, sets)[:, : len(group)]
 
-    J: FloatArray | None = None
+    base, around, J = residual, residual, np.empty((0 if residual is None else len(residual), every), order="F")
     with ThreadPoolExecutor(data.settings.cores if len(passes) > 1 else 1) as pool:
-        for (_, group), residual in zip(passes, pool.map(stepped, passes), strict=True):
+        for (_, group), found in zip(passes, pool.map(stepped, passes), strict=True):
             if group[0] < 0:
-                around = residual[:, 0].copy()
-                group, residual = group[1:], residual[:, 1:]
-            if J is None:
-                base, J = around, np.empty((len(residual), every), order="F")
-                if tolerance_slopes is not None:
-                    J[:, own:] = tolerance_slopes
-            slopes = (residual - around[:, None]) / steps[group]
+                around = found[:, 0].copy()
+                group, found = group[1:], found[:, 1:]
+            assert around is not None
+            base = around if base is None else base
+            J = J if len(J) else np.empty((len(around), every), order="F")
+            slopes = (found - around[:, None]) / steps[group]
             slopes = np.where(np.abs(slopes) < DIVERGED, slopes, 0.0)
             J[:, group] = without_jumps(slopes) if predictor.jumps else slopes
-    assert J is not None
+    assert base is not None
+    if tolerance_slopes is not None:
+        J[:, own:] = tolerance_slopes
     prior = np.zeros(len(theta))
     prior[predictor.n_effect :] = data.misfit
     chi2 = float(_sums(predictor, data, base[:, None], theta[:, None])[0])
@@ -247,9 +256,9 @@ def linearise(
     return Linearised(chi2, base, J, gradient + prior * theta, J.T @ J + np.diag(prior))
 
 
-def _groups(begin: int, end: int) -> list[list[int]]:
-    """Divide the numbers of parameters into passes; -1, for no step, is the first of all."""
-    numbers = [-1, *range(begin, end)]
+def _groups(begin: int, end: int, *, known: bool = False) -> list[list[int]]:
+    """Divide the numbers of parameters into passes; -1, for no step, is the first of all unless that is known."""
+    numbers = [*([] if known else [-1]), *range(begin, end)]
     return [numbers[first : first + LANES] for first in range(0, len(numbers), LANES)]
 
 
@@ -325,8 +334,8 @@ def _predicted_fall(line: Linearised, free: BoolArray) -> float:
 
 def _best_step(
     predictor: Predictor, data: FitData, theta: FloatArray, line: Linearised, longest: float, well: float
-) -> tuple[FloatArray, float]:
-    """Take the damped step that lowers the sum of squares most, and return where it leads with the sum there.
+) -> tuple[FloatArray, float, FloatArray]:
+    """Take the damped step that lowers the sum of squares most.
 
     Args:
         predictor: Predictor of the hypothesis.
@@ -335,16 +344,20 @@ def _best_step(
         line: The same, linearised.
         longest: Longest step of the parameters of the effects [1].
         well: Fall of the sum of squares from which no more costly steps are tried [1].
+
+    Returns:
+        Where it leads, with the sum of squares and the weighted prediction errors there.
     """
-    best, chi2 = theta, line.chi2
+    best, chi2, residual = theta, line.chi2, line.residual
     for trials in _trials(predictor, data, theta, line, longest):
-        sums = chi2_of(predictor, data, trials)
+        residuals = data.residuals(predictor, trials)
+        sums = _sums(predictor, data, residuals, trials)
         lowest = int(np.argmin(sums))
         if sums[lowest] < chi2:
-            best, chi2 = trials[:, lowest], float(sums[lowest])
+            best, chi2, residual = trials[:, lowest], float(sums[lowest]), residuals[:, lowest].copy()
         if line.chi2 - chi2 > well:
             break
-    return best, chi2
+    return best, chi2, residual
 
 
 def _trials(

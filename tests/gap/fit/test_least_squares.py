@@ -255,6 +255,15 @@ def test_slopes_are_derivatives_of_the_weighted_errors() -> None:
     np.testing.assert_allclose(line.information, line.slopes.T @ line.slopes)
 
 
+def test_derivatives_by_errors_that_are_known_are_the_same() -> None:
+    candidate = candidates_of()["coulomb_friction@motor_1"]
+    predictor, theta = predictor_of(candidate), np.array(encoded(candidate, level=0.05))
+    anew = linearise(predictor, data_of(), theta)
+    known = linearise(predictor, data_of(), theta, residual=anew.residual)
+    np.testing.assert_allclose(known.slopes, anew.slopes, atol=1e-9 * np.abs(anew.slopes).max())
+    assert known.chi2 == anew.chi2
+
+
 def test_derivatives_to_tolerated_numbers_by_few_long_steps_are_those_by_many() -> None:
     robot, T, n = load_robot("elbow"), 2e-3, 1000
     time = T * np.arange(n)[:, None] + np.arange(robot.n_motors)
