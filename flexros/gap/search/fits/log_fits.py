@@ -207,7 +207,8 @@ class LogFits:
         fit = few(predictor, theta)
         for further in reversed(range(settings.final_iterations // settings.joint_iterations)):
             stopped = self.deadline.stops_finishing() if finishing else self.deadline.stops()
-            if fit.converged or stopped or not np.isfinite(fit.chi2):
+            without_hope = fit.iterations < settings.joint_iterations  # else it would have ended at its minimum
+            if fit.converged or stopped or without_hope:
                 break
             chi2, before = fit.chi2, max(fit.chi2 - n, 0.0)
             fit = few(predictor, fit.theta)
