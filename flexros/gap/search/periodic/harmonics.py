@@ -103,6 +103,7 @@ class OrderSearch:
         A, _, measurement, _ = self._linear.matrices()
         correct = np.eye(len(A)) - data.gain.gain @ measurement[: robot.n_motors]
         self._stiffenings: dict[int, FloatArray | float] = {}
+        self._sources: dict[tuple[int, Entry], tuple[FloatArray, FloatArray]] = {}
         self._spectra: dict[bytes, ComplexArray] = {}
         self._eigenvalues, self._modes = np.linalg.eig(expm(A * data.record.sample_time) @ correct)
 
@@ -209,7 +210,12 @@ class OrderSearch:
         return self._stiffenings[motor]
 
     def _source(self, motor: int, entry: Entry) -> tuple[FloatArray, FloatArray]:
-        """Return the input column G of the error dynamics and the feed-through D of an entry."""
+        """Return the input column G of the error dynamics and the feed-through D of an entry, computed once."""
+        if (motor, entry) not in self._sources:
+            self._sources[motor, entry] = self._new_source(motor, entry)
+        return self._sources[motor, entry]
+
+    def _new_source(self, motor: int, entry: Entry) -> tuple[FloatArray, FloatArray]:
         model, T, M = self._linear, self.data.record.sample_time, self.robot.n_motors
         n = len(model.mass)
         through = np.zeros(M)
