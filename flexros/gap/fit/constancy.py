@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.fit.estimates import sizes_of
-from flexros.gap.fit.least_squares import linearise
+from flexros.gap.fit.least_squares import linearised
 from flexros.gap.fit.once_per_fit import once_per_fit
 from flexros.gap.fit.parts import estimates_of_parts, parts_of
 
@@ -37,7 +37,7 @@ def constancies(fit: CandidateFit, data: FitData, settings: RankingSettings) -> 
     Returns:
         As `constancy` has it, by effect@location; zero where too few parts of the log inform on a size.
     """
-    line = linearise(fit.predictor, data, fit.theta)
+    line = linearised(fit, data)
     n, M = data.spread.shape
     rows = slice(0, M * n)  # those of the motors: other sensors have instants of their own
     part = parts_of(data, settings.parts)

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from flexros.gap.fit.doubts import doubt_of, of_smooth_friction, of_timing, with_doubt_of_shapes
-from flexros.gap.fit.least_squares import linearise, with_smooth_slopes
+from flexros.gap.fit.least_squares import linearise, linearised, with_smooth_slopes
 from flexros.gap.fit.null_fit import predictor_for
 from flexros.gap.fit.once_per_fit import once_per_fit
 from flexros.gap.fit.parts import estimates_of_parts, parts_of, variation_between_parts
@@ -157,7 +157,7 @@ def fit_covariance(fit: CandidateFit, data: FitData, form: RankingSettings | Non
     Returns:
         Covariance in the units of the fit, shape (n_fitted, n_fitted).
     """
-    line = linearise(fit.predictor, data, fit.theta)
+    line = linearised(fit, data)
     if fit.predictor.jumps:
         line = with_smooth_slopes(line, fit.predictor, data, fit.theta)
     J, r = line.slopes, line.residual

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import product
 from typing import TYPE_CHECKING
 
@@ -254,6 +255,17 @@ def linearise(
     chi2 = float(_sums(predictor, data, base[:, None], theta[:, None])[0])
     gradient = J.T @ base if np.isfinite(chi2) else np.zeros(len(theta))
     return Linearised(chi2, base, J, gradient + prior * theta, J.T @ J + np.diag(prior))
+
+
+@lru_cache(maxsize=1)
+def linearised(fit: CandidateFit, data: FitData) -> Linearised:
+    """Linearise a fit; the last one is kept, as what is left out and how well sizes are known ask for the same.
+
+    Args:
+        fit: The fit.
+        data: Log and weights.
+    """
+    return linearise(fit.predictor, data, fit.theta)
 
 
 def _groups(begin: int, end: int, *, known: bool = False) -> list[list[int]]:

@@ -234,7 +234,7 @@ def test_a_number_that_a_log_says_nothing_of_keeps_its_tolerance_however_the_pri
     J = np.column_stack([rng.standard_normal((rows, 2)), np.zeros(rows)])
     for misfit in (1.0, 100.0):
         line = SimpleNamespace(slopes=J, residual=np.zeros(rows), information=J.T @ J + np.diag([0.0, 0.0, misfit]))
-        monkeypatch.setattr(estimates, "linearise", lambda *_, line=line: line)
+        monkeypatch.setattr(estimates, "linearised", lambda *_, line=line: line)
         assert np.sqrt(fit_covariance(replace(fitted), replace(data), None)[2, 2]) == pytest.approx(1.0)
 
 

@@ -20,6 +20,7 @@ from flexros.gap.fit.least_squares import (
     fit,
     initial_values,
     linearise,
+    linearised,
     starts_of,
     with_smooth_slopes,
     without_jumps,
@@ -262,6 +263,12 @@ def test_derivatives_by_errors_that_are_known_are_the_same() -> None:
     known = linearise(predictor, data_of(), theta, residual=anew.residual)
     np.testing.assert_allclose(known.slopes, anew.slopes, atol=1e-9 * np.abs(anew.slopes).max())
     assert known.chi2 == anew.chi2
+
+
+def test_a_fit_is_linearised_once() -> None:
+    candidate = candidates_of()["coulomb_friction@motor_1"]
+    found = CandidateFit(predictor_of(candidate), np.array(encoded(candidate, level=0.05)), 0.0)
+    assert linearised(found, data_of()) is linearised(found, data_of())
 
 
 def test_derivatives_to_tolerated_numbers_by_few_long_steps_are_those_by_many() -> None:
