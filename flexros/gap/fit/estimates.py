@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,7 +10,6 @@ from scipy.ndimage import uniform_filter1d
 
 from flexros.gap.fit.doubts import doubt_of, of_smooth_friction, of_timing, with_doubt_of_shapes
 from flexros.gap.fit.least_squares import linearise, linearised, with_smooth_slopes
-from flexros.gap.fit.null_fit import predictor_for
 from flexros.gap.fit.once_per_fit import once_per_fit
 from flexros.gap.fit.parts import estimates_of_parts, parts_of, variation_between_parts
 from flexros.gap.fit.screening import switched_off
@@ -200,10 +198,8 @@ def _of_uninformed(fit: CandidateFit, data: FitData, J: FloatArray) -> FloatArra
         J: Derivatives of its errors, shape (n, n_fitted).
     """
     predictor, tolerance = fit.predictor, fit.predictor.tolerance
-    whole = replace(tolerance, directions=None)
-    every = predictor_for(data, predictor.model, fit.hypothesis, whole, predictor.plant)
     theta = np.concatenate([fit.theta[: predictor.n_effect], tolerance.by_name(fit.deviations)])
-    slopes = linearise(every, data, theta).slopes[:, predictor.n_effect :]
+    slopes = linearise(predictor.with_directions(None), data, theta).slopes[:, predictor.n_effect :]
     changed = J.T @ (slopes @ tolerance.left_out)
     return np.asarray(changed @ changed.T)
 

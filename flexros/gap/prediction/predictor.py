@@ -98,6 +98,17 @@ class Predictor:
         twin.loop = loop
         return twin
 
+    def with_directions(self, directions: FloatArray | None) -> Predictor:
+        """Return the same predictor with other directions of its tolerated numbers, see `Tolerance`.
+
+        Args:
+            directions: The directions, shape (n_names, n_free); None for one per number.
+        """
+        twin = copy(self)
+        twin.__dict__.pop("coarse", None)
+        twin.tolerance, twin._sets = replace(self.tolerance, directions=directions), {}
+        return twin
+
     @property
     def n_effect(self) -> int:
         """Number of fitted parameters of the candidates."""
