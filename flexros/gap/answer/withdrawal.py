@@ -14,6 +14,7 @@ from flexros.gap.answer.decision import level_of_positions, on_held_out
 from flexros.gap.answer.strained_numbers import STRAINED, far_out
 from flexros.gap.fit.candidate_fit import best_of_each
 from flexros.gap.fit.null_fit import predicting_best
+from flexros.gap.fit.tolerance_takeover import with_own_numbers
 from flexros.gap.held_out.closed_share import BOOTSTRAP_STREAM, NOTHING, closed_fraction, share_between
 from flexros.gap.held_out.errors_ahead import errors_ahead
 from flexros.gap.held_out.gap_floor import tolerance_floor
@@ -85,7 +86,9 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> tupl
             break
         fits.append(better)
         chosen = better
-    if withdrawn:
+    found, chosen = chosen, with_own_numbers(chosen, search.data, STRAINED)
+    if withdrawn or chosen is not found:
+        fits = [chosen, *(fit for fit in fits if fit is not found)]
         kept = [fit for fit in fits if fit is chosen or (fit.names != chosen.names and fit.names.isdisjoint(withdrawn))]
         comparison = compared(search, best_of_each(kept))
         explanations = explanations_of(search, comparison, chosen, detected=True)

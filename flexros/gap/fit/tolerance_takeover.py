@@ -8,11 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects.kinds.model_change import AbstractChangedValues
+from flexros.gap.candidates.candidate import ERRORS_OF_NUMBERS
+from flexros.gap.fit.least_squares import chi2_of
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
+    from flexros.gap.residuals.fit_data import FitData
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +60,39 @@ def takeover(candidate: Candidate, fit: CandidateFit) -> Takeover | None:
     (free,) = candidate.free
     gain = fit.prior_penalty - float(np.sum(tolerance.without(fit.deviations, replaced) ** 2))
     return Takeover(gain, np.array([free.encode(factor - 1)]), replaced)
+
+
+def with_own_numbers(fit: CandidateFit, data: FitData, least: float) -> CandidateFit:
+    """Return a fit whose effects have taken over the deviations of the numbers that they are errors of.
+
+    A fit adds what an effect and a tolerated deviation change of a number, so the robot stays the same, and the prior
+    penalty of the deviations falls away. Effects on several numbers, which deviate in different ways, take over none;
+    beside fitted directions of many numbers there is nothing to take over, see `Predictor`.
+
+    Args:
+        fit: The fit.
+        data: The fitted log.
+        least: Deviation from which it is taken over [1].
+    """
+    predictor, tolerance = fit.predictor, fit.predictor.tolerance
+    if tolerance.directions is not None:
+        return fit
+    changes = dict(zip(tolerance.names, np.expm1(tolerance.logarithms(fit.deviations)), strict=True))
+    theta, robot = fit.theta.copy(), predictor.robot
+    every = zip(fit.hypothesis, predictor.values(fit.theta), strict=True)
+    sizes = [(candidate, free, values[free.name]) for candidate, values in every for free in candidate.free]
+    for column, (candidate, free, value) in enumerate(sizes):
+        own = candidate.effect().numbers(robot, candidate.location)
+        if free.name not in ERRORS_OF_NUMBERS or len(own) != 1 or own[0] not in changes:
+            continue
+        place = predictor.n_effect + tolerance.names.index(own[0])
+        if abs(fit.theta[place]) > least:
+            nominal = 1.0 if free.name == "relative" else robot.parameters[own[0]].value
+            theta[column], theta[place] = free.encode(value + changes[own[0]] * nominal), 0.0
+    low, high = predictor.bounds
+    if np.array_equal(theta, fit.theta) or not np.all((theta >= low) & (theta <= high)):
+        return fit
+    return replace(fit, theta=theta, chi2=float(chi2_of(predictor, data, theta[:, None])[0]))
 
 
 def with_takeover(

@@ -77,7 +77,9 @@ class Predictor:
         plant: CompiledPlant | None = None,
     ) -> None:
         self.robot = model.robot
-        self.hypothesis, self.tolerance = hypothesis, tolerance.known(own_numbers(hypothesis, model.robot))
+        self.hypothesis, self.tolerance = hypothesis, tolerance
+        if tolerance.directions is not None:  # else the prior takes the deviations of these numbers back by itself
+            self.tolerance = tolerance.known(own_numbers(hypothesis, model.robot))
         self.sample_time = sample_time
         if plant is None or not plant.covers(hypothesis):
             plant = compiled_plant(model, hypothesis, tolerance.names, sample_time, measured_torque=measured_torque)

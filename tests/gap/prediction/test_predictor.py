@@ -174,7 +174,7 @@ def test_a_number_has_no_tolerance_beside_an_effect_that_is_an_error_of_it() -> 
     """A spring 25 % too soft had become one 26.4 % too soft and 1.4 % too stiff, and a patch held the first alone."""
     names = ("body_2.rz.stiffness", "body_1.rz.stiffness")
     candidate = candidates_of()["stiffness_error@body_2.rz"]
-    predictor = predictor_of(candidate, tolerance=Tolerance(names, (0.02, 0.02)))
+    predictor = predictor_of(candidate, tolerance=Tolerance(names, (0.02, 0.02), directions=np.eye(2)))
     softer = encoded(candidate, relative=-0.25)
     expected = innovations(predictor, [*softer, 0.0, 0.0])
     np.testing.assert_array_equal(innovations(predictor, [*softer, 4.0, 0.0]), expected)

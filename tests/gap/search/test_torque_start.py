@@ -111,7 +111,7 @@ def test_bodies_with_which_no_robot_can_be_predicted_are_less_off(monkeypatch: p
     far = replace(found, regression=replace(found.regression, deviations=deviations))
 
     def diverging(predictor: Predictor, data: FitData, thetas: FloatArray) -> FloatArray:
-        return np.where(np.abs(thetas[predictor.n_effect :]).max(axis=0) > 1.5, np.inf, 1.0)
+        return np.where(np.abs(thetas[predictor.n_effect :]).max(axis=0) > 3, np.inf, 1.0)
 
     monkeypatch.setattr("flexros.gap.search.torque_start.chi2_of", diverging)
     first = first_values(far, few, DiagnosisSettings())
