@@ -48,6 +48,8 @@ _ELSEWHERE = dict.fromkeys(("ee", "eef", "tcp", "flange", "cartesian", "pose"), 
     ("imu", "gyro", "gyroscope", "accelerometer"), "of an inertial sensor"
 )
 """Words of a name that make it one of something else than a joint: ee_pos, tcp_speed, imu_vel."""
+_MEANING = _KIND.keys() | _WANTED | _MEASURED | _STATES | _ELSEWHERE.keys()
+"""Words of a name that say more than its joint."""
 TORQUES = ("measured_torque", "torque_command")
 """Quantities that drive the robot by torques."""
 _OF_CURRENT = {"measured_current": "measured_torque", "current_command": "torque_command"}
@@ -57,7 +59,12 @@ _FASTEST, _SLOWEST = 50_000.0, 2.0
 
 
 def table_signals(
-    names: Sequence[str], file: str, *, timed: bool = True, commands: Literal["position", "torque"] = "position"
+    names: Sequence[str],
+    file: str,
+    *,
+    timed: bool = True,
+    commands: Literal["position", "torque"] = "position",
+    joints: Collection[str] = (),
 ) -> FoundSignals:
     """Find time, states, commands and references among the columns of a table.
 
@@ -66,6 +73,7 @@ def table_signals(
         file: The file, for error messages.
         timed: Whether a column has the times; else the rate is known.
         commands: What commands are whose names say no quantity, as cmd1.
+        joints: Names of the joints of the model, whose words mean no quantity, as wrist_angle.
 
     Raises:
         InputError: No column is a time though one should be, or none a position.
@@ -73,8 +81,8 @@ def table_signals(
     signals: dict[str, dict[str, str]] = defaultdict(dict)
     ignored, times, unnamed, group = {}, list[str](), dict[str, str](), _group(names)
     perhaps = list[str]()
-    for name in names:
-        words = name_words(name_without_unit(name.removeprefix(group)))
+    all_words = {name: name_words(name_without_unit(name.removeprefix(group))) for name in names}
+    for name, words in _with_whole_joints(all_words, joints).items():
         if words and words[0] in _TIMES and set(words) <= _TIMES | set(_SECONDS):
             times.append(name)
             continue
@@ -90,7 +98,8 @@ def table_signals(
         else:
             signals[quantity][joint] = name
     if not signals["position"]:
-        signals["position"] = _measured_positions({name: name.removeprefix(group) for name in ignored}, unnamed)
+        left = {name: name_words(name.removeprefix(group)) for name in ignored}
+        signals["position"] = _measured_positions(_with_whole_joints(left, joints), unnamed)
         ignored = {name: why for name, why in ignored.items() if name not in signals["position"].values()}
     if timed and not times and perhaps:
         times = perhaps[:1]
@@ -119,16 +128,15 @@ def table_signals(
     return FoundSignals(file, ordered, ignored, True, time, frozenset(currents), unnamed)
 
 
-def _measured_positions(names: Mapping[str, str], commanded: Collection[str]) -> dict[str, str]:
+def _measured_positions(names: Mapping[str, Sequence[str]], commanded: Collection[str]) -> dict[str, str]:
     """Return columns that are measured where the same joint is commanded, as present_1 beside goal_1, by joint.
 
     Args:
-        names: Their names without what all begin with, by column.
+        names: Words of their names without what all begin with, by column.
         commanded: Joints with commands whose names say no quantity either.
     """
     found: dict[str, str] = {}
-    for column, name in names.items():
-        words = name_words(name)
+    for column, words in names.items():
         quantity, joint = _meaning([*words, "position"], "position")
         if _MEASURED & set(words) and quantity == "position" and joint in commanded:
             found.setdefault(joint, column)
@@ -138,6 +146,35 @@ def _measured_positions(names: Mapping[str, str], commanded: Collection[str]) ->
 def name_words(name: str) -> list[str]:
     """Return the words and numbers of a name in lower case, e.g. fr, hip and 2 of FR_hip2."""
     return [token.lower() for token in _TOKEN.findall(name)]
+
+
+def _with_whole_joints(names: Mapping[str, list[str]], joints: Collection[str]) -> dict[str, list[str]]:
+    """Return the words of names, those of a joint together as one word, as wrist_angle, where they may mean a quantity.
+
+    They are a joint where a quantity stands beside them in any of the names, as in wrist_angle_velocity, but not where
+    nothing else names it, as in q1.
+
+    Args:
+        names: Words of each name.
+        joints: Names of the joints of the model.
+    """
+    whole = dict(names)
+    for joint in sorted(map(name_words, joints), key=len, reverse=True):
+        if not _MEANING & set(joint) or not any(word.isalpha() for word in {*joint} - _MEANING - _FILLING):
+            continue
+        joined = {name: _joined(words, joint) for name, words in whole.items()}
+        if any("_".join(joint) in words and _KIND.keys() & set(words) for words in joined.values()):
+            whole = joined
+    return whole
+
+
+def _joined(words: list[str], joint: list[str]) -> list[str]:
+    """Return words with those of a joint as one."""
+    for begin in range(len(words) - len(joint) + 1):
+        end = begin + len(joint)
+        if words[begin:end] == joint:
+            return [*words[:begin], "_".join(joint), *words[end:]]
+    return words
 
 
 def _group(names: Sequence[str]) -> str:
@@ -160,6 +197,7 @@ def _meaning(words: Sequence[str], commands: str) -> tuple[str | None, str]:
     """
     kinds = [_KIND[word] for word in words if word in _KIND]
     kinds = [kind for kind in kinds if kind != "current"] or kinds  # the present one, as in current_position
+    kinds = kinds or [_KIND[word] for joint in words for word in joint.split("_") if word in _KIND]  # as in wrist_angle
     if not kinds and _WANTED & set(words) - {"d"}:
         kinds = [commands]  # as in cmd1
     if not kinds:
@@ -173,7 +211,7 @@ def _meaning(words: Sequence[str], commands: str) -> tuple[str | None, str]:
         kind = "velocity"
     left = [word for word in words if word not in _WANTED | _MEASURED | _KIND.keys() | {"dot"}]
     own = [word for word in left if word not in _FILLING]
-    joint = "_".join(left if any(word.isalpha() for word in own) else own)
+    joint = "_".join(left if not all(word.isdigit() for word in own) else own)
     if kind == "acceleration":
         return None, "not needed"
     if kind == "torque":

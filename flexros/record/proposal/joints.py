@@ -33,6 +33,15 @@ class JointMatch:
     found: Found
 
 
+def joints_of_file(robot: Robot) -> dict[str, str]:
+    """Return the joint of the URDF or MJCF that each motor of a robot is; its own name where it is made from none.
+
+    Args:
+        robot: The robot.
+    """
+    return {motor: robot.spec.tags.get(f"{motor}.joint", motor) for motor in robot.joint_names}
+
+
 def match_joints(robot: Robot | None, joints: Sequence[str], bag: str) -> tuple[JointMatch, ...]:
     """Match the motors of a robot to the joints of a bag: by name, by the end of a prefixed name, else by order.
 
@@ -50,8 +59,7 @@ def match_joints(robot: Robot | None, joints: Sequence[str], bag: str) -> tuple[
     """
     if robot is None:
         return tuple(JointMatch(f"motor_{k}", joint, 1, "order") for k, joint in enumerate(joints, start=1))
-    tags = robot.spec.tags
-    wanted = {motor: tags.get(f"{motor}.joint", motor) for motor in robot.joint_names}
+    tags, wanted = robot.spec.tags, joints_of_file(robot)
     signs: dict[str, Literal[1, -1]] = {
         motor: -1 if tags.get(f"{motor}.joint_sign") == "-1" else 1 for motor in robot.joint_names
     }

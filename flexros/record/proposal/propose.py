@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,7 +21,7 @@ from flexros.logs.foreign.usable_rows import FEWEST
 from flexros.record.proposal.assumption import Assumption
 from flexros.record.proposal.columns import TORQUES, clock_of_column, table_signals
 from flexros.record.proposal.effort_unit import effort_unit
-from flexros.record.proposal.joints import match_joints
+from flexros.record.proposal.joints import joints_of_file, match_joints
 from flexros.record.proposal.topics import bag_topics
 from flexros.record.proposal.turned_joints import turned_joints
 from flexros.record.proposal.units import JointSignals, Units, units_of_motion
@@ -108,10 +109,12 @@ def propose_mapping(
     if of_bag and rate is not None:
         raise InputError(f"{bag} is a bag, whose messages have times: leave the rate out", "rate")
     clock = None if rate is None else validate(Clock, {"rate": rate}, str(bag))
-    topics = bag_topics(source.names, str(bag)) if of_bag else table_signals(source.names, str(bag), timed=rate is None)
+    joints = () if robot is None else joints_of_file(robot).values()
+    columns = partial(table_signals, source.names, str(bag), timed=rate is None, joints=joints)
+    topics = bag_topics(source.names, str(bag)) if of_bag else columns()
     unnamed = _unnamed_commands(source, topics)
     if unnamed is not None and unnamed.quantity == "torque":
-        topics = table_signals(source.names, str(bag), timed=rate is None, commands="torque")
+        topics = columns(commands="torque")
     matches = match_joints(robot, topics.joints, str(bag))
     wanted = [topics.signals[quantity][m.joint] for quantity, m in _pairs(topics, matches)]
     signals = source.read(list(dict.fromkeys(wanted)))

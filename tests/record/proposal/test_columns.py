@@ -67,6 +67,19 @@ def test_words_of_measurements_are_no_joints() -> None:
         assert {tuple(own) for own in found.signals.values()} == {("elbow_flex",)}
 
 
+def test_a_joint_of_the_model_is_named_whole_beside_a_quantity() -> None:
+    names = ["t", "arm/wrist_angle_position", "arm/wrist_angle_position_command", "arm/wrist_angle_effort"]
+    found = table_signals(names, "log.csv", joints=("waist", "wrist_angle"))
+    assert {quantity: tuple(own) for quantity, own in found.signals.items()} == dict.fromkeys(
+        ("position", "reference_position", "measured_torque"), ("arm_wrist_angle",)
+    )
+
+
+def test_a_joint_of_the_model_whose_name_alone_is_a_quantity_is_one() -> None:
+    names = ["t", "q1", "dq1", "tau1"]
+    assert table_signals(names, "log.csv", joints=("q1",)).signals == table_signals(names, "log.csv").signals
+
+
 def test_what_is_left_out_has_a_reason() -> None:
     found = table_signals(["t", "q1", "q1_filtered", "tau1", "current1", "ddq1", "temperature"], "log.csv")
     assert {name: reason.split()[0] for name, reason in found.ignored.items()} == {
