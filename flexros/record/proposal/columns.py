@@ -23,7 +23,7 @@ _TOKEN = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+")
 _KINDS = {
     "position": "q qpos jpos pos position positions ang angle angles theta th",
     "velocity": "dq qd qdot qvel jvel vel velocity velocities speed speeds omega",
-    "torque": "tau jtau torque torques torq tor trq effort efforts eff moment u",
+    "torque": "tau jtau torque torques torq tor trq effort efforts eff moment force forces frc u",
     "acceleration": "ddq qdd qddot acc accel acceleration accelerations",
     "current": "current currents cur i",
 }

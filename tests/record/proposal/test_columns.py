@@ -80,6 +80,12 @@ def test_a_joint_of_the_model_whose_name_alone_is_a_quantity_is_one() -> None:
     assert table_signals(names, "log.csv", joints=("q1",)).signals == table_signals(names, "log.csv").signals
 
 
+def test_forces_are_what_torques_are() -> None:
+    found = table_signals(["t", "x_pos", "tilt_pos", "x_cmd_force", "tilt_cmd_torque", "x_force"], "log.csv")
+    assert found.signals["torque_command"] == {"x": "x_cmd_force", "tilt": "tilt_cmd_torque"}
+    assert found.signals["measured_torque"] == {"x": "x_force"}
+
+
 def test_what_is_left_out_has_a_reason() -> None:
     found = table_signals(["t", "q1", "q1_filtered", "tau1", "current1", "ddq1", "temperature"], "log.csv")
     assert {name: reason.split()[0] for name, reason in found.ignored.items()} == {
