@@ -41,6 +41,20 @@ _SLIDING = {"rad": "m", "deg": "m", "rad/s": "m/s", "deg/s": "m/s", "rpm": "m/s"
 """Units of prismatic joints."""
 
 
+def unit_words(unit: str, rotary: Mapping[str, bool]) -> str:
+    """Write the unit of a quantity, with that of joints that slide, e.g. "rad, m at motor_1, motor_2".
+
+    Args:
+        unit: Unit at joints that turn.
+        rotary: Whether each motor turns, by name.
+    """
+    sliding = [motor for motor, turns in rotary.items() if not turns]
+    if not sliding:
+        return unit
+    of_slides = _SLIDING.get(unit, unit)
+    return of_slides if len(sliding) == len(rotary) else f"{unit}, {of_slides} at {', '.join(sliding)}"
+
+
 @dataclass(frozen=True)
 class JointSignals:
     """The signals of the joints that are motors.
@@ -170,14 +184,14 @@ def units_of_motion(joints: JointSignals, quantities: Collection[str], *, modell
         against = "; a joint that turns round and round would do so in rad"
     if not turning:
         ground = "all motors of the model slide"
-    taken = f"in {unit if turning else 'm'}"
+    taken = f"in {unit_words(unit, joints.rotary)}"
     for match in joints.matches:
         period = joints.period("position", match)
         taken += "" if period is None else f", beginning again after {period:.4g} at {match.motor}"
     checked = degrees or modelled or of_name is not None
     assumptions = [Assumption("position", taken, f"{ground}{against}", checked)]
     if with_velocity:
-        taken = of_velocity if turning else "m/s"
+        taken = unit_words(of_velocity, joints.rotary)
         assumptions.append(_about_velocity(taken, compared, signs, named=named("velocity") is not None))
     return MotionUnits(units, signs, tuple(assumptions), against)
 
@@ -188,7 +202,7 @@ def _about_velocity(
     """State what velocities are taken for.
 
     Args:
-        unit: Their unit.
+        unit: Their unit, in words.
         compared: Derivatives of the positions over them [1].
         signs: Their signs by quantity and motor.
         named: Whether names of columns state the unit.

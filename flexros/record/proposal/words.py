@@ -9,6 +9,7 @@ import numpy as np
 
 from flexros.record.missing_samples import PAUSE
 from flexros.record.proposal.assumption import Assumption
+from flexros.record.proposal.units import unit_words
 from flexros.record.proposal.unnamed_commands import NEAR
 
 if TYPE_CHECKING:
@@ -158,7 +159,9 @@ def about_effort(topic: str, found: EffortUnit, robot: Robot, said: str) -> Assu
         said: What says that efforts are torques in Nm.
     """
     opposite = [name for name, sign in zip(robot.joint_names, found.signs, strict=True) if sign < 0]
-    taken = f"effort of {topic}: torque in {found.unit}"
+    rotary = {motor.name: motor.rotary for motor in robot.motors}
+    kind = "torque" if any(rotary.values()) else "force"
+    taken = f"effort of {topic}: {kind} in {unit_words(found.unit, rotary)}"
     if found.unit == "A":
         scales = ", ".join(f"{name} {scale:g}" for name, scale in zip(robot.joint_names, found.scale, strict=True))
         taken = f"effort of {topic}: a current in A (or another unit), with {scales} Nm/A"

@@ -9,7 +9,7 @@ from flexros.logs.foreign.signal_source import Signal
 from flexros.record.proposal.effort_unit import EffortUnit
 from flexros.record.proposal.found_signals import FoundSignals
 from flexros.record.proposal.joints import JointMatch
-from flexros.record.proposal.units import JointSignals, Units, units_of_motion
+from flexros.record.proposal.units import JointSignals, Units, unit_words, units_of_motion
 
 TIME = np.linspace(0.0, 10.0, 2001)
 MATCH = JointMatch("motor_1", "arm", 1, "name")
@@ -53,3 +53,8 @@ def test_units_of_joints_that_slide_and_the_scale_of_currents() -> None:
     assert scale is not None
     assert (scale.value, scale.unit) == (5.0, "Nm/A")
     assert units.scale("torque_command", "motor_1", rotary=True) is None
+
+
+def test_joints_that_slide_are_told_with_units_of_their_own() -> None:
+    assert unit_words("rad/s", {"motor_1": False, "motor_2": True}) == "rad/s, m/s at motor_1"
+    assert unit_words("Nm", {"motor_1": False}) == "N"
