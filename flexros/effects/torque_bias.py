@@ -24,6 +24,7 @@ class TorqueBias(AbstractMotorTorque):
     name: ClassVar[str] = "torque_bias"
     stage: ClassVar[Stage] = "actuator"
     size: ClassVar[str] = "level"
+    turned: ClassVar[tuple[str, ...]] = ("level",)
     signatures: ClassVar[tuple[str, ...]] = ("effective_torque", "torque_over_speed", "torque_over_position")
     plain: ClassVar[bool] = True
     fingerprint: ClassVar[str] = (

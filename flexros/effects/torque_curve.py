@@ -56,6 +56,11 @@ class TorqueCurve(AbstractCurve, AbstractMotorTorque):
     low: float = Field(-1.0, description="lowest position [rad or m]")
     high: float = Field(1.0, description="highest position [rad or m]")
 
+    def turned_round(self) -> TorqueCurve:
+        """Return it with opposite torques in the opposite order."""
+        torques = {name: -getattr(self, other) for name, other in zip(self.ranges, reversed(tuple(self.ranges)))}
+        return self.model_copy(update={**torques, "low": -self.high, "high": -self.low})
+
     def added(self, motor: MotorState, values: Mapping[str, Value]) -> ca.SX:
         """Interpolate at the position."""
         relative = (motor.position - values["low"]) / ca.fmax(values["high"] - values["low"], SMALLEST)

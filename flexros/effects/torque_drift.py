@@ -34,6 +34,7 @@ class TorqueDrift(AbstractCurve, AbstractMotorTorque):
     name: ClassVar[str] = "torque_drift"
     stage: ClassVar[Stage] = "actuator"
     size: ClassVar[str] = "torque_1"
+    turned: ClassVar[tuple[str, ...]] = tuple(f"torque_{number}" for number in range(1, 7))
     words: ClassVar[str] = "torque over time of unknown law"
     smooth_states = 1
     intervals: ClassVar[int] = 5

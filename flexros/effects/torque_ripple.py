@@ -6,6 +6,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
 import casadi as ca
+import numpy as np
 from pydantic import Field, model_validator
 
 from flexros.effects.kinds.motor_law import AbstractMotorTorque, MotorState
@@ -36,6 +37,7 @@ class TorqueRipple(AbstractMotorTorque):
     name: ClassVar[str] = "torque_ripple"
     stage: ClassVar[Stage] = "actuator"
     size: ClassVar[str] = "amplitude"
+    turned: ClassVar[tuple[str, ...]] = ("phase", "second_cosine")
     unsaid: ClassVar[tuple[str, ...]] = OVERTONE
     signatures: ClassVar[tuple[str, ...]] = ("order_spectrum", "torque_over_rotor_angle")
     harmonics: ClassVar[tuple[HarmonicEntry, ...]] = (
@@ -70,6 +72,12 @@ class TorqueRipple(AbstractMotorTorque):
                 "below 1; lower it"
             )
         return self
+
+    def turned_round(self) -> TorqueRipple:
+        """Return it with another phase, half a period later where the torque that it is proportional to turns too."""
+        if not self.proportional:
+            return super().turned_round()
+        return self.model_copy(update={"phase": np.pi - self.phase, "second_sine": -self.second_sine})
 
     def added(self, motor: MotorState, values: Mapping[str, Value]) -> ca.SX:
         """Evaluate the harmonic at the rotor angle."""

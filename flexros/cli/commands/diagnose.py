@@ -132,11 +132,14 @@ def _print(result: DiagnosisResult, files: list[Path]) -> None:
     from flexros.gap.report import terminal
     from flexros.gap.report.verdict import partial_sentence
     from flexros.gap.report.words import undetermined_words
+    from flexros.robot.exchange.joint_names import joints_line
 
     diagnosis = result.diagnosis
     console.print(terminal.verdict_line(diagnosis))
     if diagnosis.partial is not None:
         console.print(partial_sentence(diagnosis))
+    if joints := joints_line(result.robot):
+        console.print(joints)
     if result.ranking and diagnosis.verdict != "no_gap":
         console.print()
         console.print(terminal.ranking_table(result))

@@ -18,6 +18,7 @@ from flexros.errors import InputError, unknown_name
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from flexros.effects.patching.patched_robot import PatchedRobot
     from flexros.robot.exchange.imported import ImportedRobot
     from flexros.robot.exchange.numbers import NotHeld
 
@@ -102,7 +103,8 @@ def export(
         raise InputError(f"{out} is the base itself, which is kept; give another file", "out")
     _refuse_existing(out)
     with working(f"writing the {to.upper()}"):
-        exported = export_model(load_patched(name), formats[to], base, _joints(joint), end)
+        patched = load_patched(name)
+        exported = export_model(patched, formats[to], base, _joints(joint), end)
     write_result(out, exported.text, to.upper())
     if base is not None and out.resolve().parent != base.resolve().parent and " file=" in exported.text:
         text = f"flexros: {out} names files relative to its folder, but {base} is in another one; move it there"
@@ -125,8 +127,17 @@ def export(
         console.print(table)
     else:
         say(f"Nothing differs from {base}.")
-    _print_not_held(exported.not_held, f"Not held by the {to.upper()}:")
+    _print_not_held(exported.not_held, f"Not held by the {to.upper()}{_signs(patched, base)}:")
     say(f"{out} written")
+
+
+def _signs(patched: PatchedRobot, base: Path | None) -> str:
+    """Say that sizes count as the joints of the base, where some of these count against their motors."""
+    from flexros.robot.exchange.joint_names import tagged, turned_round
+
+    robot = patched.base
+    opposite = [tagged(robot, motor) for motor in robot.joint_names if turned_round(robot, motor)]
+    return f", with the signs of its joints ({', '.join(opposite)} against the motor)" if base and opposite else ""
 
 
 def _joints(pairs: Sequence[str]) -> dict[str, str]:

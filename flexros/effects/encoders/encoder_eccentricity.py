@@ -29,6 +29,7 @@ class EncoderEccentricity(AbstractSensor):
     name: ClassVar[str] = "encoder_eccentricity"
     stage: ClassVar[Stage] = "sensor"
     size: ClassVar[str] = "amplitude"
+    turned: ClassVar[tuple[str, ...]] = ("phase",)
     harmonics: ClassVar[tuple[HarmonicEntry, ...]] = (HarmonicEntry("encoder"),)
     rank: ClassVar[int] = 0
     signatures: ClassVar[tuple[str, ...]] = ("order_spectrum", "torque_over_rotor_angle")

@@ -42,6 +42,7 @@ class EncoderOffset(AbstractSensor):
     name: ClassVar[str] = "encoder_offset"
     stage: ClassVar[Stage] = "sensor"
     size: ClassVar[str] = "offset"
+    turned: ClassVar[tuple[str, ...]] = ("offset",)
     rank: ClassVar[int] = 0
     plain: ClassVar[bool] = True
     taken_for: ClassVar[tuple[str, ...]] = ("torque_bias",)

@@ -44,6 +44,7 @@ class CoulombFriction(AbstractYieldingFriction):
     name: ClassVar[str] = "coulomb_friction"
     stage: ClassVar[Stage] = "motor friction"
     size: ClassVar[str] = "level"
+    turned: ClassVar[tuple[str, ...]] = ("asymmetry",)
     one_level: ClassVar[bool] = True
     reduces: ClassVar[bool] = True
     signatures: ClassVar[tuple[str, ...]] = ("torque_over_speed", "torque_after_reversal")

@@ -36,6 +36,7 @@ class FrictionCurve(AbstractCurve, AbstractMotorTorque, AbstractDryFriction):
     name: ClassVar[str] = "friction_curve"
     stage: ClassVar[Stage] = "motor friction"
     size: ClassVar[str] = "standstill"
+    turned: ClassVar[tuple[str, ...]] = ("uneven_50", "uneven_100")
     words: ClassVar[str] = "friction of unknown law"
     eases = True
     depends_on_speed: ClassVar[bool] = True

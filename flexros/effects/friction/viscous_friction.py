@@ -32,6 +32,7 @@ class ViscousFriction(AbstractMotorTorque):
     name: ClassVar[str] = "viscous_friction"
     stage: ClassVar[Stage] = "motor friction"
     size: ClassVar[str] = "coefficient"
+    turned: ClassVar[tuple[str, ...]] = ("asymmetry",)
     uneven: ClassVar[tuple[str, ...]] = ("asymmetry",)
     signatures: ClassVar[tuple[str, ...]] = ("torque_over_speed", "frequency_response")
     fingerprint: ClassVar[str] = "a disturbance torque against the motion, proportional to the speed of the motor"

@@ -74,6 +74,12 @@ class SpringCurve(AbstractCurve, AbstractGearLaw):
         most = self.high, -self.low
         return tuple(name for end, side in zip(most, _SIDES, strict=True) if end > TURNED * max(most) for name in side)
 
+    def turned_round(self) -> SpringCurve:
+        """Return it with opposite torques on the other side."""
+        pairs = zip((name for side in _SIDES for name in side), (name for side in reversed(_SIDES) for name in side))
+        torques = {name: -getattr(self, other) for name, other in pairs}
+        return self.model_copy(update={**torques, "low": -self.high, "high": -self.low})
+
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """Return the springs."""
         return tuple(name for name in robot.arm_names if f"{name}.stiffness" in robot.parameters)

@@ -37,6 +37,7 @@ class TransmissionError(AbstractGearLaw):
     name: ClassVar[str] = "transmission_error"
     stage: ClassVar[Stage] = "gear"
     size: ClassVar[str] = "amplitude"
+    turned: ClassVar[tuple[str, ...]] = ("phase",)
     harmonics: ClassVar[tuple[HarmonicEntry, ...]] = (HarmonicEntry("gear"),)
     rank: ClassVar[int] = 0
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(

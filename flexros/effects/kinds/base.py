@@ -16,6 +16,8 @@ from flexros.effects.kinds.ranges import HarmonicEntry, Range
 from flexros.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
+    from typing import Self
+
     from flexros.robot import Robot
 
 
@@ -82,6 +84,8 @@ class AbstractEffect(Settings, ABC):
     """Parameter up to which a log may determine the sizes of other effects at its motor; empty for none. Where those
     end at a limit of their search while it is positive, the effect is left out first: without it they are within their
     ranges again, without them nothing would be left."""
+    turned: ClassVar[tuple[str, ...]] = ()
+    """Parameters with the other sign at a joint that counts the other way round, see `turned_round`."""
     unsaid: ClassVar[tuple[str, ...]] = ()
     """Parameters that a text names only where they are not at their defaults."""
     uneven: ClassVar[tuple[str, ...]] = ()
@@ -148,6 +152,10 @@ class AbstractEffect(Settings, ABC):
         """
         del robot, location, known
         return {}
+
+    def turned_round(self) -> Self:
+        """Return the same effect as stated for a joint that counts the other way round."""
+        return self.model_copy(update={name: -getattr(self, name) for name in self.turned})
 
     def check_on(self, robot: Robot, location: str) -> None:
         """Refuse values that a robot does not allow at one of the effect's `locations`; default: none.

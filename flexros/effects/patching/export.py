@@ -49,7 +49,8 @@ def export_model(
         InputError: The base cannot be used, or values of the robot file are stated on the motor side and the format
             has no place for the gear ratio.
     """
-    numbers, robot, named = repaired_numbers(patched), patched.model.robot, joints or {}
+    of_file = base is not None or to == "json"  # new files of the others have the joints of the robot file
+    numbers, robot, named = repaired_numbers(patched, of_file=of_file), patched.model.robot, joints or {}
     if to == "json":
         if base is not None:
             raise InputError(f"a JSON of joint numbers is written anew, so {base} is of no use; leave it out", "base")

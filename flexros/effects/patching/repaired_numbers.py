@@ -22,6 +22,7 @@ from flexros.effects.servos.servo_command_lag import ServoCommandLag
 from flexros.effects.torque_gain_error import TorqueGainError
 from flexros.effects.torque_saturation import TorqueSaturation
 from flexros.errors import InputError
+from flexros.robot.exchange.joint_names import turned_round
 from flexros.robot.exchange.numbers import SAME, BodyNumbers, JointNumbers, LoadNumbers, NotHeld, RepairedNumbers
 from flexros.robot.parameters import INERTIA_COMPONENTS
 from flexros.robot.quantity import unit_of
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.effects.kinds.law import AbstractLaw
     from flexros.effects.patching.patched_robot import PatchedRobot
-    from flexros.effects.patching.placement import PlacedLaw
     from flexros.robot import Robot
     from flexros.robot.motors import RobotMotor
     from flexros.robot.specification import Body
@@ -49,7 +49,7 @@ DIFFERENCES = {
 NO_LAW = "no joint parameter represents it: add it as a force, or keep it in FlexROS"
 
 
-def repaired_numbers(patched: PatchedRobot) -> RepairedNumbers:
+def repaired_numbers(patched: PatchedRobot, *, of_file: bool = False) -> RepairedNumbers:
     """Return the numbers of joints and bodies of a robot with its effects.
 
     Values stated on the motor side of a gear with ratio n (key `coordinates`) are converted: torques times n, friction
@@ -57,6 +57,7 @@ def repaired_numbers(patched: PatchedRobot) -> RepairedNumbers:
 
     Args:
         patched: Robot with effects, as loaded.
+        of_file: Whether effects that are not held count as the joints of the file that the robot was imported from.
 
     Raises:
         InputError: The file states values on the motor side, which cannot be converted.
@@ -90,9 +91,9 @@ def repaired_numbers(patched: PatchedRobot) -> RepairedNumbers:
             for joint in (each for each in joints if law.location == each.motor.name):
                 held, reason = joint.take(law.effect)
         if not held:
-            not_held.append(
-                NotHeld(law.location, law.name.partition("@")[0], _size(law, law.location not in sliding), reason)
-            )
+            effect = law.effect.turned_round() if of_file and turned_round(model.robot, law.location) else law.effect
+            size = _size(effect, law.location not in sliding)
+            not_held.append(NotHeld(law.location, law.name.partition("@")[0], size, reason))
     return RepairedNumbers(
         tuple(joint.numbers() for joint in joints),
         tuple(
@@ -313,11 +314,11 @@ def _of_robot(robot: Robot, scale: float) -> list[NotHeld]:
     return found
 
 
-def _size(law: PlacedLaw, rotary: bool) -> str:
+def _size(effect: AbstractLaw, rotary: bool) -> str:
     """Write the parameters of a law that differ from their defaults, with the units of their descriptions."""
-    fields = type(law.effect).model_fields
+    fields = type(effect).model_fields
     words = []
-    for name, value in law.effect.model_dump().items():
+    for name, value in effect.model_dump().items():
         if value == fields[name].default:
             continue
         stated = re.findall(r"\[([^\]]+)\]", fields[name].description or "")

@@ -19,6 +19,7 @@ from flexros.gap.report.words import (
 )
 from flexros.report.base import AbstractSection, Block, Paragraph, Tiles
 from flexros.report.number_text import number
+from flexros.robot.exchange.joint_names import joints_line
 
 if TYPE_CHECKING:
     from flexros.gap.result import DiagnosisResult, SignalGap
@@ -34,7 +35,7 @@ class SummarySection(AbstractSection["DiagnosisResult"]):
     title: ClassVar[str] = ""
 
     def blocks(self, result: DiagnosisResult) -> tuple[Block, ...]:
-        """Return the verdict and the main figures."""
+        """Return the verdict, the main figures, and which joint each motor is."""
         texts = result.diagnosis.warnings
         warnings = [Paragraph(text, "warning") for text in texts[:_MANY_WARNINGS]]
         more = len(texts) - _MANY_WARNINGS
@@ -43,7 +44,9 @@ class SummarySection(AbstractSection["DiagnosisResult"]):
         lead = verdict_sentence(result.diagnosis).replace(" %", "\u00a0%")
         partial = partial_sentence(result.diagnosis)
         lacking = (Paragraph(partial, "warning"),) if partial else ()
-        return (Paragraph(lead, "lead"), *lacking, Tiles(tuple(_tiles(result))), *warnings)
+        joints = joints_line(result.robot)
+        named = (Paragraph(f"{joints}.", "note"),) if joints else ()
+        return (Paragraph(lead, "lead"), *lacking, Tiles(tuple(_tiles(result))), *named, *warnings)
 
 
 def _tiles(result: DiagnosisResult) -> list[tuple[str, str, str, str]]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 from flexros.errors import InputError
 from flexros.record.proposal.columns import name_words
+from flexros.robot.exchange.joint_names import tagged, turned_round
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -39,7 +40,7 @@ def joints_of_file(robot: Robot) -> dict[str, str]:
     Args:
         robot: The robot.
     """
-    return {motor: robot.spec.tags.get(f"{motor}.joint", motor) for motor in robot.joint_names}
+    return {motor: tagged(robot, motor) or motor for motor in robot.joint_names}
 
 
 def match_joints(robot: Robot | None, joints: Sequence[str], bag: str) -> tuple[JointMatch, ...]:
@@ -59,10 +60,8 @@ def match_joints(robot: Robot | None, joints: Sequence[str], bag: str) -> tuple[
     """
     if robot is None:
         return tuple(JointMatch(f"motor_{k}", joint, 1, "order") for k, joint in enumerate(joints, start=1))
-    tags, wanted = robot.spec.tags, joints_of_file(robot)
-    signs: dict[str, Literal[1, -1]] = {
-        motor: -1 if tags.get(f"{motor}.joint_sign") == "-1" else 1 for motor in robot.joint_names
-    }
+    wanted = joints_of_file(robot)
+    signs: dict[str, Literal[1, -1]] = {motor: -1 if turned_round(robot, motor) else 1 for motor in robot.joint_names}
     matches = []
     for motor, name in wanted.items():
         found = _named(name, joints) or _alike(name, joints, list(wanted.values()))

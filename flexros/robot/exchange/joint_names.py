@@ -53,6 +53,20 @@ def tagged(robot: Robot, coordinate: str) -> str:
     return robot.spec.tags.get(f"{coordinate}.joint", "")
 
 
+def turned_round(robot: Robot, coordinate: str) -> bool:
+    """Return whether a motor or arm coordinate counts the other way round than the joint of the imported file."""
+    return robot.spec.tags.get(f"{coordinate}.joint_sign") == "-1"
+
+
+def joints_line(robot: Robot) -> str:
+    """Say which joint of the imported file each motor is, and which count the other way round; empty for no import."""
+    named = [(motor, joint) for motor in robot.joint_names if (joint := tagged(robot, motor))]
+    opposite = [joint for motor, joint in named if turned_round(robot, motor)]
+    text = ", ".join(f"{motor} = {joint}" for motor, joint in named)
+    signs = f"; {', '.join(opposite)} count{'s' * (len(opposite) == 1)} the other way round" if opposite else ""
+    return f"Joints: {text}{signs}" if named else ""
+
+
 def _of_argument(error: InputError) -> InputError:
     error.argument = "joint"
     return error

@@ -16,6 +16,7 @@ from plotly.offline import get_plotlyjs
 from flexros.gap.report import diagnosis_report
 from flexros.gap.result import DiagnosisResult
 from flexros.gap.schema import Diagnosis, ModelNumber, Partial
+from flexros.robot import Robot
 
 pytestmark = pytest.mark.slow
 
@@ -147,6 +148,13 @@ def test_a_prediction_that_diverged_is_drawn_all_the_same(changed: Callable[...,
 
 def test_the_title_may_be_another_one(diagnosed: Diagnosed) -> None:
     assert "<title>My robot</title>" in diagnosis_report(diagnosed("explained"), title="My robot")
+
+
+def test_joints_of_the_imported_model_are_named(changed: Callable[..., DiagnosisResult]) -> None:
+    robot = changed("explained").robot
+    spec = robot.spec.model_copy(update={"tags": {"motor_1.joint": "panda_joint4", "motor_1.joint_sign": "-1"}})
+    html = page(changed("explained", robot=Robot(spec, "arm.yaml")))
+    assert "Joints: motor_1 = panda_joint4; panda_joint4 counts the other way round." in html
 
 
 def test_a_partial_result_says_so_at_the_top(diagnosed: Diagnosed) -> None:

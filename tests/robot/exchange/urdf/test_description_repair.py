@@ -141,6 +141,21 @@ def test_an_imported_urdf_finds_its_joints_again(tmp_path: Path) -> None:
     assert [(row.place, row.value) for row in exported.written] == [("joint fore dynamics friction", 7)]
 
 
+@pytest.mark.parametrize("to", ["urdf", "json"])
+def test_what_is_listed_counts_as_the_joint_of_the_file_does(to: Format, tmp_path: Path) -> None:
+    base, robot, patch = tmp_path / "base.urdf", tmp_path / "robot.yaml", tmp_path / "patch.yaml"
+    base.write_text(export_model(load_patched("elbow"), "urdf").text.replace('axis xyz="0 1 0"', 'axis xyz="0 -1 0"'))
+    robot.write_text(robot_from_urdf(base).text)
+    bias = "{effect: torque_bias, location: motor_2, parameters: {level: 0.26}}"
+    offset = "{effect: encoder_offset, location: motor_1, parameters: {offset: 0.05}}"
+    patch.write_text(f"robot: robot.yaml\neffects: [{bias}, {offset}]\n")
+    exported = export_model(load_patched(patch), to, base if to == "urdf" else None)
+    listed = {row.name: row.size for row in exported.not_held}
+    listed |= {row.quantity: f"{row.value:g} {row.unit}" for row in exported.written if row.location == "motor_1"}
+    assert listed["torque_bias"] == "level -0.26 Nm"
+    assert listed["zero of the encoder"] == "-0.05 rad"
+
+
 def test_a_number_that_is_none_is_named(patched: PatchedRobot, tmp_path: Path) -> None:
     text = export_model(load_patched("elbow"), "urdf").text.replace('damping="60"', 'damping="much"')
     with pytest.raises(InputError, match="joint motor_1 dynamics damping is 'much'"):
