@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from flexros.effects.patching.patched_robot import PatchedRobot
-    from flexros.robot.exchange.imported import ImportedRobot
+    from flexros.robot.exchange.imported import ImportedJoint, ImportedRobot
     from flexros.robot.exchange.numbers import NotHeld
 
 
@@ -41,6 +41,7 @@ def import_urdf(
     if as_json:
         _print_import(imported, out, second)
         return
+    _print_joints(imported.joints)
     for note in imported.notes:
         say(note)
     say(f"{out} written with rigid gears; where one is elastic, replace its 'rigid' by the stiffness")
@@ -66,10 +67,7 @@ def import_mjcf(
     if as_json:
         _print_import(imported, out, second)
         return
-    table = Table("coordinate", "joint", "sign", "zero at")
-    for joint in imported.joints:
-        table.add_row(joint.coordinate, joint.joint, f"{joint.sign:+d}", f"{joint.reference:.6g}")
-    console.print(table)
+    _print_joints(imported.joints)
     _print_not_held(imported.not_held, "Neither robot file nor patch holds:")
     for note in imported.notes:
         say(note)
@@ -185,6 +183,13 @@ def _print_import(imported: ImportedRobot, out: Path, patch: Path | None) -> Non
         "notes": list(imported.notes),
     }
     print_json(content)
+
+
+def _print_joints(joints: Sequence[ImportedJoint]) -> None:
+    table = Table("coordinate", "joint", "sign", "zero at")
+    for joint in joints:
+        table.add_row(joint.coordinate, joint.joint, f"{joint.sign:+d}", f"{joint.reference:.6g}")
+    console.print(table)
 
 
 def _refuse_existing(path: Path) -> None:

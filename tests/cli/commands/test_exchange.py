@@ -124,6 +124,12 @@ def test_import_urdf_prints_joints_and_effects_for_programs(flexros: Flexros, ur
     assert (effect["effect"], effect["location"], effect["value"]) == ("coulomb_friction", "motor_1", 0.3)
 
 
+def test_import_urdf_prints_the_signs_of_its_joints(flexros: Flexros, urdf: Path, tmp_path: Path) -> None:
+    ended = flexros("import-urdf", str(urdf), "--out", str(tmp_path / "a.yaml"))
+    rows = [line.replace("│", "|").split("|")[1:-1] for line in ended.out.splitlines() if "motor_1" in line]
+    assert ["motor_1", "j", "-1", "0"] in [[cell.strip() for cell in row] for row in rows]
+
+
 def test_import_urdf_says_what_it_assumes(flexros: Flexros, urdf: Path, tmp_path: Path) -> None:
     urdf.write_text(URDF.replace("<link name='b'/>", ""))
     ended = flexros("import-urdf", str(urdf), "--out", str(tmp_path / "a.yaml"))
