@@ -44,6 +44,10 @@ if TYPE_CHECKING:
     from flexros.record.record import Record
 
 
+LITTLE = 0.5
+"""Share of the gap below which a patch closes little of it [1] (chosen)."""
+
+
 @dataclass(frozen=True)
 class MeasuredGap:
     """The gap of a log.
@@ -136,7 +140,7 @@ def measure_gap(
         left = replace(left, moving_on=tuple(alike))
     numbers = gap_numbers(before, after, record.sample_time, with_tolerance=floor)
     warnings = settled(data.record, numbers.closed_fraction).warnings
-    doubts = (*moving_on_words(left.moving_on), *_moved(fits))
+    doubts = (*moving_on_words(left.moving_on), *_moved(fits, numbers.closed_fraction))
     return MeasuredGap(numbers, left, (*doubts, *warnings, *_cut_short(deadline)))
 
 
@@ -200,16 +204,21 @@ def _data(
         return fit_data(record, model, settings, measurement, around=(observed.predictor, NOTHING[:, 0]))
 
 
-def _moved(fits: _Fits) -> tuple[str, ...]:
-    """State the numbers of the nominal model that its fit moves far out of their tolerance."""
+def _moved(fits: _Fits, closed: float | None) -> tuple[str, ...]:
+    """State the numbers of the nominal model that its fit moves far out of their tolerance.
+
+    Args:
+        fits: The fits.
+        closed: Share of the gap that the patch closes [1]; None without a patch, or where no gap shows.
+    """
     fit = fits.nominal.fit
     factors = {name: factor for name, factor in far_out(fit, STRAINED_ALONE).items() if name not in fits.lacked}
     if not factors:
         return ()
-    return (
-        f"the nominal model is that with numbers moved beyond their tolerance: {moved_words(fit, factors)}. So a patch "
-        "that states them closes little of its gap; give a smaller tolerance to see that of the file",
-    )
+    text = f"the nominal model is that with numbers moved beyond their tolerance: {moved_words(fit, factors)}"
+    if closed is not None and closed < LITTLE:
+        text += ". So a patch that states them closes little of its gap"
+    return (f"{text}; give a smaller tolerance to see the gap of the file",)
 
 
 def _cut_short(deadline: Deadline) -> tuple[str, ...]:

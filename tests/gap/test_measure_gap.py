@@ -53,6 +53,16 @@ def test_numbers_that_a_wide_tolerance_moves_far_are_stated() -> None:
     assert not any("moved beyond" in text for text in measure_gap(record_of(), MODEL, tolerance=tolerance).warnings)
 
 
+@pytest.mark.parametrize(("patch", "said"), [("motor_inertia_error@motor_1:relative=1.5", True), (FRICTION, False)])
+def test_that_a_patch_closes_little_is_said_where_it_does(patch: str, said: bool) -> None:
+    hidden = ("motor_inertia_error@motor_1:relative=1.5", *([] if said else [FRICTION]))
+    tolerance = {"stiffness": 0.0, "damping": 0.0, "inertia": 0.3}
+    repaired = place_effects(ROBOT, [parse_effect(patch, "test")])
+    found = measure_gap(record_of(*hidden), MODEL, repaired=repaired, tolerance=tolerance)
+    (text,) = (text for text in found.warnings if "moved beyond their tolerance" in text)
+    assert ("closes little" in text) == said
+
+
 def test_a_hidden_effect_is_significant() -> None:
     found = measure_gap(record_of(FRICTION), MODEL)
     assert found.numbers.before > 20
