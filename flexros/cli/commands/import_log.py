@@ -77,7 +77,10 @@ def import_log(
         return
     _print(rows, log)
     say(f"Log: {out}")
-    suggest(f"flexros analyze {shlex.quote(str(out))}    tracking and timing")
+    if _drives(log):
+        suggest(f"flexros gap {shlex.quote(str(out))} --model ROBOT    how far robot and model are apart")
+    else:
+        suggest(f"flexros analyze {shlex.quote(str(out))}    tracking and timing")
 
 
 def _is_bag(name: str) -> bool:

@@ -45,6 +45,11 @@ def test_table_says_what_was_imported(flexros, files, tmp_path: Path) -> None:
     assert "--tolerance torque=0.005" in ended.out
 
 
+def test_a_log_that_torques_drive_is_compared_with_a_model_next(flexros, files, tmp_path: Path) -> None:
+    ended = flexros("import", *files, "--out", str(tmp_path / "bag"))
+    assert f"Next: flexros gap {tmp_path / 'bag'} --model ROBOT" in ended.err
+
+
 def test_analyse_takes_the_log(flexros, files, tmp_path: Path) -> None:
     flexros("import", *files, "--out", str(tmp_path / "bag"))
     assert flexros("analyze", str(tmp_path / "bag"), "--json").code == 0
