@@ -149,6 +149,7 @@ def _print(result: DiagnosisResult, files: list[Path]) -> None:
             console.print(line)
     for heading, lines in (
         ("Budget of the gap, in shares of it:", terminal.budget_lines(diagnosis)),
+        ("Numbers of the model that are off, or that it lacks:", terminal.number_lines(diagnosis)),
         ("Left unexplained, in shares of the gap:", terminal.rest_lines(diagnosis)),
         ("Where it shows:", terminal.where_lines(result)),
         (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.gap.answer.order import closed_by
+from flexros.gap.answer.order import PLACES, closed_by
 from flexros.gap.report.verdict import partial_sentence, reported_causes, verdict_sentence
 from flexros.gap.report.words import (
     capital,
@@ -71,16 +71,20 @@ def _tiles(result: DiagnosisResult) -> list[tuple[str, str, str, str]]:
 
 
 def _cause_tile(diagnosis: Diagnosis) -> tuple[str, str, str, str]:
-    """Return what the first of several causes closes, the probability of a single one, or the verdict without any."""
+    """Return what closes most of several, numbers that the model lacks too, the probability of one, or the verdict."""
     causes = reported_causes(diagnosis)
     if diagnosis.verdict == "no_gap" or not causes:
         return "Verdict", diagnosis.verdict.replace("_", " "), "", "within noise and tolerance"
     if diagnosis.verdict == "unknown_effect":
         return "Verdict", "unknown effect", "", f"best known effect: {named(causes[0])}"
     more = f" and {len(causes) - 1} more" if len(causes) > 1 else ""
-    below, closed = f"{capital(named(causes[0]))}{more}", closed_by(causes[0], diagnosis.waterfall)
-    if more and closed > 0:
-        return "Closed by the first cause", share_words(min(closed, 1.0)).removesuffix(" %"), "%", below
+    below, steps = f"{capital(named(causes[0]))}{more}", [step for one in diagnosis.waterfall for step in one.steps]
+    largest = max(steps, key=lambda step: closed_by(step, diagnosis.waterfall), default=None)
+    closed = 0.0 if largest is None else closed_by(largest, diagnosis.waterfall)
+    if more and largest is not None and 0 < round(closed, PLACES) <= 1:  # else others open what it closes
+        others = len({(step.effect, step.location) for step in steps}) - 1
+        below = f"{capital(named(largest))} and {others} more in the patch"
+        return "Closed by the largest part", share_words(min(closed, 1.0)).removesuffix(" %"), "%", below
     return "Probability of the first cause", share_words(causes[0].probability).removesuffix(" %"), "%", below
 
 

@@ -9,6 +9,7 @@ from flexros.gap.report.ranking import first_of_ranking
 from flexros.gap.report.verdict import verdict_sentence
 from flexros.gap.report.waterfall import waterfall_lines
 from flexros.gap.report.words import (
+    NOT_DETERMINED,
     band_words,
     budget_words,
     capital,
@@ -24,6 +25,7 @@ from flexros.gap.report.words import (
     shows,
     signed_share_words,
     where_words,
+    with_std,
 )
 from flexros.gap.where.regimes import REGIMES
 from flexros.report.number_text import number
@@ -35,8 +37,9 @@ if TYPE_CHECKING:
     from flexros.gap.result import DiagnosisResult
     from flexros.gap.schema import Diagnosis, GapNumbers
 
-_RANKED, _LOCATIONS, _MOTIONS = 6, 3, 2
-"""Number of effects, of locations, and of motions of the rest of a joint that are printed (chosen)."""
+_RANKED, _LOCATIONS, _MOTIONS, _NUMBERS = 6, 3, 2, 4
+"""Number of effects, of locations, of motions of the rest of a joint, and of motors and bodies with wrong numbers that
+are printed (chosen)."""
 
 
 def verdict_line(diagnosis: Diagnosis) -> str:
@@ -81,6 +84,26 @@ def budget_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
         for share in effects
     ]
     return (*waterfall_lines(diagnosis), *shares)
+
+
+def number_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
+    """List the numbers of the model that the log contradicts, a line for each motor, body or load: all it lacks first.
+
+    Returns:
+        E.g. "tool_load: mass 0.956 kg (±0.039), x 0.020 m (±0.005)", "body_5: inertia.xy -0.00243 kg m2 (±0.00015)
+        instead of -0.002117".
+    """
+    lacked: dict[str, list[str]] = {}
+    wrong: dict[str, list[str]] = {}
+    for one in diagnosis.model_numbers:
+        owner, _, name = one.name.partition(".")
+        size = with_std(one.value, one.std, one.unit) if one.determined else NOT_DETERMINED
+        instead = f" instead of {number(one.nominal, 4)}" if one.nominal else ""
+        (wrong if one.nominal else lacked).setdefault(owner, []).append(f"{name} {size}{instead}")
+    lines = [f"{owner}: {', '.join(texts)}" for found in (lacked, wrong) for owner, texts in found.items()]
+    shown = len(lacked) + _NUMBERS
+    more = [f"and those of {len(lines) - shown} more, in report and patch"] if len(lines) > shown else []
+    return (*lines[:shown], *more)
 
 
 def rest_lines(diagnosis: Diagnosis) -> tuple[str, ...]:

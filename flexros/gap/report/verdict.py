@@ -9,14 +9,15 @@ from flexros.gap.answer.order import shares_of
 from flexros.gap.held_out.closed_share import NOTHING
 from flexros.gap.report.words import (
     LIKELY,
-    budget_words,
     cause_words,
     causes_words,
     closed_words,
+    effect_words,
     first_few,
     gap_words,
     interval_words,
     listed,
+    location_words,
     named,
     p_value_words,
     share_words,
@@ -28,12 +29,14 @@ from flexros.gap.schema import NEXT_EXPERIMENT, same_effect
 from flexros.report.number_text import number
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
-    from flexros.gap.schema import Cause, Diagnosis, EffectLocation, GapNumbers
+    from flexros.gap.schema import Cause, Diagnosis, EffectLocation, GapNumbers, ModelNumber
 
 _LACKED = (RotorInertia.name, ToolLoad.name)
 """Numbers that a robot file may leave out."""
+_FEW_LACKED = 3
+"""Numbers that the model lacks, stated one by one up to this many; of more the rotors are gathered (chosen)."""
 _SURE = 0.995
 """Probability from which it is not stated in the sentence (chosen)."""
 
@@ -101,11 +104,12 @@ def _no_gap(diagnosis: Diagnosis) -> str:
         "No gap: model and log agree as well as noise and the tolerance of the model allow "
         f"({_size(gap, gap.before)} against a floor of {number(gap.noise_floor, 3)})"
     )
-    if not diagnosis.where:
-        return f"{text}."
-    first = min(diagnosis.where, key=lambda location: location.p_value)
-    location = where_words(first).partition(":")[0]
-    return f"{text}; the most suspicious location, {location}, has {p_value_words(first.p_value)}."
+    if diagnosis.where:
+        first = min(diagnosis.where, key=lambda location: location.p_value)
+        location = where_words(first).partition(":")[0]
+        text += f"; the most suspicious location, {location}, has {p_value_words(first.p_value)}"
+    lacking = _lacking(diagnosis).removesuffix(".")
+    return f"{text}. {lacking}: it is the model with the patch that agrees." if lacking else f"{text}."
 
 
 def _explained(diagnosis: Diagnosis) -> str:
@@ -130,15 +134,42 @@ def _partly(diagnosis: Diagnosis) -> str:
 
 def _lacking(diagnosis: Diagnosis) -> str:
     """Say which numbers the model lacks that the log determines and no cause is; empty where they have no share."""
+    found = {key: size for key, size in _lacked(diagnosis).items() if size is None or size.determined}
+    rotors = {location: size for (effect, location), size in found.items() if effect == RotorInertia.name}
+    gathered = len(found) > _FEW_LACKED and len(rotors) > 1
+    texts = [_lacked_words(*key, size) for key, size in found.items() if not gathered or key[0] != RotorInertia.name]
+    if gathered:
+        texts.append(f"rotor inertia ({listed([*rotors])}){_range_words(rotors.values())}")
+    return f"The model lacked {listed(texts)}." if texts else ""
+
+
+def _range_words(sizes: Iterable[ModelNumber | None]) -> str:
+    """Write least and largest of sizes of one unit, e.g. ", 0.15 to 0.60 kg m2"; empty where one is not known."""
+    known = [(size.value, size.unit) if size else (0.0, "") for size in sizes]
+    units = {unit for _, unit in known}
+    if len(units) > 1 or "" in units:
+        return ""
+    return f", {number(min(known)[0], 2)} to {number(max(known)[0], 2)} {units.pop()}"
+
+
+def _lacked(diagnosis: Diagnosis) -> dict[tuple[str, str], ModelNumber | None]:
+    """Return the sizes of what the model lacks and no cause is, by effect and location; without a gap of all."""
+    sizes = {
+        (ToolLoad.name, one.location) if one.name == f"{ToolLoad.name}.mass" else (RotorInertia.name, one.location): one
+        for one in diagnosis.model_numbers
+        if one.nominal == 0 and one.name in (f"{ToolLoad.name}.mass", f"{one.location}.inertia")
+    }
+    if diagnosis.verdict == "no_gap":
+        return dict(sizes)
     named = {one.effect for one in diagnosis.causes}  # a load of servos is a cause, and named as one
-    rows = [one for one in diagnosis.budget if one.effect in _LACKED and one.effect not in named]
-    found = {one.name: one for one in diagnosis.model_numbers}
-    texts = []
-    for row in rows:
-        size = found.get(f"{row.effect}.mass" if row.effect == ToolLoad.name else f"{row.location}.inertia")
-        if size is None or size.determined:
-            texts.append(budget_words(row) + (f", {with_std(size.value, size.std, size.unit)}" if size else ""))
-    return f"The model lacked {first_few(texts)}." if texts else ""
+    rows = [(one.effect, one.location) for one in diagnosis.budget if one.effect in _LACKED and one.effect not in named]
+    return {(effect, location): sizes.get((effect, location)) for effect, location in rows if effect is not None}
+
+
+def _lacked_words(effect: str, location: str, size: ModelNumber | None) -> str:
+    """Write a number that the model lacks, with its size where that is known."""
+    words = f"{effect_words(effect)} {location_words(location)}"
+    return words if size is None else f"{words}, {with_std(size.value, size.std, size.unit)}"
 
 
 def _ambiguous(diagnosis: Diagnosis) -> str:

@@ -12,6 +12,7 @@ from flexros.gap.report.terminal import (
     gap_line,
     group_lines,
     next_lines,
+    number_lines,
     other_figures_line,
     ranking_table,
     rest_lines,
@@ -21,7 +22,7 @@ from flexros.gap.report.terminal import (
 )
 from flexros.gap.report.words import undetermined_words
 from flexros.gap.result import DiagnosisResult
-from flexros.gap.schema import CauseParameter, Diagnosis
+from flexros.gap.schema import CauseParameter, Diagnosis, ModelNumber
 
 Diagnosed = Callable[[str], DiagnosisResult]
 
@@ -75,6 +76,18 @@ def test_the_budget_has_a_waterfall_and_both_shares(divided: Diagnosis) -> None:
     assert lines[0] == "motor_1"
     assert lines[-2] == "Hysteresis at motor_1: 60 % removed last, \u221230 % (worse) added first"
     assert lines[-1] == "Coulomb friction at motor_1: 20 % removed last, 25 % added first"
+
+
+def test_numbers_that_the_model_lacks_are_all_listed_and_come_before_wrong_ones(diagnosed: Diagnosed) -> None:
+    def found(name: str, nominal: float) -> ModelNumber:
+        return ModelNumber(location="tool", name=name, nominal=nominal, value=0.96, std=0.04, unit="kg")
+
+    wrong = tuple(found(f"body_{index}.mass", 1.2) for index in range(1, 7))
+    numbers = (*wrong, *(found(name, 0.0) for name in ("tool_load.mass", "tool_load.x")))
+    lines = number_lines(diagnosed("explained").diagnosis.model_copy(update={"model_numbers": numbers}))
+    assert lines[0] == "tool_load: mass 0.960 kg (±0.040), x 0.960 kg (±0.040)"
+    assert lines[1] == "body_1: mass 0.960 kg (±0.040) instead of 1.200"
+    assert lines[-1] == "and those of 2 more, in report and patch"
 
 
 def test_the_rest_has_joint_motion_and_band(divided: Diagnosis) -> None:

@@ -45,6 +45,30 @@ def test_sizes_of_what_the_model_lacks_are_stated(diagnosed: Diagnosed) -> None:
     assert "The model lacked tool load at the tool" in text
 
 
+def test_many_rotors_are_gathered_behind_a_load(diagnosed: Diagnosed) -> None:
+    values = {"class": "model numbers", "share_first": None, "share_last": 0.1, "interval": None}
+    places = [("motor_1", "rotor_inertia"), ("motor_2", "rotor_inertia"), ("motor_3", "rotor_inertia")]
+    rows = [{**values, "joint": at, "location": at, "effect": name} for at, name in (*places, ("tool", "tool_load"))]
+    sizes = [(at, f"{at}.inertia", 0.2 * int(at[-1]), "kg m2") for at, _ in places]
+    numbers = tuple(
+        ModelNumber(location=at, name=name, nominal=0, value=value, std=0.01, unit=unit)
+        for at, name, value, unit in (*sizes, ("tool", "tool_load.mass", 0.96, "kg"))
+    )
+    given = {"budget": tuple(BudgetShare.model_validate(row) for row in rows), "model_numbers": numbers}
+    assert (
+        "The model lacked tool load at the tool, 0.960 kg (±0.010) and rotor inertia (motor_1, motor_2 and motor_3), "
+        "0.20 to 0.60 kg m2."
+    ) in verdict_sentence(diagnosed("explained").diagnosis.model_copy(update=given))
+
+
+def test_no_gap_of_a_model_that_lacks_a_number_is_that_of_the_patch(diagnosed: Diagnosed) -> None:
+    rotor = ModelNumber(location="motor_1", name="motor_1.inertia", nominal=0, value=0.81, std=0.024, unit="kg m2")
+    text = verdict_sentence(diagnosed("no_gap").diagnosis.model_copy(update={"model_numbers": (rotor,)}))
+    assert text.endswith(
+        "The model lacked rotor inertia at motor_1, 0.810 kg m2 (±0.024): it is the model with the patch that agrees."
+    )
+
+
 def test_a_load_that_is_named_as_a_cause_is_not_told_twice(diagnosed: Diagnosed) -> None:
     diagnosis = diagnosed("explained").diagnosis
     cause = diagnosis.causes[0]

@@ -15,7 +15,7 @@ from plotly.offline import get_plotlyjs
 
 from flexros.gap.report import diagnosis_report
 from flexros.gap.result import DiagnosisResult
-from flexros.gap.schema import Diagnosis, ModelNumber, Partial
+from flexros.gap.schema import Diagnosis, ModelNumber, Partial, Step
 from flexros.robot import Robot
 
 pytestmark = pytest.mark.slow
@@ -171,7 +171,17 @@ def test_the_budget_is_drawn_and_its_negative_shares_are_explained(diagnosed: Di
     assert "\u221230 %" in html
     assert "A share below zero" in html
     assert any(trace["type"] == "waterfall" for one in pictures(html) for trace in one["figure"]["data"])  # type: ignore[index]
-    assert "Closed by the first cause" in html
+    assert "Closed by the largest part" in html
+
+
+def test_the_first_tile_counts_what_the_model_lacks(diagnosed: Diagnosed, divided: Diagnosis) -> None:
+    rotor = Step(effect="rotor_inertia", location="motor_1", share=0.7)
+    causes = tuple(step.model_copy(update={"share": 0.005}) for step in divided.waterfall[0].steps)
+    waterfall = (divided.waterfall[0].model_copy(update={"steps": (rotor, *causes)}),)
+    html = page(replace(diagnosed("explained"), diagnosis=divided.model_copy(update={"waterfall": waterfall})))
+    tile = html.partition("Closed by the largest part")[2]
+    assert "70" in tile[:200]
+    assert "Rotor inertia at motor_1 and 2 more in the patch" in tile
 
 
 def test_numbers_of_the_model_that_are_not_determined_are_said_so(diagnosed: Diagnosed, divided: Diagnosis) -> None:
