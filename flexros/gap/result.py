@@ -103,7 +103,8 @@ class DiagnosisResult:
         null_probability: Probability that no effect is there [1].
         after: The model with the causes; None where none was found.
         rival: The best explanation that was not chosen; None where there is none.
-        patch: The effects that repair the model, with their fitted parameters; empty where none was found.
+        patch: The effects that repair the model, with their fitted parameters; empty where none was found and
+            the model lacks no number.
         covariance_of: Names of fitted parameters, e.g. "coulomb_friction@motor_1.level", in the order of `covariance`.
         covariance: Covariance of the fitted parameters [SI], shape (p, p); None where none was found.
         excess: Excess at all locations, significant or not: per joint and band over the regime "all",

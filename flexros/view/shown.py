@@ -83,7 +83,7 @@ def shown_diagnosis(
     """Prepare the page of a diagnosis: the robot, the nominal and the repaired model side by side.
 
     Args:
-        folder: Folder of the diagnosis, with diagnosis.json and, where an effect was found, patch.yaml.
+        folder: Folder of the diagnosis, with diagnosis.json and, where there is anything to repair, patch.yaml.
         log_path: The log; None to look for the one named in diagnosis.json beside the folder and here.
         model: Nominal model; empty for that of the patch, or without one for the built-in robot in diagnosis.json.
         first: Beginning of the part that is shown, since that of the log [s].

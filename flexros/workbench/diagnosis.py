@@ -116,7 +116,7 @@ class Diagnosis:
         return waterfall_figure(self.answer) if what != "gap" and shown(self.answer) else gap_figure(self.gap)
 
     def write(self, folder: str | Path) -> tuple[Path, ...]:
-        """Write diagnosis.json, report.html and, where an effect was found, patch.yaml.
+        """Write diagnosis.json, report.html and, where there is anything to repair, patch.yaml.
 
         Args:
             folder: A new or empty folder, or that of an earlier diagnosis, which is replaced.

@@ -108,13 +108,14 @@ def _next(result: DiagnosisResult, bag: Path, model: str, out: Path) -> str:
     experiment = result.diagnosis.next_experiment
     if experiment is not None and experiment.command:
         return f"{experiment.command}    separates what this log does not"
+    if result.diagnosis.verdict == "no_gap":
+        agrees = str(out / "patch.yaml") if result.patch else model
+        return f"flexros monitor {shlex.quote(str(bag))} --model {shlex.quote(agrees)} --calibrate thresholds.yaml"
     if result.patch:
         names = ",".join(result.robot.joint_names[motor] for motor in result.record.prescribed)
         alike = f" --prescribed {names}" if names else ""
         patch = shlex.quote(str(out / "patch.yaml"))
         return f"flexros gap ANOTHER_LOG --model {shlex.quote(model)} --patch {patch}{alike}"
-    if result.diagnosis.verdict == "no_gap":
-        return f"flexros monitor {shlex.quote(str(bag))} --model {shlex.quote(model)} --calibrate thresholds.yaml"
     return f"open {out / 'report.html'}: where the gap shows, and what the log does not determine"
 
 

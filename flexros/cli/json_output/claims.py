@@ -33,7 +33,7 @@ class Repaired(Output):
 
     verdict: Verdict = Field(description="verdict of the diagnosis")
     causes: list[Cause] = Field(description="what closes most of the held-out gap first, equal ones by probability")
-    patch: str | None = Field(description="file of the repaired model; null where no effect was found")
+    patch: str | None = Field(description="file of the repaired model; null where there is nothing to repair")
     path_error_without_effect_m: float = Field(description="largest path error without the effect [m]")
     path_error_before_m: float = Field(description="with it [m]")
     path_error_after_m: float | None = Field(description="with it and the repaired feedforward [m]")

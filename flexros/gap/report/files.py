@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from flexros.gap.result import DiagnosisResult
 
 DIAGNOSIS, PATCH, REPORT = "diagnosis.json", "patch.yaml", "report.html"
-"""Names of the files of a diagnosis; the patch is written only where an effect was found."""
+"""Names of the files of a diagnosis; the patch is written only where an effect, or a number that the model lacks, was
+found."""
 _KINDS = {DIAGNOSIS: "diagnosis", PATCH: "patch", REPORT: "report"}
 
 
@@ -51,7 +52,7 @@ def check_folder(folder: Path) -> None:
 
 
 def write_diagnosis(result: DiagnosisResult, model: str | Path, folder: Path) -> tuple[str, ...]:
-    """Write diagnosis.json, report.html and, where an effect was found, patch.yaml.
+    """Write diagnosis.json, report.html and, where `DiagnosisResult.patch` has anything, patch.yaml.
 
     They are written into a temporary folder, which then replaces an existing one.
 

@@ -30,7 +30,7 @@ class PatchSection(AbstractSection["DiagnosisResult"]):
     title: ClassVar[str] = "The patch"
 
     def __init__(self, text: str) -> None:
-        """Take the patch as YAML, empty where no effect was found."""
+        """Take the patch as YAML, empty where there is nothing to repair."""
         self._text = text
 
     def blocks(self, result: DiagnosisResult) -> tuple[Block, ...]:
@@ -41,6 +41,8 @@ class PatchSection(AbstractSection["DiagnosisResult"]):
             "The effects with their fitted parameters on top of the nominal robot. The file patch.yaml is accepted "
             "wherever a robot is: for simulation, feedforward or another diagnosis."
         )
+        if result.diagnosis.verdict == "no_gap":
+            text += " It states what the robot file leaves out; with it there is no gap."
         if result.diagnosis.verdict == "unknown_effect":
             text += " It repairs only a part of the gap, whose cause is not among the known effects."
         if result.diagnosis.verdict == "partly_explained":
@@ -66,7 +68,7 @@ def sections(patch: str = "") -> tuple[AbstractSection[DiagnosisResult], ...]:
     """List the sections in order of appearance.
 
     Args:
-        patch: Text of patch.yaml; empty where no effect was found.
+        patch: Text of patch.yaml; empty where there is nothing to repair.
     """
     return (
         SummarySection(),
@@ -86,7 +88,7 @@ def diagnosis_report(result: DiagnosisResult, *, patch: str = "", title: str | N
 
     Args:
         result: The diagnosis.
-        patch: Text of patch.yaml; empty where no effect was found.
+        patch: Text of patch.yaml; empty where there is nothing to repair.
         title: Heading; None for robot and log.
     """
     every = [Chapter(section.title, section.blocks(result)) for section in sections(patch)]

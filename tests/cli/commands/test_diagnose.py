@@ -5,10 +5,13 @@ from __future__ import annotations
 import json
 import os
 import signal
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from flexros.effects.kinds.base import PlacedEffect
+from flexros.effects.left_out import RotorInertia
 from flexros.effects.patching.patched_robot import load_patched
 from flexros.errors import RunError
 from flexros.gap import diagnose as diagnosis_module
@@ -92,6 +95,15 @@ def test_without_a_gap_the_code_is_zero_and_there_is_no_patch(flexros, bag: str,
     assert ended.code == 0, ended.err
     assert json.loads(ended.out) == json.loads((out / "diagnosis.json").read_text(encoding="utf-8"))
     assert sorted(path.name for path in out.iterdir()) == ["diagnosis.json", "report.html"]
+
+
+def test_no_gap_of_a_model_that_lacks_a_number_goes_on_with_the_patch(
+    flexros, bag: str, tmp_path: Path, answered, monkeypatch
+) -> None:
+    answer, rotor = diagnosis_module.diagnose, PlacedEffect(RotorInertia(added=0.1), "motor_1")
+    monkeypatch.setattr(diagnosis_module, "diagnose", lambda *of, **by: replace(answer(*of, **by), patch=(rotor,)))
+    ended = flexros("diagnose", bag, "--model", "four_mass_linear", "--out", str(tmp_path / "out"))
+    assert f"Next: flexros monitor {bag} --model {tmp_path / 'out' / 'patch.yaml'} --calibrate" in ended.err
 
 
 def test_warnings_are_printed(flexros, bag: str, tmp_path: Path, answered) -> None:
