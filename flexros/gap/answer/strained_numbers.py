@@ -63,6 +63,7 @@ def far_out(fit: CandidateFit, least: float) -> dict[str, float]:
     sizes = np.abs(tolerance.by_name(fit.deviations))
     logarithms = np.asarray(tolerance.logarithms(fit.deviations))
     far = (sizes > least) | ((sizes > SEVERAL) & (np.abs(logarithms) > LARGE))
+    far &= np.array(tolerance.deviations) > 0  # all others are those of an effect, or exact
     return {tolerance.names[k]: float(np.exp(logarithms[k])) for k in np.argsort(-sizes) if far[k]}
 
 
