@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 
-ERRORS_OF_NUMBERS = ("relative", "coefficient")
-"""Parameters of effects that are errors of a number of the model: over it, or in its unit."""
 AT_LIMIT = 1e-3
 """Distance from a limit of the search, over the whole range in the unit of the fit, that counts as at the limit [1]."""
 REDUCED = (0.3, 0.6, 0.9)
@@ -233,7 +231,7 @@ def alike(one: Candidate, other: Candidate) -> bool:
 
 
 def own_numbers(hypothesis: Hypothesis, robot: Robot) -> frozenset[str]:
-    """Return the numbers of a robot that the free effects of a hypothesis are errors of.
+    """Return the numbers of a robot that a hypothesis has relative errors of.
 
     A log cannot tell such an error from a tolerated deviation of the same number.
 
@@ -241,7 +239,7 @@ def own_numbers(hypothesis: Hypothesis, robot: Robot) -> frozenset[str]:
         hypothesis: The hypothesis.
         robot: The nominal robot.
     """
-    errors = [one for one in hypothesis if any(free.name in ERRORS_OF_NUMBERS for free in one.free)]
+    errors = [one for one in hypothesis if any(free.name == "relative" for free in one.free)]
     return frozenset(name for one in errors for name in one.effect().numbers(robot, one.location))
 
 

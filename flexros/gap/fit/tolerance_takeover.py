@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects.kinds.model_change import AbstractChangedValues
-from flexros.gap.candidates.candidate import ERRORS_OF_NUMBERS
 from flexros.gap.fit.least_squares import chi2_of
 
 if TYPE_CHECKING:
@@ -16,6 +15,9 @@ if TYPE_CHECKING:
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.residuals.fit_data import FitData
+
+OF_NUMBERS = ("relative", "coefficient")
+"""Sizes of effects that are errors of a number of the model: over it, or in its unit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +85,7 @@ def with_own_numbers(fit: CandidateFit, data: FitData, least: float) -> Candidat
     sizes = [(candidate, free, values[free.name]) for candidate, values in every for free in candidate.free]
     for column, (candidate, free, value) in enumerate(sizes):
         own = candidate.effect().numbers(robot, candidate.location)
-        if free.name not in ERRORS_OF_NUMBERS or len(own) != 1 or own[0] not in changes:
+        if free.name not in OF_NUMBERS or len(own) != 1 or own[0] not in changes:
             continue
         place = predictor.n_effect + tolerance.names.index(own[0])
         if abs(fit.theta[place]) > least:

@@ -49,7 +49,8 @@ def test_numbers_of_no_possible_body_are_left_out() -> None:
 
 
 @pytest.mark.parametrize(("tolerance", "deviation", "far"), [
-    (0.3, -2.87, True), (0.3, -1.9, False), (0.05, 3.9, False), (0.05, -4.1, True), (0.1, 3.5, False), (0.0, 9.0, False),
+    (0.3, -2.87, True), (0.3, -1.9, False), (0.05, 3.9, False), (0.05, -4.1, True), (0.1, 3.5, False),
+    (0.0, 9.0, False),
 ])  # fmt: skip
 def test_a_guessed_number_is_far_out_where_its_factor_is_large(tolerance: float, deviation: float, far: bool) -> None:
     """An inertia that is tolerated by 30 % became 0.42 times its value, and nothing said so."""

@@ -195,7 +195,7 @@ def test_what_mjcf_has_no_place_for_is_listed(repair: Repair) -> None:
     )
     rows = {(row.location, row.name): row.size for row in exported.not_held}
     assert "amplitude 0.5 Nm" in rows["motor_1", "torque_ripple"]
-    assert "asymmetry 0.2" in rows["motor_2", "coulomb_friction"]
+    assert "asymmetry -0.2" in rows["motor_2", "coulomb_friction"]  # its joint counts the other way round
     assert "extra 1.5" in rows["motor_3", "stribeck_friction"]
     assert [row.location for row in exported.written] == ["motor_2"]
 
