@@ -47,8 +47,8 @@ def moving_on(fit: CandidateFit, nominal: Robot, data: FitData, before: AheadErr
     stated = np.array([nominal.parameters[f"{name}.inertia"].value > 0 for name in nominal.joint_names])
     if not stated.any():
         return []
-    repaired = fit.predictor.robot.with_values(fit.predictor.numbers(fit.theta))
-    given, now = (inertias_of_bodies(data.record, robot) for robot in (nominal, repaired))
+    given = inertias_of_bodies(data.record, nominal)
+    now = inertias_of_bodies(data.record, fit.predictor.robot, fit.predictor.numbers(fit.theta))
     heavier = stated & np.array([now[name] > HEAVIER * given[name] for name in nominal.joint_names])
     if not heavier.any():
         return []

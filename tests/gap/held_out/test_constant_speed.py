@@ -10,12 +10,13 @@ import pytest
 import yaml
 
 from flexros.effects import RobotWithEffects, parse_effect, place_effects
+from flexros.gap.fit.torques.unknown_numbers import inertias_of_bodies
 from flexros.gap.held_out.constant_speed import moving_on, moving_on_words
 from flexros.gap.measure_gap import MeasuredGap, measure_gap
 from flexros.gap.report.terminal import gap_verdict
 from flexros.record.record import Record
 from flexros.robot import Robot, robot_from_data
-from tests.gap.rigid_arm import arm
+from tests.gap.rigid_arm import arm, record_of_arm
 
 T, INERTIA, FRICTION, NOISE = 0.004, 0.004, 0.002, 2e-4
 MOTOR = """
@@ -89,3 +90,10 @@ def test_nothing_is_said_where_motors_are_predicted() -> None:
     (text,) = moving_on_words(("motor_1", "motor_2"))
     assert "motor_1, motor_2 are predicted" in text
     assert "if they moved on" in text
+
+
+def test_a_repair_may_have_numbers_of_no_possible_body() -> None:
+    """Tolerated inertias of a thin body no longer summed up to the largest, and a diagnosis ended in an error."""
+    robot, record, thin = arm(), record_of_arm(imported=True, seconds=4.0), {"body_2.inertia.yy": 1.04}
+    nominal, heavier = (inertias_of_bodies(record, robot, numbers) for numbers in ({}, thin))
+    assert heavier["motor_2"] == pytest.approx(nominal["motor_2"] + 1.0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import partial
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -229,10 +230,18 @@ def unknown_numbers(
     return UnknownNumbers(rotors, shown.load, bare, unseen if calmed else {}, shown.rough)
 
 
-def inertias_of_bodies(record: Record, robot: Robot) -> dict[str, float]:
-    """Return the inertia at every motor, with its rotor, in the middle of a motion [kg m2 or kg]."""
+def inertias_of_bodies(
+    record: Record, robot: Robot, numbers: Mapping[str, float] = MappingProxyType({})
+) -> dict[str, float]:
+    """Return the inertia at every motor, with its rotor, in the middle of a motion [kg m2 or kg].
+
+    Args:
+        record: The motion.
+        robot: The robot.
+        numbers: Other values of its parameters, by name; fitted ones need be those of no possible body [SI].
+    """
     state = robot.equilibrium(motor_position=np.median(record.position, axis=0))
-    masses = robot.model.mass_matrix(state[: robot.n_coordinates], robot.model.parameter_values)
+    masses = robot.symbolic(tuple(numbers)).mass_matrix(state[: robot.n_coordinates], np.array([*numbers.values()]))
     return dict(zip(robot.joint_names, np.diag(np.asarray(masses, dtype=float))[list(robot.motor_rows)]))
 
 
