@@ -13,6 +13,7 @@ from flexros.effects import effects
 from flexros.gap.answer.decision import level_of_positions, on_held_out
 from flexros.gap.answer.strained_numbers import STRAINED, far_out
 from flexros.gap.fit.candidate_fit import best_of_each
+from flexros.gap.fit.estimates import beyond_search
 from flexros.gap.fit.null_fit import predicting_best
 from flexros.gap.fit.tolerance_takeover import with_own_numbers
 from flexros.gap.held_out.closed_share import BOOTSTRAP_STREAM, NOTHING, closed_fraction, share_between
@@ -86,7 +87,7 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> tupl
             break
         fits.append(better)
         chosen = better
-    found, chosen = chosen, with_own_numbers(chosen, search.data, STRAINED)
+    found, chosen = chosen, with_own_numbers(_without_limited(search, chosen, held), search.data, STRAINED)
     if withdrawn or chosen is not found:
         fits = [chosen, *(fit for fit in fits if fit is not found)]
         kept = [fit for fit in fits if fit is chosen or (fit.names != chosen.names and fit.names.isdisjoint(withdrawn))]
@@ -95,6 +96,26 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> tupl
     if _changes_nothing(search, explanations, held):
         return explanations_of(search, explanations.comparison, explanations.null, detected=False), ()
     return explanations, tuple(withdrawn)
+
+
+def _without_limited(search: Search, chosen: CandidateFit, held: FitData) -> CandidateFit:
+    """Fit an explanation of a measured log again without effects at the last limits of their search, if that is better.
+
+    They are no findings and no part of the patch. Left out of a fit that leans on them, they had made a leg worse than
+    its nominal model is.
+
+    Args:
+        search: The search.
+        chosen: The explanation.
+        held: The held-out log.
+    """
+    limited = beyond_search(chosen)
+    if search.premises.library_is_complete or not limited or limited == chosen.names or search.deadline.stops():
+        return chosen
+    rest = search.completed(search.without(chosen, *limited))
+    left_out = replace(chosen, theta=chosen.switched_off(limited))
+    better = errors_ahead(rest, held).mean < errors_ahead(left_out, held).mean
+    return rest if better and not beyond_search(rest) else chosen
 
 
 def _rival(

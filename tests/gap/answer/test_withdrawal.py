@@ -13,6 +13,7 @@ from flexros.gap.answer import withdrawal
 from flexros.gap.answer.withdrawal import confirmed, surely_worse
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.candidate_fit import CandidateFit
+from flexros.gap.fit.estimates import beyond_search
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.residuals.fit_data import FitData
 from flexros.gap.residuals.prepare_fit_data import fit_data
@@ -204,3 +205,17 @@ def test_without_a_gap_in_either_log_an_effect_that_does_not_hold_is_chance() ->
     assert (found.detected, found.chosen, withdrawn) == (False, null.fit, ())
     elsewhere, _ = confirmed(search, explanations, measured("torque_bias@motor_1:level=0.1", seed=2))
     assert elsewhere.detected
+
+
+def test_what_ended_at_its_last_limit_is_fitted_around_where_that_predicts_better() -> None:
+    """Of a leg the patch without such a friction predicted another log worse than the nominal model."""
+    search, explanations = found()
+    chosen, held = explanations.chosen, measured(BOTH[0], seed=2)
+    soft, friction = (np.flatnonzero(chosen.columns({name})) for name in (SOFT, FRICTION))
+    theta = chosen.theta.copy()
+    theta[soft] = chosen.predictor.bounds[0][soft]
+    theta[friction] -= np.log(2)  # leans on it
+    limited = replace(chosen, theta=theta)
+    assert beyond_search(limited) == {SOFT}
+    assert withdrawal._without_limited(search, limited, held).names == {FRICTION}
+    assert withdrawal._without_limited(search, chosen, held) is chosen
