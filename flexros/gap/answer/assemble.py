@@ -21,6 +21,7 @@ from flexros.gap.answer.decision import (
 )
 from flexros.gap.answer.limits import identifiability_limits
 from flexros.gap.answer.order import in_order
+from flexros.gap.answer.unexplained_torques import hidden_from_torques
 from flexros.gap.answer.warnings import answer_warnings, record_warnings, sensor_warnings
 from flexros.gap.candidates.candidate import name_of
 from flexros.gap.fit.estimates import covariance_of, determined, parameters_of, placed_effects
@@ -181,7 +182,7 @@ def _held_out_errors(findings: Findings) -> HeldOutErrors:
         alone={name: errors[fit] for name, fit in alone.items()},
         null=errors[before],
         with_tolerance=tolerance_floor(findings.repaired, held),
-        moving_on=tuple(alike),
+        moving_on=hidden_from_torques(alike, findings),
     )
 
 

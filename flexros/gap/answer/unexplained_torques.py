@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from flexros.gap.answer.decision import Findings
 
 MOST = 0.4
@@ -32,6 +34,21 @@ def unexplained_torques(findings: Findings) -> dict[str, float]:
     much = left > np.maximum(MOST * changing, 0.0 if noise is None else noise)
     names = findings.model.robot.joint_names
     return {names[motor]: float(left[motor] / changing[motor]) for motor in np.flatnonzero(much & (changing > 0))}
+
+
+def hidden_from_torques(motors: Sequence[str], findings: Findings) -> tuple[str, ...]:
+    """Return those of some motors whose inertia the torques do not confirm: all of a log without measured ones.
+
+    An inertia that is far larger than in the robot file shows in the torques that accelerate it.
+
+    Args:
+        motors: The motors.
+        findings: Fits of one log, and what the held-out log says of them.
+    """
+    if findings.data.torques is None:
+        return tuple(motors)
+    unexplained = unexplained_torques(findings)
+    return tuple(motor for motor in motors if motor in unexplained)
 
 
 def torque_warnings(findings: Findings) -> list[str]:

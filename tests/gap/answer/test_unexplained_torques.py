@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flexros.gap.answer.unexplained_torques import torque_warnings, unexplained_torques
+from flexros.gap.answer.unexplained_torques import hidden_from_torques, torque_warnings, unexplained_torques
 
 
 def findings(left: tuple[float, float], noise: float | None = None, *, detected: bool = True) -> Any:
@@ -47,3 +47,11 @@ def test_where_nothing_was_found_nothing_is_said_of_torques() -> None:
     without = findings((0.2, 1.8))
     without.data.torques = None
     assert torque_warnings(without) == []
+
+
+def test_torques_that_are_explained_confirm_an_inertia_that_is_far_larger() -> None:
+    both = ("motor_1", "motor_2")
+    assert hidden_from_torques(both, findings((0.2, 1.8))) == ("motor_2",)
+    without = findings((0.2, 1.8))
+    without.data.torques = None
+    assert hidden_from_torques(both, without) == both
