@@ -27,8 +27,8 @@ BEGINS: Mapping[str, float] = MappingProxyType(
         "effects on held-out data": 0.96,
     }
 )
-"""Share of the time of a search that had passed when a step first began [1]: about the medians of 61 diagnoses of
-measured robots that took 10 s and more; in none of them scales were tried or effects divided (chosen)."""
+"""Share of the time of a search that had passed when a step first began [1]: about the medians in diagnoses of
+measured robots; in none of them scales were tried or effects divided (chosen)."""
 
 
 class Stages:

@@ -34,21 +34,22 @@ def of_kind(kind: type) -> list[str]:
     return sorted(no_state)
 
 
-@pytest.mark.parametrize("name", of_kind(AbstractMotorTorque))
-def test_torque_is_opposite_at_the_opposite_motion(name: str) -> None:
-    effect = uneven(name)
+def assert_opposite_at_the_opposite_motion(effect: AbstractEffect) -> None:
+    """Compare its torque with that of the effect turned round, where the motor moves the other way."""
     opposite = effect.turned_round()
     here = effect.added(at(POSITION, SPEED, TORQUE), effect.parameter_values)
     there = opposite.added(at(-POSITION, -SPEED, -TORQUE), opposite.parameter_values)
     assert float(ca.DM(there)) == pytest.approx(-float(ca.DM(here)))
+
+
+@pytest.mark.parametrize("name", of_kind(AbstractMotorTorque))
+def test_torque_is_opposite_at_the_opposite_motion(name: str) -> None:
+    assert_opposite_at_the_opposite_motion(uneven(name))
 
 
 def test_a_proportional_ripple_is_that_of_the_opposite_torque() -> None:
-    effect = effects()["torque_ripple"](amplitude=0.2, phase=0.7, second_sine=0.3, second_cosine=0.1, proportional=True)
-    opposite = effect.turned_round()
-    here = effect.added(at(POSITION, SPEED, TORQUE), effect.parameter_values)
-    there = opposite.added(at(-POSITION, -SPEED, -TORQUE), opposite.parameter_values)
-    assert float(ca.DM(there)) == pytest.approx(-float(ca.DM(here)))
+    ripple = effects()["torque_ripple"](amplitude=0.2, phase=0.7, second_sine=0.3, second_cosine=0.1, proportional=True)
+    assert_opposite_at_the_opposite_motion(ripple)
 
 
 @pytest.mark.parametrize("name", of_kind(AbstractDryFriction))
