@@ -18,8 +18,10 @@ from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
 from flexros.gap.fit.candidate_fit import CandidateFit, best_of
-from flexros.gap.fit.least_squares import chi2_of, fit, initial_values
+from flexros.gap.fit.initial_values import initial_values
+from flexros.gap.fit.least_squares import fit
 from flexros.gap.fit.null_fit import NullFit, fit_null
+from flexros.gap.fit.sum_of_squares import chi2_of
 from flexros.gap.noise.encoder_noise import measure_noise
 from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.search.prepare import prepare_search

@@ -13,7 +13,9 @@ import pytest
 from flexros.effects import RobotWithEffects
 from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
-from flexros.gap.fit.least_squares import chi2_of, fit, initial_values
+from flexros.gap.fit.initial_values import initial_values
+from flexros.gap.fit.least_squares import fit
+from flexros.gap.fit.sum_of_squares import chi2_of
 from flexros.gap.measure_gap import measure_gap
 from flexros.gap.residuals.fit_data import FitData
 from flexros.gap.residuals.prepare_fit_data import fit_data

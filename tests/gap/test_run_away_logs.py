@@ -12,7 +12,7 @@ from flexros.effects import place_effects
 from flexros.errors import InputError
 from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.diagnose import diagnose
-from flexros.gap.fit.least_squares import linearise
+from flexros.gap.fit.linearisation import linearise
 from flexros.gap.measure_gap import measure_gap
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.residuals.prepare_fit_data import _check_bounded, fit_data

@@ -10,8 +10,10 @@ from scipy.signal import butter, csd, filtfilt
 from flexros.effects import RobotWithEffects, parse_effect
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.candidate_fit import best_of
-from flexros.gap.fit.least_squares import chi2_of, fit, initial_values
+from flexros.gap.fit.initial_values import initial_values
+from flexros.gap.fit.least_squares import fit
 from flexros.gap.fit.null_fit import fit_null
+from flexros.gap.fit.sum_of_squares import chi2_of
 from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.settings import DiagnosisSettings

@@ -10,8 +10,9 @@ import numpy as np
 
 from flexros.effects.left_out.rotor_inertia import RotorInertia
 from flexros.effects.left_out.tool_load import ToolLoad
-from flexros.gap.fit.least_squares import chi2_of, fit
+from flexros.gap.fit.least_squares import fit
 from flexros.gap.fit.null_fit import predicting_best, predictor_for
+from flexros.gap.fit.sum_of_squares import chi2_of
 from flexros.gap.held_out.errors_ahead import errors_ahead, samples_ahead
 from flexros.gap.prediction.driven_model import driven_model
 

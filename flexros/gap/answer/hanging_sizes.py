@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.fit.estimates import inverse_of
-from flexros.gap.fit.least_squares import linearise
+from flexros.gap.fit.linearisation import linearise
 
 if TYPE_CHECKING:
     from flexros.gap.answer.decision import Findings

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.fit.least_squares import chi2_of, linearise
+from flexros.gap.fit.linearisation import linearise
+from flexros.gap.fit.sum_of_squares import chi2_of
 from flexros.gap.held_out.errors_ahead import errors_ahead_of
 from flexros.gap.held_out.gap_floor import over_expected_floor
 from flexros.gap.prediction.compiled_plant import LANES

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.fit.estimates import sizes_of
-from flexros.gap.fit.least_squares import linearised
+from flexros.gap.fit.linearisation import linearised
 from flexros.gap.fit.once_per_fit import once_per_fit
 from flexros.gap.fit.parts import estimates_of_parts, parts_of
 

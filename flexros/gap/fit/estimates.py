@@ -9,7 +9,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from flexros.gap.fit.doubts import doubt_of, of_smooth_friction, of_timing, with_doubt_of_shapes
-from flexros.gap.fit.least_squares import linearise, linearised, with_smooth_slopes
+from flexros.gap.fit.linearisation import linearise, linearised, with_smooth_slopes
 from flexros.gap.fit.once_per_fit import once_per_fit
 from flexros.gap.fit.parts import estimates_of_parts, parts_of, variation_between_parts
 from flexros.gap.fit.screening import switched_off
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from flexros.effects import PlacedEffect
     from flexros.gap.candidates.candidate import Candidate, FreeParameter
     from flexros.gap.fit.candidate_fit import CandidateFit
-    from flexros.gap.fit.least_squares import Linearised
+    from flexros.gap.fit.linearisation import Linearised
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.settings import RankingSettings
     from flexros.robot import Robot

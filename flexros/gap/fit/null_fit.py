@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.fit.least_squares import FIT, fit, linearise
+from flexros.gap.fit.least_squares import FIT, fit
+from flexros.gap.fit.linearisation import linearise
 from flexros.gap.prediction.compiled_plant import LANES, compiled_plant
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.residuals.prepare_fit_data import with_tool_frame_of

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexros.gap.fit.damped_steps import may_move
 from flexros.gap.fit.least_norm import least_norm
-from flexros.gap.fit.least_squares import may_move
 from flexros.gap.prediction.compiled_plant import LANES
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray, IntArray
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
-    from flexros.gap.fit.least_squares import Linearised
+    from flexros.gap.fit.linearisation import Linearised
     from flexros.gap.prediction.predictor import Predictor
     from flexros.gap.residuals.fit_data import FitData
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects.kinds.model_change import AbstractChangedValues
-from flexros.gap.fit.least_squares import chi2_of
+from flexros.gap.fit.sum_of_squares import chi2_of
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray

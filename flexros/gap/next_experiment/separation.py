@@ -10,7 +10,9 @@ import numpy as np
 from flexros.errors import InputError
 from flexros.gap.candidates.candidate import Candidate, FreeParameter
 from flexros.gap.candidates.tolerance import tolerance_of
-from flexros.gap.fit.least_squares import chi2_of, fit, linearise
+from flexros.gap.fit.least_squares import fit
+from flexros.gap.fit.linearisation import linearise
+from flexros.gap.fit.sum_of_squares import chi2_of
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.search.model_probability import contrast_of, form_error

@@ -14,8 +14,8 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from flexros.gap.fit.least_squares import chi2_of
 from flexros.gap.fit.null_fit import NullFit, fit_null
+from flexros.gap.fit.sum_of_squares import chi2_of
 from flexros.gap.residuals.prepare_fit_data import fit_data, with_tool_frame_of
 from flexros.gap.search.forward_selection import explain
 from flexros.gap.search.prepare import prepare_search

@@ -9,7 +9,7 @@ import numpy as np
 from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.scales import scales_of
 from flexros.gap.deadline import Deadline
-from flexros.gap.fit.least_squares import linearise
+from flexros.gap.fit.linearisation import linearise
 from flexros.gap.search.fits.candidate_fits import Search
 from flexros.gap.settings import DiagnosisSettings
 from flexros.random_streams import generator

@@ -11,7 +11,7 @@ from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.servos import ServoDampingError
 from flexros.gap.candidates.candidate import below_nominal
 from flexros.gap.fit.candidate_fit import CandidateFit
-from flexros.gap.fit.least_squares import chi2_of
+from flexros.gap.fit.sum_of_squares import chi2_of
 from flexros.robot.parameters import SERVO
 
 if TYPE_CHECKING:

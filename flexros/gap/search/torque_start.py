@@ -17,7 +17,8 @@ from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.scales import scales_of_motors
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.candidate_fit import CandidateFit
-from flexros.gap.fit.least_squares import chi2_of, fit
+from flexros.gap.fit.least_squares import fit
+from flexros.gap.fit.sum_of_squares import chi2_of
 from flexros.gap.fit.torques.arm_torque import arm_torque
 from flexros.gap.fit.torques.balanced import regress_balanced
 from flexros.gap.fit.torques.delay import torque_delay

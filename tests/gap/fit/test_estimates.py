@@ -25,7 +25,9 @@ from flexros.gap.fit.estimates import (
     smoothed,
     unit_of_parameter,
 )
-from flexros.gap.fit.least_squares import chi2_of, fit, initial_values
+from flexros.gap.fit.initial_values import initial_values
+from flexros.gap.fit.least_squares import fit
+from flexros.gap.fit.sum_of_squares import chi2_of
 from flexros.gap.schema import CauseParameter
 from flexros.gap.settings import FitSettings, RankingSettings
 from flexros.random_streams import generator

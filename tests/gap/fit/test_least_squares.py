@@ -9,29 +9,14 @@ import numpy as np
 import pytest
 
 from flexros.arrays import FloatArray
-from flexros.effects import place_effects
-from flexros.gap.candidates.candidate import FreeParameter
-from flexros.gap.candidates.tolerance import Tolerance, tolerance_of
-from flexros.gap.fit.candidate_fit import CandidateFit, best_of, best_of_each
-from flexros.gap.fit.least_squares import (
-    FIT,
-    JUMP,
-    chi2_of,
-    fit,
-    initial_values,
-    linearise,
-    linearised,
-    starts_of,
-    with_smooth_slopes,
-    without_jumps,
-)
-from flexros.gap.prediction.compiled_plant import LANES
+from flexros.gap.candidates.tolerance import Tolerance
+from flexros.gap.fit.candidate_fit import CandidateFit
+from flexros.gap.fit.initial_values import initial_values
+from flexros.gap.fit.least_squares import fit
+from flexros.gap.fit.sum_of_squares import chi2_of
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.residuals.fit_data import FitData
-from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.settings import DiagnosisSettings
-from flexros.record.record import Record
-from flexros.robot import load_robot
 from tests.gap.diagnosis_logs import WHOLE, candidates_of, data_of, encoded, predictor_of
 
 pytestmark = pytest.mark.slow
@@ -206,33 +191,6 @@ def test_slopes_from_elsewhere_that_are_wrong_serve_for_one_step_alone() -> None
     np.testing.assert_allclose(first.theta, [0.2, 0.5], atol=0.01)
 
 
-class Lines:
-    """Predictor and log of errors that are linear in fifteen parameters; counts the predictions."""
-
-    n_effect, bounds, tolerance = 15, (np.full(15, -1.0), np.full(15, 1.0)), Tolerance()
-    jumps = False
-    fineness = np.ones(15)
-
-    misfit, settings = 1.0, DiagnosisSettings(threads=1)
-
-    def __init__(self) -> None:
-        self.passes = 0
-
-    def residuals(self, _: object, thetas: FloatArray) -> FloatArray:
-        assert thetas.shape[1] <= LANES
-        self.passes += 1
-        slopes = np.random.default_rng(1).normal(size=(50, 15))
-        return np.asarray(1.0 + slopes @ thetas)
-
-
-def test_every_lane_of_a_prediction_but_one_makes_a_derivative() -> None:
-    lines = Lines()
-    found = linearise(cast("Predictor", lines), cast("FitData", lines), np.zeros(15))
-    np.testing.assert_allclose(found.slopes, np.random.default_rng(1).normal(size=(50, 15)), atol=1e-9)
-    np.testing.assert_array_equal(found.residual, np.ones(50))
-    assert lines.passes == 2  # of eight lanes each
-
-
 def test_what_is_tolerated_takes_up_a_deviation_at_its_price() -> None:
     candidate = candidates_of()["stiffness_error@body_2.rz"]
     data = made(predictor_of(candidate), np.array(encoded(candidate, relative=0.04)), 0)
@@ -243,137 +201,10 @@ def test_what_is_tolerated_takes_up_a_deviation_at_its_price() -> None:
     assert found.chi2 == pytest.approx(float(np.sum(residual**2)) + found.theta[0] ** 2)
 
 
-def test_slopes_are_derivatives_of_the_weighted_errors() -> None:
-    candidate = candidates_of()["viscous_friction@motor_1"]
-    predictor, theta = predictor_of(candidate), np.array(encoded(candidate, coefficient=3e-3, asymmetry=0.3))
-    line = linearise(predictor, data_of(), theta)
-    step = 1e-4 * np.eye(2)
-    for k in range(2):
-        ends = data_of().residuals(predictor, np.stack([theta + step[k], theta - step[k]], axis=-1))
-        difference = (ends[:, 0] - ends[:, 1]) / 2e-4
-        assert np.linalg.norm(line.slopes[:, k] - difference) < 0.01 * np.linalg.norm(difference)
-    np.testing.assert_allclose(line.gradient, line.slopes.T @ line.residual)
-    np.testing.assert_allclose(line.information, line.slopes.T @ line.slopes)
-
-
-def test_derivatives_by_errors_that_are_known_are_the_same() -> None:
-    candidate = candidates_of()["coulomb_friction@motor_1"]
-    predictor, theta = predictor_of(candidate), np.array(encoded(candidate, level=0.05))
-    anew = linearise(predictor, data_of(), theta)
-    known = linearise(predictor, data_of(), theta, residual=anew.residual)
-    np.testing.assert_allclose(known.slopes, anew.slopes, atol=1e-9 * np.abs(anew.slopes).max())
-    assert known.chi2 == anew.chi2
-
-
-def test_a_fit_is_linearised_once() -> None:
-    candidate = candidates_of()["coulomb_friction@motor_1"]
-    found = CandidateFit(predictor_of(candidate), np.array(encoded(candidate, level=0.05)), 0.0)
-    assert linearised(found, data_of()) is linearised(found, data_of())
-
-
-def test_derivatives_to_tolerated_numbers_by_few_long_steps_are_those_by_many() -> None:
-    robot, T, n = load_robot("elbow"), 2e-3, 1000
-    time = T * np.arange(n)[:, None] + np.arange(robot.n_motors)
-    noise = robot.encoder_noise * np.random.default_rng(1).normal(size=time.shape)
-    record = Record("log", T, 0.02 * np.sin(2 * np.pi * time) + noise, 5 * np.sin(3 * time), np.ones(n, dtype=bool))
-    model, tolerance = place_effects(robot, ()), tolerance_of(robot, {"stiffness": 0.01, "inertia": 0.01})
-    data = fit_data(record, model, DiagnosisSettings())
-    predictor = Predictor(model, (), tolerance, T)
-    assert tolerance.n_free >= LANES
-    assert predictor.coarse is not None
-    few = linearise(predictor, data, np.zeros(tolerance.n_free)).slopes
-    vars(predictor)["coarse"] = None
-    many = linearise(predictor, data, np.zeros(tolerance.n_free)).slopes
-    assert np.any(few != many)
-    assert np.all(np.linalg.norm(few - many, axis=0) < 0.01 * np.linalg.norm(many, axis=0))
-
-
-def test_a_few_values_that_jump_are_no_derivatives() -> None:
-    random = np.random.default_rng(0)
-    smooth = random.normal(size=(4000, 2))
-    jumps = smooth.copy()
-    jumps[[5, 700, 3100], 1] = [300.0, -500.0, 80.0]
-    found = without_jumps(jumps)
-    assert np.array_equal(found[:, 0], smooth[:, 0])
-    assert np.flatnonzero(found[:, 1] != smooth[:, 1]).tolist() == [5, 700, 3100]
-    assert not found[[5, 700, 3100], 1].any()
-    assert np.abs(found).max() < JUMP
-
-
-def test_derivatives_that_are_medians_of_several_steps_are_those_of_smooth_predictions() -> None:
-    every = candidates_of()
-    predictor = predictor_of(every["coulomb_friction@motor_1"])
-    data, theta = data_of(), np.zeros(predictor.n_fitted)
-    theta[0] = encoded(every["coulomb_friction@motor_1"], level=0.05)[0]
-    usual = linearise(predictor, data, theta)
-    medians = with_smooth_slopes(usual, predictor, data, theta)
-    scale = np.abs(usual.slopes).max(axis=0)
-    assert np.abs(medians.slopes - usual.slopes).max() < 0.02 * scale.max()
-    assert medians.information == pytest.approx(usual.information, rel=0.05, abs=1e-3 * usual.information.max())
-
-
-def test_what_shows_in_a_part_of_the_log_is_no_jump() -> None:
-    slopes = np.zeros((4000, 1))
-    slopes[1000:1200, 0] = np.linspace(1.0, 2.0, 200)
-    assert np.array_equal(without_jumps(slopes), slopes)
-
-
-def test_predictions_jump_with_contacts_alone() -> None:
-    every = candidates_of()
-    assert predictor_of(every["backlash@motor_1"]).jumps
-    assert not predictor_of(every["coulomb_friction@motor_1"]).jumps
-
-
-def test_starts_are_all_combinations() -> None:
-    pair = [candidates_of()[name] for name in ("coulomb_friction@motor_1", "stiffness_error@body_2.rz")]
-    counts = [len(one.free[0].starts) for one in pair]
-    tolerance = Tolerance(("body_1.rz.stiffness",), (0.02,))
-    free = initial_values(predictor_of(*pair, tolerance=tolerance))
-    assert free.shape == (3, counts[0] * counts[1])
-    assert len(np.unique(free, axis=1).T) == counts[0] * counts[1]
-    assert not free[2].any()
-
-
-def test_more_starts_than_allowed_are_thinned_over_their_whole_range() -> None:
-    sizes = tuple(float(size) for size in np.geomspace(1e-4, 1.0, 2 * FIT.most_starts))
-    candidate = candidates_of()["coulomb_friction@motor_1"]
-    many = replace(candidate, free=(FreeParameter("level", 1e-4, 1.0, signed=False, starts=sizes),))
-    starts = initial_values(predictor_of(many))[0]
-    assert len(starts) == FIT.most_starts
-    np.testing.assert_allclose(starts[[0, -1]], np.log([1e-4, 1.0]), atol=1e-12)
-    assert np.diff(starts).max() < 3.01 * np.log(sizes[1] / sizes[0])  # of two or three combinations one is kept
-
-
-def test_of_a_law_that_others_shape_one_size_may_be_enough() -> None:
-    """Linear theory scales a size, but not a speed: eight of 25 combinations left out the speed of a hump."""
-    stribeck = candidates_of()["stribeck_friction@motor_1"]
-    sizes, speeds, _ = starts_of((stribeck,), of_one_size=True)
-    assert len(set(sizes)) == 1
-    assert set(speeds) == set(starts_of((stribeck,))[1])
-    coulomb, spring = (candidates_of()[name] for name in ("coulomb_friction@motor_1", "nonlinear_stiffness@body_2.rz"))
-    assert np.array_equal(starts_of((coulomb,), of_one_size=True), starts_of((coulomb,)))
-    relative = starts_of((spring,), of_one_size=True)[0]
-    assert set(np.sign(relative)) == {-1.0, 1.0}
-    assert len(set(relative)) == 2
-
-
 def test_the_nominal_model_has_nothing_to_fit() -> None:
     nothing = predictor_of()
     found = fit(nothing, data_of(), np.zeros(0))
     assert found.chi2 == pytest.approx(float(chi2_of(nothing, data_of(), np.zeros((0, 1)))[0]))
-
-
-def test_sums_of_many_sets_are_those_of_each() -> None:
-    candidate = candidates_of()["coulomb_friction@motor_1"]
-    thetas = np.log(np.geomspace(1e-3, 0.1, 11))[None]
-    sums = chi2_of(predictor_of(candidate), data_of(), thetas)
-    assert sums.shape == (11,)
-    assert sums[10] == pytest.approx(float(chi2_of(predictor_of(candidate), data_of(), thetas[:, 10:])[0]))
-
-
-def test_the_best_fit_has_the_smallest_sum() -> None:
-    fits = [CandidateFit(predictor_of(), np.zeros(0), chi2) for chi2 in (3.0, 1.0, 2.0)]
-    assert best_of(fits) is fits[1]
 
 
 def test_a_fit_that_is_stopped_ends_where_it_is() -> None:
@@ -383,14 +214,3 @@ def test_a_fit_that_is_stopped_ends_where_it_is() -> None:
     found = fit(predictor, data, start, 20, stop=lambda: True)
     assert (found.converged, found.iterations) == (False, 1)
     assert found.chi2 < chi2_of(predictor, data, start[:, None])[0]
-
-
-def test_of_one_set_of_effects_the_best_fit_is_kept() -> None:
-    friction, soft = (candidates_of()[name] for name in ("coulomb_friction@motor_1", "stiffness_error@body_2.rz"))
-
-    def fitted(chi2: float, *hypothesis: str) -> CandidateFit:
-        predictor = predictor_of(*(candidates_of()[name] for name in hypothesis))
-        return CandidateFit(predictor, np.zeros(predictor.n_fitted), chi2)
-
-    fits = [fitted(3.0, friction.name, soft.name), fitted(1.0, soft.name, friction.name), fitted(2.0, soft.name)]
-    assert best_of_each(fits) == [fits[1], fits[2]]

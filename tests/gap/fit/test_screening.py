@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flexros.gap.fit.least_squares import Linearised, fit
+from flexros.gap.fit.least_squares import fit
+from flexros.gap.fit.linearisation import Linearised
 from flexros.gap.fit.screening import Surroundings, directions_of, surroundings_of
 from flexros.gap.prediction.compiled_plant import LANES
 from tests.gap.diagnosis_logs import candidates_of, encoded, predictor_of, search_of

@@ -7,7 +7,7 @@ import pytest
 
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.candidate_fit import CandidateFit
-from flexros.gap.fit.least_squares import chi2_of
+from flexros.gap.fit.sum_of_squares import chi2_of
 from flexros.gap.fit.tolerance_takeover import takeover, with_own_numbers, with_takeover
 from tests.gap.diagnosis_logs import ROBOT, candidates_of, data_of, encoded, predictor_of
 

@@ -16,7 +16,9 @@ from flexros.gap.candidates.candidate import list_candidates
 from flexros.gap.candidates.scales import scales_of
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.candidate_fit import best_of
-from flexros.gap.fit.least_squares import chi2_of, fit, initial_values
+from flexros.gap.fit.initial_values import initial_values
+from flexros.gap.fit.least_squares import fit
+from flexros.gap.fit.sum_of_squares import chi2_of
 from flexros.gap.next_experiment.separation import ROOM, Explained, Trial, _free, predictor_of, separation, trial
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.settings import DiagnosisSettings, FitSettings, RankingSettings

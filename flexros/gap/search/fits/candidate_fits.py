@@ -15,8 +15,9 @@ from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.effects.kinds.tool_error import AbstractToolError
 from flexros.gap.candidates.candidate import alike, list_candidates, names_of
 from flexros.gap.fit.candidate_fit import CandidateFit, best_of_each
-from flexros.gap.fit.least_squares import chi2_of, starts_of
+from flexros.gap.fit.initial_values import starts_of
 from flexros.gap.fit.screening import directions_of, switched_off
+from flexros.gap.fit.sum_of_squares import chi2_of
 from flexros.gap.fit.torques.unknown_numbers import UNCERTAIN
 from flexros.gap.prediction.compiled_plant import LANES, grouped
 from flexros.gap.search.fits.additions import addition_of, best_starts

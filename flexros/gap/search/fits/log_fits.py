@@ -12,8 +12,8 @@ import numpy as np
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.candidate_fit import CandidateFit, best_of, best_of_each
 from flexros.gap.fit.estimates import placed_effects
-from flexros.gap.fit.least_squares import chi2_of
 from flexros.gap.fit.least_squares import fit as fit_candidate
+from flexros.gap.fit.sum_of_squares import chi2_of
 from flexros.gap.prediction.compiled_plant import LANES
 from flexros.gap.search.model_probability import compare
 from flexros.gap.search.periodic.harmonic_candidates import neighbouring_orders

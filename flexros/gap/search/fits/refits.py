@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.fit.candidate_fit import best_of
-from flexros.gap.fit.least_squares import chi2_of, linearise, starts_of
+from flexros.gap.fit.initial_values import starts_of
+from flexros.gap.fit.linearisation import linearise
 from flexros.gap.fit.pruning import without_least_parameter
 from flexros.gap.fit.screening import surroundings_of
+from flexros.gap.fit.sum_of_squares import chi2_of
 from flexros.gap.prediction.compiled_plant import LANES
 from flexros.gap.search.fits.log_fits import LogFits
 from flexros.prediction.integration_step import is_finer

@@ -17,8 +17,8 @@ from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.checked_log import checked_log
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.candidate_fit import CandidateFit
-from flexros.gap.fit.least_squares import chi2_of
 from flexros.gap.fit.null_fit import fit_null
+from flexros.gap.fit.sum_of_squares import chi2_of
 from flexros.gap.residuals.fit_data import FitData
 from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.search.fits.additions import Addition

@@ -11,7 +11,8 @@ import pytest
 from flexros.effects import effects
 from flexros.gap.candidates.candidate import Candidate
 from flexros.gap.fit.candidate_fit import CandidateFit
-from flexros.gap.fit.least_squares import initial_values, linearise
+from flexros.gap.fit.initial_values import initial_values
+from flexros.gap.fit.linearisation import linearise
 from flexros.gap.prediction.predictor import LANES
 from flexros.gap.search.periodic import harmonic_candidates
 from flexros.gap.search.periodic.harmonic_candidates import neighbouring_orders
