@@ -9,7 +9,9 @@ from flexros.effects.patching.patch import Patch, PatchedEffect, PatchedValue
 from flexros.effects.patching.repaired_numbers import joint_side, repaired_numbers
 from flexros.errors import InputError
 from flexros.input_limits import LARGEST_URDF
+from flexros.robot.exchange.joint_names import all_turned_round
 from flexros.robot.exchange.json_export import json_export
+from flexros.robot.exchange.mjcf.base_file import mjcf_base
 from flexros.robot.exchange.mjcf.export import mjcf_export
 from flexros.robot.exchange.mjcf.repair import repair_mjcf
 from flexros.robot.exchange.urdf.description_repair import repair_description
@@ -49,14 +51,18 @@ def export_model(
         InputError: The base cannot be used, or values of the robot file are stated on the motor side and the format
             has no place for the gear ratio.
     """
+    robot, named = patched.model.robot, joints or {}
+    if to == "mjcf" and base is not None:
+        file = mjcf_base(base, robot, named, end)
+        return repair_mjcf(file, robot, repaired_numbers(patched, turned=file.turned))
     of_file = base is not None or to == "json"  # new files of the others have the joints of the robot file
-    numbers, robot, named = repaired_numbers(patched, of_file=of_file), patched.model.robot, joints or {}
+    numbers = repaired_numbers(patched, turned=all_turned_round(robot) if of_file else ())
     if to == "json":
         if base is not None:
             raise InputError(f"a JSON of joint numbers is written anew, so {base} is of no use; leave it out", "base")
         return json_export(robot, numbers, named)
     if to == "mjcf":
-        return mjcf_export(robot, numbers) if base is None else repair_mjcf(base, robot, numbers, named, end)
+        return mjcf_export(robot, numbers)
     if base is not None:
         return repair_description(read_text(base, to.upper(), LARGEST_URDF), str(base), to, robot, numbers, named)
     if joint_side(robot) != 1:

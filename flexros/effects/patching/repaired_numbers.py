@@ -22,14 +22,13 @@ from flexros.effects.servos.servo_command_lag import ServoCommandLag
 from flexros.effects.torque_gain_error import TorqueGainError
 from flexros.effects.torque_saturation import TorqueSaturation
 from flexros.errors import InputError
-from flexros.robot.exchange.joint_names import turned_round
 from flexros.robot.exchange.numbers import SAME, BodyNumbers, JointNumbers, LoadNumbers, NotHeld, RepairedNumbers
 from flexros.robot.parameters import INERTIA_COMPONENTS
 from flexros.robot.quantity import unit_of
 from flexros.robot.spring import Spring
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Collection, Sequence
 
     from flexros.arrays import FloatArray
     from flexros.effects.kinds.law import AbstractLaw
@@ -49,7 +48,7 @@ DIFFERENCES = {
 NO_LAW = "no joint parameter represents it: add it as a force, or keep it in FlexROS"
 
 
-def repaired_numbers(patched: PatchedRobot, *, of_file: bool = False) -> RepairedNumbers:
+def repaired_numbers(patched: PatchedRobot, *, turned: Collection[str] = ()) -> RepairedNumbers:
     """Return the numbers of joints and bodies of a robot with its effects.
 
     Values stated on the motor side of a gear with ratio n (key `coordinates`) are converted: torques times n, friction
@@ -57,7 +56,8 @@ def repaired_numbers(patched: PatchedRobot, *, of_file: bool = False) -> Repaire
 
     Args:
         patched: Robot with effects, as loaded.
-        of_file: Whether effects that are not held count as the joints of the file that the robot was imported from.
+        turned: Motors and arm coordinates that count the other way round than the joints of the file for which the
+            numbers are: zeros of encoders and effects that are not held are stated as those count.
 
     Raises:
         InputError: The file states values on the motor side, which cannot be converted.
@@ -91,11 +91,11 @@ def repaired_numbers(patched: PatchedRobot, *, of_file: bool = False) -> Repaire
             for joint in (each for each in joints if law.location == each.motor.name):
                 held, reason = joint.take(law.effect)
         if not held:
-            effect = law.effect.turned_round() if of_file and turned_round(model.robot, law.location) else law.effect
+            effect = law.effect.turned_round() if law.location in turned else law.effect
             size = _size(effect, law.location not in sliding)
             not_held.append(NotHeld(law.location, law.name.partition("@")[0], size, reason))
     return RepairedNumbers(
-        tuple(joint.numbers() for joint in joints),
+        tuple(joint.numbers(turned=joint.motor.name in turned) for joint in joints),
         tuple(
             _of_body(
                 name := f"body_{k}",
@@ -218,8 +218,8 @@ class _Joint:
             return False, "a first-order lag: in MuJoCo an actuator `general` with dyntype filter and dynprm"
         return False, NO_LAW
 
-    def numbers(self) -> JointNumbers:
-        """Return the numbers on the joint side."""
+    def numbers(self, *, turned: bool) -> JointNumbers:
+        """Return the numbers on the joint side, for a joint that counts as the motor or the other way round."""
         squared = self.scale**2
         spring = self.motor.joint.direction.spring
         stiffness = spring.at_zero / squared if isinstance(spring, Spring) else None
@@ -241,7 +241,7 @@ class _Joint:
             servo_stiffness=None if servo is None else self.gain * servo.stiffness.value / squared,
             servo_damping=None if servo is None else self.gain * servo.damping.value / squared,
             servo_lag=None if servo is None else self.lag,
-            zero=self.zero * self.scale,
+            zero=(-self.zero if turned else self.zero) * self.scale,
         )
 
     def _viscous(self, effect: ViscousFriction) -> tuple[bool, str]:

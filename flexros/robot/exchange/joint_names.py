@@ -58,6 +58,11 @@ def turned_round(robot: Robot, coordinate: str) -> bool:
     return robot.spec.tags.get(f"{coordinate}.joint_sign") == "-1"
 
 
+def all_turned_round(robot: Robot) -> frozenset[str]:
+    """Return the motors and arm coordinates that count the other way round than the joints of the imported file."""
+    return frozenset(name for name in (*robot.joint_names, *robot.arm_names) if turned_round(robot, name))
+
+
 def joints_line(robot: Robot) -> str:
     """Say which joint of the imported file each motor is, and which count the other way round; empty for no import."""
     named = [(motor, joint) for motor in robot.joint_names if (joint := tagged(robot, motor))]

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from flexros.json_text import json_text
-from flexros.robot.exchange.joint_names import tagged, turned_round
+from flexros.robot.exchange.joint_names import tagged
 from flexros.robot.exchange.numbers import Export, Written
 from flexros.robot.quantity import unit_of
 from flexros.robot.spring import Spring
@@ -33,12 +33,6 @@ def json_export(robot: Robot, numbers: RepairedNumbers, joints: Mapping[str, str
     names = {
         joint.motor: joints.get(joint.motor) or tagged(robot, joint.motor) or joint.motor for joint in numbers.joints
     }
-    numbers = replace(
-        numbers,
-        joints=tuple(
-            replace(joint, zero=-joint.zero) if turned_round(robot, joint.motor) else joint for joint in numbers.joints
-        ),
-    )
     servos = any(joint.servo_stiffness is not None for joint in numbers.joints)
     servo_gains = (("stiffness", "servo_stiffness"), ("damping", "servo_damping")) if servos else ()
     content: dict[str, Any] = {

@@ -35,6 +35,17 @@ def test_effects_add_up(tmp_path: Path) -> None:
     assert first.stiffness == 3e5
 
 
+def test_zero_and_listed_effects_count_as_a_joint_that_is_turned_round(tmp_path: Path) -> None:
+    file = tmp_path / "patch.yaml"
+    offset = "{effect: encoder_offset, location: motor_1, parameters: {offset: 0.05}}"
+    bias = "{effect: torque_bias, location: motor_2, parameters: {level: 0.26}}"
+    file.write_text(f"robot: elbow\neffects: [{offset}, {bias}]\n")
+    own, turned = (repaired_numbers(load_patched(file), turned=motors) for motors in ((), ("motor_1", "motor_2")))
+    assert [joint.zero for joint in own.joints] == [0.05, 0.0]
+    assert [joint.zero for joint in turned.joints] == [-0.05, 0.0]
+    assert [each.size for each in (*own.not_held, *turned.not_held)] == ["level 0.26 Nm", "level -0.26 Nm"]
+
+
 def test_what_is_held_in_part_is_listed(tmp_path: Path) -> None:
     held = numbers(
         tmp_path,

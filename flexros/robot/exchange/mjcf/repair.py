@@ -9,12 +9,11 @@ import numpy as np
 from flexros.config.text_file import read_text
 from flexros.errors import InputError
 from flexros.input_limits import LARGEST_URDF
-from flexros.robot.exchange.joint_names import motor_joints, tagged
+from flexros.robot.exchange.joint_names import tagged
 from flexros.robot.exchange.mjcf.actuator_repair import ActuatorRepair
 from flexros.robot.exchange.mjcf.actuators import actuators_of, added
-from flexros.robot.exchange.mjcf.arm import ArmJoint, MjcfArm, find_arm
 from flexros.robot.exchange.mjcf.body_inertia import BodyInertia, inertia_of, point_mass
-from flexros.robot.exchange.mjcf.mujoco_model import compile_file, compile_text, mujoco_package
+from flexros.robot.exchange.mjcf.mujoco_model import compile_text, mujoco_package
 from flexros.robot.exchange.number_text import number, numbers_text
 from flexros.robot.exchange.numbers import REWRITTEN, Export, NotHeld, Written, same
 from flexros.robot.exchange.xml_text import XmlElement, XmlText
@@ -23,14 +22,15 @@ from flexros.robot.spring import Spring
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-    from pathlib import Path
 
     from flexros.robot import Robot
+    from flexros.robot.exchange.mjcf.arm import ArmJoint, MjcfArm
+    from flexros.robot.exchange.mjcf.base_file import MjcfBase
     from flexros.robot.exchange.numbers import BodyNumbers, JointNumbers, RepairedNumbers
     from flexros.robot.symbolic.chain import Joint
 
 
-def repair_mjcf(base: Path, robot: Robot, numbers: RepairedNumbers, joints: Mapping[str, str], end: str = "") -> Export:
+def repair_mjcf(base: MjcfBase, robot: Robot, numbers: RepairedNumbers) -> Export:
     """Return a user's MJCF with the numbers of a robot: only attributes that differ are changed.
 
     Joints get damping, frictionloss and armature, actuators gain, limit and delay, as absolute values; bodies are
@@ -39,29 +39,25 @@ def repair_mjcf(base: Path, robot: Robot, numbers: RepairedNumbers, joints: Mapp
     Args:
         base: The MJCF.
         robot: The robot with the changes of its effects.
-        numbers: Its numbers on the joint side.
-        joints: Joint of the file by motor; default: as in `motor_joints`.
-        end: Body at the end of the arm; default: the only possible one.
+        numbers: Its numbers on the joint side, as the joints of the MJCF count.
 
     Raises:
-        InputError: MuJoCo is missing or refuses the file, or it is not clear which joint is meant.
+        InputError: A number cannot be written into the file.
     """
-    model = compile_file(base)
-    text = XmlText(read_text(base, "MJCF", LARGEST_URDF), str(base))
-    repair = _Repair(model, text, str(base), robot, numbers)
-    arm = find_arm(model, str(base), end)
-    names = motor_joints(robot, [joint.name for joint in arm.joints], joints, str(base))
+    source, arm, names = str(base.path), base.arm, base.names
+    text, folder = XmlText(read_text(base.path, "MJCF", LARGEST_URDF), source), base.path.resolve().parent
+    repair = _Repair(base.model, text, source, robot, numbers)
     for joint in numbers.joints:
         repair.joint(joint, names[joint.motor])
-        repair.zero(joint, names[joint.motor], arm)
+        repair.zero(joint, names[joint.motor])
         repair.actuators.actuator(joint, names[joint.motor])
     repair.springs()
     repair.gravity(arm)
     for body in numbers.bodies:
         repair.body(body, arm, names)
-    repair.actuators.keep_damping(compile_text(text.text(), base.resolve().parent, str(base)))
+    repair.actuators.keep_damping(compile_text(text.text(), folder, source))
     changed = text.text()
-    repair.check(compile_text(changed, base.resolve().parent, str(base)))
+    repair.check(compile_text(changed, folder, source))
     return Export(changed, tuple(repair.written), tuple(repair.not_held))
 
 
@@ -106,7 +102,7 @@ class _Repair:
             self.expected.append((f"dof_{attribute}", dof, values[0]))
             self._note(joint.motor, quantity, f"joint {name} {attribute}", before, wanted, unit)
 
-    def zero(self, joint: JointNumbers, name: str, arm: MjcfArm) -> None:
+    def zero(self, joint: JointNumbers, name: str) -> None:
         """Write another zero of the encoder: the position of the joint where the bodies are as the file draws them.
 
         The rest of a spring in the joint stays where it is in the arm.
@@ -115,7 +111,6 @@ class _Repair:
             return
         element, index = self._element("joint", name), int(self.model.joint(name).id)
         address = int(self.model.jnt_qposadr[index])
-        moved = next(each.sign for each in arm.joints if each.index == index) * joint.zero
         angle = 1.0 if self.radian or not joint.rotary else float(np.degrees(1.0))
         unit = unit_of("position", joint.rotary)
         places = [("zero of the encoder", "ref", "qpos0")]
@@ -123,9 +118,9 @@ class _Repair:
             places.append(("rest of its spring", "springref", "qpos_spring"))
         for quantity, attribute, array in places:
             before = float(getattr(self.model, array)[address])
-            element.set(attribute, number(angle * (before + moved)))
-            self.expected.append((array, address, before + moved))
-            self._note(joint.motor, quantity, f"joint {name} {attribute}", before, before + moved, unit)
+            element.set(attribute, number(angle * (before + joint.zero)))
+            self.expected.append((array, address, before + joint.zero))
+            self._note(joint.motor, quantity, f"joint {name} {attribute}", before, before + joint.zero, unit)
 
     @property
     def radian(self) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.robot.body_placement import BodyPlacements
-from flexros.robot.exchange.joint_names import motor_joints, turned_round
+from flexros.robot.exchange.joint_names import motor_joints
 from flexros.robot.exchange.link_inertia import LEAST
 from flexros.robot.exchange.number_text import number
 from flexros.robot.exchange.numbers import REWRITTEN, Export, NotHeld, Written, same
@@ -155,8 +155,7 @@ class _Repair:
         self._lost(joint.motor, "servo damping", joint.servo_damping or 0.0, damping, NO_SERVO)
         self._lost(joint.motor, "lag of the control", joint.servo_lag or 0.0, "s", NO_SERVO)
         self._lost(joint.motor, "torque gain", joint.torque_gain - 1, "relative", NO_COMMAND)
-        zero = -joint.zero if turned_round(self.robot, joint.motor) and not self.new else joint.zero
-        self._lost(joint.motor, "zero of the encoder", zero, unit_of("position", joint.rotary), WRONG_ZERO)
+        self._lost(joint.motor, "zero of the encoder", joint.zero, unit_of("position", joint.rotary), WRONG_ZERO)
 
     def body(self, body: BodyNumbers) -> None:
         """Scale mass and inertia of a link."""

@@ -129,6 +129,19 @@ def test_another_zero_of_an_encoder_turns_the_bodies_and_moves_no_spring(text: s
     assert exported.not_held == ()
 
 
+def test_what_is_listed_counts_as_the_joint_of_the_file_for_a_robot_without_tags_too(tmp_path: Path) -> None:
+    base, robot, patch = tmp_path / "arm.xml", tmp_path / "arm.yaml", tmp_path / "patch.yaml"
+    base.write_text(ARM)
+    content = yaml.safe_load(robot_from_mjcf(base).text)
+    tags = content.pop("tags")
+    joints = {f"motor_{k}": tags[f"motor_{k}.joint"] for k in range(1, 6)}
+    robot.write_text(yaml.safe_dump(content))
+    bias = "{effect: torque_bias, location: motor_2, parameters: {level: 0.26}}"
+    patch.write_text(f"robot: arm.yaml\neffects: [{bias}]\n")
+    listed = {row.name: row.size for row in export_model(load_patched(patch), "mjcf", base, joints).not_held}
+    assert listed["torque_bias"] == "level -0.26 Nm"  # the axis of j2 is against that of the robot file
+
+
 LOAD = "  - {effect: tool_load, location: tool, parameters: {mass: 2, x: 0.05, y: -0.04, z: 0.1}}\n"
 DIFFERENCE = "  - {{effect: body_difference, location: {}, parameters: {{mass: {}, x: {}}}}}\n"
 INERTIA = "  - {effect: inertia_error, location: body_5, parameters: {relative: 0.3}}\n"
