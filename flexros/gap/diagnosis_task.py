@@ -158,10 +158,12 @@ class DiagnosisTask:
             found: The explanations.
         """
         settings, deadline, stages = self.settings, self.deadline, self.stages
-        explanations, withdrawn = confirmed(found.search, found.explanations, found.held_data)
+        kept = confirmed(found.search, found.explanations, found.held_data)
         stages.begin("answer", ANSWER)
-        model, searched = found.null.model, explanations.beside or found.null.data
-        sensitivity = sensitivity_of(explanations, searched, model, found.unknown, settings.sensitivity, deadline.stops)
+        model, searched = found.null.model, kept.explanations.beside or found.null.data
+        sensitivity = sensitivity_of(
+            kept.explanations, searched, model, found.unknown, settings.sensitivity, deadline.stops
+        )
         findings = findings_of(
             model,
             searched,
@@ -174,7 +176,8 @@ class DiagnosisTask:
             tolerance=self.tolerance,
             settings=settings.ranking,
             complete=deadline.partial is None,
-            withdrawn=withdrawn,
+            withdrawn=kept.withdrawn,
+            fitted_around=kept.fitted_around,
             stop=deadline.of_fit(finishing=True),
         )
         return result_of(findings, found.prediction, found.excess, settings, stages, deadline)

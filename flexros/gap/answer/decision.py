@@ -54,6 +54,7 @@ class Findings:
         names_by_tolerance: Effects that are named with the stated, halved or doubled tolerances.
         elsewhere: Explanations that are the most probable ones with other tolerances.
         withdrawn: Effects, effect@location, without which the held-out log is predicted better.
+        fitted_around: Effects that ended at the last limit of their search, the others fitted again without them.
         stop: Asked by the fits of the answer after each iteration; True ends them where they are.
     """
 
@@ -72,6 +73,7 @@ class Findings:
     names_by_tolerance: tuple[ToleranceSensitivity, ...] = ()
     elsewhere: tuple[CandidateFit, ...] = ()
     withdrawn: tuple[str, ...] = ()
+    fitted_around: tuple[str, ...] = ()
     stop: Callable[[], bool] = lambda: False
 
     @cached_property
@@ -113,6 +115,7 @@ def findings_of(
     names_by_tolerance: tuple[ToleranceSensitivity, ...] = (),
     elsewhere: tuple[CandidateFit, ...] = (),
     withdrawn: tuple[str, ...] = (),
+    fitted_around: tuple[str, ...] = (),
     stop: Callable[[], bool] = lambda: False,
 ) -> Findings:
     """Evaluate the nominal model and the chosen explanation on the held-out log; arguments as in `Findings`."""
@@ -132,6 +135,7 @@ def findings_of(
         names_by_tolerance=names_by_tolerance,
         elsewhere=elsewhere,
         withdrawn=withdrawn,
+        fitted_around=fitted_around,
         stop=stop,
     )
 

@@ -40,6 +40,9 @@ twice that is allowed."""
 CONSTANT_ONE_WAY = ("coulomb_friction", "torque_bias")
 """Effects that are one constant torque at a motor that moves in one direction only."""
 
+CHECK_AGAIN = "what it stood for is not known; that log took part in the choice, so check the patch on a third"
+"""What follows where the held-out log took an effect out of the explanation."""
+
 STANDS = 0.02
 """Step of a position over its median, up to which a motor stands [1] (chosen); there friction balances what acts."""
 
@@ -72,11 +75,7 @@ def answer_warnings(findings: Findings, gap: GapNumbers, *, worse: bool) -> list
             f"on held-out data the explanation closes only {100 * gap.closed_fraction:.0f} % of the gap: it may not "
             "hold beyond the fitted log"
         )
-    warnings += [
-        f"{name} explains a part of the fitted log, but the held-out log does not confirm it: it was "
-        "withdrawn, and what it stood for is not known; that log took part in the choice, so check the patch on a third"
-        for name in findings.withdrawn
-    ]
+    warnings += _taken_out(findings)
     warnings += _within_tolerance(findings, gap)
     warnings += _less_excited(findings, gap)
     given = findings.as_given
@@ -95,6 +94,22 @@ def answer_warnings(findings: Findings, gap: GapNumbers, *, worse: bool) -> list
         *_drift_warnings(findings),
         *_one_way_warnings(findings),
         *hanging_sizes(findings),
+    ]
+
+
+def _taken_out(findings: Findings) -> list[str]:
+    """Return one sentence for every effect that the held-out log took out of the explanation."""
+    return [
+        *(
+            f"{name} explains a part of the fitted log, but the held-out log does not confirm it: it was withdrawn, "
+            f"and {CHECK_AGAIN}"
+            for name in findings.withdrawn
+        ),
+        *(
+            f"the size of {name} ended at the last limit of its search, which is no finding: the held-out log is "
+            f"predicted better by what was fitted again without it, and {CHECK_AGAIN}"
+            for name in findings.fitted_around
+        ),
     ]
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -43,7 +43,22 @@ RIVALS = 3
 """Other explanations that are tried once an effect was withdrawn, the likeliest ones [1] (chosen)."""
 
 
-def confirmed(search: Search, explanations: Explanations, held: FitData) -> tuple[Explanations, tuple[str, ...]]:
+@dataclass(frozen=True, eq=False)
+class Confirmed:
+    """Explanations of a fitted log, and what the held-out one took out of the chosen one.
+
+    Attributes:
+        explanations: The explanations, with the confirmed one chosen.
+        withdrawn: Effects, effect@location, without which the held-out log is predicted better.
+        fitted_around: Effects at the last limit of their search, the others fitted again without them for that reason.
+    """
+
+    explanations: Explanations
+    withdrawn: tuple[str, ...] = ()
+    fitted_around: tuple[str, ...] = ()
+
+
+def confirmed(search: Search, explanations: Explanations, held: FitData) -> Confirmed:
     """Withdraw effects without which the held-out log is predicted better, one after the other.
 
     On a real machine no law has exactly the form of the library. A size that gains in the fitted log may make up for
@@ -62,13 +77,9 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> tupl
         search: The search.
         explanations: All fits, and the chosen one.
         held: The held-out log.
-
-    Returns:
-        The explanations, with one that lacks some of its effects chosen, and the effects that were withdrawn,
-        effect@location.
     """
     if _of_chance(search, explanations, held):
-        return explanations_of(search, explanations.comparison, explanations.null, detected=False), ()
+        return Confirmed(explanations_of(search, explanations.comparison, explanations.null, detected=False))
     chosen, fits = explanations.chosen, list(explanations.comparison.fits)
     withdrawn: list[str] = []
     before: AheadErrors | None = None
@@ -87,15 +98,16 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> tupl
             break
         fits.append(better)
         chosen = better
-    found, chosen = chosen, with_own_numbers(_without_limited(search, chosen, held), search.data, STRAINED)
+    found, rest = chosen, _without_limited(search, chosen, held)
+    chosen = with_own_numbers(rest, search.data, STRAINED)
     if withdrawn or chosen is not found:
         fits = [chosen, *(fit for fit in fits if fit is not found)]
         kept = [fit for fit in fits if fit is chosen or (fit.names != chosen.names and fit.names.isdisjoint(withdrawn))]
         comparison = compared(search, best_of_each(kept))
         explanations = explanations_of(search, comparison, chosen, detected=True)
     if _changes_nothing(search, explanations, held):
-        return explanations_of(search, explanations.comparison, explanations.null, detected=False), ()
-    return explanations, tuple(withdrawn)
+        return Confirmed(explanations_of(search, explanations.comparison, explanations.null, detected=False))
+    return Confirmed(explanations, tuple(withdrawn), tuple(sorted(found.names - rest.names)))
 
 
 def _without_limited(search: Search, chosen: CandidateFit, held: FitData) -> CandidateFit:

@@ -67,6 +67,15 @@ def test_a_held_out_log_that_shows_more_is_told(
     assert bool(warnings._less_excited(findings, gap)) is warned
 
 
+def test_what_the_held_out_log_took_out_is_named_with_the_reason() -> None:
+    friction, soft = "coulomb_friction@motor_1", "stiffness_error@body_2.rz"
+    findings: Any = SimpleNamespace(withdrawn=(friction,), fitted_around=(soft,))
+    of_friction, of_soft = warnings._taken_out(findings)
+    assert f"{friction} explains a part of the fitted log, but the held-out log does not confirm it" in of_friction
+    assert f"the size of {soft} ended at the last limit of its search" in of_soft
+    assert all("check the patch on a third" in text for text in (of_friction, of_soft))
+
+
 def test_numbers_far_out_of_tolerance_are_stated() -> None:
     tolerance = Tolerance(("body_1.mass", "body_1.inertia.yy"), (0.02, 0.02))
     chosen: Any = SimpleNamespace(predictor=SimpleNamespace(tolerance=tolerance), deviations=np.array([5.0, 1.0]))

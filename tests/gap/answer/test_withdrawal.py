@@ -54,11 +54,11 @@ def found(*, imported: bool = True) -> tuple[Search, Explanations]:
 
 
 def test_an_effect_that_spoils_the_held_out_log_is_withdrawn() -> None:
-    explanations, withdrawn = confirmed(*found(), measured(BOTH[0], seed=2))
-    assert withdrawn == (SOFT,)
-    assert explanations.chosen.names == {FRICTION}
-    assert explanations.chosen in explanations.rivals
-    assert all(SOFT not in fit.names for fit in explanations.rivals)
+    kept = confirmed(*found(), measured(BOTH[0], seed=2))
+    assert kept.withdrawn == (SOFT,)
+    assert kept.explanations.chosen.names == {FRICTION}
+    assert kept.explanations.chosen in kept.explanations.rivals
+    assert all(SOFT not in fit.names for fit in kept.explanations.rivals)
 
 
 def hidden() -> tuple[Search, Explanations]:
@@ -76,9 +76,9 @@ def hidden() -> tuple[Search, Explanations]:
 
 
 def test_what_a_withdrawn_effect_hid_takes_the_place_of_the_rest() -> None:
-    confirmed_ones, withdrawn = confirmed(*hidden(), measured(BOTH[0], seed=2))
-    assert withdrawn == (SOFT,)
-    assert confirmed_ones.chosen.names == {FRICTION}
+    kept = confirmed(*hidden(), measured(BOTH[0], seed=2))
+    assert kept.withdrawn == (SOFT,)
+    assert kept.explanations.chosen.names == {FRICTION}
 
 
 def test_what_is_less_probable_than_the_rest_does_not_take_its_place(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -91,14 +91,14 @@ def test_what_is_less_probable_than_the_rest_does_not_take_its_place(monkeypatch
     search, explanations = hidden()
     monkeypatch.setattr(ModelComparison, "probabilities", doubtful)
     monkeypatch.setattr(withdrawal, "_changes_nothing", lambda *_: False)
-    confirmed_ones, _ = confirmed(search, explanations, measured(BOTH[0], seed=2))
-    assert confirmed_ones.chosen.names == {BIAS}
+    kept = confirmed(search, explanations, measured(BOTH[0], seed=2))
+    assert kept.explanations.chosen.names == {BIAS}
 
 
 def test_effects_that_hold_in_the_held_out_log_stay() -> None:
-    explanations, withdrawn = confirmed(*found(), measured(*BOTH, seed=2))
-    assert withdrawn == ()
-    assert explanations is found()[1]
+    kept = confirmed(*found(), measured(*BOTH, seed=2))
+    assert kept.withdrawn == ()
+    assert kept.explanations is found()[1]
 
 
 def test_an_effect_of_undetermined_size_that_gains_nothing_in_the_held_out_log_is_withdrawn() -> None:
@@ -107,9 +107,9 @@ def test_an_effect_of_undetermined_size_that_gains_nothing_in_the_held_out_log_i
     additions = search.additions(search.directions(search.candidates()), null.fit, search.surroundings(null.fit))
     chosen = search.together(null.fit, [one for one in additions if one.candidate.name in (FRICTION, SOFT)])
     explanations = explanations_of(search, compared(search, [chosen]), chosen, detected=True)
-    confirmed_ones, withdrawn = confirmed(search, explanations, measured(BOTH[0], seed=2))
-    assert withdrawn == (SOFT,)
-    assert confirmed_ones.chosen.names == {FRICTION}
+    kept = confirmed(search, explanations, measured(BOTH[0], seed=2))
+    assert kept.withdrawn == (SOFT,)
+    assert kept.explanations.chosen.names == {FRICTION}
 
 
 @dataclass(frozen=True)
@@ -148,7 +148,7 @@ def test_an_effect_that_spoils_predictions_goes_though_one_sample_ahead_chance_s
 
     held = measured(BOTH[0], seed=2)
     monkeypatch.setattr(CandidateFit, "residual", with_chance)
-    assert confirmed(*found(), held)[1] == (SOFT,)
+    assert confirmed(*found(), held).withdrawn == (SOFT,)
 
 
 def test_an_effect_that_comes_back_as_a_number_far_out_of_tolerance_is_not_withdrawn() -> None:
@@ -162,34 +162,34 @@ def test_an_effect_that_comes_back_as_a_number_far_out_of_tolerance_is_not_withd
     assert chosen.names == set(wanted)
     explanations = explanations_of(search, compared(search, [chosen]), chosen, detected=True)
     held = measured("viscous_friction@motor_1:coefficient=0.01", BOTH[0], seed=2)
-    assert confirmed(search, explanations, held)[1] == ()
+    assert confirmed(search, explanations, held).withdrawn == ()
 
 
 def test_what_closes_nothing_goes_however_little_it_spoils() -> None:
     search, explanations = found()
     ranking = search.settings.ranking.model_copy(update={"withdrawn": 1e9})
     search = replace(search, settings=search.settings.model_copy(update={"ranking": ranking}))
-    assert confirmed(search, explanations, measured(BOTH[0], seed=2))[1] == (SOFT,)
+    assert confirmed(search, explanations, measured(BOTH[0], seed=2)).withdrawn == (SOFT,)
 
 
 def test_the_last_effect_is_not_withdrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where there is a gap and no effect holds, it is the verdict that says so."""
     monkeypatch.setattr(withdrawal, "_changes_nothing", lambda *_: False)
-    explanations, without = confirmed(*found(), measured("torque_bias@motor_1:level=0.1", seed=2))
-    assert len(without) == 1
-    assert len(explanations.chosen.hypothesis) == 1
+    kept = confirmed(*found(), measured("torque_bias@motor_1:level=0.1", seed=2))
+    assert len(kept.withdrawn) == 1
+    assert len(kept.explanations.chosen.hypothesis) == 1
 
 
 def test_effects_that_change_nothing_are_none_where_torques_within_tolerance_explain_both_logs() -> None:
     """0.1 s ahead such torques leave far more than the floor, as `flexros gap` counts it too."""
-    explanations, without = confirmed(*found(), measured("torque_bias@motor_1:level=0.1", seed=2))
-    assert (explanations.detected, without) == (False, ())
+    kept = confirmed(*found(), measured("torque_bias@motor_1:level=0.1", seed=2))
+    assert (kept.explanations.detected, kept.withdrawn) == (False, ())
 
 
 def test_effects_of_a_simulated_log_are_as_they_were_found() -> None:
-    explanations, withdrawn = confirmed(*found(imported=False), measured(BOTH[0], seed=2, imported=False))
-    assert withdrawn == ()
-    assert explanations is found(imported=False)[1]
+    kept = confirmed(*found(imported=False), measured(BOTH[0], seed=2, imported=False))
+    assert kept.withdrawn == ()
+    assert kept.explanations is found(imported=False)[1]
 
 
 def test_without_a_gap_in_either_log_an_effect_that_does_not_hold_is_chance() -> None:
@@ -201,21 +201,32 @@ def test_without_a_gap_in_either_log_an_effect_that_does_not_hold_is_chance() ->
     chosen = search.together(null.fit, [one for one in additions if one.candidate.name == "torque_bias@motor_1"])
     explanations = explanations_of(search, compared(search, [chosen]), chosen, detected=True)
     held = measured(seed=2)
-    found, withdrawn = confirmed(search, explanations, held)
-    assert (found.detected, found.chosen, withdrawn) == (False, null.fit, ())
-    elsewhere, _ = confirmed(search, explanations, measured("torque_bias@motor_1:level=0.1", seed=2))
-    assert elsewhere.detected
+    kept = confirmed(search, explanations, held)
+    assert (kept.explanations.detected, kept.explanations.chosen, kept.withdrawn) == (False, null.fit, ())
+    elsewhere = confirmed(search, explanations, measured("torque_bias@motor_1:level=0.1", seed=2))
+    assert elsewhere.explanations.detected
+
+
+def at_its_last_limit(chosen: CandidateFit) -> CandidateFit:
+    """The spring at the last limit of its search, and friction that leans on it."""
+    soft, friction = (np.flatnonzero(chosen.columns({name})) for name in (SOFT, FRICTION))
+    theta = chosen.theta.copy()
+    theta[soft], theta[friction] = chosen.predictor.bounds[0][soft], theta[friction] - np.log(2)
+    return replace(chosen, theta=theta)
 
 
 def test_what_ended_at_its_last_limit_is_fitted_around_where_that_predicts_better() -> None:
     """Of a leg the patch without such a friction predicted another log worse than the nominal model."""
     search, explanations = found()
-    chosen, held = explanations.chosen, measured(BOTH[0], seed=2)
-    soft, friction = (np.flatnonzero(chosen.columns({name})) for name in (SOFT, FRICTION))
-    theta = chosen.theta.copy()
-    theta[soft] = chosen.predictor.bounds[0][soft]
-    theta[friction] -= np.log(2)  # leans on it
-    limited = replace(chosen, theta=theta)
+    chosen, limited, held = explanations.chosen, at_its_last_limit(explanations.chosen), measured(BOTH[0], seed=2)
     assert beyond_search(limited) == {SOFT}
     assert withdrawal._without_limited(search, limited, held).names == {FRICTION}
     assert withdrawal._without_limited(search, chosen, held) is chosen
+
+
+def test_what_was_fitted_around_at_its_last_limit_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    search, explanations = found()
+    limited = replace(explanations, chosen=at_its_last_limit(explanations.chosen))
+    monkeypatch.setattr(withdrawal, "_better_without", lambda *_: None)
+    kept = confirmed(search, limited, measured(BOTH[0], seed=2))
+    assert (kept.explanations.chosen.names, kept.withdrawn, kept.fitted_around) == ({FRICTION}, (), (SOFT,))
