@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
+from flexros.gap.fit.directions import switched_off
 from flexros.gap.fit.doubts import doubt_of, of_smooth_friction, of_timing, with_doubt_of_shapes
 from flexros.gap.fit.linearisation import linearise, linearised, with_smooth_slopes
 from flexros.gap.fit.once_per_fit import once_per_fit
 from flexros.gap.fit.parts import estimates_of_parts, parts_of, variation_between_parts
-from flexros.gap.fit.screening import switched_off
 from flexros.gap.schema import CauseParameter
 
 if TYPE_CHECKING:

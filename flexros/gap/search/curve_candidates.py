@@ -11,7 +11,7 @@ import numpy as np
 from flexros.effects import effects
 from flexros.effects.kinds.curve import AbstractCurve
 from flexros.gap.candidates.candidate import Candidate, FreeParameter
-from flexros.gap.fit.screening import Directions
+from flexros.gap.fit.directions import Directions
 from flexros.record.one_way import moves_one_way
 from flexros.robot.spring import Spring
 

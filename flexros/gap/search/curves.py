@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
     from flexros.gap.candidates.candidate import Candidate, Hypothesis
     from flexros.gap.fit.candidate_fit import CandidateFit
-    from flexros.gap.fit.screening import Directions, Surroundings
+    from flexros.gap.fit.directions import Directions
+    from flexros.gap.fit.screening import Surroundings
     from flexros.gap.search.fits.candidate_fits import Search
     from flexros.gap.search.model_probability import ModelComparison
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
-    from flexros.gap.fit.screening import Directions
+    from flexros.gap.fit.directions import Directions
     from flexros.gap.search.fits.candidate_fits import Search
     from flexros.gap.search.model_probability import ModelComparison
 

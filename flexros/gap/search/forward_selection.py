@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from flexros.arrays import FloatArray
     from flexros.gap.fit.candidate_fit import CandidateFit
-    from flexros.gap.fit.screening import Directions
+    from flexros.gap.fit.directions import Directions
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.search.fits.candidate_fits import Search
     from flexros.gap.search.model_probability import ModelComparison

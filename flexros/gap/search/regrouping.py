@@ -11,7 +11,7 @@ import numpy as np
 from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.motor_inertia_error import MotorInertiaError
 from flexros.effects.torque_gain_error import TorqueGainError
-from flexros.gap.fit.screening import Directions, changes_of
+from flexros.gap.fit.directions import Directions, changes_of
 from flexros.gap.search.elimination import one_by_one, unclear
 from flexros.gap.search.fits.additions import Addition
 from flexros.gap.search.worth import compared

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from flexros.gap.fit.candidate_fit import CandidateFit
-    from flexros.gap.fit.screening import Directions
+    from flexros.gap.fit.directions import Directions
     from flexros.gap.search.fits.candidate_fits import Search
 
 RESIZED = 0.5

@@ -11,8 +11,7 @@ import pytest
 
 from flexros.gap.fit.least_squares import fit
 from flexros.gap.fit.linearisation import Linearised
-from flexros.gap.fit.screening import Surroundings, directions_of, surroundings_of
-from flexros.gap.prediction.compiled_plant import LANES
+from flexros.gap.fit.screening import Surroundings, surroundings_of
 from tests.gap.diagnosis_logs import candidates_of, encoded, predictor_of, search_of
 
 TRUTH = ("coulomb_friction@motor_1:level=0.05", "stiffness_error@body_2.rz:relative=0.005")
@@ -119,17 +118,6 @@ def test_a_part_of_a_known_set_counts_although_no_smaller_one_leads_to_it(monkey
     around = Surroundings(-whole, np.zeros((500, 0)), np.zeros(0), np.zeros(0), 1.0)
     assert around.best_sets(changes, 3)[-1] != (0, 1, 2)
     assert around.best_sets(changes, 3, (0, 1, 2, 5))[-1] == (0, 1, 2)
-
-
-def test_initial_values_that_were_not_predicted_are_left_out() -> None:
-    predictor: Any = SimpleNamespace(n_effect=1, hypothesis=("candidate",))
-    data: Any = SimpleNamespace(residuals=lambda predictor, thetas: np.zeros((5, thetas.shape[1])))
-    found = directions_of(
-        predictor, data, np.zeros(0), np.arange(20.0)[None], np.zeros(5), np.arange(5), stop=lambda: True
-    )
-    assert found.starts.shape == (1, LANES)
-    assert found.changes.shape == (5, LANES)
-    assert found.usable.shape == (LANES,)
 
 
 def test_a_fit_without_some_parameters_is_that_of_the_others() -> None:

@@ -18,9 +18,9 @@ from flexros.effects.kinds.gear_law import AbstractGearLaw, GearState, GearTorqu
 from flexros.gap.candidates.candidate import Candidate
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.diagnose import diagnose
+from flexros.gap.fit.directions import Directions
 from flexros.gap.fit.initial_values import starts_of
 from flexros.gap.fit.null_fit import fit_null
-from flexros.gap.fit.screening import Directions
 from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.result import DiagnosisResult
 from flexros.gap.search.curve_candidates import list_curves, without_shared

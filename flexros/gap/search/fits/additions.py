@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray, IntArray
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
-    from flexros.gap.fit.screening import Directions, Surroundings
+    from flexros.gap.fit.directions import Directions
+    from flexros.gap.fit.screening import Surroundings
 
 SMALLEST = 1e-12
 """Size over an initial one below which an effect does nothing [1]."""

@@ -15,8 +15,8 @@ from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.effects.kinds.tool_error import AbstractToolError
 from flexros.gap.candidates.candidate import alike, list_candidates, names_of
 from flexros.gap.fit.candidate_fit import CandidateFit, best_of_each
+from flexros.gap.fit.directions import directions_of, switched_off
 from flexros.gap.fit.initial_values import starts_of
-from flexros.gap.fit.screening import directions_of, switched_off
 from flexros.gap.fit.sum_of_squares import chi2_of
 from flexros.gap.fit.torques.unknown_numbers import UNCERTAIN
 from flexros.gap.prediction.compiled_plant import LANES, grouped
@@ -32,7 +32,8 @@ if TYPE_CHECKING:
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.candidates.competitors import Competitors
     from flexros.gap.candidates.scales import Scales
-    from flexros.gap.fit.screening import Directions, Surroundings
+    from flexros.gap.fit.directions import Directions
+    from flexros.gap.fit.screening import Surroundings
     from flexros.gap.prediction.compiled_plant import CompiledPlant
     from flexros.gap.search.fits.additions import Addition
     from flexros.prediction.integration_step import IntegrationSteps

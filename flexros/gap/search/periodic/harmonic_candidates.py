@@ -9,8 +9,8 @@ import numpy as np
 
 from flexros.effects import effects
 from flexros.gap.candidates.candidate import Candidate, FreeParameter
+from flexros.gap.fit.directions import changes_of
 from flexros.gap.fit.least_norm import least_norm
-from flexros.gap.fit.screening import changes_of
 from flexros.gap.prediction.compiled_plant import LANES
 from flexros.gap.search.periodic.harmonics import SEARCH, VALLEYS, OrderSearch
 
