@@ -19,7 +19,6 @@ from flexros.cli.commands import (
     benchmark,
     compare,
     demo,
-    design,
     diagnose,
     exchange,
     fastest,
@@ -33,6 +32,7 @@ from flexros.cli.commands import (
     run,
     view,
 )
+from flexros.cli.commands.design import command as design
 from flexros.cli.commands.identify import procedure as identify
 from flexros.cli.completion import COMPLETED
 from flexros.cli.guide import JOBS, examples_text, guide_of

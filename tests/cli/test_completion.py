@@ -32,7 +32,8 @@ def test_names_are_those_of_the_library() -> None:
 
 def test_words_are_those_that_the_commands_take() -> None:
     from flexros.benchmark.multivariable.problem import PROBLEMS
-    from flexros.cli.commands.design import MARGINS, STRUCTURE
+    from flexros.cli.commands.design.command import MARGINS
+    from flexros.cli.commands.design.tuning import STRUCTURE
     from flexros.cli.commands.identify.procedure import LAYOUTS
     from flexros.cli.commands.run import TRANSPORTS
     from flexros.control.design.methods.base import design_methods

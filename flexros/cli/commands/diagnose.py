@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -26,6 +27,10 @@ from flexros.cli.progress import progress_shown
 if TYPE_CHECKING:
     from flexros.gap.result import DiagnosisResult
     from flexros.gap.settings import DiagnosisSettings
+    from flexros.logs.time_series import Log
+    from flexros.record.record import Record
+    from flexros.record.topic_reader import TorqueSource
+    from flexros.robot import Robot
 
 GAP_FOUND = 1
 """Exit code when a gap was found."""
@@ -61,33 +66,21 @@ def diagnose(
     command, and nothing is written.
     """
     from flexros.effects.patching.patched_robot import load_model
-    from flexros.gap.checked_log import checked_log
     from flexros.gap.diagnose import diagnose as diagnosed
-    from flexros.gap.held_out.closed_loop_gap import measured_alone
     from flexros.gap.report.files import check_folder, write_diagnosis
-    from flexros.logs.reader import read_log
 
     check_folder(out)
     tolerances, source = parse_tolerance(tolerance), torque_source(torque)
     settings = _settings(names_in(joints), names_in(effects), time_limit)
     known = load_model(model)
-    records, without = [], names_in(prescribed)
-    for path in (bag, holdout):
-        if path is not None:
-            log = read_log(path, namespace=namespace or None, leave_out=("tool_reference",))
-            second = path is holdout
-            records.append(
-                checked_log(log, known.robot, name=path.name, torque=source, prescribed=without, held_out=second)
-            )
-            log = measured_alone(log)
-    record, *others = records
+    logs = _checked_logs(bag, holdout, known.robot, namespace, source, names_in(prescribed))
     with progress_shown() as show:
         with interruptible("writing what is known; Ctrl-C again ends without a result") as interrupted:
             result = diagnosed(
-                record,
+                logs.fitted,
                 known,
-                holdout=others[0] if others else None,
-                log=log,
+                holdout=logs.held_out,
+                log=logs.last,
                 tolerance=tolerances,
                 settings=settings,
                 progress=show,
@@ -101,6 +94,42 @@ def diagnose(
         _print(result, [out / name for name in files])
         suggest(_next(result, bag, model, out))
     return 0 if result.diagnosis.verdict == "no_gap" else GAP_FOUND
+
+
+@dataclass(frozen=True, eq=False)
+class _CheckedLogs:
+    """Logs of a diagnosis.
+
+    Attributes:
+        fitted: The log to fit effects to.
+        held_out: The held-out log; None where it is the last third of the fitted one.
+        last: What the closed loop needs of the last one, as it was read.
+    """
+
+    fitted: Record
+    held_out: Record | None
+    last: Log
+
+
+def _checked_logs(
+    bag: Path, holdout: Path | None, robot: Robot, namespace: str, torque: TorqueSource, prescribed: tuple[str, ...]
+) -> _CheckedLogs:
+    """Read and check the fitted log and the held-out one."""
+    from flexros.gap.checked_log import checked_log
+    from flexros.gap.held_out.closed_loop_gap import measured_alone
+    from flexros.logs.reader import read_log
+
+    records = []
+    for path in (bag, holdout):
+        if path is not None:
+            log = read_log(path, namespace=namespace or None, leave_out=("tool_reference",))
+            second = path is holdout
+            records.append(
+                checked_log(log, robot, name=path.name, torque=torque, prescribed=prescribed, held_out=second)
+            )
+            log = measured_alone(log)
+    fitted, *others = records
+    return _CheckedLogs(fitted, others[0] if others else None, log)
 
 
 def _next(result: DiagnosisResult, bag: Path, model: str, out: Path) -> str:

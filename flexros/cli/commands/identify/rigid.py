@@ -69,21 +69,26 @@ def rigid(
         tests = [cross_test(fit, logs[label], label, at(step)) for step, label in enumerate(tested, start=1)]
     verdict = judge_fit(fit)
     record = result_record(fit, verdict, tests, {label: dict(entry.provenance) for label, entry in logs.items()})
-    out.mkdir(parents=True, exist_ok=True)
-    write_result(out / "rigid.json", json_text(record), "result")
-    robot_file = out / "identified.yaml"
-    if verdict.usable:
-        write_result(robot_file, identified_yaml(fit, verdict.identified), "identified robot")
-    else:
-        robot_file.unlink(missing_ok=True)  # a file of an earlier run would pass for the result of this one
+    written = _write(record, identified_yaml(fit, verdict.identified) if verdict.usable else None, out)
     if as_json:
         print_json(record)
     else:
         _print(record)
-        robots = f"; identified robot: {robot_file}" if verdict.usable else ""
-        say(f"Result: {out / 'rigid.json'}{robots}")
+        say(written)
     if not verdict.usable:
         raise InputError(f"no robot file was written: {verdict.sentence}")
+
+
+def _write(record: Mapping[str, Any], robot: str | None, out: Path) -> str:
+    """Write the result, and the text of the identified robot unless there is none; return where they are."""
+    out.mkdir(parents=True, exist_ok=True)
+    result, robot_file = out / "rigid.json", out / "identified.yaml"
+    write_result(result, json_text(record), "result")
+    if robot is None:
+        robot_file.unlink(missing_ok=True)  # a file of an earlier run would pass for the result of this one
+        return f"Result: {result}"
+    write_result(robot_file, robot, "identified robot")
+    return f"Result: {result}; identified robot: {robot_file}"
 
 
 def _labelled(paths: list[Path]) -> dict[str, Path]:

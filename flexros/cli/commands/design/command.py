@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import typer
-from rich.table import Table
 
+from flexros.cli.commands.design.loops import show_loops
+from flexros.cli.commands.design.tuning import SEED, STEP, STRUCTURE, Tuning, first_line, tuned
 from flexros.cli.commands.robots import parse_numbers
 from flexros.cli.model import ROBOT, linear_robot
 from flexros.cli.options import names_in
-from flexros.cli.output import console, print_json, say
-from flexros.cli.progress import progress_shown, working
+from flexros.cli.output import print_json, say
+from flexros.cli.progress import working
 from flexros.config.settings import validate
 from flexros.errors import InputError, argument_named, unknown_name
 
@@ -21,15 +22,12 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from flexros.arrays import FloatArray
-    from flexros.benchmark.tuning import Tunable
-    from flexros.config.settings import Settings
     from flexros.control.base import AbstractControlLaw
-    from flexros.control.design.margins import LoopMargins
     from flexros.control.design.methods.base import AbstractDesignMethod, DesignProblem
     from flexros.robot import Robot
 
-STRUCTURE, MARGINS = "structure", "margins"
-"""Methods beside those of `flexros.control.design.methods`: a tuned structure, and none, for a given controller."""
+MARGINS = "margins"
+"""In place of a method: no design, for a given controller."""
 
 
 def design(
@@ -39,8 +37,8 @@ def design(
     q: list[str] = typer.Option([], "--q", help="Pose, arm coordinates with commas [rad or m]; repeatable."),
     models: str = typer.Option("", "--models", help="Model sets of the benchmark as further plants, e.g. M1,M2."),
     tune: int = typer.Option(0, "--tune", help="Laws tried per stage when tuned on the feedback benchmark; 0: not."),
-    step: float = typer.Option(0.3, "--step", help="First step of the search, in logarithms of the numbers [1]."),
-    seed: int = typer.Option(1, "--seed", help="Seed of the search."),
+    step: float = typer.Option(STEP, "--step", help="First step of the search, in logarithms of the numbers [1]."),
+    seed: int = typer.Option(SEED, "--seed", help="Seed of the search."),
     start: Path = typer.Option(None, "--start", help="Controller file from whose parameters the search starts."),
     only: str = typer.Option("", "--only", help="Tune only C1 or C2; the other one is kept from --start."),
     controller: str = typer.Option("", "--controller", help="For margins: scenario, or controller of the benchmark."),
@@ -49,7 +47,7 @@ def design(
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
     """Design a controller for a robot over its spring range and poses, and show the margins of its loops."""
-    from flexros.benchmark.tuning import structure_of
+    from flexros.benchmark.tuning import controller_text, structure_of, write_controller
     from flexros.control.design.methods.base import DesignProblem, design_methods
 
     methods = design_methods()
@@ -58,6 +56,8 @@ def design(
         return
     if method not in (*methods, STRUCTURE, MARGINS):
         raise unknown_name("method", method, (*methods, STRUCTURE, MARGINS))
+    if method == MARGINS and out:
+        raise InputError(f"margins designs no controller that {out} could hold; leave it out", "out")
     settings = _choices(choice)
     figures: dict[str, float] = {}
     if method == MARGINS:
@@ -67,87 +67,29 @@ def design(
         names, values = _further_plants(robot, models)
         poses = [parse_numbers(text, "--q") for text in q]
         problem = DesignProblem.of(robot, poses, names=names, values=values)
+        tuning = Tuning(tune, step, seed, start, only)
+        made_by = _command(method, model, choice, q, models, tuning)
         if method == STRUCTURE or tune:
-            made_by = _command(method, model, choice, q, models, tune, step, seed, start, only)
-            laws, text = _tuned(method, settings, problem, tune, step, seed, start, only, made_by)
+            laws, text = tuned(method, settings, problem, tuning, made_by)
         else:
             chosen = validate(methods[method], settings, f"method {method}")
             with working(f"designing by {method}"):
                 found = chosen.design(problem)
             laws, figures = {"controller": found.law()}, dict(found.figures)
-            text = _text(
-                method, chosen, laws, _command(method, model, choice, q, models, tune, step, seed, start, only)
-            )
+            text = controller_text(first_line(type(chosen)), made_by, laws)
         if out:
-            from flexros.benchmark.tuning import write_controller
-
             write_controller(out, text)
     what = controller if method == MARGINS else method
-    _show(laws, problem, figures, report, as_json, f"Loops of {what} on {problem.robot.name}")
+    show_loops(laws, problem, figures, report, as_json, f"Loops of {what} on {problem.robot.name}")
     if out and not as_json:
         say(f"controller: {out}")
-
-
-def _show(
-    laws: Mapping[str, AbstractControlLaw],
-    problem: DesignProblem,
-    figures: Mapping[str, float],
-    report: Path | None,
-    as_json: bool,
-    title: str,
-) -> None:
-    """Print the margins of the loops, and write the report."""
-    from flexros.analysis.control_loops import control_loops
-
-    loops = {key: control_loops(law, problem) for key, law in laws.items()}
-    if report:
-        from flexros.analysis.report.loop import write_loop_report
-
-        write_loop_report(loops, report, title=title)
-    if as_json:
-        print_json(
-            {
-                "figures": figures,
-                "controllers": {
-                    key: {
-                        "order": len(of_law[0].controller.state_step),
-                        "margins": [entry.as_dict() for loop in of_law for entry in loop.margins],
-                    }
-                    for key, of_law in loops.items()
-                },
-            }
-        )
-        return
-    for name, value in figures.items():
-        say(f"{name}: {value:.4g}")
-    for key, of_law in loops.items():
-        entries = [entry for loop in of_law for entry in loop.margins]
-        console.print(_margin_table(key if len(loops) > 1 else "plant", entries))
-    if report:
-        say(f"report: {report}")
-
-
-def _margin_table(heading: str, entries: Sequence[LoopMargins]) -> Table:
-    table = Table(heading, "motor", "eigenvalue", "gain margin", "phase [deg]", "delay [ms]", "max |S|", "settling [s]")
-    for entry in entries:
-        table.add_row(
-            entry.plant,
-            str(entry.motor + 1),
-            f"{entry.largest_eigenvalue:.5f}",
-            f"{entry.gain_down:.2g}-{entry.gain_up:.3g}",
-            f"{np.degrees(entry.phase):.1f}",
-            f"{1e3 * entry.delay:.2f}",
-            f"{entry.sensitivity:.3g}",
-            f"{entry.settling:.3g}",
-        )
-    return table
 
 
 def _list_methods(methods: Mapping[str, type[AbstractDesignMethod]], as_json: bool) -> None:
     """List the methods with their choices."""
     described = {
         name: {
-            "description": (method.__doc__ or "").splitlines()[0],
+            "description": first_line(method),
             "choices": {key: str(field.description) for key, field in method.model_fields.items()},
         }
         for name, method in methods.items()
@@ -234,96 +176,9 @@ def _given(controller: str, model: str, q: Sequence[str]) -> tuple[dict[str, Abs
     return laws if given.nominal != given.perturbed else {"controller": given.nominal}, DesignProblem.of(robot, poses)
 
 
-def _tuned(
-    method: str,
-    settings: Mapping[str, float],
-    problem: DesignProblem,
-    tune: int,
-    step: float,
-    seed: int,
-    start: Path | None,
-    only: str,
-    made_by: str,
-) -> tuple[dict[str, AbstractControlLaw], str]:
-    """Tune both controllers of a design on the benchmark; return them with the text of the controller file."""
-    from flexros.benchmark.evaluate import FeedbackBenchmark
-    from flexros.benchmark.models import ROBOT as BENCHMARK_ROBOT
-    from flexros.benchmark.tuning import (
-        PARTS,
-        TunableMethod,
-        controller_text,
-        started_from,
-        structure_of,
-        structure_stages,
-    )
-    from flexros.benchmark.tuning import tune as tuned
-    from flexros.control.design.methods.base import design_methods
-
-    if tune < 1:
-        raise InputError(f"{tune} laws per stage were given, but a structure is tuned; give at least one", "tune")
-    if problem.robot.name != BENCHMARK_ROBOT:
-        raise InputError(
-            f"robot {problem.robot.name} is not that of the benchmark, {BENCHMARK_ROBOT}; give that one", "model"
-        )
-    if only and (only not in PARTS or not start):
-        raise InputError(
-            f"'{only}' alone is to be tuned, allowed is C1 or C2, with a controller to start from; correct it", "only"
-        )
-    stages: Sequence[Tunable]
-    if method == STRUCTURE:
-        structure = structure_of(settings)
-        stages, first = (structure,) if start else structure_stages(structure), structure.start()
-        what = (
-            f"PID with {structure.text}, order {structure.order}, tuned on the cost V with the demands as constraints."
-        )
-    else:
-        chosen = validate(design_methods()[method], settings, f"method {method}")
-        one = TunableMethod(chosen, problem)
-        stages, first = (one,), one.start()
-        what = f"{(type(chosen).__doc__ or '').splitlines()[0]} Its weights are tuned on the cost V."
-    known = {part: first | (started_from(start, key) if start else {}) for part, key in PARTS.items()}
-    bench = FeedbackBenchmark(stages[-1].sensors)
-    found = {}
-    with progress_shown() as show:
-        for number, (part, key) in enumerate(PARTS.items()):
-            if only and part != only:
-                found[key] = known[part]
-                continue
-            found[key] = tuned(
-                bench, stages, known[part], part, evaluations=tune, step=step, seed=seed,
-                progress=lambda text, share, number=number: show(text, (number + share) / len(PARTS)),  # type: ignore[misc]
-            ).values  # fmt: skip
-    laws = {key: stages[-1].law(values, problem.sample_time) for key, values in found.items()}
-    return laws, controller_text(what, made_by, laws, found, stages[-1].sensors)
-
-
-def _text(method: str, chosen: Settings, laws: Mapping[str, AbstractControlLaw], made_by: str) -> str:
-    from flexros.benchmark.tuning import controller_text
-
-    return controller_text((type(chosen).__doc__ or method).splitlines()[0], made_by, laws)
-
-
-def _command(
-    method: str,
-    model: str,
-    choice: Sequence[str],
-    q: Sequence[str],
-    models: str,
-    tune: int,
-    step: float,
-    seed: int,
-    start: Path | None,
-    only: str,
-) -> str:
+def _command(method: str, model: str, choice: Sequence[str], q: Sequence[str], models: str, tuning: Tuning) -> str:
     """Return the command that reproduces a design."""
     words = ["flexros design", method, f"--model {model}"]
     words += [f"--set {text}" for text in choice] + [f"--q={text}" for text in q]
     words += [f"--models {models}"] if models else []
-    if tune:
-        words += [
-            f"--tune {tune}",
-            *([f"--step {step:g}"] if step != 0.3 else []),
-            *([f"--seed {seed}"] if seed != 1 else []),
-        ]
-    words += [f"--start {start}"] if start else []
-    return " ".join(words + ([f"--only {only}"] if only else []))
+    return " ".join(words + tuning.options)

@@ -69,6 +69,7 @@ def test_without_a_method_all_are_listed(flexros: Flexros) -> None:
         (("lqg", "--model", "e12", "--tune", "5"), "--model"),
         (("loop_shaping", "--model", "e12"), "one motor"),
         (("margins",), "--controller"),
+        (("margins", "--controller", "circle_pd", "--out", "found.yaml"), "--out"),
     ],
 )
 def test_wrong_arguments_are_named(flexros: Flexros, arguments: tuple[str, ...], named: str) -> None:
