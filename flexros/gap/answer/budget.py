@@ -20,7 +20,8 @@ from flexros.gap.answer.partial_repairs import PartialRepairs
 from flexros.gap.answer.strained_numbers import strained_numbers
 from flexros.gap.answer.unexplained import unexplained
 from flexros.gap.answer.waterfall import waterfalls
-from flexros.gap.fit.estimates import fit_covariance, parameters_of
+from flexros.gap.fit.covariance import fit_covariance
+from flexros.gap.fit.estimates import parameters_of
 from flexros.gap.held_out.closed_share import closed_fraction, share_between
 from flexros.gap.schema import BudgetShare, ModelNumber
 

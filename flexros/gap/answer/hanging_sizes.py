@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.fit.estimates import inverse_of
+from flexros.gap.fit.covariance import inverse_of
 from flexros.gap.fit.linearisation import linearise
 
 if TYPE_CHECKING:
