@@ -115,7 +115,7 @@ def test_servos_that_give_way_to_weight_show_a_slant(tilted: bool) -> None:
     """An integral part of a servo had stood for it."""
     friction = [f"coulomb_friction@motor_{k}:level={level}" for k, level in enumerate((4, 6, 2), start=1)]
     slant = ["base_tilt@base:x=0.03,y=-0.06"] if tilted else []
-    logs = [servo_log(*friction, *slant, robot=servo_arm, seed=seed) for seed in (0, 5)]
+    logs = [servo_log(*friction, *slant, duration=5.0, robot=servo_arm, seed=seed) for seed in (0, 5)]
     fitted, further = (replace(checked_log(log, servo_arm(), name="log"), imported=True) for log in logs)
     settings = settings_of("coulomb_friction", "servo_stiffness_error", "servo_integral", "payload_error", "base_tilt")
     found = diagnose(fitted, RobotWithEffects(servo_arm(), ()), holdout=further, settings=settings).diagnosis

@@ -51,7 +51,7 @@ def of_elbow(*effects: str) -> dict[str, Cause]:
 
 def of_arm(share: float) -> dict[str, Cause]:
     """Torques of a rigid arm by inverse dynamics, as of a real machine, with Coulomb and viscous friction."""
-    log, held = (record_of_arm(imported=True, seed=seed, share=share, seconds=15.0) for seed in (5, 6))
+    log, held = (record_of_arm(imported=True, seed=seed, share=share, seconds=10.0) for seed in (5, 6))
     return causes(arm(), log, held)
 
 

@@ -28,7 +28,7 @@ from tests.gap.rigid_arm import ARM, INERTIA
 pytestmark = pytest.mark.slow
 
 T, NOISE = 0.005, 2e-5
-LONG, SHORT = 4000, 2600
+LONG, SHORT = 4000, 2200
 """Samples of a log in which a load grows and falls again, and of the others."""
 
 RIVALS = (
@@ -88,7 +88,7 @@ def robot() -> Robot:
 
 
 def measured(effects: tuple[str, ...], hidden: str = "", faster: float = 1.0) -> Record:
-    """Simulate motion under a controller, as a log of a real machine: 20 s with a load, else 13 s."""
+    """Simulate motion under a controller, as a log of a real machine: 20 s with a load, else 11 s."""
     N = LONG if hidden == "load" else SHORT
     placed = place_effects(robot(), [parse_effect(text, "test") for text in effects])
     beyond = (PlacedLaw("hidden@motor_2", Hidden(law=hidden), "motor_2"),) if hidden else ()

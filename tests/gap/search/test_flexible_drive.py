@@ -34,7 +34,7 @@ pytestmark = pytest.mark.slow
 
 FRICTION = ("coulomb_friction@motor_1:level=6", "viscous_friction@motor_1:coefficient=10")
 N, FEW = 12_000, 7_000
-"""Samples of a log that is diagnosed, and of one in which single steps of a search are tried."""
+"""Samples of a log in which a small effect has to show, and of the others."""
 RIVALS = (
     *("coulomb_friction", "viscous_friction", "stribeck_friction", "presliding_friction", "hysteresis"),
     *("backlash", "stiffness_error"),
@@ -90,7 +90,7 @@ def search_and_fit(
 )
 def test_friction_that_drowned_in_a_wrong_spring_is_found_beside_it(effect: str, size: str) -> None:
     robot = RobotWithEffects(load_robot("two_mass"), ())
-    found = diagnose(record_of(*FRICTION, effect), robot, settings=SETTINGS)
+    found = diagnose(record_of(*FRICTION, effect, samples=FEW), robot, settings=SETTINGS)
     causes = {f"{one.effect}@{one.location}": one for one in found.diagnosis.causes}
     name = effect.partition(":")[0]
     assert causes.keys() == {"coulomb_friction@motor_1", "viscous_friction@motor_1", name}
@@ -104,7 +104,8 @@ def test_friction_that_drowned_in_a_wrong_spring_is_found_beside_it(effect: str,
 def test_friction_that_yields_before_it_slides_is_not_taken_for_a_rigid_one() -> None:
     """It bends by 1 mrad. Rigid friction does most of that, so that no other law comes in its place at first."""
     yields = "presliding_friction@motor_1:level=20,stiffness=2e4,damping=6"
-    found = diagnose(record_of(yields, FRICTION[1]), RobotWithEffects(load_robot("two_mass"), ()), settings=SETTINGS)
+    record = record_of(yields, FRICTION[1], samples=FEW)
+    found = diagnose(record, RobotWithEffects(load_robot("two_mass"), ()), settings=SETTINGS)
     causes = {f"{one.effect}@{one.location}": one for one in found.diagnosis.causes}
     assert causes.keys() == {"presliding_friction@motor_1", "viscous_friction@motor_1"}
     friction = causes["presliding_friction@motor_1"].parameters
