@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.prediction.compiled_plant import LANES
+from flexros.gap.prediction.compiled_plant import LANES, in_lanes
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -109,7 +109,6 @@ def changes_of(
     Returns:
         Changes, shape (n_rows, sets).
     """
-    groups = [thetas[:, begin : begin + LANES] for begin in range(0, thetas.shape[1], LANES)]
     return np.concatenate(
-        [data.residuals(fit.predictor, group)[rows] - residual[rows, None] for group in groups], axis=1
+        [data.residuals(fit.predictor, group)[rows] - residual[rows, None] for group in in_lanes(thetas)], axis=1
     )

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.prediction.compiled_plant import LANES
+from flexros.gap.prediction.compiled_plant import in_lanes
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -25,9 +25,8 @@ def chi2_of(predictor: Predictor, data: FitData, thetas: FloatArray) -> FloatArr
     Returns:
         Sums of squares, infinite where the prediction diverges, shape (sets,).
     """
-    groups = [thetas[:, begin : begin + LANES] for begin in range(0, thetas.shape[1], LANES)]
     sums: FloatArray = np.concatenate(
-        [sums_of(predictor, data, data.residuals(predictor, group), group) for group in groups]
+        [sums_of(predictor, data, data.residuals(predictor, group), group) for group in in_lanes(thetas)]
     )
     return sums
 

@@ -28,6 +28,7 @@ from flexros.simulate.plant_model import PlantModel
 if TYPE_CHECKING:
     from collections.abc import Hashable, Mapping, Sequence
 
+    from flexros.arrays import FloatArray
     from flexros.effects import RobotWithEffects
     from flexros.gap.candidates.candidate import Candidate, Hypothesis
     from flexros.prediction.integration_step import IntegrationSteps
@@ -185,6 +186,15 @@ def compiled_plant(
     return CompiledPlant(
         model, candidates, tolerated, sample_time, measured_torque=measured_torque, rough=rough, steps=steps
     )
+
+
+def in_lanes(sets: FloatArray) -> list[FloatArray]:
+    """Divide sets of numbers, one per column, into those that are predicted in parallel, shape (n, `LANES`) at most.
+
+    Args:
+        sets: The sets, shape (n, sets).
+    """
+    return [sets[:, begin : begin + LANES] for begin in range(0, sets.shape[1], LANES)]
 
 
 def grouped(candidates: Sequence[Candidate], most: int) -> list[list[Candidate]]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.prediction.compiled_plant import LANES
+from flexros.gap.prediction.compiled_plant import in_lanes
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -93,8 +93,7 @@ def _moved_initial_states(
     moved = np.sqrt(np.diag(data.gain.error))
     states = data.initial_state[:, None] + np.hstack([np.zeros((len(moved), 1)), np.diag(moved)])
     innovations, poses, errors = [], [], []
-    for begin in range(0, states.shape[1], LANES):
-        group = states[:, begin : begin + LANES]
+    for group in in_lanes(states):
         sets = np.repeat(theta[:, None], group.shape[1], axis=1)
         prediction = predictor.predict(
             sets,

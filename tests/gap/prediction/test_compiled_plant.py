@@ -7,7 +7,7 @@ import pytest
 
 from flexros.effects import RobotWithEffects, parse_effect
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.prediction.compiled_plant import CompiledPlant, compiled_plant, grouped, switchable
+from flexros.gap.prediction.compiled_plant import LANES, CompiledPlant, compiled_plant, grouped, in_lanes, switchable
 from flexros.gap.prediction.predictor import Predictor
 from flexros.robot import load_robot
 from tests.gap.diagnosis_logs import MODEL, ROBOT, candidates_of, data_of
@@ -120,3 +120,10 @@ def test_measured_torques_are_late_by_the_delay_of_a_patch_alone() -> None:
     one = MODEL.with_effects([parse_effect("delay@motor_1:time=0.002", "test")])
     late = CompiledPlant(one, (), (), ROBOT.sample_time, measured_torque=True).delay
     assert np.ravel(late)[0] == pytest.approx(0.002)
+
+
+def test_sets_of_numbers_are_divided_into_lanes_in_their_order() -> None:
+    sets = np.arange(2.0 * (2 * LANES + 1)).reshape(2, -1)
+    groups = in_lanes(sets)
+    assert [group.shape[1] for group in groups] == [LANES, LANES, 1]
+    np.testing.assert_array_equal(np.hstack(groups), sets)

@@ -237,8 +237,7 @@ class Refits(LogFits):
         starts = starts[:, shown]
         if not starts.size:
             return None
-        groups = [starts[:, first : first + LANES] for first in range(0, starts.shape[1], LANES)]
-        sums = np.concatenate([chi2_of(predictor, self.data, group) for group in groups])
+        sums = chi2_of(predictor, self.data, starts)
         best = int(np.argmin(sums))
         if not sums[best] < most:
             return None
