@@ -67,11 +67,12 @@ class BaseTilt(AbstractChangedValues):
         return False
 
     def sought_if_measured(self, robot: Robot, location: str) -> bool:
-        """Return whether servos of a rigid arm show a slant by how far they give way to its weight.
+        """Return whether a rigid arm shows a slant: by its torques, or by how far servos give way to its weight.
 
-        Torques show it at once, see `flexros.gap.fit.torques.turned_weight`. Springs blur what weight does.
+        Where little else is missing, torques show it at once, see `flexros.gap.fit.torques.turned_weight`. Springs
+        blur what weight does.
         """
-        return robot.commands != "torque" and not robot.flexible_motors and bool(self.fitted(robot, location))
+        return not robot.flexible_motors and bool(self.fitted(robot, location))
 
     def fitted(self, robot: Robot, location: str) -> Mapping[str, Range]:
         """Return the rotations that torques show, about one axis at a time in the initial values."""

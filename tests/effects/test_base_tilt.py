@@ -23,7 +23,7 @@ from tests.gap.diagnosis_logs import settings_of
 from tests.gap.rigid_arm import arm
 from tests.gap.servo_logs import NOISE, servo_log, servo_robot
 from tests.gap.servo_logs import T as SERVO_T
-from tests.gap.turning_arm import TURNING, log_of, turning_arm
+from tests.gap.turning_arm import TURNING, log_of, motion_in_space, turning_arm
 
 SLANTS = (np.array([0.006, -0.015]), np.array([0.2, -0.5]))
 """Rotations of the base about x and y, small and large [rad]."""
@@ -66,9 +66,14 @@ def test_servos_of_a_rigid_arm_that_moves_in_space_show_it() -> None:
 
     assert sought(servo_arm())
     assert not sought(servo_robot())  # in a plane, where it is an encoder offset of the first joint
-    assert not BaseTilt().sought_if_measured(turning_arm(), "base")  # torques show it at once
     assert not BaseTilt().sought(servo_arm(), "base")
     assert BaseTilt().locations(turning_arm((0.0, 0.0, 0.0))) == ()
+
+
+def test_measured_torques_of_a_rigid_arm_show_it_also_beside_what_is_found_later() -> None:
+    assert BaseTilt().sought_if_measured(turning_arm(), "base")
+    assert not BaseTilt().sought_if_measured(arm(), "base")  # in a plane
+    assert not BaseTilt().sought_if_measured(load_robot("elbow"), "base")  # springs blur what weight does
 
 
 @pytest.mark.parametrize("robot", [arm(), load_robot("elbow")])
@@ -139,6 +144,26 @@ def test_a_slant_is_found_with_its_angles(tilt: FloatArray) -> None:
         number = causes["base_tilt@base"][axis]
         assert number.value == pytest.approx(angle, abs=2.5 * number.std)
         assert number.std < 0.005
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("tilt", [SLANTS[0], np.zeros(2)])
+def test_a_slant_is_found_beside_ripples_that_hide_it_at_first(tilt: FloatArray) -> None:
+    """A rotor and a body that were twice as heavy to turn, and a bias, had stood for it."""
+    log, q = log_of(tilt=tilt), motion_in_space()[0]
+    ripple = np.array([0.0, 2.0, 1.0]) * np.sin(21 * q + 0.7)
+    log = replace(log, torque=log.torque + 0.5 * (ripple + np.vstack([ripple[1:], ripple[-1:]])))
+    settings = settings_of(
+        *("coulomb_friction", "viscous_friction", "torque_ripple", "motor_inertia_error", "base_tilt", "torque_bias"),
+        *("encoder_offset", "payload_error", "gravity_error", "inertia_error"),
+    )
+    found = diagnose(log, turning_arm(), tolerance=STATED, settings=settings).diagnosis
+    causes = {f"{one.effect}@{one.location}": one.parameters for one in found.causes}
+    slant = {"base_tilt@base"} if tilt.any() else set()
+    assert set(causes) == {"torque_ripple@motor_2", "torque_ripple@motor_3", *FRICTION, *slant}
+    for axis, angle in zip("xy", tilt, strict=True) if slant else ():
+        number = causes["base_tilt@base"][axis]
+        assert number.value == pytest.approx(angle, abs=max(2.5 * number.std, 3e-4))
 
 
 @pytest.mark.slow

@@ -19,7 +19,7 @@ from flexros.gap.search.growth import extended, promises, resumed, tidied, with_
 from flexros.gap.search.periodic.lines import beside_line
 from flexros.gap.search.regrouping import with_gains, without_tangled
 from flexros.gap.search.richer_laws import with_richer_laws, with_simpler_effects
-from flexros.gap.search.within_floor import grown_to_floor, grown_within_floor
+from flexros.gap.search.within_floor import grown_to_floor, grown_within_floor, with_slant
 from flexros.gap.search.within_tolerance import with_far_numbers, without_slight_friction, without_tolerated
 from flexros.gap.search.worth import compared, in_vain, simplest, strains, worth
 
@@ -129,6 +129,9 @@ def explain(search: Search, promised: float = 0.0) -> Explanations:
         return explanations_of(search, compared(search, best_of_each(fits)), chosen, detected=True)
     if search.from_torques and chosen.names != first.names:
         chosen = with_dropped(search, chosen, fits)
+    slanted = with_slant(search, chosen, fits)
+    if slanted is not chosen:
+        chosen = extended(search, slanted, search.directions(search.candidates(), slanted), fits, again=True)
     if len(chosen.hypothesis) > 1 or search.resumed:
         chosen = resumed(search, chosen, tidied(search, chosen, directions, fits), directions, fits)
         if in_vain(search, chosen):

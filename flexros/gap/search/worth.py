@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.effects.base_tilt import BaseTilt
 from flexros.effects.kinds.curve import AbstractCurve
 from flexros.effects.kinds.law import AbstractLaw
 from flexros.effects.kinds.model_change import AbstractChangedValues
@@ -13,6 +14,7 @@ from flexros.effects.kinds.relative_error import AbstractRelativeError
 from flexros.gap.candidates.candidate import simpler
 from flexros.gap.fit.constancy import constancies
 from flexros.gap.fit.tolerance_takeover import takeover
+from flexros.gap.fit.torques.solution import is_silent
 from flexros.gap.search.model_probability import ModelComparison, compare
 
 if TYPE_CHECKING:
@@ -99,7 +101,7 @@ def worth(
     if not _beyond_form(search, comparison, before, after, search.settings.search.least_of_gap):
         return False
     if not search.premises.floor_is_noise:
-        if strains(search, comparison, after, before):
+        if strains(search, comparison, after, before) or turned_in_torques(search, before, after):
             return True
         removed = search.settings.search.removed_of_all
         if comparison.level(before) <= search.settings.ranking.floors:
@@ -287,6 +289,39 @@ def strains(search: Search, comparison: ModelComparison, fit: CandidateFit, rest
         return False
     kept = {one.name for one in rest.hypothesis}
     return any(_takes_over_a_far_number(one, rest) for one in fit.hypothesis if one.name not in kept)
+
+
+def turned_in_torques(search: Search, before: CandidateFit, after: CandidateFit) -> bool:
+    """Return whether a slant of the base is all that an explanation has beyond another one, and torques show it.
+
+    Encoder offsets, rotors and lengths take up a part of it each, so that it removes little of what is left.
+    """
+    further = [one for one in after.hypothesis if one.name not in before.names]
+    if search.data.torques is None or [one.effect for one in further] != [BaseTilt]:
+        return False
+    settings = search.settings.torque_start
+    return lowered_torques(search, before, after) >= settings.turned ** len(further[0].free)
+
+
+def lowered_torques(search: Search, before: CandidateFit, after: CandidateFit) -> float:
+    """Return the factor by which a fit leaves less of the torques than another one, over all motors [1].
+
+    It is that of a regression, see `flexros.gap.fit.torques.missing_load.lowered`, with all effects in place.
+
+    Args:
+        search: The search, in a log whose torques count.
+        before: One fit.
+        after: The other one.
+    """
+    assert search.data.torques is not None
+    M = search.null.model.robot.n_motors
+    left = [
+        np.linalg.norm(fit.residual(search.data)[-search.data.torques.size :].reshape(M, -1), axis=1)
+        for fit in (before, after)
+    ]
+    counts = ~is_silent(left[0])
+    factors = left[0][counts] / np.maximum(left[1][counts], 1e-300)
+    return float(np.prod(np.minimum(factors, search.settings.torque_start.explained_by_load)))
 
 
 def _takes_over_a_far_number(candidate: Candidate, rest: CandidateFit) -> bool:

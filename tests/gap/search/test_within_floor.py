@@ -7,6 +7,8 @@ from typing import Any
 
 import pytest
 
+from flexros.effects.base_tilt import BaseTilt
+from flexros.effects.torque_bias import TorqueBias
 from flexros.gap.search import within_floor, worth
 from flexros.gap.settings import DiagnosisSettings
 from flexros.record.premises import MEASURED
@@ -184,3 +186,24 @@ def test_an_effect_that_stood_for_those_that_are_there_now_is_left_out_unless_it
 def test_within_the_floor_nothing_is_tried_as_above_it(levels: dict[str, float]) -> None:
     begin = fit("base", level=levels["base"])
     assert within_floor.grown_to_floor(search(), begin, [], []) is begin
+
+
+@pytest.mark.parametrize(("shown", "found"), [(True, {"ripple", "base_tilt@base"}), (False, {"ripple"})])
+def test_a_slant_that_torques_show_is_added_beside_what_was_found(
+    shown: bool, found: set[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Beside a ripple and friction at low speed the regression of the torques had not shown it."""
+    slant, fits = SimpleNamespace(name="base_tilt@base", effect=BaseTilt), []
+    chosen, around = fit("ripple", level=2.5), search(is_rigid=True)
+    around.candidates = lambda: (slant, SimpleNamespace(name="torque_bias@motor_1", effect=TorqueBias))
+    around.data, around.surroundings = SimpleNamespace(torques=SimpleNamespace()), lambda _: None
+    around.directions = lambda candidates, _fit: candidates
+    around.additions = lambda directions, *_: directions
+    around.together = lambda one, additions: fit(*one.names, *(each.name for each in additions), level=2.4)
+    monkeypatch.setattr(within_floor, "turned_in_torques", lambda *_: shown)
+    monkeypatch.setattr(within_floor, "compared", lambda *_: None)
+    monkeypatch.setattr(within_floor, "worth", lambda *_: True)
+    assert within_floor.with_slant(around, chosen, fits).names == found
+    assert len(fits) == 1
+    around.data.torques = None
+    assert within_floor.with_slant(around, chosen, []) is chosen
