@@ -28,6 +28,9 @@ DIFFERENT = 0.1
 """Change of gravity by a rotation that nothing else makes, over that by one across it, from which torques show the
 rotation [1] (chosen)."""
 
+SET_UP = np.deg2rad(10.0)
+"""Largest slant of a base that was set up carelessly [rad] (chosen)."""
+
 
 class BaseTilt(AbstractChangedValues):
     """The base stands at a slant: the weight of the arm acts in another direction.
@@ -80,6 +83,17 @@ class BaseTilt(AbstractChangedValues):
         axes = _shown(robot)
         starts = FIRST * np.kron(np.eye(len(axes)), [1.0, -1.0])
         return {axis: replace(self.ranges[axis], starts=tuple(own)) for axis, own in zip(axes, starts.tolist())}
+
+    def stands_for(self) -> str:
+        """Return what turns gravity by more than a base that was set up carelessly."""
+        angle = float(np.linalg.norm([self.x, self.y, self.z]))
+        if angle <= SET_UP:
+            return ""
+        return (
+            f"turns gravity by {np.rad2deg(angle):.0f} deg, which no base is set up wrongly by: either it is mounted "
+            "otherwise than the robot file says, which the list gravity states there, or a force acts that is not in "
+            "the library, such as that of a hose or a tether, which a turned weight imitates"
+        )
 
     def values(self, robot: Robot, location: str) -> dict[str, float]:
         """Return gravity in the frame of the base."""

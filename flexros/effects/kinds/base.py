@@ -157,6 +157,13 @@ class AbstractEffect(Settings, ABC):
         """Return the same effect as stated for a joint that counts the other way round."""
         return self.model_copy(update={name: -getattr(self, name) for name in self.turned})
 
+    def stands_for(self) -> str:
+        """Return what is likelier where the effect has a size that it hardly ever has; empty for a usual one, default.
+
+        A clause of a warning, after the name of the effect.
+        """
+        return ""
+
     def check_on(self, robot: Robot, location: str) -> None:
         """Refuse values that a robot does not allow at one of the effect's `locations`; default: none.
 

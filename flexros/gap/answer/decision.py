@@ -312,7 +312,9 @@ def groups_of(
 def probability_of(name: str, findings: Findings, verdict: Verdict) -> float:
     """Add up the probabilities of all explanations that contain an effect at a location [1].
 
-    Where none explains the gap, return the probability that the effect is part of it all the same.
+    Where none explains the gap, return the probability that the effect is part of it all the same. So it is with an
+    effect of a size that it hardly ever has beside which a part of the gap is left: the best imitation of a force that
+    is not in the library.
 
     Args:
         name: Name of the candidate, effect@location.
@@ -322,7 +324,14 @@ def probability_of(name: str, findings: Findings, verdict: Verdict) -> float:
     explanations = findings.explanations
     pairs = zip(explanations.rivals, explanations.probabilities)
     total = float(min(1.0, sum(probability for fit, probability in pairs if name in fit.names)))
-    return total * (findings.settings.part_of_unknown if verdict == "unknown_effect" else 1.0)
+    imitates = verdict == "unknown_effect" or (verdict == "partly_explained" and _hardly_ever(name, findings))
+    return total * (findings.settings.part_of_unknown if imitates else 1.0)
+
+
+def _hardly_ever(name: str, findings: Findings) -> bool:
+    """Return whether an effect of the chosen explanation has a size that it hardly ever has."""
+    placed = placed_effects(findings.explanations.chosen)
+    return any(one.effect.stands_for() and f"{one.effect.name}@{one.location}" == name for one in placed)
 
 
 def rank_key(name: str, findings: Findings, verdict: Verdict) -> tuple[float, float, float]:

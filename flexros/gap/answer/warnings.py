@@ -90,6 +90,7 @@ def answer_warnings(findings: Findings, gap: GapNumbers, *, worse: bool) -> list
         *_strained(findings),
         *warnings,
         *_without_finding(findings),
+        *_unusual(findings, gap),
         *_unit_warnings(findings),
         *_drift_warnings(findings),
         *_one_way_warnings(findings),
@@ -176,6 +177,17 @@ def _strained(findings: Findings) -> list[str]:
         f"the answer moves numbers of the model beyond their tolerance: {moved}.{held} They may stand "
         "for an effect such as a load: measure them, or correct them in the robot file"
     ]
+
+
+def _unusual(findings: Findings, gap: GapNumbers) -> list[str]:
+    """Return one sentence for every effect of a size that it hardly ever has, with what is likelier.
+
+    What is left of the held-out gap tells which: with a number of the robot file that is wrong all of it is explained.
+    """
+    found = [(one, one.effect.stands_for()) for one in placed_effects(findings.explanations.chosen)]
+    most = findings.settings.floors * (gap.tolerance_floor or 1.0)
+    left = ". What is left speaks for the latter" if gap.after is not None and gap.after > most else ""
+    return [f"{one.effect.name}@{one.location} {text}{left}" for one, text in found if text]
 
 
 def _unit_warnings(findings: Findings) -> list[str]:

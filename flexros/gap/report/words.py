@@ -164,7 +164,13 @@ def parameters_words(parameters: Mapping[str, CauseParameter]) -> str:
 def cause_words(cause: Cause | RankedCandidate) -> str:
     """Write an effect with location and clear parameters, e.g. "Coulomb friction at motor_1, 0.213 Nm (±0.011)"."""
     parameters = clear_words(cause.effect, cause.parameters)
-    return f"{named(cause)}{', ' if parameters else ''}{parameters}"
+    return f"{_imitated(cause)}{named(cause)}{', ' if parameters else ''}{parameters}"
+
+
+def _imitated(cause: Cause | RankedCandidate) -> str:
+    """Return words before the name of an effect of a size that it hardly ever has; empty for a usual one."""
+    kind, values = effects().get(cause.effect), {name: one.value for name, one in cause.parameters.items()}
+    return "what acts like " if kind is not None and kind.model_construct(None, **values).stands_for() else ""
 
 
 def undetermined_words(causes: Sequence[Cause]) -> tuple[str, ...]:
@@ -200,10 +206,9 @@ def causes_words(causes: Sequence[Cause]) -> str:
         return listed([cause_words(cause) for cause in causes])
     places: dict[str, list[str]] = {}
     for cause in causes:
-        places.setdefault(cause.effect, []).append(cause.location)
+        places.setdefault(f"{_imitated(cause)}{effect_words(cause.effect)}", []).append(cause.location)
     gathered = [
-        f"{effect_words(effect)} ({listed(at)})" if len(at) > 1 else f"{effect_words(effect)} {location_words(at[0])}"
-        for effect, at in places.items()
+        f"{words} ({listed(at)})" if len(at) > 1 else f"{words} {location_words(at[0])}" for words, at in places.items()
     ]
     return f"{len(causes)} effects: {listed(gathered)}"
 

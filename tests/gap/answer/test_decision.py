@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from flexros.effects import RobotWithEffects, parse_effect, place_effects
+from flexros.gap.answer import decision
 from flexros.gap.answer.decision import (
     Findings,
     best_rival,
@@ -23,6 +26,7 @@ from flexros.gap.answer.decision import (
 )
 from flexros.gap.answer.warnings import _without_finding
 from flexros.gap.fit.candidate_fit import CandidateFit
+from flexros.gap.schema import Verdict
 from flexros.gap.search.forward_selection import Explanations
 from flexros.gap.search.model_probability import RANKING, compare
 from flexros.record.quantization import Quantization
@@ -159,6 +163,21 @@ def test_the_probability_of_an_effect_is_that_of_all_its_explanations() -> None:
     assert probability_of(COULOMB, found, verdict_of(found)) == pytest.approx(0.8)
     assert probability_of(INERTIA, found, verdict_of(found)) == pytest.approx(0.2)
     assert probability_of("backlash@motor_1", found, verdict_of(found)) == 0.0
+
+
+@pytest.mark.parametrize(("x", "verdict", "probability"), [
+    (-0.67, "partly_explained", 0.1), (-0.67, "explained", 1.0), (0.02, "partly_explained", 1.0),
+])  # fmt: skip
+def test_an_effect_of_a_size_that_it_hardly_ever_has_is_improbable_beside_what_is_left(
+    x: float, verdict: Verdict, probability: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A tether had been a tilt of 46 deg with certainty."""
+    monkeypatch.setattr(decision, "placed_effects", lambda _: [parse_effect(f"base_tilt@base:x={x}", "test")])
+    fit = SimpleNamespace(names={"base_tilt@base", COULOMB})
+    explanations = SimpleNamespace(chosen=fit, rivals=(fit,), probabilities=(1.0,))
+    found: Any = SimpleNamespace(explanations=explanations, settings=RANKING)
+    assert probability_of("base_tilt@base", found, verdict) == pytest.approx(probability)
+    assert probability_of(COULOMB, found, verdict) == pytest.approx(1.0)
 
 
 def test_a_single_effect_of_constant_size_is_a_part_of_what_it_does_not_explain() -> None:

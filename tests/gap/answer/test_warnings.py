@@ -35,6 +35,23 @@ def test_torques_of_several_motors_that_act_by_other_factors_have_another_unit(
     assert all("motor_1: 0.52" in text and "motor_2: 0.34" in text for text in texts)
 
 
+@pytest.mark.parametrize(("after", "latter"), [(233.0, True), (12.0, False)])
+@pytest.mark.parametrize(("x", "warned"), [(-0.67, True), (0.02, False)])
+def test_a_slant_larger_than_a_careless_mounting_may_be_another_force(
+    x: float, warned: bool, after: float, latter: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An elastic tether had become a tilt of 46 deg, and most of the gap was closed."""
+    placed = [parse_effect(f"base_tilt@base:x={x},y=0.045", "test")]
+    monkeypatch.setattr(warnings, "placed_effects", lambda _: placed)
+    settings = SimpleNamespace(floors=2.0)
+    findings: Any = SimpleNamespace(explanations=SimpleNamespace(chosen=None), settings=settings)
+    gap: Any = SimpleNamespace(after=after, tolerance_floor=10.6)
+    texts = warnings._unusual(findings, gap)
+    assert bool(texts) is warned
+    assert all("base_tilt@base turns gravity by 38 deg" in text and "tether" in text for text in texts)
+    assert all(text.endswith("What is left speaks for the latter") is latter for text in texts)
+
+
 @pytest.mark.parametrize(
     ("after", "floor", "warned"), [(18.3, 20.8, True), (1.2, 20.8, False), (300.0, 20.8, False), (1.0, None, False)]
 )

@@ -44,6 +44,16 @@ def test_of_a_curve_its_smallest_and_largest_torque_are_written() -> None:
     assert cause_words(curve.model_copy(update={"parameters": shared})).endswith(", 0 to 0.550 Nm (±0.010)")
 
 
+@pytest.mark.parametrize(("x", "before"), [(-0.67, "what acts like "), (0.02, "")])
+def test_a_cause_of_a_size_that_it_hardly_ever_has_is_not_stated_as_certain(x: float, before: str) -> None:
+    """A tether had been a tilt of 46 deg."""
+    angles = {"x": parameter(x, 0.001, "rad"), "y": parameter(0.045, 0.001, "rad")}
+    tilt = Cause(effect="base_tilt", location="base", probability=1.0, parameters=angles, closed_fraction=None)
+    assert cause_words(tilt).startswith(f"{before}tilt at the base, x ")
+    others = [tilt.model_copy(update={"effect": "torque_bias", "location": f"motor_{k}"}) for k in range(1, 7)]
+    assert f"7 effects: {before}tilt at the base and " in causes_words([tilt, *others])
+
+
 def test_locations_are_named_in_words() -> None:
     assert location_words("motor_1") == "at motor_1"
     assert location_words("body_1.rz") == "in spring body_1.rz"
