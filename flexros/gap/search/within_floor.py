@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from flexros.effects.base_tilt import BaseTilt
 from flexros.gap.fit.candidate_fit import first_parameters
 from flexros.gap.search.elimination import one_by_one
 from flexros.gap.search.growth import with_more
@@ -120,8 +119,8 @@ def with_slant(search: Search, chosen: CandidateFit, fits: list[CandidateFit]) -
         chosen: The explanation.
         fits: All fits so far; new ones are appended.
     """
-    slants = [one for one in search.candidates() if one.effect is BaseTilt and one.name not in chosen.names]
-    if search.data.torques is None or not slants or search.deadline.stops():
+    slants = [one for one in search.slants() if one.name not in chosen.names]
+    if not slants or search.deadline.stops():
         return chosen
     around = search.surroundings(chosen)
     found = search.additions(search.directions(slants, chosen), chosen, around)

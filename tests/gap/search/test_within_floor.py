@@ -7,8 +7,6 @@ from typing import Any
 
 import pytest
 
-from flexros.effects.base_tilt import BaseTilt
-from flexros.effects.torque_bias import TorqueBias
 from flexros.gap.search import within_floor, worth
 from flexros.gap.settings import DiagnosisSettings
 from flexros.record.premises import MEASURED
@@ -193,10 +191,9 @@ def test_a_slant_that_torques_show_is_added_beside_what_was_found(
     shown: bool, found: set[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Beside a ripple and friction at low speed the regression of the torques had not shown it."""
-    slant, fits = SimpleNamespace(name="base_tilt@base", effect=BaseTilt), []
+    slant, fits = SimpleNamespace(name="base_tilt@base"), []
     chosen, around = fit("ripple", level=2.5), search(is_rigid=True)
-    around.candidates = lambda: (slant, SimpleNamespace(name="torque_bias@motor_1", effect=TorqueBias))
-    around.data, around.surroundings = SimpleNamespace(torques=SimpleNamespace()), lambda _: None
+    around.slants, around.surroundings = lambda: (slant,), lambda _: None
     around.directions = lambda candidates, _fit: candidates
     around.additions = lambda directions, *_: directions
     around.together = lambda one, additions: fit(*one.names, *(each.name for each in additions), level=2.4)
@@ -205,5 +202,5 @@ def test_a_slant_that_torques_show_is_added_beside_what_was_found(
     monkeypatch.setattr(within_floor, "worth", lambda *_: True)
     assert within_floor.with_slant(around, chosen, fits).names == found
     assert len(fits) == 1
-    around.data.torques = None
+    around.slants = lambda: ()
     assert within_floor.with_slant(around, chosen, []) is chosen

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects import effects
+from flexros.effects.base_tilt import BaseTilt
 from flexros.effects.kinds.command_law import AbstractCommandLaw
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.effects.kinds.tool_error import AbstractToolError
@@ -104,9 +105,22 @@ class Search(Refits):
         changes its sign: that would scale all of it. Where a motor moves in one direction only, friction has no
         difference between directions.
 
+        A slant of the base is none of them where torques count, see `slants`.
+
         Args:
             for_curve: Whether those are listed that are tried in place of a curve.
         """
+        every, torques = self._every(for_curve=for_curve), self.data.torques is not None
+        return tuple(one for one in every if not (torques and one.effect is BaseTilt))
+
+    def slants(self) -> tuple[Candidate, ...]:
+        """List the slant of the base where torques count: they must show it, as two angles imitate more than one."""
+        if self.data.torques is None:
+            return ()
+        return tuple(one for one in self._every() if one.effect is BaseTilt)
+
+    def _every(self, *, for_curve: bool = False) -> tuple[Candidate, ...]:
+        """List the candidates that compete, a slant of the base included."""
         tool = self.data.tool is not None
         model, measured = self.null.model, self.data.record.imported
         return tuple(
