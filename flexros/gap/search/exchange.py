@@ -30,7 +30,11 @@ RICH = 3
 
 
 def exchanged(
-    search: Search, fit: CandidateFit, directions: Sequence[Directions], fits: list[CandidateFit]
+    search: Search,
+    fit: CandidateFit,
+    directions: Sequence[Directions],
+    fits: list[CandidateFit],
+    shown: frozenset[str] | None = None,
 ) -> CandidateFit:
     """Exchange effects for candidates that may do the same, for as long as that improves the explanation.
 
@@ -39,6 +43,8 @@ def exchanged(
         fit: The explanation.
         directions: All candidates but those of harmonics.
         fits: All fits so far; new ones are appended.
+        shown: Names of effects that are exchanged for those alone that torques take for them; default: those that
+            torques show, or that replaced one of them.
     """
     settings = search.settings.search
     for _ in range(settings.rounds if len(fit.hypothesis) > 1 or search.resumed else 0):
@@ -46,7 +52,7 @@ def exchanged(
             break
         exchanges = [
             (candidate, addition)
-            for candidate, additions in _replacements(search, fit, directions)
+            for candidate, additions in _replacements(search, fit, directions, shown)
             for addition in additions[: settings.added]
         ]
         comparison, level = _compared(search, fit, exchanges, fits)
@@ -170,7 +176,7 @@ def _simple_there_first(candidate: Candidate, additions: Sequence[Addition]) -> 
 
 
 def _replacements(
-    search: Search, fit: CandidateFit, directions: Sequence[Directions]
+    search: Search, fit: CandidateFit, directions: Sequence[Directions], shown: frozenset[str] | None = None
 ) -> Iterator[tuple[Candidate, list[Addition]]]:
     """Yield effects with the candidates that may regain most of what is lost without them.
 
@@ -179,7 +185,8 @@ def _replacements(
     simulated log the others of its order compete too.
     Where nothing is left, a law that contains the effect only adds parameters, and its fit takes the longest of all.
     """
-    surroundings, shown = search.surroundings(fit), search.shown_by_torques(fit)
+    surroundings = search.surroundings(fit)
+    shown = search.shown_by_torques(fit) if shown is None else shown
     for candidate, rest in zip(fit.hypothesis, search.removals(fit, surroundings), strict=True):
         competing = directions
         if candidate.effect.harmonics:

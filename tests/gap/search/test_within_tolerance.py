@@ -47,7 +47,8 @@ class Search:
     def __init__(self, after: Any, misfit: float = 1.0) -> None:
         self.after = after
         self.rows = np.zeros(0, dtype=int)
-        self.data = SimpleNamespace(misfit=misfit)
+        self.data = SimpleNamespace(misfit=misfit, n_values=1000)
+        self.directions = lambda *_: []
         self.of_torques: frozenset[str] = frozenset()
         self.distance = lambda *_: 0.0
         self.deadline = SimpleNamespace(stops_finishing=lambda: False)
@@ -76,7 +77,8 @@ class Search:
 @pytest.fixture(autouse=True)
 def plain_rules(monkeypatch: pytest.MonkeyPatch) -> None:
     """A level below the floors; the penalty of a fit is that of the spring alone."""
-    monkeypatch.setattr(within_tolerance, "compared", lambda *_: SimpleNamespace(level=lambda one: 0.9))
+    monkeypatch.setattr(within_tolerance, "compared", lambda *_: SimpleNamespace(level=lambda one: 0.9, threshold=6.0))
+    monkeypatch.setattr(within_tolerance, "exchanged", lambda _search, one, *_, **__: one)
 
     def takeover(one: Any, chosen: Any) -> Takeover | None:
         relative = issubclass(one.effect, within_tolerance.AbstractRelativeError)
@@ -92,6 +94,28 @@ def test_a_number_far_beyond_its_tolerance_is_an_effect(penalty: float, size: fl
     fits: list[Any] = []
     found = within_tolerance.with_far_numbers(search, fit(1000.0 + penalty, penalty), fits)
     assert (STIFFNESS in found.names) is named
+
+
+@pytest.mark.parametrize(("chi2", "further", "exchanged"), [
+    (950.0, {"stiffness": -0.2}, True), (999.9, {"stiffness": -0.2}, False), (950.0, {}, False),
+])  # fmt: skip
+def test_what_stood_for_a_number_that_is_named_now_is_exchanged(
+    chi2: float, further: dict[str, float], exchanged: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A gain at a wrist had stood for a payload and for the gain of the lift that carries it."""
+    search: Any = Search(fit(1000.0, 1.0, stiffness=-0.2))
+    search.of_torques = frozenset({"inertia@motor_1"})
+    other = fit(chi2, 1.0, payload=0.3, **further)
+    shown: list[frozenset[str]] = []
+
+    def exchange(*_: Any, shown: frozenset[str], protected: list[frozenset[str]] = shown) -> Any:
+        protected.append(shown)
+        return other
+
+    monkeypatch.setattr(within_tolerance, "exchanged", exchange)
+    found = within_tolerance.with_far_numbers(search, fit(1049.0, 49.0), [])
+    assert (found is other) is exchanged
+    assert shown == [frozenset({"inertia@motor_1"})]  # none that only took the place of one of these
 
 
 @pytest.mark.parametrize("worth", [True, False])
