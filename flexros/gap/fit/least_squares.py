@@ -8,14 +8,14 @@ import numpy as np
 
 from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.fit.damped_steps import best_step, may_move, predicted_fall
-from flexros.gap.fit.linearisation import linearise
-from flexros.gap.prediction.compiled_plant import LANES
+from flexros.gap.fit.linearisation import carried_on, linearise
 from flexros.gap.settings import FitSettings
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from flexros.arrays import FloatArray
+    from flexros.gap.fit.linearisation import Linearised
     from flexros.gap.prediction.predictor import Predictor
     from flexros.gap.residuals.fit_data import FitData
 
@@ -24,7 +24,10 @@ FIT = FitSettings()
 KEPT = 0.3
 """Share of the predicted fall below which further steps are tried [1]."""
 LASTING = 0.7
-"""Share of the predicted fall from which the slopes of the last step serve for the next one [1] (chosen)."""
+"""Share of the fall that a step promises from which its slopes, corrected, serve for the next one [1] (chosen)."""
+ABLE = 0.4
+"""Share of the largest predicted fall from which they do [1] (chosen): below it steps are damped much, as along a
+valley, where corrected slopes lead on in small steps."""
 STRAIGHT = 4
 """Iterations in which straight steps suffice where they lower the sum of squares at all."""
 
@@ -45,7 +48,8 @@ def fit(
 ) -> CandidateFit:
     """Minimise the sum of squares from an initial value (Levenberg 1944, Marquardt 1963).
 
-    Derivatives are differences, computed together in the lanes of the predictor. Eight dampings are tried at once, each
+    Derivatives are differences, computed together in the lanes of the predictor, and corrected by what a step changed
+    while steps do about what they promise (Broyden 1965). Eight dampings are tried at once, each
     parameter damped by its own information (Marquardt). Where that gains far less than predicted, the steps are bent
     along the curvature of the prediction errors (Transtrum, Sethna 2012), and then all parameters are damped equally
     (Levenberg), so that of two parameters that the log cannot separate the better determined one moves.
@@ -69,19 +73,19 @@ def fit(
     theta = np.clip(np.array(start, dtype=float), *predictor.bounds)
     chi2, information, converged, done = np.inf, np.zeros((0, 0)), False, 0
     slopes = first_slopes if tolerance_slopes is None else tolerance_slopes
-    many = predictor.tolerance.n_free >= LANES
     known: FloatArray | None = None
+    carried: Linearised | None = None
     while done < iterations:
         done += 1
-        line = linearise(predictor, data, theta, slopes, residual=known)
-        exact = slopes is tolerance_slopes
+        exact = carried is None and slopes is tolerance_slopes
+        line = carried or linearise(predictor, data, theta, slopes, residual=known)
         chi2, information = line.chi2, line.information
         limit = max(least, share * (chi2 - data.n_values)) if share else least
         if not np.isfinite(chi2) or not len(theta):
             break
         predicted = predicted_fall(line, may_move(predictor, theta, line))
         if predicted < limit and not exact:
-            slopes, known = None, line.residual
+            slopes, known, carried = tolerance_slopes, line.residual, None
             continue
         if predicted < limit:
             converged = True
@@ -89,12 +93,11 @@ def fit(
         if chi2 - settings.hope * predicted > rival:
             break
         well = KEPT * predicted if done > STRAIGHT else limit
+        before, slopes, carried = theta, tolerance_slopes, None
         theta, chi2, known = best_step(predictor, data, theta, line, settings.longest_step, well)
-        fall = line.chi2 - chi2
-        if tolerance_slopes is None:
-            # of many tolerated deviations the slopes change little: those of the last step serve while they do
-            lasting = many and fall > max(LASTING * predicted, limit)
-            slopes = line.slopes[:, predictor.n_effect :] if lasting else None
+        fall, step = line.chi2 - chi2, theta - before
+        if fall > max(LASTING * line.fall_by(step), ABLE * predicted, limit) and not predictor.jumps:
+            carried = carried_on(line, predictor, data, theta, step, known)
         del line  # slopes are the largest arrays of a fit
         if fall < limit and exact:
             converged = True

@@ -51,6 +51,14 @@ class Linearised:
     gradient: FloatArray
     information: FloatArray
 
+    def fall_by(self, step: FloatArray) -> float:
+        """Return by how much the sum of squares falls with a step by linear theory.
+
+        Args:
+            step: Change of the parameters in the units of the fit, shape (n_fitted,).
+        """
+        return -float(2 * self.gradient @ step + step @ self.information @ step)
+
 
 def linearise(
     predictor: Predictor,
@@ -105,6 +113,33 @@ def linearise(
     chi2 = float(sums_of(predictor, data, base[:, None], theta[:, None])[0])
     gradient = J.T @ base if np.isfinite(chi2) else np.zeros(len(theta))
     return Linearised(chi2, base, J, gradient + prior * theta, J.T @ J + np.diag(prior))
+
+
+def carried_on(
+    line: Linearised, predictor: Predictor, data: FitData, theta: FloatArray, step: FloatArray, residual: FloatArray
+) -> Linearised:
+    """Linearise after a step by the derivatives before it, corrected by what it changed (Broyden 1965).
+
+    J + (r - r_before - J h) h'D / h'D h for a step h, with the information of each parameter on the diagonal of D, so
+    that the units of the parameters do not matter.
+
+    Args:
+        line: The hypothesis, linearised before the step; its slopes are overwritten, as they are large.
+        predictor: Predictor of it.
+        data: Log and weights.
+        theta: Parameters after the step, in the units of the fit, shape (n_fitted,).
+        step: The step, shape (n_fitted,).
+        residual: Weighted prediction errors after it, shape (n_values,).
+    """
+    weights = np.diag(line.information) * step
+    weights /= max(float(weights @ step), 1e-300)
+    J, missed = line.slopes, residual - line.residual - line.slopes @ step
+    for column, weight in enumerate(weights):
+        J[:, column] += weight * missed
+    prior = np.zeros(len(theta))
+    prior[predictor.n_effect :] = data.misfit
+    chi2 = float(sums_of(predictor, data, residual[:, None], theta[:, None])[0])
+    return Linearised(chi2, residual, J, J.T @ residual + prior * theta, J.T @ J + np.diag(prior))
 
 
 @lru_cache(maxsize=1)
