@@ -159,6 +159,40 @@ def test_steps_follow_a_curved_valley(monkeypatch: pytest.MonkeyPatch) -> None:
     assert bent.iterations < 0.5 * fitted().iterations
 
 
+class Bowed:
+    """Errors that bend a little with each of twelve parameters; counts the predictions: predictor and log."""
+
+    n_effect, bounds, tolerance = 12, (np.full(12, -10.0), np.full(12, 10.0)), Tolerance()
+    jumps = False
+    fineness = np.ones(12)
+
+    misfit, settings = 1.0, DiagnosisSettings(threads=1)
+
+    def __init__(self) -> None:
+        self.passes = 0
+
+    def residuals(self, _: object, thetas: FloatArray) -> FloatArray:
+        self.passes += 1
+        slopes, noise = np.split(np.random.default_rng(0).normal(size=(1000, 13)), [12], axis=1)
+        far = thetas - np.linspace(0.5, 2.0, 12)[:, None]
+        return np.asarray(noise + 100 * slopes @ (far + 0.1 * far**2))
+
+
+def test_derivatives_are_not_computed_anew_while_steps_do_what_they_promise(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fitted() -> tuple[CandidateFit, int]:
+        bowed = Bowed()
+        found = fit(cast("Predictor", bowed), cast("FitData", bowed), np.zeros(12), 40)
+        return found, bowed.passes
+
+    corrected, few = fitted()
+    monkeypatch.setattr("flexros.gap.fit.least_squares.LASTING", np.inf)
+    anew, many = fitted()
+    assert few < many
+    assert corrected.converged
+    assert corrected.chi2 == pytest.approx(anew.chi2, abs=0.1)
+    np.testing.assert_allclose(corrected.theta, anew.theta, atol=1e-3)
+
+
 def test_a_fit_that_leaves_much_ends_where_its_steps_hardly_lower_that() -> None:
     valley = CurvedValley()
     predictor, data = cast("Predictor", valley), cast("FitData", valley)

@@ -11,7 +11,7 @@ from flexros.arrays import FloatArray
 from flexros.effects import place_effects
 from flexros.gap.candidates.tolerance import Tolerance, tolerance_of
 from flexros.gap.fit.candidate_fit import CandidateFit
-from flexros.gap.fit.linearisation import JUMP, linearise, linearised, with_smooth_slopes, without_jumps
+from flexros.gap.fit.linearisation import JUMP, carried_on, linearise, linearised, with_smooth_slopes, without_jumps
 from flexros.gap.prediction.compiled_plant import LANES
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.residuals.fit_data import FitData
@@ -62,6 +62,28 @@ def test_slopes_are_derivatives_of_the_weighted_errors() -> None:
         assert np.linalg.norm(line.slopes[:, k] - difference) < 0.01 * np.linalg.norm(difference)
     np.testing.assert_allclose(line.gradient, line.slopes.T @ line.residual)
     np.testing.assert_allclose(line.information, line.slopes.T @ line.slopes)
+
+
+def test_derivatives_after_a_step_are_those_before_it_but_along_it_where_they_make_what_it_changed() -> None:
+    lines = Lines()
+    predictor, data = cast("Predictor", lines), cast("FitData", lines)
+    step, before = np.linspace(-0.2, 0.1, 15), linearise(predictor, data, np.zeros(15))
+    slopes, residual = before.slopes.copy(), before.residual + before.slopes @ step + 3.0
+    carried = carried_on(before, predictor, data, step, step, residual)
+    np.testing.assert_allclose(carried.slopes @ step, slopes @ step + 3.0)
+    across = np.random.default_rng(0).normal(size=15)
+    weighted = np.diag(before.information) * step
+    across -= step * (weighted @ across) / (weighted @ step)
+    np.testing.assert_allclose(carried.slopes @ across, slopes @ across)
+    assert carried.chi2 == pytest.approx(residual @ residual)
+    np.testing.assert_allclose(carried.gradient, carried.slopes.T @ residual)
+
+
+def test_a_step_lowers_the_sum_of_squares_of_linear_errors_as_it_promises() -> None:
+    lines = Lines()
+    predictor, data, step = cast("Predictor", lines), cast("FitData", lines), np.linspace(-0.02, 0.01, 15)
+    before, after = (linearise(predictor, data, theta) for theta in (np.zeros(15), step))
+    assert before.fall_by(step) == pytest.approx(before.chi2 - after.chi2)
 
 
 def test_derivatives_by_errors_that_are_known_are_the_same() -> None:

@@ -239,7 +239,7 @@ class Search(Refits):
         """Fit the candidates that promise most, each alone: all for a few iterations, the best ones to the end.
 
         An effect that extends simpler ones starts from the fit of the one that gains most, and only where that gains
-        anything.
+        anything. Fits to a simulated log end early where they have no hope to come near the one that promises most.
 
         Args:
             directions: The candidates.
@@ -252,28 +252,30 @@ class Search(Refits):
         null = self.null.fit
         surroundings = self.surroundings(null)
         simple = [direction for direction in directions if not direction.candidate.effect.extends]
-        promising = sorted(
-            zip(simple, (surroundings.gains(direction.changes)[0].max() for direction in simple)),
-            key=lambda pair: -pair[1],
-        )[: self.settings.search.fitted]
-        fits = self.parallel("single effects", lambda pair: self._single(pair[0], surroundings), promising, needed=1)
+        promises = [surroundings.gains(direction.changes)[0].max() for direction in simple]
+        promising = [simple[index] for index in np.argsort(-np.array(promises), kind="stable")]
+        single = partial(self._single, surroundings=surroundings)
+        fits = [single(one) for one in promising[:1]]
+        further = promising[1 : self.settings.search.fitted]
+        fits += self.parallel("single effects", partial(single, rival=_least(fits)), further)
         worth = float(np.log(self.data.n_values))
         gaining = [fit for fit in best_of_each(fits) if self.null.fit.chi2 - fit.chi2 > worth]
         simpler = [
             (one.candidate, next((fit for fit in gaining if _extends(one.candidate, fit)), None)) for one in directions
         ]
         pairs = [(candidate, fit) for candidate, fit in simpler if fit is not None]
-        fits += self.parallel("richer effects", lambda pair: self._extended(*pair), pairs)
+        extended = partial(self._extended, rival=_least(fits))
+        fits += self.parallel("richer effects", lambda pair: extended(*pair), pairs)
         return self.finished(fits)
 
-    def _single(self, direction: Directions, surroundings: Surroundings) -> CandidateFit:
+    def _single(self, direction: Directions, surroundings: Surroundings, rival: float = np.inf) -> CandidateFit:
         """Fit a candidate from its two best initial values."""
         best = best_starts(direction, surroundings)
         deviations = np.repeat(self.null.fit.deviations[:, None], len(best), axis=1)
         starts = np.vstack([direction.starts[:, best], deviations])
-        return self._from_grid(self.null.predictor((direction.candidate,)), starts)
+        return self._from_grid(self.null.predictor((direction.candidate,)), starts, rival)
 
-    def _extended(self, candidate: Candidate, simple: CandidateFit) -> CandidateFit:
+    def _extended(self, candidate: Candidate, simple: CandidateFit, rival: float) -> CandidateFit:
         """Fit a candidate from the parameters of a simpler effect that it contains."""
         values = simple.predictor.values(simple.theta)[0]
         shared = candidate.effect.extends[simple.hypothesis[0].effect.name]
@@ -284,7 +286,7 @@ class Search(Refits):
                 own[index] = free.encode(values[shared[free.name]])
         own = np.unique(own, axis=1)
         deviations = np.repeat(simple.deviations[:, None], own.shape[1], axis=1)
-        return self._from_grid(predictor, np.vstack([own, deviations]))
+        return self._from_grid(predictor, np.vstack([own, deviations]), rival)
 
     def misfit(self, directions: Sequence[Directions]) -> float:
         """Estimate the mean squared error that is left when all candidates are fitted together, by linear theory [1].
@@ -372,6 +374,11 @@ class Search(Refits):
         kept = fit.theta[:n_effect][~fit.columns(names)[:n_effect]]
         predictor = self.null.predictor((*rest, *simple), fit.predictor.plant)
         return self._joint(predictor, np.concatenate([kept, sizes, fit.deviations]), finishing=True)
+
+
+def _least(fits: Sequence[CandidateFit]) -> float:
+    """Return the least sum of squares of some fits [1]; infinite without one."""
+    return min((fit.chi2 for fit in fits), default=np.inf)
 
 
 def _extends(candidate: Candidate, simple: CandidateFit) -> bool:

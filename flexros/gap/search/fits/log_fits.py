@@ -67,15 +67,19 @@ class LogFits:
         """What is taken for granted of the log."""
         return self.data.record.premises
 
-    def _from_grid(self, predictor: Predictor, starts: FloatArray) -> CandidateFit:
-        """Fit from the best initial value, and from the second best unless that converges at once."""
+    def _from_grid(self, predictor: Predictor, starts: FloatArray, rival: float = np.inf) -> CandidateFit:
+        """Fit from the best initial value, and from the second best unless that converges at once.
+
+        A fit to a simulated log ends early where it has no hope to come near the sum of squares of a rival.
+        """
+        rival = rival if self.premises.floor_is_noise else np.inf
         sums = chi2_of(predictor, self.data, starts)
         order = np.argsort(sums)[:2]
-        best = self._while_steep(predictor, starts[:, order[0]], sums[order[0]])
+        best = self._while_steep(predictor, starts[:, order[0]], sums[order[0]], rival)
         settled = best.converged and best.iterations <= self.settings.search.settled
         if len(order) < 2 or settled or self.deadline.stops():
             return best
-        rival = best.chi2 if self.premises.floor_is_noise else np.inf
+        rival = min(rival, best.chi2) if self.premises.floor_is_noise else np.inf
         return best_of([best, self._while_steep(predictor, starts[:, order[1]], sums[order[1]], rival)])
 
     def _while_steep(self, predictor: Predictor, start: FloatArray, chi2: float, rival: float = np.inf) -> CandidateFit:

@@ -57,6 +57,27 @@ def test_a_second_initial_value_without_hope_to_reach_the_first_is_given_up(monk
     assert np.isfinite(rivals[-1])
 
 
+def test_single_effects_without_hope_to_reach_the_most_promising_one_are_given_up(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    rivals: dict[str, float] = {}
+    quick = Search._quick
+
+    def recorded(search: Search, predictor: Predictor, start: FloatArray, rival: float = np.inf) -> CandidateFit:
+        rivals.setdefault(predictor.hypothesis[0].name, rival)
+        return quick(search, predictor, start, rival)
+
+    monkeypatch.setattr(Search, "_quick", recorded)
+    search = search_of(FRICTION)
+    every = candidates_of()
+    names = ("coulomb_friction@motor_1", "delay@all", "stiffness_error@body_2.rz")
+    found = search.singles(search.directions([every[name] for name in names]))
+    first = next(iter(rivals))
+    assert first == found[0].hypothesis[0].name == names[0]
+    assert rivals.pop(first) == np.inf
+    assert list(rivals.values()) == pytest.approx([found[0].chi2] * 2, rel=0.01)
+
+
 def test_when_the_time_is_over_only_what_is_needed_is_done() -> None:
     search = replace(search_of(), deadline=Deadline(interrupted=lambda: True))
     assert search.parallel("numbers", lambda number: 2 * number, [1, 2, 3], needed=1) == [2]
