@@ -19,7 +19,7 @@ from flexros.gap.search.forward_selection import explain, explanations_of
 from flexros.gap.search.looser import found_looser, looser_null
 from flexros.gap.search.model_probability import compare
 from flexros.gap.search.prepare import prepare_search
-from flexros.gap.search.servo_start import fit_of_servos
+from flexros.gap.search.servos.start import fit_of_servos
 from flexros.gap.search.torque_start import base_fit, first_values, on_null, with_load
 from flexros.gap.search.worth import beyond_noise, compared
 from flexros.gap.weighed_logs import used_logs, weighed_logs

@@ -58,12 +58,16 @@ def servo_robot(
     return robot_from_data(data, "servo_joint.yaml")
 
 
-def servo_arm() -> Robot:
-    """Two links under gravity, the second one a wrist; stiffness 60 and 20 Nm/rad, damping 2 and 0.5 Nm s/rad."""
+def servo_arm(*, rotors: bool = True) -> Robot:
+    """Two links under gravity, the second one a wrist; stiffness 60 and 20 Nm/rad, damping 2 and 0.5 Nm s/rad.
+
+    Args:
+        rotors: Whether it has the inertia of its rotors.
+    """
     links = []
     for mass, inertia, stiffness, damping in ((1.5, 0.05, 60.0, 2.0), (0.3, 0.02, 20.0, 0.5)):
         servo = {"stiffness": stiffness, "damping": damping}
-        motor = {"inertia": inertia, "viscous_friction": 0.1, "torque_limit": 30.0, "servo": servo}
+        motor = {"inertia": inertia if rotors else 0, "viscous_friction": 0.1, "torque_limit": 30.0, "servo": servo}
         links.append(
             {
                 "mass": mass,

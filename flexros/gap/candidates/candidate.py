@@ -291,6 +291,21 @@ def below_nominal(free: FreeParameter, most: float) -> FreeParameter:
     return replace(free, high=max(free.high, most), signed=True, starts=starts, negative=most)
 
 
+def from_zero(free: FreeParameter, high: float | None = None) -> FreeParameter:
+    """Let a fit move a parameter that is not signed itself, not its logarithm.
+
+    A logarithm that a fit has moved far down hardly changes the prediction any more, and does not come back. The number
+    itself ends at zero and leaves it once the rest of the fit allows for that.
+
+    Args:
+        free: The parameter.
+        high: Largest size, the unit of the fit, if not that of the parameter [its unit].
+    """
+    if free.signed:
+        return free
+    return replace(free, high=free.high if high is None else min(free.high, high), signed=True, negative=0.0)
+
+
 def list_candidates(
     robot: Robot,
     scales: Scales,

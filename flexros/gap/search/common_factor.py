@@ -18,7 +18,7 @@ from flexros.gap.candidates.candidate import Candidate, free_parameter
 from flexros.gap.fit.estimates import unit_of_parameter
 from flexros.gap.search.elimination import reduced
 from flexros.gap.search.fits.additions import Addition
-from flexros.gap.search.servo_braking import braking_of, named
+from flexros.gap.search.servos.braking import braking_of, named
 from flexros.gap.search.worth import compared, worth
 from flexros.robot.parameters import SERVO
 

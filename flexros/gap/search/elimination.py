@@ -8,17 +8,19 @@ from math import hypot, log, log1p
 from typing import TYPE_CHECKING
 
 from flexros.effects.kinds.relative_error import AbstractRelativeError
+from flexros.effects.left_out.rotor_inertia import RotorInertia
 from flexros.effects.left_out.tool_load import ToolLoad
 from flexros.effects.torque_bias import TorqueBias
 from flexros.gap.fit.candidate_fit import best_of_each
 from flexros.gap.fit.estimates import clearness, parameters_of, sizes_of
 from flexros.gap.fit.torques.missing_load import moved_mass
+from flexros.gap.fit.torques.unknown_numbers import inertias_of_bodies
 from flexros.gap.search.worth import compared, more_than_chance, strains, worth
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from flexros.gap.candidates.candidate import Candidate
+    from flexros.gap.candidates.candidate import Candidate, FreeParameter
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.search.fits.candidate_fits import Search
 
@@ -255,12 +257,11 @@ def _needless(search: Search, fit: CandidateFit, removed: float) -> list[str]:
         before, after = replace(fit, chi2=cheaper), replace(fit, chi2=every)
         if candidate.name in shown:
             clear, tolerated = search.settings.search.clear_in_torques, _tolerated(search, candidate)
-            most = {one.name: one.high for one in candidate.free}
-            nothing = _nothing(search, candidate)
+            nothing = {one.name: _nothing(search, candidate, one) for one in candidate.free}
             if search.data.record.command is not None:
                 clear_by[candidate.name] = clearness(parameters.values())
             worth_it = any(
-                abs(size.value) > max(clear * hypot(size.std, tolerated), nothing, NOTHING * most[name])
+                abs(size.value) > max(clear * hypot(size.std, tolerated), nothing[name])
                 for name, size in parameters.items()
                 if size.determined and (name == "mass" or candidate.effect is not ToolLoad)
             )
@@ -289,17 +290,22 @@ def _tolerated(search: Search, candidate: Candidate) -> float:
     return search.null.fit.predictor.tolerance.largest(changed)
 
 
-def _nothing(search: Search, candidate: Candidate) -> float:
+def _nothing(search: Search, candidate: Candidate, free: FreeParameter) -> float:
     """Return the size up to which an effect that torques show is none, however clear it is [unit of its size].
 
-    It is the torque that counts as no gap, of a constant torque at a motor, and the lightest load; 0 of other effects.
+    It is the torque that counts as no gap, of a constant torque at a motor, and the lightest load. The search for
+    rotors goes from those of hobby servos to those of large arms, so that the inertia of the bodies tells which are
+    none.
     """
-    data, robot = search.data, search.null.model.robot
+    data, robot, least = search.data, search.null.model.robot, NOTHING * free.high
     if candidate.effect is ToolLoad:
-        return search.settings.torque_start.lightest_load * moved_mass(robot)
+        return max(search.settings.torque_start.lightest_load * moved_mass(robot), least)
+    if candidate.effect is RotorInertia:
+        return NOTHING * inertias_of_bodies(data.record, robot)[candidate.location]
     if candidate.effect is not TorqueBias:
-        return 0.0
-    return float(data.measurement.tolerated_torque(data.record)[robot.joint_names.index(candidate.location)])
+        return least
+    tolerated = data.measurement.tolerated_torque(data.record)[robot.joint_names.index(candidate.location)]
+    return max(float(tolerated), least)
 
 
 def _all_at_once(search: Search) -> bool:

@@ -14,6 +14,7 @@ from flexros.gap.candidates.candidate import (
     FreeParameter,
     distinct_locations,
     free_parameter,
+    from_zero,
     list_candidates,
     name_of,
 )
@@ -136,6 +137,17 @@ def test_a_value_at_a_limit_of_the_search_is_no_finding_but_a_neutral_one_is() -
     assert stribeck.at_limit(usual) == frozenset()
     assert stribeck.at_limit(high) == {free.name for free in stribeck.free}
     assert stribeck.at_limit({**usual, "extra": low}) == frozenset()
+
+
+def test_a_parameter_that_moves_from_zero_on_is_nothing_there() -> None:
+    usual = FreeParameter("level", 1e-6, 2.0, signed=False, starts=(0.1,))
+    moved = from_zero(usual)
+    assert moved.bounds == (0.0, 1.0)
+    assert moved.decode(np.array([0.0, 0.5, 1.0])).tolist() == [0.0, 1.0, 2.0]
+    assert Candidate(effects()["coulomb_friction"], "motor_1", (moved,)).neutral(moved) == 0.0
+    assert from_zero(usual, high=0.5).bounds == (0.0, 1.0)
+    assert from_zero(usual, high=0.5).decode(np.array(1.0)) == 0.5
+    assert from_zero(moved) is moved
 
 
 def test_a_parameter_of_the_shape_is_fixed_and_one_of_the_size_is_not() -> None:

@@ -10,11 +10,16 @@ import numpy as np
 import pytest
 
 from flexros.effects import effects
+from flexros.gap.candidates.candidate import list_candidates
+from flexros.gap.candidates.scales import scales_of_motors
 from flexros.gap.candidates.tolerance import Tolerance
+from flexros.gap.checked_log import checked_log
 from flexros.gap.deadline import Deadline
 from flexros.gap.search import elimination
+from flexros.gap.search.elimination import _nothing
 from flexros.gap.settings import DiagnosisSettings
 from flexros.record.premises import MEASURED, SIMULATED, Premises
+from tests.gap.servo_logs import servo_arm, servo_log
 
 INERTIA, STIFFNESS = "motor_inertia_error@motor_1", "stiffness_error@body_2.ry"
 LEFT_OUT = "tool_load@tool"
@@ -134,6 +139,19 @@ def test_of_effects_at_other_places_that_seem_needless_the_least_needed_one_goes
     search.completed = lambda fit: fit
     kept = elimination.one_by_one(search, Fit((COULOMB, delay, lag), 2000.0), [])  # type: ignore[arg-type]
     assert kept.names == {COULOMB, delay}
+
+
+@pytest.mark.slow
+def test_a_rotor_is_none_beside_the_inertia_of_its_bodies_and_not_beside_that_of_a_large_arm() -> None:
+    """The search for rotors goes up to 10 kg m2, of which a thousandth is a rotor at a wrist."""
+    robot = servo_arm(rotors=False)
+    data = SimpleNamespace(record=checked_log(servo_log(robot=servo_arm), robot, name="log"))
+    candidates = list_candidates(robot, scales_of_motors(robot, data.record), measured=True)
+    rotor = next(one for one in candidates if one.name == "rotor_inertia@motor_2")
+    null = SimpleNamespace(model=SimpleNamespace(robot=robot))
+    search: Any = SimpleNamespace(data=data, null=null, settings=DiagnosisSettings())
+    inertia = 0.02 * 0.3 + 0.3 * 0.1**2
+    assert _nothing(search, rotor, rotor.free[0]) == pytest.approx(1e-3 * inertia)
 
 
 def test_nothing_is_left_out_where_the_result_would_be_of_no_use() -> None:

@@ -6,7 +6,7 @@ import pytest
 
 from flexros.gap.candidates.candidate import Candidate, list_candidates
 from flexros.gap.candidates.scales import Scales
-from flexros.gap.search.servo_braking import braking_of
+from flexros.gap.search.servos.braking import braking_of
 from flexros.robot import Robot
 from tests.gap.servo_logs import servo_robot
 

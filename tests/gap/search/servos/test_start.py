@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -16,10 +16,12 @@ from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
 from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.fit.null_fit import NullFit, fit_null
+from flexros.gap.fit.sum_of_squares import chi2_of
 from flexros.gap.fit.torques.regression import regress_torque
 from flexros.gap.residuals.prepare_fit_data import fit_data
-from flexros.gap.search import servo_start
-from flexros.gap.search.servo_start import fit_of_servos, limited_servos
+from flexros.gap.search.servos import start
+from flexros.gap.search.servos.plan import limited_servos
+from flexros.gap.search.servos.start import fit_of_servos
 from flexros.gap.settings import DiagnosisSettings, SearchSettings
 from flexros.logs.stamps import stamps_ns
 from flexros.logs.time_series import JointSeries, Log
@@ -200,6 +202,33 @@ def test_a_load_that_the_file_leaves_out_is_found_beside_late_commands() -> None
     assert values["motor_inertia_error@motor_2"]["relative"] == pytest.approx(0.4, abs=0.1)
 
 
+def test_rotors_and_a_load_that_the_file_leaves_out_are_found_beside_a_wrong_gain() -> None:
+    """Filters of the commands took up the delay where logarithms of rotors had moved far down and did not come back."""
+    hidden = (
+        *("tool_load@tool:mass=0.4,z=0.25", "delay@all:time=0.01", "servo_stiffness_error@motor_1:relative=0.25"),
+        *("rotor_inertia@motor_1:added=0.08", "rotor_inertia@motor_2:added=0.03"),
+    )
+    arm = partial(servo_arm, rotors=False)
+    record = replace(checked_log(servo_log(*hidden, robot=arm), arm(), name="log"), imported=True)
+    model = RobotWithEffects(arm().commanded_by("position"), ())
+    nominal = fit_null(fit_data(record, model, DiagnosisSettings()), model, tolerance_of(model.robot, {}))
+    found = fit_of_servos(nominal, None, DiagnosisSettings())
+    assert found is not None
+    values = {one.name: own for one, own in zip(found.hypothesis, found.predictor.values(found.theta), strict=True)}
+    assert values["tool_load@tool"]["mass"] == pytest.approx(0.4, rel=0.02)
+    assert values["delay@all"]["time"] == pytest.approx(0.01, rel=0.01)
+    assert values["rotor_inertia@motor_1"]["added"] == pytest.approx(0.08, rel=0.02)
+    assert values["rotor_inertia@motor_2"]["added"] == pytest.approx(0.03, rel=0.02)
+    assert values["servo_stiffness_error@motor_1"]["relative"] == pytest.approx(0.25, abs=0.01)
+
+
+def test_parameters_are_those_of_the_search_again() -> None:
+    found = fit_of_servos(null(), None, DiagnosisSettings())
+    assert found is not None
+    assert [free.name for one in found.hypothesis for free in one.free if free.signed and free.negative == 0.0] == []
+    assert found.chi2 == pytest.approx(float(chi2_of(found.predictor, null().data, found.theta[:, None])[0]))
+
+
 @pytest.mark.parametrize(
     ("best", "loaded", "taken"), [(3.0, 2.5, True), (3.0, 2.7, False), (0.8, 0.4, True), (0.8, 0.6, False)]
 )
@@ -216,6 +245,6 @@ def test_a_load_must_remove_a_good_part_also_within_the_floor(best: float, loade
         every=lambda *_: [],
     )
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(servo_start, "first_parameters", lambda _: {})
-        found = servo_start._with_load(fits, [without], lambda _: [], [], [])  # type: ignore[list-item]
+        patch.setattr(start, "first_parameters", lambda _: {})
+        found = start._with_load(fits, [without], lambda _: [], [], [])  # type: ignore[list-item]
     assert found == ([beside] if taken else [without])

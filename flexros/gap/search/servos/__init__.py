@@ -1,0 +1,1 @@
+"""Servos under position commands: what a search of their logs begins with."""

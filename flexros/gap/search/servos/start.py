@@ -1,0 +1,188 @@
+"""Where the search begins for servos under position commands: gains, limits, friction, inertia and delay at once."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.effects.left_out.tool_load import ToolLoad
+from flexros.effects.servos import ServoCommandLag
+from flexros.gap.candidates.candidate import list_candidates
+from flexros.gap.candidates.competitors import competitors
+from flexros.gap.candidates.scales import scales_of_motors
+from flexros.gap.fit.candidate_fit import first_parameters
+from flexros.gap.fit.sum_of_squares import chi2_of
+from flexros.gap.search.servos.braking import braking_of, freed, named
+from flexros.gap.search.servos.fits import ServoFits, promising
+from flexros.gap.search.servos.plan import begun_of, limited_servos, moved_from_zero, starts
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from flexros.gap.fit.candidate_fit import CandidateFit
+    from flexros.gap.fit.null_fit import NullFit
+    from flexros.gap.search.servos.plan import Begun, Start
+    from flexros.gap.settings import DiagnosisSettings
+
+
+def fit_of_servos(
+    null: NullFit,
+    regressed: CandidateFit | None,
+    settings: DiagnosisSettings,
+    stop: Callable[[], bool] | None = None,
+    progress: Callable[[str, float], None] | None = None,
+) -> CandidateFit | None:
+    """Fit all numbers of servos from several starts.
+
+    The torques of servos are computed from positions, so that a regression of them is one with errors on both sides: it
+    makes gains too small, and damping with them. Gains mostly are near those of the model, so the fits also begin
+    there. At its limit a servo does not act in proportion to its gains: there the limit is fitted too. Limit and torque
+    constant scale the torque alike; both are named `torque_gain_error`. The back-EMF of a hobby servo brakes at the
+    limit too, where the damping of the loop has no part: it is viscous friction, and the loop may have hardly any
+    damping. A filter of the commands makes a motor late as a delay does; each is tried in place of the other, and both
+    together: the search adds one effect at a time, and would not come from a delay to filters at all motors.
+
+    From every start few iterations are made, with tolerated numbers at their nominal values; then the best fits of each
+    list of effects go on. Friction, rotors and delays are fitted from zero on, not by their logarithms: where wrong
+    gains have stood for a rotor, it comes back once these are right.
+
+    What a load does that the robot file leaves out, wrong rotors and filters may do nearly as well: where it removes a
+    good part of what the best fit leaves, all begin again with it.
+
+    Args:
+        null: The nominal model, fitted.
+        regressed: The nominal model with what a regression of the torques shows; None without one.
+        settings: Settings of the diagnosis.
+        stop: Asked after each iteration; True ends the fits where they are, and no further start is fitted.
+        progress: Called with "servos" and the share of the starts that are done.
+
+    Returns:
+        The best one of the fits that begin with the nominal gains and with those of the regression, and with several
+        delays or with filters of the commands; of servos at their limits also without damping. None for logs of
+        torques, behind springs, and for a simulated log near its model.
+    """
+    robot, record = null.model.robot, null.data.record
+    far_off = null.data.nominal_level > settings.residuals.far_off
+    if record.command is None or robot.flexible_motors or not (record.premises.torques_tell or far_off):
+        return None
+    begin = settings.servo_start
+    limited = limited_servos(robot, record, begin.often_limited)
+    competing = competitors(robot, settings.search, null.data.record.prescribed)
+    listed = [pair for pair in begun_of(null, limited, begin) if competing.contain(pair[0])]
+    load = [pair for pair in listed if pair[0].effect is ToolLoad]
+    bare = moved_from_zero([pair for pair in listed if pair[0].effect is not ToolLoad], record, robot)
+    if not any(pair[0].effect is not ServoCommandLag for pair in bare):
+        return None
+    plan = partial(
+        starts,
+        delays=[delay * record.sample_time for delay in begin.delays],
+        first={} if regressed is None else first_parameters(regressed),
+        robot=robot,
+        undamped=begin.undamped if limited.any() else None,
+    )
+    best = _best(ServoFits(null, settings, stop, progress), plan, bare, load)
+    return None if best is None else _as_listed(best, listed, null)
+
+
+def _as_listed(one: CandidateFit, listed: Begun, null: NullFit) -> CandidateFit:
+    """Return a fit whose parameters are those of the search again; its prediction stays.
+
+    Args:
+        one: The fit.
+        listed: Its effects as the search has them.
+        null: The nominal model, fitted.
+    """
+    known = {effect.name: effect for effect, _ in listed}
+    hypothesis = tuple(known.get(effect.name, effect) for effect in one.hypothesis)
+    sizes = [
+        np.clip(free.encode(values[free.name]), *free.bounds)
+        for effect, values in zip(hypothesis, one.predictor.values(one.theta), strict=True)
+        for free in effect.free
+    ]
+    predictor, theta = null.predictor(hypothesis), np.concatenate([sizes, one.deviations])
+    chi2 = float(chi2_of(predictor, null.data, theta[:, None])[0])
+    return replace(one, predictor=predictor, theta=theta, chi2=chi2, information=np.zeros((0, 0)))
+
+
+def _best(
+    fits: ServoFits,
+    plan: Callable[[Begun], list[Start]],
+    bare: Begun,
+    load: Begun,
+) -> CandidateFit | None:
+    """Return the best fit from all starts; None where the time was over before the first.
+
+    Args:
+        fits: Fits of the log.
+        plan: Lists the starts with some effects.
+        bare: All effects but a load, with their initial values.
+        load: A load that the robot file leaves out; empty where none is sought.
+    """
+    found = fits.every(plan(bare), fits.screened, 0.0, 0.3 if load else 0.6)
+    if load and found and not fits.over:
+        found = _with_load(fits, found, plan, bare, load)
+    if not found or fits.over:
+        return fits.likeliest(found)
+    best_ones = promising(found, fits.settings.servo_start.promising)
+    best = fits.likeliest(fits.every([(one,) for one in best_ones], fits.longer, 0.6, 1.0))
+    if best is None or fits.over:
+        return best
+    best = fits.longer(best, fits.settings.fit.final_iterations)
+    return best if fits.over else _with_less_damping(fits, best)
+
+
+def _with_less_damping(fits: ServoFits, best: CandidateFit) -> CandidateFit:
+    """Return a fit with less damping of servos than in the robot file at motors that it leaves no viscous friction.
+
+    Both brake alike. So the damping is no number of the fits from all starts, and is taken away only where friction,
+    which is never negative, does not suffice.
+
+    Args:
+        fits: Fits of the log.
+        best: The fit.
+    """
+    null, robot = fits.null, fits.null.model.robot
+    candidates = list_candidates(robot, scales_of_motors(robot, null.data.record), measured=True, known=null.model.laws)
+    competing = competitors(robot, fits.settings.search, null.data.record.prescribed)
+    braking = braking_of([one for one in candidates if competing.contain(one)], robot)
+    free = freed(best, braking, null)
+    if free is best:
+        return best
+    less = named(fits.longer(free, fits.settings.fit.final_iterations), braking, null)
+    return less if less.chi2 < best.chi2 else best
+
+
+def _with_load(
+    fits: ServoFits,
+    found: list[CandidateFit],
+    plan: Callable[[Begun], list[Start]],
+    bare: Begun,
+    load: Begun,
+) -> list[CandidateFit]:
+    """Return the fits from all starts with a load that the robot file leaves out, or those found, without one.
+
+    It is tried with the best fit, which goes on before: what few iterations leave may hide what a load does. Within
+    the floor, which counts what tolerances allow for, wrong gains and inertias stand for a load: there it must remove a
+    good part of all that is left.
+
+    Args:
+        fits: Fits of the log.
+        found: Fits from all starts without a load.
+        plan: Lists the starts with some effects.
+        bare: These effects.
+        load: The load.
+    """
+    first = fits.likeliest(found)
+    if first is None:
+        return found
+    best = fits.longer(first)
+    own = [pair for pair in bare if pair[0].name in best.names]
+    loaded = fits.longer(fits.screened([*own, *load], first_parameters(best)))
+    settings, left = fits.settings.search, best.chi2 - fits.null.data.n_values
+    least = settings.removed_of_all * left if left > 0 else settings.removed * best.chi2  # within the floor
+    if best.chi2 - loaded.chi2 > least:
+        return [loaded, *fits.every(plan([*bare, *load]), fits.screened, 0.3, 0.6)]
+    return [best if one is first else one for one in found]
