@@ -49,6 +49,8 @@ class FreeParameter:
         fine: Step of the differences that make the derivatives, over the usual one [1].
         vanishes: Bound near which the effect of the parameter vanishes, see `Range`.
         widest: Largest size that a search which ends at `high` goes on to [its unit]; None where it ends there.
+        least: Value at which nothing is left of a nominal number, a finding and no limit of the search [its unit]; None
+            where it takes nothing away.
     """
 
     name: str
@@ -61,6 +63,7 @@ class FreeParameter:
     fine: float = 1.0
     vanishes: Literal["low", "high", "never"] = "low"
     widest: float | None = None
+    least: float | None = None
 
     def encode(self, value: float) -> float:
         """Convert a value [its unit] to the unit of the fit [1]."""
@@ -68,7 +71,10 @@ class FreeParameter:
 
     def decode(self, encoded: FloatArray) -> FloatArray:
         """Convert from the unit of the fit [1] to values [its unit]."""
-        return encoded * self.high if self.signed else np.exp(encoded)
+        if not self.signed:
+            return np.exp(encoded)
+        sizes = encoded * self.high
+        return sizes if self.least is None else np.maximum(sizes, self.least)
 
     @property
     def bounds(self) -> tuple[float, float]:
@@ -153,7 +159,9 @@ class Candidate:
         low, high = free.bounds
         margin = AT_LIMIT * (high - low)
         neutral = self.neutral(free)
-        reached = [limit for limit in (low, high) if abs(encoded - limit) <= margin and limit != neutral]
+        none_left = None if free.least is None else free.encode(free.least)
+        ends = [limit for limit in (low, high) if limit not in (neutral, none_left)]
+        reached = [limit for limit in ends if abs(encoded - limit) <= margin]
         return bool(reached) and self.effect.ranges[free.name].scale != "phase"
 
     def widened(self, name: str) -> Candidate | None:
@@ -288,7 +296,7 @@ def below_nominal(free: FreeParameter, most: float) -> FreeParameter:
         most: The nominal number, which the parameter takes away at most [unit of the parameter].
     """
     starts = (*free.starts, *(-share * most for share in REDUCED))
-    return replace(free, high=max(free.high, most), signed=True, starts=starts, negative=most)
+    return replace(free, high=max(free.high, most), signed=True, starts=starts, negative=most, least=-most)
 
 
 def from_zero(free: FreeParameter, high: float | None = None) -> FreeParameter:

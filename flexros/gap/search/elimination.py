@@ -11,6 +11,7 @@ from flexros.effects.kinds.relative_error import AbstractRelativeError
 from flexros.effects.left_out.rotor_inertia import RotorInertia
 from flexros.effects.left_out.tool_load import ToolLoad
 from flexros.effects.torque_bias import TorqueBias
+from flexros.gap.candidates.candidate import alike
 from flexros.gap.fit.candidate_fit import best_of_each
 from flexros.gap.fit.estimates import clearness, parameters_of, sizes_of
 from flexros.gap.fit.torques.missing_load import moved_mass
@@ -342,20 +343,45 @@ def with_dropped(search: Search, fit: CandidateFit, fits: list[CandidateFit]) ->
     """Add the effects of the torques that were left out, then asymmetry, and keep what is clear now.
 
     Friction drowned in what another effect leaves, such as that of a wrong spring, shows once that effect is found.
-    Friction whose mean is nominal may have an asymmetry that another effect imitates, which is needless then.
+    Friction whose mean is nominal may have an asymmetry that another effect imitates, which is needless then. One that
+    was exchanged for what looks alike in torques, such as a constant torque for a wrong zero, was not left out.
 
     Args:
         search: The search.
         fit: An explanation with further effects than the torques show.
         fits: All fits so far; new ones are appended.
     """
-    dropped = [candidate for candidate in search.base.hypothesis if candidate.name not in fit.names]
+    left_out = [candidate for candidate in search.base.hypothesis if candidate.name not in fit.names]
+    dropped = [one for one in left_out if not any(alike(one, other) for other in fit.hypothesis)]
     directions = search.directions(dropped, fit)
     if not directions or search.deadline.stops():
         return fit
     additions = search.additions(directions, fit, search.surroundings(fit))
     fits.append(search.together(fit, additions))
     return reduced(search, with_asymmetry(search, fits[-1], fits), fits, search.settings.search.removed_by_step)
+
+
+def with_dropped_again(
+    search: Search, before: CandidateFit, chosen: CandidateFit, fits: list[CandidateFit]
+) -> CandidateFit:
+    """Judge the effects of the torques that were left out once more, beside those that were found since.
+
+    Beside what was missing before, their sizes were not clear. None comes back alone: of Coulomb and viscous friction
+    at a motor each promises little without the other one, and a law that stood for both may be in their place.
+
+    Args:
+        search: The search.
+        before: The explanation when they were judged last.
+        chosen: The explanation now.
+        fits: All fits so far; new ones are appended.
+    """
+    if not search.torques_decide or chosen.names <= before.names:
+        return chosen
+    again = with_dropped(search, chosen, fits)
+    if again.names == chosen.names:
+        return chosen
+    fits.append(search.completed(again))
+    return fits[-1]
 
 
 def without_unclear(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:

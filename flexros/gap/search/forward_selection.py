@@ -12,7 +12,14 @@ from flexros.gap.fit.candidate_fit import best_of_each
 from flexros.gap.search.common_factor import with_other_scales
 from flexros.gap.search.curve_candidates import within_motion
 from flexros.gap.search.curves import curves_of, in_place_of_laws, with_curves
-from flexros.gap.search.elimination import one_by_one, reduced, with_asymmetry, with_dropped, without_unclear
+from flexros.gap.search.elimination import (
+    one_by_one,
+    reduced,
+    with_asymmetry,
+    with_dropped,
+    with_dropped_again,
+    without_unclear,
+)
 from flexros.gap.search.exchange import exchanged, one_delay
 from flexros.gap.search.fits.refits import at_limits
 from flexros.gap.search.growth import extended, promises, resumed, tidied, with_more
@@ -133,9 +140,11 @@ def explain(search: Search, promised: float = 0.0) -> Explanations:
     if slanted is not chosen:
         chosen = extended(search, slanted, search.directions(search.candidates(), slanted), fits, again=True)
     if len(chosen.hypothesis) > 1 or search.resumed:
+        before = chosen
         chosen = resumed(search, chosen, tidied(search, chosen, directions, fits), directions, fits)
         if in_vain(search, chosen):
             return explanations_of(search, compared(search, best_of_each(fits)), chosen, detected=True)
+        chosen = with_dropped_again(search, before, chosen, fits)
     elif search.deadline.over:
         chosen = search.completed(chosen)
         fits.append(chosen)

@@ -12,6 +12,7 @@ from flexros.effects.kinds.ranges import Range
 from flexros.gap.candidates.candidate import (
     Candidate,
     FreeParameter,
+    below_nominal,
     distinct_locations,
     free_parameter,
     from_zero,
@@ -148,6 +149,16 @@ def test_a_parameter_that_moves_from_zero_on_is_nothing_there() -> None:
     assert from_zero(usual, high=0.5).bounds == (0.0, 1.0)
     assert from_zero(usual, high=0.5).decode(np.array(1.0)) == 0.5
     assert from_zero(moved) is moved
+
+
+def test_a_nominal_number_of_which_nothing_is_left_is_a_finding() -> None:
+    usual = FreeParameter("coefficient", 1e-6, 0.7, signed=False, starts=(0.1,))
+    free = below_nominal(usual, 0.1 + 0.2)
+    friction = Candidate(effects()["viscous_friction"], "motor_1", (free,))
+    none_left, most = (float(free.decode(np.array(bound))) for bound in free.bounds)
+    assert none_left == -(0.1 + 0.2)
+    assert not friction.at_limit({"coefficient": none_left})
+    assert friction.at_limit({"coefficient": most})
 
 
 def test_a_parameter_of_the_shape_is_fixed_and_one_of_the_size_is_not() -> None:

@@ -24,6 +24,7 @@ from tests.gap.servo_logs import servo_arm, servo_log
 INERTIA, STIFFNESS = "motor_inertia_error@motor_1", "stiffness_error@body_2.ry"
 LEFT_OUT = "tool_load@tool"
 LOAD = "load_dependent_friction@motor_1"
+DRIFT, OFFSET = "friction_drift@motor_1", "encoder_offset@motor_2"
 COULOMB, VISCOUS, BIAS = "coulomb_friction@motor_1", "viscous_friction@motor_1", "torque_bias@motor_2"
 N = 1000
 
@@ -92,6 +93,24 @@ class Search:
     def without(self, fit: Fit, *names: str) -> Fit:
         rest = tuple(name for name in fit.kept if name not in names)
         return Fit(rest, self.chi2[frozenset(rest)])
+
+    def candidates(self) -> tuple[Any, ...]:
+        return ()
+
+    def directions(self, candidates: list[Any], fit: Fit) -> list[Any]:
+        del fit
+        return candidates
+
+    def additions(self, directions: list[Any], fit: Fit, surroundings: Any) -> list[Any]:
+        del fit, surroundings
+        return directions
+
+    def together(self, fit: Fit, additions: list[Any]) -> Fit:
+        kept = (*fit.kept, *(one.name for one in additions))
+        return Fit(kept, self.chi2[frozenset(kept)])
+
+    def completed(self, fit: Fit) -> Fit:
+        return fit
 
     def parallel(self, _: str, function: Any, items: list[str], *, needed: int) -> list[Any]:
         return [function(one) for one in items[:needed]]
@@ -321,6 +340,29 @@ def test_a_load_is_one_from_a_small_share_of_all_that_moves(
     begin = Fit((COULOMB, LEFT_OUT), 2000.0, free=("size", "mass", "x"))
     found = elimination.reduced(search, begin, [], 0.2)  # type: ignore[arg-type]
     assert (LEFT_OUT in found.names) is kept
+
+
+@pytest.mark.parametrize(("before", "found"), [
+    ((), {COULOMB, VISCOUS, BIAS}),
+    ((DRIFT, BIAS), {DRIFT, BIAS}),
+], ids=["another effect was found since", "no effect was found since"])  # fmt: skip
+def test_friction_that_was_left_out_returns_once_it_is_clear_beside_what_was_found_since(
+    before: tuple[str, ...], found: set[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A law that stood for both kinds of friction gives way to them."""
+    monkeypatch.setattr(elimination, "parameters_of", lambda fit, _: [{"size": size_of(1.0, 0.1)} for _ in fit.kept])
+    both = frozenset({COULOMB, VISCOUS, BIAS})
+    chi2 = {both: 1000.0, both | {DRIFT}: 1000.0}
+    search: Any = Search(chi2, {COULOMB: 500.0, VISCOUS: 400.0, BIAS: 900.0, DRIFT: 1.0}, (COULOMB, VISCOUS))
+    chosen: Any = Fit((DRIFT, BIAS), 2000.0)
+    again = elimination.with_dropped_again(search, Fit(before, 3000.0), chosen, [])  # type: ignore[arg-type]
+    assert again.names == found
+
+
+def test_what_was_exchanged_for_an_effect_that_looks_alike_in_torques_does_not_return() -> None:
+    search: Any = Search({}, {}, (BIAS,))
+    chosen: Any = Fit((OFFSET,), 2000.0)
+    assert elimination.with_dropped_again(search, Fit((BIAS,), 3000.0), chosen, []) is chosen  # type: ignore[arg-type]
 
 
 def test_a_needed_effect_does_not_keep_a_needless_one_that_was_left_out_with_it(

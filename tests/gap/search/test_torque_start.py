@@ -29,7 +29,7 @@ from flexros.gap.settings import DiagnosisSettings, NoiseSettings, SearchSetting
 from flexros.record.record import Record
 from flexros.record.torques.torque_noise import without_torque_noise
 from flexros.robot import Robot, load_robot, robot_from_data
-from tests.gap.rigid_arm import ARM, COULOMB, INERTIA, VISCOUS, arm, record_of_arm
+from tests.gap.rigid_arm import ARM, COULOMB, INERTIA, VISCOUS, arm, motion, record_of_arm
 
 FRICTION = {f"{effect}@motor_{motor}" for effect in ("coulomb_friction", "viscous_friction") for motor in (1, 2)}
 RIVALS = (
@@ -209,6 +209,19 @@ def test_friction_of_the_nominal_model_that_is_too_large_is_reduced() -> None:
     levels = {one.location: one.parameters["level"].value for one in found.causes if one.effect == "coulomb_friction"}
     assert levels["motor_1"] == pytest.approx(-0.5 * COULOMB[0], rel=0.05)
     assert levels["motor_2"] == pytest.approx(COULOMB[1], rel=0.05)
+
+
+@pytest.mark.slow
+def test_friction_of_the_file_of_which_the_torques_show_nothing_is_a_finding() -> None:
+    """The measured torques lack a little more than the viscous friction: the size is at the end of its range."""
+    speed = motion(10.0)[1]
+    logs = [replace(log, torque=log.torque - 1.1 * VISCOUS * speed) for log in (log_of_arm(), log_of_arm(seed=6))]
+    found = diagnose(logs[0], complete_arm(), holdout=logs[1], settings=FEW)
+    causes = {f"{one.effect}@{one.location}": one.parameters for one in found.diagnosis.causes}
+    size = causes["viscous_friction@motor_1"]["coefficient"]
+    assert size.value == -VISCOUS[0]
+    assert not size.at_limit
+    assert {f"{one.effect.name}@{one.location}" for one in found.patch} >= {"viscous_friction@motor_1"}
 
 
 @pytest.mark.slow
