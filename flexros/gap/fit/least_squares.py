@@ -9,6 +9,7 @@ import numpy as np
 from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.fit.damped_steps import best_step, may_move, predicted_fall
 from flexros.gap.fit.linearisation import carried_on, linearise
+from flexros.gap.prediction.compiled_plant import LANES
 from flexros.gap.settings import FitSettings
 
 if TYPE_CHECKING:
@@ -28,6 +29,8 @@ LASTING = 0.7
 ABLE = 0.4
 """Share of the largest predicted fall from which they do [1] (chosen): below it steps are damped much, as along a
 valley, where corrected slopes lead on in small steps."""
+MANY = 2 * LANES
+"""Parameters above which derivatives are corrected (chosen): those of fewer take hardly more time than a step."""
 STRAIGHT = 4
 """Iterations in which straight steps suffice where they lower the sum of squares at all."""
 
@@ -48,8 +51,8 @@ def fit(
 ) -> CandidateFit:
     """Minimise the sum of squares from an initial value (Levenberg 1944, Marquardt 1963).
 
-    Derivatives are differences, computed together in the lanes of the predictor, and corrected by what a step changed
-    while steps do about what they promise (Broyden 1965). Eight dampings are tried at once, each
+    Derivatives are differences, computed together in the lanes of the predictor; of many parameters they are corrected
+    by what a step changed while steps do about what they promise (Broyden 1965). Eight dampings are tried at once, each
     parameter damped by its own information (Marquardt). Where that gains far less than predicted, the steps are bent
     along the curvature of the prediction errors (Transtrum, Sethna 2012), and then all parameters are damped equally
     (Levenberg), so that of two parameters that the log cannot separate the better determined one moves.
@@ -96,7 +99,8 @@ def fit(
         before, slopes, carried = theta, tolerance_slopes, None
         theta, chi2, known = best_step(predictor, data, theta, line, settings.longest_step, well)
         fall, step = line.chi2 - chi2, theta - before
-        if fall > max(LASTING * line.fall_by(step), ABLE * predicted, limit) and not predictor.jumps:
+        does_well = fall > max(LASTING * line.fall_by(step), ABLE * predicted, limit)
+        if does_well and len(theta) > MANY and not predictor.jumps:
             carried = carried_on(line, predictor, data, theta, step, known)
         del line  # slopes are the largest arrays of a fit
         if fall < limit and exact:

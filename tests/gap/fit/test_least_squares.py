@@ -160,11 +160,11 @@ def test_steps_follow_a_curved_valley(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 class Bowed:
-    """Errors that bend a little with each of twelve parameters; counts the predictions: predictor and log."""
+    """Errors that bend a little with each of twenty parameters; counts the predictions: predictor and log."""
 
-    n_effect, bounds, tolerance = 12, (np.full(12, -10.0), np.full(12, 10.0)), Tolerance()
+    n_effect, bounds, tolerance = 20, (np.full(20, -10.0), np.full(20, 10.0)), Tolerance()
     jumps = False
-    fineness = np.ones(12)
+    fineness = np.ones(20)
 
     misfit, settings = 1.0, DiagnosisSettings(threads=1)
 
@@ -173,15 +173,15 @@ class Bowed:
 
     def residuals(self, _: object, thetas: FloatArray) -> FloatArray:
         self.passes += 1
-        slopes, noise = np.split(np.random.default_rng(0).normal(size=(1000, 13)), [12], axis=1)
-        far = thetas - np.linspace(0.5, 2.0, 12)[:, None]
+        slopes, noise = np.split(np.random.default_rng(0).normal(size=(1000, 21)), [20], axis=1)
+        far = thetas - np.linspace(0.5, 2.0, 20)[:, None]
         return np.asarray(noise + 100 * slopes @ (far + 0.1 * far**2))
 
 
 def test_derivatives_are_not_computed_anew_while_steps_do_what_they_promise(monkeypatch: pytest.MonkeyPatch) -> None:
     def fitted() -> tuple[CandidateFit, int]:
         bowed = Bowed()
-        found = fit(cast("Predictor", bowed), cast("FitData", bowed), np.zeros(12), 40)
+        found = fit(cast("Predictor", bowed), cast("FitData", bowed), np.zeros(20), 40)
         return found, bowed.passes
 
     corrected, few = fitted()
