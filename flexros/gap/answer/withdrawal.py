@@ -12,6 +12,7 @@ import numpy as np
 from flexros.effects import effects
 from flexros.gap.answer.decision import level_of_positions, on_held_out
 from flexros.gap.answer.strained_numbers import STRAINED, far_out
+from flexros.gap.answer.told_apart import told_apart
 from flexros.gap.fit.candidate_fit import best_of_each
 from flexros.gap.fit.estimates import beyond_search
 from flexros.gap.fit.null_fit import predicting_best
@@ -80,7 +81,11 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> Conf
     """
     if _of_chance(search, explanations, held):
         return Confirmed(explanations_of(search, explanations.comparison, explanations.null, detected=False))
-    chosen, fits = explanations.chosen, list(explanations.comparison.fits)
+    fits = list(explanations.comparison.fits)
+    chosen = told_apart(search, explanations.chosen, fits, held)
+    if chosen is not explanations.chosen:
+        fits = [chosen, *(fit for fit in fits if fit.names != chosen.names)]
+        explanations = explanations_of(search, compared(search, fits), chosen, detected=True)
     withdrawn: list[str] = []
     before: AheadErrors | None = None
     while not (search.premises.library_is_complete or search.deadline.stops()):

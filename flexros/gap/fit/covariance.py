@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.fit.coloured_errors import coloured
-from flexros.gap.fit.directions import switched_off
+from flexros.gap.fit.directions import diverged, switched_off
 from flexros.gap.fit.doubts import doubt_of, of_smooth_friction, of_timing, with_doubt_of_shapes
 from flexros.gap.fit.linearisation import linearise, linearised, with_smooth_slopes
 from flexros.gap.fit.once_per_fit import once_per_fit
@@ -158,7 +158,8 @@ def _form_errors(fit: CandidateFit, data: FitData, residual: FloatArray, form: R
     plain = np.array([candidate.effect.plain for candidate in fit.hypothesis])
     errors = np.sqrt(np.where(plain, form.plain_form, form.shaped_form))
     rows = np.arange(data.spread.size)
-    changes: FloatArray = np.nan_to_num(switched_off(fit, data, residual, rows)) * errors
+    changes = switched_off(fit, data, residual, rows)
+    changes = np.where(diverged(changes), 0.0, changes) * errors  # what runs away has no form that it might miss
     if not data.record.premises.floor_is_noise:
         return changes
     power = float(np.sum(changes**2))

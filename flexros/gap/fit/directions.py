@@ -72,10 +72,19 @@ def directions_of(
             break
         group = slice(begin, min(begin + LANES, starts.shape[1]))
         change = data.residuals(predictor, starts[:, group])[rows] - residual[rows, None]
-        with np.errstate(invalid="ignore"):
-            usable[group] = np.all(np.abs(change) < HUGE, axis=0)
+        usable[group] = ~diverged(change)
         changes[:, group] = np.where(usable[group], change, 0.0)
     return Directions(predictor.hypothesis[-1], own, changes, usable)
+
+
+def diverged(changes: FloatArray) -> BoolArray:
+    """Return of which changes of the prediction errors the prediction has diverged, shape (sets,).
+
+    Args:
+        changes: Changes, shape (n_rows, sets).
+    """
+    with np.errstate(invalid="ignore"):
+        return np.asarray(~np.all(np.abs(changes) < HUGE, axis=0))
 
 
 def switched_off(fit: CandidateFit, data: FitData, residual: FloatArray, rows: IntArray) -> FloatArray:

@@ -95,7 +95,12 @@ def _chance(comparison: ModelComparison) -> float:
 def worth(
     search: Search, comparison: ModelComparison, before: CandidateFit, after: CandidateFit, removed: float
 ) -> bool:
-    """Return whether further effects remove a good part of the remaining gap, or of the prior penalty."""
+    """Return whether further effects remove a good part of the remaining gap, or of the prior penalty.
+
+    They do where the prediction without them diverges.
+    """
+    if not np.isfinite(before.chi2):
+        return bool(np.isfinite(after.chi2))
     if _gained(search, comparison, before, after) < comparison.threshold:
         return False
     if not _beyond_form(search, comparison, before, after, search.settings.search.least_of_gap):

@@ -42,6 +42,13 @@ def test_an_effect_of_a_real_machine_removes_a_good_part_of_what_is_above_the_fl
     assert worth(measured_search(), comparison, rest, fit, 0.4) is expected
 
 
+def test_an_effect_without_which_the_prediction_diverges_is_worth_it() -> None:
+    """Nine of ten effects were left out, as the sum of squares without two of them was infinite."""
+    comparison, (rest, fit) = measured_fits(np.inf, 0.3)
+    assert worth(measured_search(), comparison, rest, fit, 0.2)
+    assert not worth(measured_search(), comparison, rest, rest, 0.2)
+
+
 @pytest.mark.parametrize(("before", "after", "expected"), [
     (0.95, 0.8, False), (0.95, 0.1, True), (0.4, 0.08, True), (1.1, 0.82, False), (1.9, 1.5, False), (1.9, 0.7, True),
 ])  # fmt: skip
