@@ -107,7 +107,7 @@ def _table(kind: type[AbstractEffect]) -> str:
 
 def _sizes(kind: type[AbstractEffect]) -> list[str]:
     """List the parameters that switch an effect on."""
-    if issubclass(kind, AbstractLaw) and kind.neutral is not AbstractLaw.neutral:
+    if issubclass(kind, AbstractLaw):
         names = [name for name, field in kind.model_fields.items() if field.annotation is float]
         single: list[dict[str, Any]] = [{name: 0.1} for name in names]
         return [name for name, values in zip(names, single) if not kind.model_construct(**values).neutral]

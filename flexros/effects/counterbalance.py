@@ -30,6 +30,7 @@ class Counterbalance(AbstractMotorTorque):
     name: ClassVar[str] = "counterbalance"
     stage: ClassVar[Stage] = "actuator"
     size: ClassVar[str] = "cosine"
+    further_sizes: ClassVar[tuple[str, ...]] = ("sine",)
     turned: ClassVar[tuple[str, ...]] = ("cosine",)
     plain: ClassVar[bool] = True
     signatures: ClassVar[tuple[str, ...]] = ("torque_over_position",)

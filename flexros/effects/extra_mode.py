@@ -49,6 +49,7 @@ class ExtraMode(AbstractArmLaw):
     name: ClassVar[str] = "extra_mode"
     stage: ClassVar[Stage] = "structure"
     size: ClassVar[str] = "ratio"
+    further_sizes: ClassVar[tuple[str, ...]] = ("inertia_ratio",)
     smooth_states: ClassVar[int] = 8
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {
@@ -72,11 +73,6 @@ class ExtraMode(AbstractArmLaw):
         0.0, ge=0.0, description="inertia that turns at a tool with a mass, relative to the last body's [1]"
     )
     damping: float = Field(0.02, ge=0.0, lt=1.0, description="damping ratio of the mode alone [1]")
-
-    @property
-    def neutral(self) -> bool:
-        """Whether the effect is switched off and omitted from the plant."""
-        return self.ratio == 0 and self.inertia_ratio == 0
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """Return the tool, and the base if the first direction has a spring."""

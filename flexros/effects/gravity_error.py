@@ -37,6 +37,7 @@ class GravityError(AbstractArmLaw):
     stage: ClassVar[Stage] = "load"
     plain: ClassVar[bool] = True
     size: ClassVar[str] = "relative"
+    further_sizes: ClassVar[tuple[str, ...]] = ("moment",)
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {"relative": Range("relative", 0.003, 0.9, 4, signed=True, widest=9.0)}
     )
@@ -48,11 +49,6 @@ class GravityError(AbstractArmLaw):
 
     relative: float = Field(0.0, ge=-1.0, lt=10.0, description="unmodelled share of the body's weight [1]")
     moment: float = Field(0.0, description="unmodelled mass moment along the body [kg m]")
-
-    @property
-    def neutral(self) -> bool:
-        """Whether the effect is switched off and omitted from the plant."""
-        return self.relative == 0 and self.moment == 0
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """Return the bodies that move, on robots under gravity."""

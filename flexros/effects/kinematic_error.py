@@ -34,6 +34,7 @@ class KinematicError(AbstractToolError):
     name: ClassVar[str] = "kinematic_error"
     stage: ClassVar[Stage] = "sensor"
     size: ClassVar[str] = "length"
+    further_sizes: ClassVar[tuple[str, ...]] = ("angle",)
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {
             "length": Range("relative", 1e-5, 0.1, 2, signed=True, source="chosen [m]"),
@@ -47,11 +48,6 @@ class KinematicError(AbstractToolError):
 
     length: float = Field(0.0, description="additional length of the body [m]")
     angle: float = Field(0.0, description="error of the zero of its rotation [rad]")
-
-    @property
-    def neutral(self) -> bool:
-        """Whether the effect is switched off and omitted from the plant."""
-        return self.length == 0 and self.angle == 0
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """Return the bodies that rotate, on robots whose tool has a geometry."""

@@ -15,14 +15,15 @@ ELBOW = load_robot("elbow")
 
 
 @pytest.mark.parametrize("angle", [-1.2, 0.0, 0.7])
-def test_torque_at_the_motor_follows_its_position(angle: float) -> None:
-    balanced = PlantModel(ELBOW, laws_of(ELBOW, "counterbalance@motor_2:cosine=-60,sine=25"))
+@pytest.mark.parametrize(("cosine", "sine"), [(-60.0, 25.0), (0.0, 25.0)])
+def test_torque_at_the_motor_follows_its_position(cosine: float, sine: float, angle: float) -> None:
+    balanced = PlantModel(ELBOW, laws_of(ELBOW, f"counterbalance@motor_2:cosine={cosine},sine={sine}"))
     state, motor = ELBOW.equilibrium([0.0, angle]), ELBOW.motor_rows[1]
     arguments = (np.zeros(2), np.zeros(6), ca.DM(0, 1))
     difference = balanced.derivative(state, *arguments) - ELBOW.model.derivative(state, *arguments)
     rates = difference.full().ravel()[ELBOW.n_coordinates :]
     expected = np.zeros(ELBOW.n_coordinates)
-    torque = -60 * np.cos(state[motor]) + 25 * np.sin(state[motor])
+    torque = cosine * np.cos(state[motor]) + sine * np.sin(state[motor])
     expected[motor] = torque / ELBOW.parameters["motor_2.inertia"].value
     np.testing.assert_allclose(rates, expected, atol=1e-9 * abs(torque))
 

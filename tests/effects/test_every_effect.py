@@ -11,6 +11,7 @@ from flexros.arrays import FloatArray
 from flexros.compile.loop.arrays import LoopInputs, LoopResult, LoopState
 from flexros.compile.loop.kernel import compile_loop
 from flexros.effects import PlacedEffect, RobotWithEffects, effects, place_effects
+from flexros.effects.kinds.law import AbstractLaw
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.robot import Robot, load_robot
 from flexros.simulate.open_loop import feed_through
@@ -176,6 +177,16 @@ def test_neutral_effects_leave_the_run_as_it_is_to_the_last_bit() -> None:
     placed = place_effects(ROBOT, neutral_effects(ROBOT))
     again = run(PlantModel(placed.robot, placed.laws), np.zeros(0))
     assert np.array_equal(outputs(again), outputs(without_effect()))
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if issubclass(effects()[name], AbstractLaw)])
+def test_law_without_its_size_is_omitted_only_where_nothing_is_left_of_it(name: str) -> None:
+    law = typical(name).effect
+    assert isinstance(law, AbstractLaw)
+    rest = law.model_copy(update={law.size: 0.0})
+    places = [place for place in law.locations(ROBOT) if place != "base"]  # a ground needs an inertia
+    left = run(*with_symbols(PlacedEffect(rest, places[-1])))  # symbols are never omitted
+    assert rest.neutral == (np.max(np.abs(outputs(left) - outputs(without_effect()))) < 1e-9)
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -33,6 +33,7 @@ class FrictionDrift(AbstractMotorTorque, AbstractDryFriction):
     name: ClassVar[str] = "friction_drift"
     stage: ClassVar[Stage] = "motor friction"
     size: ClassVar[str] = "coulomb"
+    further_sizes: ClassVar[tuple[str, ...]] = ("viscous",)
     smooth_states = 1
     eases = True
     signatures: ClassVar[tuple[str, ...]] = ("friction_over_time", "torque_over_speed")
@@ -50,11 +51,6 @@ class FrictionDrift(AbstractMotorTorque, AbstractDryFriction):
     coulomb: float = Field(0.0, description="change of the Coulomb level from start to end [Nm or N]")
     viscous: float = Field(0.0, description="change of the viscous coefficient from start to end [Nm s/rad or N s/m]")
     time_constant: float = Field(10.0, gt=0.0, description="time constant of the change [s]")
-
-    @property
-    def neutral(self) -> bool:
-        """Whether both changes are zero."""
-        return self.coulomb == 0 and self.viscous == 0
 
     def states_of_time(self, time: float) -> tuple[float, ...]:
         """Return the time itself."""

@@ -36,6 +36,7 @@ class PreslidingFriction(AbstractBristleFriction):
     name: ClassVar[str] = "presliding_friction"
     stage: ClassVar[Stage] = "motor friction"
     size: ClassVar[str] = "level"
+    further_sizes: ClassVar[tuple[str, ...]] = ("extra",)
     signatures: ClassVar[tuple[str, ...]] = ("torque_over_speed", "torque_after_reversal", "detection_lines")
     fingerprint: ClassVar[str] = (
         "friction torque that builds up over a small angle after each reversal, with a loop of torque over angle, and "
@@ -73,11 +74,6 @@ class PreslidingFriction(AbstractBristleFriction):
         if not self.neutral and self.stiffness <= 0:
             raise ValueError("stiffness is 0, but must be positive; give stiffness=... [Nm/rad or N/m]")
         return self
-
-    @property
-    def neutral(self) -> bool:
-        """Whether the friction is zero at all speeds."""
-        return self.level == 0 and self.extra == 0
 
     def bristle(self, speed: ca.SX, values: Mapping[str, Value]) -> Bristle:
         """Evaluate the Stribeck curve."""

@@ -32,6 +32,7 @@ class ViscousFriction(AbstractMotorTorque):
     name: ClassVar[str] = "viscous_friction"
     stage: ClassVar[Stage] = "motor friction"
     size: ClassVar[str] = "coefficient"
+    further_sizes: ClassVar[tuple[str, ...]] = ("asymmetry",)
     turned: ClassVar[tuple[str, ...]] = ("asymmetry",)
     uneven: ClassVar[tuple[str, ...]] = ("asymmetry",)
     signatures: ClassVar[tuple[str, ...]] = ("torque_over_speed", "frequency_response")
@@ -48,11 +49,6 @@ class ViscousFriction(AbstractMotorTorque):
         description="beyond the nominal one, mean of both; below zero where that is too large [Nm s/rad or N s/m]",
     )
     asymmetry: float = Field(0.0, ge=-2.0, le=2.0, description="of the whole friction: (forward - backward) / mean [1]")
-
-    @property
-    def neutral(self) -> bool:
-        """Whether the friction is nominal."""
-        return self.coefficient == 0 and self.asymmetry == 0
 
     def numbers(self, robot: Robot, location: str) -> tuple[str, ...]:
         """Return the nominal friction of the motor."""

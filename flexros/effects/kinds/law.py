@@ -18,7 +18,9 @@ class AbstractLaw(AbstractEffect):
     """
 
     size: ClassVar[str]
-    """The parameter that switches the effect off when it is zero."""
+    """The parameter that switches the effect off when it and the `further_sizes` are zero."""
+    further_sizes: ClassVar[tuple[str, ...]] = ()
+    """Parameters that have an effect of their own where `size` is zero."""
     smooth_states: ClassVar[int] = 0
     """Number of own states with a derivative."""
     stepwise_states: ClassVar[int] = 0
@@ -29,7 +31,7 @@ class AbstractLaw(AbstractEffect):
     @property
     def neutral(self) -> bool:
         """Whether the effect is switched off and omitted from the plant."""
-        return bool(getattr(self, self.size) == 0)
+        return not any(getattr(self, name) for name in (self.size, *self.further_sizes))
 
     @property
     def acting(self) -> AbstractLaw:
