@@ -148,6 +148,11 @@ def name_words(name: str) -> list[str]:
     return [token.lower() for token in _TOKEN.findall(name)]
 
 
+def own_words(name: str) -> list[str]:
+    """Return the words of the name of a joint without those that any joint may have: shoulder of shoulder_joint."""
+    return [word for word in name_words(name) if word not in _FILLING]
+
+
 def _with_whole_joints(names: Mapping[str, list[str]], joints: Collection[str]) -> dict[str, list[str]]:
     """Return the words of names, those of a joint together as one word, as wrist_angle, where they may mean a quantity.
 

@@ -95,6 +95,8 @@ def about_joints(robot: Robot | None, matches: Sequence[JointMatch]) -> Assumpti
         return Assumption("joints", text, "no model was given: the joints of the log in their order", False)
     if any(match.found == "order" for match in matches):
         ground, sure = f"no name of robot {robot.name} is in the log: guessed by their order", False
+    elif any(match.found == "own words" for match in matches):
+        ground, sure = "the names in the log are those of the model, but for words that any joint may have", True
     elif any(match.found != "name" for match in matches):
         ground, sure = "the names in the log end with those of the model", True
     else:

@@ -37,6 +37,23 @@ def test_half_known_names_are_refused() -> None:
         match_joints(load_robot("elbow"), ["motor_1", "b"], "bag")
 
 
+def test_words_that_any_joint_may_have_do_not_matter() -> None:
+    matches = match_joints(_elbow_with_joints("shoulder_joint", "elbow_joint"), ["elbow", "shoulder"], "table")
+    assert [(m.joint, m.found) for m in matches] == [("shoulder", "own words"), ("elbow", "own words")]
+
+
+def test_number_of_a_joint_is_its_name_beside_others_with_names() -> None:
+    matches = match_joints(_elbow_with_joints("j1", "z"), ["z", "1"], "table")
+    assert [(m.joint, m.found) for m in matches] == [("1", "own words"), ("z", "name")]
+
+
+def test_numbers_from_zero_are_another_count() -> None:
+    matches = match_joints(_elbow_with_joints("joint_1", "joint_2"), ["0", "1"], "table")
+    assert [(m.joint, m.found) for m in matches] == [("0", "order"), ("1", "order")]
+    with pytest.raises(InputError, match="none of them is joint_1, joint_2"):
+        match_joints(_elbow_with_joints("joint_1", "joint_2"), ["0", "1", "2"], "table")
+
+
 def test_capitals_of_a_name_do_not_matter() -> None:
     robot = _elbow_with_joints("Rotation", "FR_wristJaw2")
     matches = match_joints(robot, ["fr_wrist_jaw_2", "rotation"], "table")
