@@ -139,7 +139,8 @@ def measure_gap(
         alike = moving_on(fits.last.fit, model.robot, data, before, after)
         left = replace(left, moving_on=tuple(alike))
     numbers = gap_numbers(before, after, record.sample_time, with_tolerance=floor)
-    warnings = settled(data.record, numbers.closed_fraction).warnings
+    explained_by = None if repaired is None or left.significant else [law.effect for law in repaired.laws]
+    warnings = settled(data.record, numbers.closed_fraction, explained_by).warnings
     doubts = (*moving_on_words(left.moving_on), *_moved(fits, numbers.closed_fraction))
     return MeasuredGap(numbers, left, (*doubts, *warnings, *_cut_short(deadline)))
 

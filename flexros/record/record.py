@@ -10,6 +10,8 @@ import numpy as np
 from flexros.record.premises import MEASURED, SIMULATED
 
 if TYPE_CHECKING:
+    from collections.abc import Collection
+
     from flexros.arrays import BoolArray, FloatArray
     from flexros.record.further_sensors import SensorRecord
     from flexros.record.periodic_parts import PeriodicPart
@@ -73,6 +75,7 @@ class Record:
         begin: Time of the first sample since the beginning of the log [s]; zero except for a part.
         warnings: What was repaired or is doubtful, one sentence each.
         doubts: Those of them that doubt the nominal model and not the log.
+        open_doubts: Those of them that doubt the nominal model or the torques of the log.
     """
 
     name: str
@@ -104,6 +107,7 @@ class Record:
     begin: float = 0.0
     warnings: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()
+    open_doubts: tuple[str, ...] = ()
 
     @property
     def premises(self) -> Premises:
@@ -149,9 +153,9 @@ class Record:
         """Time from the first sample to the last [s]."""
         return (self.n_samples - 1) * self.sample_time
 
-    def without_doubts(self) -> Record:
-        """Return the record without the warnings that doubt the nominal model, for a model that was repaired."""
-        return replace(self, warnings=tuple(text for text in self.warnings if text not in self.doubts), doubts=())
+    def without_warnings(self, settled: Collection[str]) -> Record:
+        """Return the record without warnings that a repaired model settles."""
+        return replace(self, warnings=tuple(text for text in self.warnings if text not in settled))
 
     def part(self, first: int, end: int) -> Record:
         """Cut out samples first ... end - 1.

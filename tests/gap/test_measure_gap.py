@@ -127,6 +127,17 @@ def test_a_repaired_model_that_closes_the_gap_settles_doubts_about_the_nominal_o
     assert "about the model" not in measure_gap(record, MODEL, repaired=repaired).warnings
 
 
+GAIN = "torque_gain_error@motor_1:relative=-0.3"
+
+
+@pytest.mark.parametrize(("patch", "kept"), [([FRICTION], False), ([FRICTION, GAIN], True), ([GAIN], True)])
+def test_what_explains_the_log_settles_whether_the_torques_are_right(patch: list[str], kept: bool) -> None:
+    hidden = patch if FRICTION in patch else [FRICTION]
+    record = replace(record_of(*hidden), warnings=("torques or model",), open_doubts=("torques or model",))
+    repaired = place_effects(ROBOT, [parse_effect(text, "test") for text in patch])
+    assert ("torques or model" in measure_gap(record, MODEL, repaired=repaired).warnings) == kept
+
+
 def test_a_time_limit_ends_the_fits_and_is_told() -> None:
     settings = DiagnosisSettings(time_limit=1e-3)
     tolerance = {"stiffness": 0.03, "inertia": 0.03}

@@ -121,7 +121,8 @@ def result_of(
     names, covariance = covariance_of(chosen, findings.data, findings.settings)
     tolerated = chosen.predictor.tolerance
     closed = _closed(errors.after, findings, errors) if patch else None
-    record, holdout = (settled(one.record, closed) for one in (findings.data, findings.held))
+    found = [one.effect for one in placed_effects(chosen)] if verdict == "explained" and patch else None
+    record, holdout = (settled(one.record, closed, found) for one in (findings.data, findings.held))
     of_records = record_warnings(record, holdout)
     before = _explanation(explanations.null, findings, null_prediction)
     after = _explanation(findings.repaired, findings) if patch else None

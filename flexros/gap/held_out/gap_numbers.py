@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from flexros.effects.kinds.command_law import AbstractCommandLaw
 from flexros.gap.held_out.closed_share import closed_fraction
 from flexros.gap.result import SignalGap
 from flexros.gap.schema import GapNumbers
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from flexros.effects.kinds.base import AbstractEffect
     from flexros.gap.held_out.errors_ahead import AheadErrors
     from flexros.record.record import Record
     from flexros.robot import Robot
@@ -23,14 +27,21 @@ _SMALL = 1e-4
 """Errors below this are stated in millionths, others in thousandths [rad or m] (chosen)."""
 
 
-def settled(record: Record, closed: float | None) -> Record:
+def settled(record: Record, closed: float | None, explained_by: Iterable[AbstractEffect] | None) -> Record:
     """Return a record without the warnings that doubt the nominal model, where a repair closes much of the gap.
+
+    Doubts about the model or the torques are settled where the log is explained and no error of the torque gain, as
+    which a wrong unit or torque constant would be found, takes part.
 
     Args:
         record: The log.
         closed: Share of the gap that the repaired model closes [1]; None without one, or where no gap shows.
+        explained_by: Effects of a repair that explains the log; None for none.
     """
-    return record if closed is None or closed < SETTLES else record.without_doubts()
+    doubts = () if closed is None or closed < SETTLES else record.doubts
+    if explained_by is not None and all(one.gain == 1 for one in explained_by if isinstance(one, AbstractCommandLaw)):
+        doubts += record.open_doubts
+    return record.without_warnings(doubts)
 
 
 def gap_numbers(

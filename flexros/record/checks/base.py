@@ -29,6 +29,8 @@ class Finding:
             them, warns of such a finding only.
         of_model: Whether it doubts the nominal model and not the log. A diagnosis whose repair closes much of the gap
             settles it.
+        of_either: Whether it doubts the nominal model or the torques of the log. A diagnosis that explains the log
+            without an error of the torque gain settles it.
     """
 
     text: str
@@ -37,6 +39,7 @@ class Finding:
     jumps: FloatArray | None = None
     like_parameters: bool = False
     of_model: bool = False
+    of_either: bool = False
 
 
 class AbstractCheck(ABC):

@@ -84,4 +84,5 @@ def check_record(record: Record, robot: Robot, *, parameters_known: bool = True)
         jumps=np.sum(jumps, axis=0) if jumps else record.jumps,
         warnings=tuple(dict.fromkeys([*record.warnings, *(finding.text for finding in problems)])),
         doubts=tuple(finding.text for finding in problems if finding.of_model),
+        open_doubts=tuple(finding.text for finding in problems if finding.of_either),
     )

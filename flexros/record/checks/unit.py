@@ -93,6 +93,7 @@ class Unit(AbstractCheck):
                 "its motion at all frequencies; unless the model is wrong, as by a load that it lacks, correct torque "
                 "constant or gear ratio when importing",
                 hopeless=False,
+                of_either=True,
             )
             for motor, fit in off.items()
         )

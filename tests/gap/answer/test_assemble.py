@@ -251,3 +251,12 @@ def test_a_repair_that_closes_the_gap_settles_doubts_about_the_nominal_model(cho
     for warnings in (result.diagnosis.warnings, result.record.warnings):
         assert "about the log" in warnings
         assert ("about the model" in warnings) != settled
+
+
+@pytest.mark.parametrize(("chosen", "settled"), [(COULOMB, True), (STIFFNESS, False)])
+def test_an_explanation_settles_whether_the_torques_are_right(chosen: str, settled: bool) -> None:
+    data = data_of(TRUTH)
+    doubted = replace(data.record, warnings=("torques or model",), open_doubts=("torques or model",))
+    result = answered(fitted(1.0, chosen), probabilities=(1.0,), data=replace(data, record=doubted))
+    assert (result.diagnosis.verdict == "explained") == settled
+    assert ("torques or model" in result.diagnosis.warnings) != settled

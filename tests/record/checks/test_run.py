@@ -63,4 +63,4 @@ def test_what_doubts_the_model_is_told_apart_from_what_doubts_the_log(healthy, r
     (doubt,) = checked.doubts
     assert "what the bodies of robot e12 need for this motion" in doubt
     assert doubt in checked.warnings
-    assert checked.without_doubts().warnings == ("of the recorder",)
+    assert checked.without_warnings(checked.doubts).warnings == ("of the recorder",)

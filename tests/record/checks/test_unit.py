@@ -67,6 +67,7 @@ def test_unknown_factor_of_all_torques(found, healthy) -> None:
 def test_factor_of_two_is_told_only(found, healthy) -> None:
     (finding,) = found("e12", torque=2.2 * healthy("e12").torque[:, :] * np.array([1.0, 1 / 2.2]))
     assert not finding.hopeless
+    assert finding.of_either
     assert "the torque of motor_1 is 2." in finding.text
 
 
