@@ -186,8 +186,10 @@ class Surroundings:
 
     @property
     def least(self) -> float:
-        """Sum of squares when all parameters are fitted again, by linear theory [1]."""
-        return self.weight * float(self.residual @ self.residual) - self.fall
+        """Sum of squares when all parameters are fitted again, by linear theory [1]; infinite for what runs away."""
+        with np.errstate(over="ignore"):
+            squares = self.weight * float(self.residual @ self.residual)
+        return squares - self.fall if np.isfinite(squares) else np.inf
 
     @cached_property
     def fall(self) -> float:

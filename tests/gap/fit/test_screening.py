@@ -50,6 +50,15 @@ def test_what_is_lost_without_an_effect_is_estimated_without_fitting_again() -> 
         assert rest.least - both.chi2 == pytest.approx(lost, rel=0.3)
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("error", [1e200, np.nan])
+def test_what_runs_away_without_an_effect_leaves_more_than_anything(error: float) -> None:
+    nothing = np.zeros(1)
+    fitted = Surroundings(np.ones(3), np.ones((3, 1)), nothing, nothing, 1.0)
+    rest = fitted.without(np.array([False]), np.array([0.0, error, 0.0]))
+    assert max(rest.least, fitted.least) == max(fitted.least, rest.least) == np.inf
+
+
 def test_of_directions_that_do_the_same_one_is_selected() -> None:
     rng = np.random.default_rng(1)
     first, second, residual = rng.normal(size=(3, 500))
