@@ -22,10 +22,15 @@ from flexros.report.number_text import number
 
 if TYPE_CHECKING:
     from flexros.gap.result import DiagnosisResult
-    from flexros.gap.schema import Diagnosis, ModelNumber, Unexplained
+    from flexros.gap.schema import BudgetShare, Diagnosis, ModelNumber, Unexplained
 
 FEWEST = 2
 """Effects from which a waterfall is drawn."""
+WORSE_ALONE = "worse alone"
+"""What stands in place of a share added first that is clearly below zero."""
+WHY_WORSE = "the effect has the size at which it explains the log together with the others"
+LITTLE_WORSE = -0.005
+"""Share below zero that is written as none [1]: less than half a per cent."""
 _VISIBLE = 0.0005
 """Share of the gap from which a band is written [1] (chosen)."""
 
@@ -74,11 +79,14 @@ def _introduction(diagnosis: Diagnosis) -> str:
         "nominal model. Removed last: what opens when it alone is taken from the repaired model. The two differ where "
         "effects overlap. Parameters that are known with a tolerance are fitted again each time."
     )
-    shares = [one for share in diagnosis.budget for one in (share.share_first, share.share_last) if one is not None]
-    if min(shares, default=0.0) < 0:
+    if any(is_worse_alone(share) for share in diagnosis.budget):
+        text += f" {capital(WORSE_ALONE)}: {WHY_WORSE}, and without these the prediction is worse with it than without."
+    firsts = [share.share_first for share in diagnosis.budget if not is_worse_alone(share)]
+    lasts = [share.share_last for share in diagnosis.budget]
+    if any(share is not None and share < 0 for share in (*firsts, *lasts)):
         text += (
-            " A share below zero: the prediction is worse with the effect than without, because it has the size at "
-            "which it explains the log together with the others, or because this log moves in another way."
+            " A share below zero: the prediction is worse with the effect than without, as this log moves in another "
+            "way, or as others stand for it."
         )
     if any(share.share_first is None for share in diagnosis.budget):
         text += " No share added first: without this number the model predicts nothing, so the gap begins with it."
@@ -95,10 +103,17 @@ def _shares(diagnosis: Diagnosis) -> TextTable:
             size = sizes.get((share.effect or "", share.location), "")
             name = named_at(joint, share.effect, share.location) if share.effect else f"all {share.cause_class}"
             first = _share(share.share_first) + share_interval_words(share.interval)
+            first = WORSE_ALONE if is_worse_alone(share) else first
             last = _share(share.share_last) + share_interval_words(share.interval_last)
             rows.append((capital(name), size, first, last))
     caption = "Shares of the gap, with 95 % intervals."
     return TextTable(("Effect", "size", "added first", "removed last"), tuple(rows), caption, left=2)
+
+
+def is_worse_alone(share: BudgetShare) -> bool:
+    """Return whether the nominal model clearly predicts worse with an effect alone."""
+    first = share.share_first
+    return first is not None and first < LITTLE_WORSE and (share.interval is None or share.interval[1] < 0)
 
 
 def _share(share: float | None) -> str:

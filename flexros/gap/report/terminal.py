@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flexros.gap.report.budget import draws
+from flexros.gap.report.budget import LITTLE_WORSE, WHY_WORSE, WORSE_ALONE, draws, is_worse_alone
 from flexros.gap.report.ranking import first_of_ranking
 from flexros.gap.report.verdict import verdict_sentence
 from flexros.gap.report.waterfall import waterfall_lines
@@ -78,12 +78,14 @@ def budget_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
     if not draws(diagnosis):
         return ()
     effects = [share for share in diagnosis.budget if share.effect is not None]
+    worse = [is_worse_alone(share) for share in effects]
     shares = [
         f"{capital(budget_words(share))}: {_share(share.share_last)} removed last, "
-        f"{_share(share.share_first)} added first"
-        for share in effects
+        f"{WORSE_ALONE if alone else f'{_share(share.share_first)} added first'}"
+        for share, alone in zip(effects, worse, strict=True)
     ]
-    return (*waterfall_lines(diagnosis), *shares)
+    why = [f"{capital(WORSE_ALONE)}: {WHY_WORSE}"] if any(worse) else []
+    return (*waterfall_lines(diagnosis), *shares, *why)
 
 
 def number_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
@@ -124,7 +126,7 @@ def rest_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
 def _share(share: float | None) -> str:
     if share is None:
         return "-"
-    return share_words(share) if share > -0.005 else f"{signed_share_words(share)} (worse)"
+    return share_words(share) if share > LITTLE_WORSE else f"{signed_share_words(share)} (worse)"
 
 
 def gap_line(gap: GapNumbers) -> str:

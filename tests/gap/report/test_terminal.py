@@ -74,8 +74,11 @@ def test_groups_and_next_experiment_are_listed(diagnosed: Diagnosed) -> None:
 def test_the_budget_has_a_waterfall_and_both_shares(divided: Diagnosis) -> None:
     lines = budget_lines(divided)
     assert lines[0] == "motor_1"
-    assert lines[-2] == "Hysteresis at motor_1: 60 % removed last, \u221230 % (worse) added first"
-    assert lines[-1] == "Coulomb friction at motor_1: 20 % removed last, 25 % added first"
+    assert lines[-3:] == (
+        "Hysteresis at motor_1: 60 % removed last, worse alone",
+        "Coulomb friction at motor_1: 20 % removed last, 25 % added first",
+        "Worse alone: the effect has the size at which it explains the log together with the others",
+    )
 
 
 def test_numbers_that_the_model_lacks_are_all_listed_and_come_before_wrong_ones(diagnosed: Diagnosed) -> None:

@@ -168,10 +168,19 @@ def test_a_partial_result_says_so_at_the_top(diagnosed: Diagnosed) -> None:
 def test_the_budget_is_drawn_and_its_negative_shares_are_explained(diagnosed: Diagnosed, divided: Diagnosis) -> None:
     html = page(replace(diagnosed("explained"), diagnosis=divided), PATCH)
     assert "The budget of the gap" in html
-    assert "\u221230 %" in html
-    assert "A share below zero" in html
+    assert "<td>worse alone</td>" in html
+    assert "Worse alone: the effect has the size" in html
+    assert "A share below zero" not in html
     assert any(trace["type"] == "waterfall" for one in pictures(html) for trace in one["figure"]["data"])  # type: ignore[index]
     assert "Closed by the largest part" in html
+
+
+def test_a_share_that_may_be_above_zero_is_stated(diagnosed: Diagnosed, divided: Diagnosis) -> None:
+    budget = tuple(share.model_copy(update={"interval": (-0.7, 0.1)}) for share in divided.budget)
+    html = page(replace(diagnosed("explained"), diagnosis=divided.model_copy(update={"budget": budget})), PATCH)
+    assert "\u221230 %" in html
+    assert "A share below zero" in html
+    assert "worse alone" not in html
 
 
 def test_the_first_tile_counts_what_the_model_lacks(diagnosed: Diagnosed, divided: Diagnosis) -> None:
