@@ -88,6 +88,7 @@ def _section(kind: type[AbstractEffect]) -> str:
             f"{text}\n",
             f"Locations: {locations}.\n",
             _table(kind),
+            *([f"A diagnosis seeks it only {kind.sought_where}.\n"] if kind.sought_where else []),
             textwrap.fill(f"Seen in data: {kind.fingerprint}.", 120, break_on_hyphens=False) + "\n",
             f"![{kind.name}](pictures/effects/{kind.name}.svg)\n",
             f"`{shown}`\n",

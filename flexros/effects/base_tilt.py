@@ -46,6 +46,7 @@ class BaseTilt(AbstractChangedValues):
     name: ClassVar[str] = "base_tilt"
     words: ClassVar[str] = "tilt"
     stage: ClassVar[Stage] = "load"
+    sought_where: ClassVar[str] = "in logs of real machines, of arms without springs"
     together: ClassVar[bool] = True
     signatures: ClassVar[tuple[str, ...]] = ("torque_over_position",)
     fingerprint: ClassVar[str] = (

@@ -36,6 +36,7 @@ class CenterError(AbstractChangedValues):
     name: ClassVar[str] = "center_error"
     words: ClassVar[str] = "centre of mass error"
     stage: ClassVar[Stage] = "load"
+    sought_where: ClassVar[str] = "in logs of real machines with torques, of arms without springs under gravity"
     together: ClassVar[bool] = True
     on_request: ClassVar[bool] = True
     signatures: ClassVar[tuple[str, ...]] = ("torque_over_position", "torque_over_acceleration", "frequency_response")

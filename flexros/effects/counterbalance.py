@@ -29,6 +29,7 @@ class Counterbalance(AbstractMotorTorque):
 
     name: ClassVar[str] = "counterbalance"
     stage: ClassVar[Stage] = "actuator"
+    sought_where: ClassVar[str] = "in logs with torques, or in place of a torque_curve"
     size: ClassVar[str] = "cosine"
     further_sizes: ClassVar[tuple[str, ...]] = ("sine",)
     turned: ClassVar[tuple[str, ...]] = ("cosine",)

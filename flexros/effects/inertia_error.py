@@ -27,6 +27,7 @@ class InertiaError(AbstractRelativeError):
 
     name: ClassVar[str] = "inertia_error"
     stage: ClassVar[Stage] = "load"
+    sought_where: ClassVar[str] = "in logs of real machines with torques, of arms without springs"
     signatures: ClassVar[tuple[str, ...]] = ("torque_over_acceleration", "frequency_response")
     fingerprint: ClassVar[str] = (
         "disturbance torques in all joints that turn the body, by its angular acceleration; its weight is right"

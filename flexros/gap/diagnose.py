@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from flexros.blas_threads import one_blas_thread
 from flexros.effects import RobotWithEffects
 from flexros.gap.answer.rough_gains import relative_to_file
-from flexros.gap.candidates.competitors import competitors
+from flexros.gap.candidates.competitors import competitors, not_sought
 from flexros.gap.candidates.tolerance import TORQUE, with_torque_tolerance
 from flexros.gap.deadline import Deadline
 from flexros.gap.diagnosis_task import DiagnosisTask
@@ -67,7 +67,9 @@ def diagnose(
     """
     settings = with_torque_tolerance(settings or DiagnosisSettings(), tolerance)
     given = robot if isinstance(robot, RobotWithEffects) else RobotWithEffects(robot, ())
-    competitors(driven_model(given, record).robot, settings.search, record.prescribed)  # refuses names before the work
+    driven = driven_model(given, record).robot
+    competitors(driven, settings.search, record.prescribed)  # refuses names before the work
+    record = replace(record, warnings=(*record.warnings, *not_sought(record, driven, settings.search)))
     record = at_rate_of_fits(record, given.robot, settings)
     in_closed_loop = log if record.command is None else None
     notes = () if in_closed_loop is None else why_not_simulated(in_closed_loop)

@@ -274,3 +274,9 @@ def test_names_are_checked_before_the_work() -> None:
     with pytest.raises(InputError, match="motor_7"):
         diagnose(record_of(), ROBOT, settings=settings, progress=lambda step, _: steps.append(step))
     assert steps == []
+
+
+def test_a_named_effect_that_the_log_is_not_searched_for_is_told() -> None:
+    settings = settings_of("coulomb_friction", "servo_integral").model_copy(update={"time_limit": 1e-3})
+    result = diagnose(record_of(FRICTION), ROBOT, holdout=record_of(FRICTION, seed=2), settings=settings)
+    assert any(text.startswith("servo_integral was named as a candidate, but") for text in result.diagnosis.warnings)

@@ -41,6 +41,7 @@ class EncoderOffset(AbstractSensor):
 
     name: ClassVar[str] = "encoder_offset"
     stage: ClassVar[Stage] = "sensor"
+    sought_where: ClassVar[str] = "where a torque of the robot depends on the position"
     size: ClassVar[str] = "offset"
     turned: ClassVar[tuple[str, ...]] = ("offset",)
     rank: ClassVar[int] = 0

@@ -38,6 +38,7 @@ class LoadDependentFriction(AbstractDryFriction):
 
     name: ClassVar[str] = "load_dependent_friction"
     stage: ClassVar[Stage] = "motor friction"
+    sought_where: ClassVar[str] = "behind a spring or under gravity"
     size: ClassVar[str] = "share"
     one_level: ClassVar[bool] = True
     needs_load: ClassVar[bool] = True

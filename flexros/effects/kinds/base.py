@@ -96,6 +96,9 @@ class AbstractEffect(Settings, ABC):
     """Whether predictions with it jump where parameters change a little, as where a contact begins a step earlier."""
     together: ClassVar[bool] = False
     """Whether initial values of its parameters belong together, one of each; else all combinations are tried."""
+    sought_where: ClassVar[str] = ""
+    """Where alone a diagnosis seeks it: the end of a sentence. Empty for everywhere, and for what the begin of a search
+    may find without seeking it."""
     on_request: ClassVar[bool] = False
     """Whether it competes in a diagnosis only where the settings name it."""
     delays_commands: ClassVar[bool] = False

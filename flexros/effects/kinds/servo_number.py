@@ -39,6 +39,7 @@ class AbstractServoNumber(AbstractChangedValues):
     """
 
     seeks_less: ClassVar[bool] = True
+    sought_where: ClassVar[str] = "in logs with position commands, at servos whose gains are not stated as known"
     size: ClassVar[str]
     """Its parameter, zero where it is switched off."""
     number: ClassVar[str]

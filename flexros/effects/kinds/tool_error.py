@@ -22,6 +22,7 @@ class AbstractToolError(AbstractLaw):
     """
 
     plain: ClassVar[bool] = True
+    sought_where: ClassVar[str] = "in logs with measured tool poses"
 
     @abstractmethod
     def geometry(self, robot: Robot, location: str, values: Mapping[str, Value]) -> dict[str, Value]:

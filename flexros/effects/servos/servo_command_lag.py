@@ -26,6 +26,7 @@ class ServoCommandLag(AbstractFirstOrderLag):
 
     name: ClassVar[str] = "servo_command_lag"
     stage: ClassVar[Stage] = "actuator"
+    sought_where: ClassVar[str] = "in logs with position commands"
     rank: ClassVar[int] = -1
     filters_positions: ClassVar[bool] = True
     signatures: ClassVar[tuple[str, ...]] = ("time_shift", "effective_torque")

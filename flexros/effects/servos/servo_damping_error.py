@@ -32,6 +32,7 @@ class ServoDampingError(AbstractRelativeError):
 
     name: ClassVar[str] = "servo_damping_error"
     stage: ClassVar[Stage] = "actuator"
+    sought_where: ClassVar[str] = "in logs with position commands, at servos whose gains are not stated as known"
     signatures: ClassVar[tuple[str, ...]] = ("effective_torque", "torque_over_speed")
     fingerprint: ClassVar[str] = (
         "the errors are proportional to the difference between commanded and measured speed of the motor"

@@ -23,6 +23,7 @@ class ServoStiffnessError(AbstractRelativeError):
 
     name: ClassVar[str] = "servo_stiffness_error"
     stage: ClassVar[Stage] = "actuator"
+    sought_where: ClassVar[str] = "in logs with position commands, at servos whose gains are not stated as known"
     common_factor: ClassVar[str] = "relative"
     signatures: ClassVar[tuple[str, ...]] = ("effective_torque", "torque_over_position")
     fingerprint: ClassVar[str] = (

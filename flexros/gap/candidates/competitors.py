@@ -6,7 +6,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from flexros.effects import effects
+from flexros.effects.kinds.curve import AbstractCurve
+from flexros.effects.kinds.tool_error import AbstractToolError
 from flexros.errors import InputError, argument_named, unknown_name
+from flexros.gap.candidates.candidate import distinct_locations
 from flexros.robot.exchange.joint_names import tagged
 
 if TYPE_CHECKING:
@@ -15,6 +18,7 @@ if TYPE_CHECKING:
     from flexros.effects import AbstractEffect
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.settings import SearchSettings
+    from flexros.record.record import Record
     from flexros.robot import Robot
 
 
@@ -73,6 +77,37 @@ def competitors(robot: Robot, settings: SearchSettings, prescribed: Sequence[int
             "joints",
         )
     return competing
+
+
+def not_sought(record: Record, robot: Robot, settings: SearchSettings) -> tuple[str, ...]:
+    """Say which of the effects that the settings name a log cannot show anywhere, one sentence each.
+
+    Where it is open whether one is found, as in a simulated log that torques may begin with, none is given.
+
+    Args:
+        record: The log.
+        robot: The nominal robot, commanded as in the log.
+        settings: Names of effects and motors.
+    """
+    known, where, texts = effects(), locations_of(robot, settings.joints), list[str]()
+    curves = any(issubclass(known[name], AbstractCurve) for name in settings.effects)
+    for effect in (known[name] for name in settings.effects):
+        if not effect.ranges or effect.harmonics or issubclass(effect, AbstractCurve):
+            continue
+        found = distinct_locations(effect, robot, measured=True)
+        if record.command is None or curves:
+            found += distinct_locations(effect, robot, for_curve=True)
+        if record.tool is None and issubclass(effect, AbstractToolError):
+            found = ()
+        sought, acts = (
+            any(where is None or location in where for location in locations)
+            for locations in (found, effect().locations(robot))
+        )
+        if not acts or (not sought and effect.sought_where):
+            at = f" at {', '.join(settings.joints)}" if where else ""
+            why = f"it is sought only {effect.sought_where}" if acts else f"it cannot act on robot {robot.name}{at}"
+            texts.append(f"{effect.name} was named as a candidate, but is not sought in this log: {why}")
+    return tuple(texts)
 
 
 def locations_of(robot: Robot, motors: Sequence[str]) -> frozenset[str] | None:

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from flexros.effects import effects
 from flexros.effects.center_error import CenterError
+from flexros.effects.kinds.base import AbstractEffect
 from flexros.errors import InputError
 from flexros.gap.candidates.candidate import distinct_locations
-from flexros.gap.candidates.competitors import competitors, locations_of
+from flexros.gap.candidates.competitors import competitors, locations_of, not_sought
 from flexros.gap.settings import SearchSettings
+from flexros.record.read import read_record
+from flexros.record.record import Record
 from flexros.robot import load_robot
 from flexros.robot.robot import Robot
+from tests.gap.servo_logs import servo_log, servo_robot
 
 ELBOW, SIX_AXIS = load_robot("elbow"), load_robot("six_axis")
 
@@ -72,3 +78,39 @@ def test_what_does_not_exist_is_refused(given: dict[str, tuple[str, ...]], argum
 def test_an_effect_on_request_competes_where_it_is_named() -> None:
     assert not competitors(ELBOW, SearchSettings()).include(CenterError)
     assert competitors(ELBOW, SearchSettings(effects=("center_error",))).include(CenterError)
+
+
+SERVOS = servo_robot().commanded_by("position")
+
+
+def servo_record() -> Record:
+    return read_record(servo_log(), servo_robot(), name="log", positions=True)
+
+
+@pytest.mark.parametrize(
+    ("names", "words"),
+    [
+        (["counterbalance"], "is not sought in this log: it is sought only in logs with torques, or in place of"),
+        (["backlash"], "it cannot act on robot"),
+        (["counterbalance", "torque_curve"], ""),
+        (["servo_stiffness_error", "coulomb_friction", "torque_gain_error", "rotor_inertia"], ""),
+        ([], ""),
+    ],
+)
+def test_named_effects_that_a_log_of_servos_is_not_searched_for_are_told(names: list[str], words: str) -> None:
+    texts = not_sought(servo_record(), SERVOS, SearchSettings(effects=tuple(names)))
+    assert len(texts) == bool(words)
+    assert all(text.startswith(f"{names[0]} was named as a candidate, but") and words in text for text in texts)
+
+
+def test_named_effects_that_a_log_of_torques_is_not_searched_for_are_told() -> None:
+    settings = SearchSettings(effects=("counterbalance", "servo_stiffness_error", "kinematic_error"))
+    texts = not_sought(replace(servo_record(), command=None), servo_robot(), settings)
+    assert [text.partition(" ")[0] for text in texts] == ["servo_stiffness_error", "kinematic_error"]
+
+
+def test_effects_that_are_not_always_sought_say_where() -> None:
+    always = AbstractEffect.sought, AbstractEffect.sought_if_measured
+    limited = [one for one in effects().values() if (one.sought, one.sought_if_measured) != always and one.ranges]
+    begun_with = {"rotor_inertia", "tool_load", "torque_gain_error"}
+    assert {one.name for one in limited if not one.sought_where} == begun_with
