@@ -28,6 +28,7 @@ from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.search.model_probability import allowing_for_doubt, compare
 from flexros.gap.settings import DiagnosisSettings
 from flexros.identify.rigid.torque_timing import in_time
+from flexros.record.joint_signs import sign_words
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -142,7 +143,8 @@ def measure_gap(
     explained_by = None if repaired is None or left.significant else [law.effect for law in repaired.laws]
     warnings = settled(data.record, numbers.closed_fraction, explained_by).warnings
     doubts = (*moving_on_words(left.moving_on), *_moved(fits, numbers.closed_fraction))
-    return MeasuredGap(numbers, left, (*doubts, *warnings, *_cut_short(deadline)))
+    signs = sign_words(record) if left.significant else ()
+    return MeasuredGap(numbers, left, (*doubts, *signs, *warnings, *_cut_short(deadline)))
 
 
 @dataclass(frozen=True, eq=False)

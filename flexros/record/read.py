@@ -18,6 +18,7 @@ from flexros.logs.stamps import START_NS
 from flexros.logs.wrapped_positions import with_joined_positions
 from flexros.record.even_grid import even_grid
 from flexros.record.further_sensors import further_sensors
+from flexros.record.joint_signs import joints_not_turned
 from flexros.record.missing_samples import pauses, runs
 from flexros.record.polled_source import recovered
 from flexros.record.prescribed_motion import motors_named, with_prescribed_motion
@@ -95,6 +96,7 @@ def read_record(
         simulated=bool(log.provenance.get("scenario")),
         imported=imported,
         thinned=_thinned(log),
+        not_turned=joints_not_turned(log, robot),
         encoder_steps=_steps(recorded[:, reader.columns]) if instants or moved else (),
         warnings=tuple(dict.fromkeys(warnings)),
     )

@@ -68,6 +68,8 @@ class Record:
         thinned: Commands of the controller for each one in the log; 1 where all were recorded or nothing is known.
         prescribed: Motors whose measured motion drives the model, as their torque is not known or has nothing to do
             with it; see `flexros.record.prescribed_motion`.
+        not_turned: Joints that count the other way round than the robot file, and that the mapping of the log does not
+            turn, with their motors; they may be the reason of a gap.
         parts: Periodic parts of the motion, as far as they are known.
         encoder_steps: Resolution of each encoder before its positions were interpolated [rad or m], 0 without one,
             length M; empty where they are as measured.
@@ -101,6 +103,7 @@ class Record:
     command_rate: FloatArray | None = None
     thinned: float = 1.0
     prescribed: tuple[int, ...] = ()
+    not_turned: tuple[str, ...] = ()
     parts: tuple[PeriodicPart, ...] = ()
     encoder_steps: tuple[float, ...] = ()
     first: int = 0

@@ -127,6 +127,12 @@ def test_a_repaired_model_that_closes_the_gap_settles_doubts_about_the_nominal_o
     assert "about the model" not in measure_gap(record, MODEL, repaired=repaired).warnings
 
 
+@pytest.mark.parametrize(("hidden", "told"), [((FRICTION,), True), ((), False)])
+def test_joints_that_the_mapping_does_not_turn_are_told_beside_a_gap(hidden: tuple[str, ...], told: bool) -> None:
+    record = replace(record_of(*hidden), not_turned=("lift (motor_1)",))
+    assert any("lift (motor_1)" in text for text in measure_gap(record, MODEL).warnings) == told
+
+
 GAIN = "torque_gain_error@motor_1:relative=-0.3"
 
 

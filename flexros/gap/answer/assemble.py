@@ -36,6 +36,7 @@ from flexros.gap.prediction.driven_model import driven_model
 from flexros.gap.result import DiagnosisResult, Explanation, RankedCandidate
 from flexros.gap.schema import NEXT_EXPERIMENT, Cause, CauseParameter, Diagnosis
 from flexros.provenance import versions
+from flexros.record.joint_signs import sign_words
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -50,6 +51,9 @@ if TYPE_CHECKING:
     from flexros.gap.schema import NextExperiment, Verdict
     from flexros.gap.settings import DiagnosisSettings
     from flexros.gap.where.find import Where
+
+EXPLAINED = ("no_gap", "explained")
+"""Verdicts that leave no doubt how the joints of a log count."""
 
 STEP_ERROR = 1e-3
 """Relative standard deviation of a quantization step that is read off the levels of a log [1]."""
@@ -204,6 +208,7 @@ def _diagnosis(
     warnings = (
         *moving_on_words(errors.moving_on),
         *answer_warnings(findings, gap, worse=errors.worse),
+        *(() if verdict in EXPLAINED else sign_words(findings.data.record, findings.held.record)),
         *of_records,
         *sensor_warnings(findings),
     )

@@ -260,3 +260,11 @@ def test_an_explanation_settles_whether_the_torques_are_right(chosen: str, settl
     result = answered(fitted(1.0, chosen), probabilities=(1.0,), data=replace(data, record=doubted))
     assert (result.diagnosis.verdict == "explained") == settled
     assert ("torques or model" in result.diagnosis.warnings) != settled
+
+
+@pytest.mark.parametrize(("chosen", "told"), [(COULOMB, False), (STIFFNESS, True)])
+def test_joints_that_the_mapping_does_not_turn_are_told_where_a_gap_is_left(chosen: str, told: bool) -> None:
+    data = data_of(TRUTH)
+    record = replace(data.record, not_turned=("lift (motor_1)",))
+    result = answered(fitted(1.0, chosen), probabilities=(1.0,), data=replace(data, record=record))
+    assert any("lift (motor_1)" in text for text in result.diagnosis.warnings) == told
