@@ -20,7 +20,7 @@ from flexros.gap.fit.tolerance_takeover import with_own_numbers
 from flexros.gap.held_out.closed_share import BOOTSTRAP_STREAM, NOTHING, closed_fraction, share_between
 from flexros.gap.held_out.errors_ahead import errors_ahead
 from flexros.gap.held_out.gap_floor import tolerance_floor
-from flexros.gap.search.elimination import unclear
+from flexros.gap.search.elimination.clear_sizes import unclear
 from flexros.gap.search.fits.refits import at_limits
 from flexros.gap.search.forward_selection import explanations_of
 from flexros.gap.search.worth import compared

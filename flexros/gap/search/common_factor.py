@@ -16,7 +16,7 @@ from flexros.effects.servos import ServoDampingError, ServoStiffnessError
 from flexros.effects.torque_gain_error import TorqueGainError
 from flexros.gap.candidates.candidate import Candidate, free_parameter
 from flexros.gap.fit.estimates import unit_of_parameter
-from flexros.gap.search.elimination import reduced
+from flexros.gap.search.elimination.reduce import reduced
 from flexros.gap.search.fits.additions import Addition
 from flexros.gap.search.servos.braking import braking_of, named
 from flexros.gap.search.worth import compared, worth

@@ -10,7 +10,7 @@ from flexros.effects.delay import Delay
 from flexros.effects.servos import ServoCommandLag
 from flexros.gap.candidates.candidate import alike, simpler
 from flexros.gap.fit.candidate_fit import best_of_each
-from flexros.gap.search.elimination import reduced
+from flexros.gap.search.elimination.reduce import reduced
 from flexros.gap.search.fits.additions import Addition
 from flexros.gap.search.model_probability import contrast_of
 from flexros.gap.search.worth import compared, in_vain, incomplete, simplest, worth

@@ -8,7 +8,7 @@ import numpy as np
 
 from flexros.gap.fit.candidate_fit import best_of_each
 from flexros.gap.search.bristles import with_bristles
-from flexros.gap.search.elimination import reduced
+from flexros.gap.search.elimination.reduce import reduced
 from flexros.gap.search.exchange import corrected, exchanged
 from flexros.gap.search.fits.refits import at_limits, ended_at_last
 from flexros.gap.search.periodic.overtones import with_overtones

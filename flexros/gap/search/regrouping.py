@@ -12,7 +12,8 @@ from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.motor_inertia_error import MotorInertiaError
 from flexros.effects.torque_gain_error import TorqueGainError
 from flexros.gap.fit.directions import Directions, changes_of
-from flexros.gap.search.elimination import one_by_one, unclear
+from flexros.gap.search.elimination.clear_sizes import unclear
+from flexros.gap.search.elimination.reduce import one_by_one
 from flexros.gap.search.fits.additions import Addition
 from flexros.gap.search.worth import compared
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from flexros.gap.fit.candidate_fit import first_parameters
-from flexros.gap.search.elimination import one_by_one
+from flexros.gap.search.elimination.reduce import one_by_one
 from flexros.gap.search.growth import with_more
 from flexros.gap.search.regrouping import with_gains
 from flexros.gap.search.richer_laws import best_richer

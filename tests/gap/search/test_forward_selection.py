@@ -12,7 +12,7 @@ import pytest
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.search import forward_selection
-from flexros.gap.search.elimination import reduced
+from flexros.gap.search.elimination.reduce import reduced
 from flexros.gap.search.exchange import corrected, exchanged
 from flexros.gap.search.fits.candidate_fits import Search
 from flexros.gap.search.forward_selection import Explanations, explain

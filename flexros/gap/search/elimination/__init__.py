@@ -1,0 +1,1 @@
+"""Elimination: which effects an explanation does without, and which of those come back."""
