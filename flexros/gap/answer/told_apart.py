@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from flexros.gap.search.model_probability import ModelComparison
 
 RIVALS = 3
-"""Other explanations that are tried, those that leave least of the fitted log [1] (chosen)."""
+"""Other explanations that are tried, those that gain most in the fitted log less what they cost [1] (chosen)."""
 
 
 def told_apart(search: Search, chosen: CandidateFit, fits: Sequence[CandidateFit], held: FitData) -> CandidateFit:

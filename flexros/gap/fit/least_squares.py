@@ -64,7 +64,7 @@ def fit(
         iterations: Most iterations.
         tolerance_slopes: Derivatives of the weighted prediction errors to the tolerated deviations, held fixed, which
             saves most of the work, shape (n_values, n_tolerated); None to compute them anew in each iteration.
-        first_slopes: The same for the first iteration alone: further ones use them while sums fall as predicted.
+        first_slopes: The same for the first iteration alone.
         enough: Fall of the sum of squares below which the fit ends [1]; default: that of the settings.
         rival: Sum of squares of a better fit: this one ends where it has no hope to come near it.
         share: Fall below which the fit ends as well, over what is left above the floor [1]: where the hypothesis lacks

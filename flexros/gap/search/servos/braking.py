@@ -10,7 +10,6 @@ import numpy as np
 from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.servos import ServoDampingError
 from flexros.gap.candidates.candidate import below_nominal
-from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.fit.sum_of_squares import chi2_of
 from flexros.robot.parameters import SERVO
 
@@ -18,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from flexros.gap.candidates.candidate import Candidate
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.fit.null_fit import NullFit
     from flexros.robot import Robot
 
@@ -127,17 +127,30 @@ def _renamed(
     null: NullFit,
 ) -> CandidateFit:
     """Return a fit with other candidates, of other sizes, for what brakes its motors."""
-    hypothesis, theta = list(fit.hypothesis), fit.theta.copy()
-    for index, (one, sizes) in enumerate(zip(fit.hypothesis, fit.predictor.values(fit.theta), strict=True)):
+    stated = list(zip(fit.hypothesis, fit.predictor.values(fit.theta), strict=True))
+    for index, (one, sizes) in enumerate(stated):
         known = braking.get(one.location)
         if known is None or one.name not in (known.friction.name, known.less.name) or len(one.free) > 1:
             continue
         if known.friction.name in fit.names and known.less.name in fit.names:  # as at a torque limit
             continue
-        hypothesis[index], size = name(one, sizes[one.free[0].name])
-        (free,) = hypothesis[index].free
-        theta[fit.columns((one.name,))] = np.clip(free.encode(size), *free.bounds)
-    if tuple(hypothesis) == fit.hypothesis:
+        other, size = name(one, sizes[one.free[0].name])
+        stated[index] = (other, {other.free[0].name: size})
+    return restated(fit, stated, null)
+
+
+def restated(fit: CandidateFit, stated: Sequence[tuple[Candidate, Mapping[str, float]]], null: NullFit) -> CandidateFit:
+    """Return a fit with its effects as other candidates state them; its prediction stays, the fit itself for the same.
+
+    Args:
+        fit: The fit.
+        stated: Candidates in the order of its own, with the values of their free parameters by name [their units].
+        null: The nominal model, fitted.
+    """
+    hypothesis = tuple(one for one, _ in stated)
+    if hypothesis == fit.hypothesis:
         return fit
-    predictor = null.predictor(tuple(hypothesis))
-    return CandidateFit(predictor, theta, float(chi2_of(predictor, null.data, theta[:, None])[0]))
+    sizes = [np.clip(free.encode(values[free.name]), *free.bounds) for one, values in stated for free in one.free]
+    predictor, theta = null.predictor(hypothesis), np.concatenate([sizes, fit.deviations])
+    chi2 = float(chi2_of(predictor, null.data, theta[:, None])[0])
+    return replace(fit, predictor=predictor, theta=theta, chi2=chi2, information=np.zeros((0, 0)))

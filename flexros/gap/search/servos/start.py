@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from flexros.effects.left_out.tool_load import ToolLoad
 from flexros.effects.servos import ServoCommandLag
@@ -14,8 +11,7 @@ from flexros.gap.candidates.candidate import list_candidates
 from flexros.gap.candidates.competitors import competitors
 from flexros.gap.candidates.scales import scales_of_motors
 from flexros.gap.fit.candidate_fit import first_parameters
-from flexros.gap.fit.sum_of_squares import chi2_of
-from flexros.gap.search.servos.braking import braking_of, freed, named
+from flexros.gap.search.servos.braking import braking_of, freed, named, restated
 from flexros.gap.search.servos.fits import ServoFits, promising
 from flexros.gap.search.servos.plan import begun_of, limited_servos, moved_from_zero, starts
 
@@ -84,27 +80,11 @@ def fit_of_servos(
         undamped=begin.undamped if limited.any() else None,
     )
     best = _best(ServoFits(null, settings, stop, progress), plan, bare, load)
-    return None if best is None else _as_listed(best, listed, null)
-
-
-def _as_listed(one: CandidateFit, listed: Begun, null: NullFit) -> CandidateFit:
-    """Return a fit whose parameters are those of the search again; its prediction stays.
-
-    Args:
-        one: The fit.
-        listed: Its effects as the search has them.
-        null: The nominal model, fitted.
-    """
-    known = {effect.name: effect for effect, _ in listed}
-    hypothesis = tuple(known.get(effect.name, effect) for effect in one.hypothesis)
-    sizes = [
-        np.clip(free.encode(values[free.name]), *free.bounds)
-        for effect, values in zip(hypothesis, one.predictor.values(one.theta), strict=True)
-        for free in effect.free
-    ]
-    predictor, theta = null.predictor(hypothesis), np.concatenate([sizes, one.deviations])
-    chi2 = float(chi2_of(predictor, null.data, theta[:, None])[0])
-    return replace(one, predictor=predictor, theta=theta, chi2=chi2, information=np.zeros((0, 0)))
+    if best is None:
+        return None
+    as_listed = {one.name: one for one, _ in listed}
+    values = zip(best.hypothesis, best.predictor.values(best.theta), strict=True)
+    return restated(best, [(as_listed.get(one.name, one), own) for one, own in values], null)
 
 
 def _best(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, partial
 from types import SimpleNamespace
@@ -26,6 +27,7 @@ from flexros.gap.settings import DiagnosisSettings, SearchSettings
 from flexros.logs.stamps import stamps_ns
 from flexros.logs.time_series import JointSeries, Log
 from flexros.record.record import Record
+from flexros.robot import Robot
 from flexros.simulate.plant import Plant
 from tests.gap.diagnosis_logs import settings_of
 from tests.gap.servo_logs import NOISE, ONE, SERVO_EFFECTS, T, servo_arm, servo_log, servo_robot
@@ -72,6 +74,17 @@ def null() -> NullFit:
 def sizes_of(found: CandidateFit) -> dict[str, float]:
     values = found.predictor.values(found.theta)
     return {one.effect.name: next(iter(own.values())) for one, own in zip(found.hypothesis, values, strict=True)}
+
+
+def found_in_arm(arm: Callable[[], Robot], *hidden: str) -> dict[str, dict[str, float]]:
+    """Values by effect@location of the fits with which the search in a log of an arm with hidden effects begins."""
+    record = replace(checked_log(servo_log(*hidden, robot=arm), arm(), name="log"), imported=True)
+    model = RobotWithEffects(arm().commanded_by("position"), ())
+    nominal = fit_null(fit_data(record, model, DiagnosisSettings()), model, tolerance_of(model.robot, {}))
+    found = fit_of_servos(nominal, None, DiagnosisSettings())
+    assert found is not None
+    values = zip(found.hypothesis, found.predictor.values(found.theta), strict=True)
+    return {one.name: dict(own) for one, own in values}
 
 
 def test_steps_reach_the_limit_and_slow_motion_does_not() -> None:
@@ -188,13 +201,7 @@ def test_a_servo_begins_with_the_filter_or_the_delay_of_its_commands_that_the_lo
 def test_a_load_that_the_file_leaves_out_is_found_beside_late_commands() -> None:
     """Without the load, wrong rotors and filters of the commands took up what it does."""
     hidden = ("tool_load@tool:mass=0.4,z=0.25", "delay@all:time=0.01", "motor_inertia_error@motor_2:relative=0.4")
-    robot = servo_arm()
-    record = replace(checked_log(servo_log(*hidden, robot=servo_arm), robot, name="log"), imported=True)
-    model = RobotWithEffects(robot.commanded_by("position"), ())
-    nominal = fit_null(fit_data(record, model, DiagnosisSettings()), model, tolerance_of(model.robot, {}))
-    found = fit_of_servos(nominal, None, DiagnosisSettings())
-    assert found is not None
-    values = {one.name: own for one, own in zip(found.hypothesis, found.predictor.values(found.theta), strict=True)}
+    values = found_in_arm(servo_arm, *hidden)
     assert values["tool_load@tool"]["mass"] == pytest.approx(0.4, rel=0.1)
     assert values["tool_load@tool"]["z"] == pytest.approx(0.25, rel=0.1)
     assert values["delay@all"]["time"] == pytest.approx(0.01, rel=0.05)
@@ -208,13 +215,7 @@ def test_rotors_and_a_load_that_the_file_leaves_out_are_found_beside_a_wrong_gai
         *("tool_load@tool:mass=0.4,z=0.25", "delay@all:time=0.01", "servo_stiffness_error@motor_1:relative=0.25"),
         *("rotor_inertia@motor_1:added=0.08", "rotor_inertia@motor_2:added=0.03"),
     )
-    arm = partial(servo_arm, rotors=False)
-    record = replace(checked_log(servo_log(*hidden, robot=arm), arm(), name="log"), imported=True)
-    model = RobotWithEffects(arm().commanded_by("position"), ())
-    nominal = fit_null(fit_data(record, model, DiagnosisSettings()), model, tolerance_of(model.robot, {}))
-    found = fit_of_servos(nominal, None, DiagnosisSettings())
-    assert found is not None
-    values = {one.name: own for one, own in zip(found.hypothesis, found.predictor.values(found.theta), strict=True)}
+    values = found_in_arm(partial(servo_arm, rotors=False), *hidden)
     assert values["tool_load@tool"]["mass"] == pytest.approx(0.4, rel=0.02)
     assert values["delay@all"]["time"] == pytest.approx(0.01, rel=0.01)
     assert values["rotor_inertia@motor_1"]["added"] == pytest.approx(0.08, rel=0.02)
