@@ -9,9 +9,9 @@ import numpy as np
 
 from flexros.gap.answer.decision import on_held_out
 from flexros.gap.fit.candidate_fit import best_of_each
+from flexros.gap.fit.limits import at_limits
 from flexros.gap.held_out.closed_share import share_between
 from flexros.gap.held_out.errors_ahead import errors_ahead
-from flexros.gap.search.fits.refits import at_limits
 from flexros.gap.search.worth import compared
 
 if TYPE_CHECKING:

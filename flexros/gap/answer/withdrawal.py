@@ -15,13 +15,13 @@ from flexros.gap.answer.strained_numbers import STRAINED, far_out
 from flexros.gap.answer.told_apart import told_apart
 from flexros.gap.fit.candidate_fit import best_of_each
 from flexros.gap.fit.estimates import beyond_search
+from flexros.gap.fit.limits import at_limits
 from flexros.gap.fit.null_fit import predicting_best
 from flexros.gap.fit.tolerance_takeover import with_own_numbers
 from flexros.gap.held_out.closed_share import BOOTSTRAP_STREAM, NOTHING, closed_fraction, share_between
 from flexros.gap.held_out.errors_ahead import errors_ahead
 from flexros.gap.held_out.gap_floor import tolerance_floor
 from flexros.gap.search.elimination.clear_sizes import unclear
-from flexros.gap.search.fits.refits import at_limits
 from flexros.gap.search.forward_selection import explanations_of
 from flexros.gap.search.worth import compared
 from flexros.random_streams import generator

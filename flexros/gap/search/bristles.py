@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from flexros.effects.friction.presliding_friction import SEEN
 from flexros.effects.kinds.yielding_friction import BRISTLES, AbstractYieldingFriction
 from flexros.gap.candidates.candidate import FreeParameter
-from flexros.gap.search.fits.refits import at_limits
+from flexros.gap.fit.limits import at_limits
 from flexros.gap.search.worth import compared
 
 if TYPE_CHECKING:

@@ -9,13 +9,13 @@ import numpy as np
 
 from flexros.gap.candidates.candidate import names_of
 from flexros.gap.fit.candidate_fit import best_of_each
+from flexros.gap.fit.limits import at_limits
 from flexros.gap.search.common_factor import with_other_scales
 from flexros.gap.search.curve_candidates import within_motion
 from flexros.gap.search.curves import curves_of, in_place_of_laws, with_curves
 from flexros.gap.search.elimination.clear_sizes import with_asymmetry, with_dropped, with_dropped_again, without_unclear
 from flexros.gap.search.elimination.reduce import one_by_one, reduced
 from flexros.gap.search.exchange import exchanged, one_delay
-from flexros.gap.search.fits.refits import at_limits
 from flexros.gap.search.growth import extended, promises, resumed, tidied, with_more
 from flexros.gap.search.periodic.lines import beside_line
 from flexros.gap.search.regrouping import with_gains, without_tangled

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.fit.candidate_fit import best_of_each
+from flexros.gap.fit.limits import at_limits, ended_at_last
 from flexros.gap.search.bristles import with_bristles
 from flexros.gap.search.elimination.reduce import reduced
 from flexros.gap.search.exchange import corrected, exchanged
-from flexros.gap.search.fits.refits import at_limits, ended_at_last
 from flexros.gap.search.periodic.overtones import with_overtones
 from flexros.gap.search.regrouping import regrouped
 from flexros.gap.search.worth import (

@@ -12,11 +12,11 @@ import pytest
 from flexros.effects import RobotWithEffects, parse_effect, place_effects
 from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.diagnose import diagnose
+from flexros.gap.fit.limits import at_limits
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.search import richer_laws
 from flexros.gap.search.curves import with_curves
-from flexros.gap.search.fits.refits import at_limits
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.search.regrouping import with_gains
 from flexros.gap.search.richer_laws import with_simpler_effects

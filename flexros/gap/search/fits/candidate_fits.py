@@ -22,7 +22,7 @@ from flexros.gap.fit.sum_of_squares import chi2_of
 from flexros.gap.fit.torques.unknown_numbers import UNCERTAIN
 from flexros.gap.prediction.compiled_plant import LANES, grouped
 from flexros.gap.search.fits.additions import addition_of, best_starts
-from flexros.gap.search.fits.refits import Refits
+from flexros.gap.search.fits.simpler_fits import SimplerFits
 from flexros.gap.search.periodic.harmonic_candidates import harmonic_candidates, harmonics_in_place
 from flexros.record.one_way import moves_one_way
 
@@ -46,7 +46,7 @@ largest [1] (chosen)."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Search(Refits):
+class Search(SimplerFits):
     """The common ground of all fits of candidates to one log.
 
     Attributes:

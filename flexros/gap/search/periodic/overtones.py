@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from flexros.effects.torque_ripple import OVERTONE, TorqueRipple
 from flexros.gap.candidates.candidate import free_parameter
-from flexros.gap.search.fits.refits import at_limits
+from flexros.gap.fit.limits import at_limits
 from flexros.gap.search.worth import compared, incomplete
 
 if TYPE_CHECKING:

@@ -9,25 +9,22 @@ from typing import cast
 import numpy as np
 import pytest
 
-from flexros.effects import RobotWithEffects, effects
+from flexros.effects import effects
 from flexros.effects.kinds.tool_error import AbstractToolError
 from flexros.errors import InputError
 from flexros.gap.candidates.candidate import Candidate
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.checked_log import checked_log
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.fit.sum_of_squares import chi2_of
 from flexros.gap.residuals.fit_data import FitData
-from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.search.fits.additions import Addition
 from flexros.gap.search.prepare import prepare_search
-from flexros.gap.settings import DiagnosisSettings, SearchSettings
+from flexros.gap.settings import SearchSettings
 from flexros.prediction.integration_step import IntegrationSteps, substeps
 from flexros.robot import load_robot
-from tests.gap.diagnosis_logs import MODEL, candidates_of, data_of, predictor_of, search_of, settings_of
-from tests.gap.servo_logs import servo_log, servo_robot
+from tests.gap.diagnosis_logs import MODEL, candidates_of, data_of, predictor_of, search_of
 
 pytestmark = pytest.mark.slow
 
@@ -231,21 +228,6 @@ def test_one_candidate_is_fitted_even_when_the_time_is_over() -> None:
     directions = search.directions([candidates_of()[name] for name in SOME])
     asked[0] = True
     assert names(search.singles(directions)) == [SOME[0]]
-
-
-def test_a_raised_gain_of_a_servo_goes_before_the_friction_that_it_took_to_its_limit() -> None:
-    """Positions determine gain, friction and inertia up to a factor, which runs until one of them is at its limit."""
-    record = checked_log(servo_log("coulomb_friction@motor_1:level=0.25"), servo_robot(), name="log")
-    model = RobotWithEffects(servo_robot(), ()).commanded_by(record.commands)
-    search = prepare_search(fit_null(fit_data(record, model, DiagnosisSettings()), model, Tolerance()), settings_of())
-    among = {one.name: one for one in search.candidates()}
-    friction, gain = among["coulomb_friction@motor_1"], among["servo_stiffness_error@motor_1"]
-    narrow = replace(friction, free=(replace(friction.free[0], high=0.4),))
-    predictor = search.null.predictor((narrow, gain))
-    theta = np.array([narrow.free[0].encode(0.4), gain.free[0].encode(0.6)])
-    found = search.within_limits(CandidateFit(predictor, theta, chi2_of(predictor, search.data, theta[:, None])[0]))
-    assert found.names == {friction.name}
-    assert found.predictor.values(found.theta)[0]["level"] == pytest.approx(0.25, rel=0.05)
 
 
 @pytest.mark.parametrize(("named", "shown"), [

@@ -1,0 +1,103 @@
+"""Fits of an explanation with fewer parameters: without those that nothing tells, and those that are no findings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.gap.fit.limits import at_limits
+from flexros.gap.fit.pruning import without_least_parameter
+from flexros.gap.search.fits.refits import Refits
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+    from flexros.gap.candidates.candidate import Candidate
+    from flexros.gap.fit.candidate_fit import CandidateFit
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SimplerFits(Refits):
+    """Fits of explanations with fewer parameters; see `LogFits`."""
+
+    def pruned(self, fit: CandidateFit) -> CandidateFit:
+        """Leave out the parameters of a fit that the information criterion rejects (Schwarz 1978).
+
+        So it does with parts of a law that extends others, such as a hump of friction that yields.
+
+        Args:
+            fit: The fit.
+
+        Returns:
+            A fit of the same effects with fewer parameters, or the same fit.
+        """
+        n = self.data.n_values
+        while (fewer := without_least_parameter(fit)) is not None and not self.deadline.stops_finishing():
+            hypothesis, theta = fewer
+            pruned = self._final(self.null.predictor(hypothesis, fit.predictor.plant), theta)
+            if not n * np.log(pruned.chi2 / fit.chi2) < np.log(n):
+                break
+            fit = pruned
+        parts = [(law, next(iter(part))) for law in fit.hypothesis for part in law.effect.extends.values()]
+        for law, part in parts:
+            rest = None if self.deadline.stops_finishing() else law.without_part(part)
+            saved = 0 if rest is None else len(law.free) - len(rest.free)
+            if rest is None or not saved:
+                continue
+            pruned = self._with_fewer(fit, law, rest)
+            if n * np.log(pruned.chi2 / fit.chi2) < saved * np.log(n):
+                fit = pruned
+        return fit
+
+    def within_limits(self, fit: CandidateFit) -> CandidateFit:
+        """Fit again without parameters that ended at a limit of their search, which are no findings.
+
+        The search is widened where its range goes on. A parameter that shapes an effect is set to its usual value. A
+        part of a law whose size is at a limit nevertheless is left out, as a hump of friction so narrow that only its
+        bristles are left; so is an effect of that part alone.
+
+        Args:
+            fit: The fit.
+
+        Returns:
+            A fit without such parameters, or the same fit.
+        """
+        for _ in range(2 * fit.predictor.n_effect):
+            limited = at_limits(fit)
+            if not limited:
+                break
+            candidate, name = limited[0]
+            factor = _common_factor(fit, [one.location for one, _ in limited])
+            if factor:
+                fit = self.without(fit, factor)
+                continue
+            wide, shaped = candidate.widened(name), candidate.with_usual(name) or candidate.without_part(name)
+            if wide is not None:
+                fit = self.reshaped(fit, tuple(wide if one is candidate else one for one in fit.hypothesis))
+            elif shaped is None:
+                fit = self.without(fit, candidate.name)
+            else:
+                fit = self._with_fewer(fit, candidate, shaped)
+        return fit
+
+    def _with_fewer(self, fit: CandidateFit, candidate: Candidate, fewer: Candidate) -> CandidateFit:
+        """Fit an explanation to the end with one of its candidates replaced by the same with fewer free parameters."""
+        names = {free.name for free in fewer.free}
+        kept = [one is not candidate or free.name in names for one in fit.hypothesis for free in one.free]
+        theta = fit.theta[np.array([*kept, *([True] * len(fit.deviations))], dtype=bool)]
+        changed = tuple(fewer if one is candidate else one for one in fit.hypothesis)
+        return self._final(self.null.predictor(changed, fit.predictor.plant), theta)
+
+
+def _common_factor(fit: CandidateFit, locations: Collection[str]) -> str:
+    """Return the name of an effect that may have taken others at its motor to a limit with it; empty for none.
+
+    Args:
+        fit: The fit.
+        locations: Where sizes ended at a limit.
+    """
+    values = zip(fit.hypothesis, fit.predictor.values(fit.theta), strict=True)
+    factors = {one.location: one.name for one, v in values if v.get(one.effect.common_factor, 0.0) > 0}
+    return next((factors[location] for location in locations if location in factors), "")
