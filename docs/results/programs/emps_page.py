@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import argparse
 import os
-import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -182,7 +182,15 @@ def page(folder: Path) -> str:
     return "".join(parts)
 
 
+def main() -> None:
+    """Write the page."""
+    assert __doc__ is not None
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("folder", nargs="?", type=Path, default=Path(__file__).parents[1], help="folder of the page")
+    folder = parser.parse_args().folder
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "emps.md").write_text(page(Path(os.environ["FLEXROS_REALDATA"]) / "emps"), encoding="utf-8")
+
+
 if __name__ == "__main__":
-    target = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[1]
-    target.mkdir(parents=True, exist_ok=True)
-    (target / "emps.md").write_text(page(Path(os.environ["FLEXROS_REALDATA"]) / "emps"), encoding="utf-8")
+    main()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import sys
+import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -263,7 +263,11 @@ def _commands(ranked: Sequence[tuple[BenchmarkController, BenchmarkResult]]) -> 
 
 def main() -> None:
     """Write the page."""
-    file = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[1] / "feedback_benchmark.md"
+    assert __doc__ is not None
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    usual = Path(__file__).parents[1] / "feedback_benchmark.md"
+    parser.add_argument("file", nargs="?", type=Path, default=usual, help="the page")
+    file: Path = parser.parse_args().file
     sensors = {load_controller(name).sensors for name in controller_names()}
     file.write_text(page({one: FeedbackBenchmark(one) for one in sensors | {()}}), encoding="utf-8")
 

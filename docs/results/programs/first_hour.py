@@ -6,6 +6,7 @@ first_hour.md.
 
 from __future__ import annotations
 
+import argparse
 import contextlib
 import os
 import platform
@@ -160,6 +161,8 @@ def timed(journey: Journey) -> tuple[float, float]:
 
 def main() -> None:
     """Time all journeys; write the page and the times of the README."""
+    assert __doc__ is not None
+    argparse.ArgumentParser(description=__doc__.partition("\n")[0]).parse_args()
     rows, times = [], {}
     for journey in journeys():
         wall, processor = timed(journey)

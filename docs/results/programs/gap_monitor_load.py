@@ -5,6 +5,7 @@ All nodes are processes of their own; processor time is that of the operating sy
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 import signal
@@ -164,5 +165,12 @@ def _used(process: int) -> float:
     return (int(fields[11]) + int(fields[12])) / TICK
 
 
-if __name__ == "__main__":
+def main() -> None:
+    """Write the page."""
+    assert __doc__ is not None
+    argparse.ArgumentParser(description=__doc__.partition("\n")[0]).parse_args()
     (Path(__file__).parents[1] / "gap_monitor_load.md").write_text(page(), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

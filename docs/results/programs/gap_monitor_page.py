@@ -6,8 +6,8 @@
 
 from __future__ import annotations
 
+import argparse
 import json
-import sys
 import time
 from dataclasses import replace
 from functools import partial
@@ -254,16 +254,22 @@ def add(path: Path, cases: Iterator[tuple[str, Callable[[], dict[str, Any]]]]) -
                 stream.write(json.dumps(row) + "\n")
 
 
-def main(what: str, work: Path) -> None:
+def main() -> None:
     """Do one part of the work."""
-    work.mkdir(parents=True, exist_ok=True)
+    assert __doc__ is not None
     cases = {"nominal": nominal, "detection": detection, "accepted": accepted}
-    if what in cases:
-        add(work / f"{what}.jsonl", cases[what]())
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("part", choices=[*cases, "page"], help="part of the work")
+    parser.add_argument("work", nargs="?", type=Path, default=Path("bags/gap_monitor"), help="folder of its results")
+    given = parser.parse_args()
+    work, part = given.work, given.part
+    work.mkdir(parents=True, exist_ok=True)
+    if part in cases:
+        add(work / f"{part}.jsonl", cases[part]())
     else:
         text = page_text(work, RATES, ONSET)
         (Path(__file__).parents[1] / "gap_monitor.md").write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], Path(sys.argv[2]) if len(sys.argv) > 2 else Path("bags/gap_monitor"))
+    main()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +32,8 @@ without noise. The poses follow from the elastostatic model of the fit, which is
 
 def main() -> None:
     """Identify robots that are drawn at random, and write the page."""
+    assert __doc__ is not None
+    argparse.ArgumentParser(description=__doc__.partition("\n")[0]).parse_args()
     unknown = unknowns(load_robot("six_axis"))
     candidates = candidate_poses(unknown, LOADS, 200)
     poses = candidates.rows(optimal_poses(unknown, candidates, PLANNED, NOISE))

@@ -5,7 +5,7 @@ python docs/results/programs/multivariable_benchmark_page.py [--tune ROBOT KIND 
 
 from __future__ import annotations
 
-import sys
+import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -77,10 +77,15 @@ the motors `coupled_pid` has both on the nominal e12, and nearly on the random m
 """
 
 
-def main(arguments: Sequence[str]) -> None:
+def main() -> None:
     """Write the page, or tune one design and print its settings."""
-    if arguments[:1] == ["--tune"]:
-        robot, kind, evaluations = arguments[1:4]
+    assert __doc__ is not None
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument(
+        "--tune", nargs=3, metavar=("ROBOT", "KIND", "NUMBER"), help="tune a design, NUMBER evaluations"
+    )
+    if tune := parser.parse_args().tune:
+        robot, kind, evaluations = tune
         print(json_text(tuned(problem_named(robot), kind, int(evaluations))))
         return
     folder = Path(__file__).parents[1]
@@ -169,4 +174,4 @@ def _picture(bench: MotionBenchmark, ranked: Sequence[BenchmarkController]) -> D
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main()

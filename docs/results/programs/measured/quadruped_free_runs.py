@@ -8,7 +8,7 @@ the folder of fetch_real_robots.py.
 
 from __future__ import annotations
 
-import sys
+import argparse
 from pathlib import Path
 from typing import Any
 
@@ -42,8 +42,12 @@ def simulated(model: mujoco.MjModel, command: np.ndarray, first: np.ndarray, num
     return out
 
 
-def main(folder: Path) -> None:
+def main() -> None:
     """Fit the legs and print their numbers."""
+    assert __doc__ is not None
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("fetched", type=Path, help="folder of fetch_real_robots.py")
+    folder: Path = parser.parse_args().fetched
     for leg in LEGS:
         table = np.loadtxt(folder / REPOSITORY / f"{leg}.csv", delimiter=",", skiprows=1)
         position, command = table[:, 1:4], table[:, 4:7]
@@ -64,4 +68,4 @@ def main(folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main()

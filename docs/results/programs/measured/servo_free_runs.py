@@ -8,9 +8,9 @@ free. FETCHED is the folder of fetch_real_robots.py.
 
 from __future__ import annotations
 
+import argparse
 import json
 import math
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -62,8 +62,12 @@ def simulated(command: np.ndarray, numbers: np.ndarray, within: bool) -> np.ndar
     return out
 
 
-def main(folder: Path) -> None:
+def main() -> None:
     """Fit the four models and print them."""
+    assert __doc__ is not None
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("fetched", type=Path, help="folder of fetch_real_robots.py")
+    folder: Path = parser.parse_args().fetched
     command, position = experiments(folder)
     measured = np.isfinite(position)
     for where, first in STARTS.items():
@@ -83,4 +87,4 @@ def main(folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main()

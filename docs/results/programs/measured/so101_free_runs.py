@@ -8,8 +8,8 @@ are those of the MJCF. FETCHED is the folder of fetch_real_robots.py, LOG a moti
 
 from __future__ import annotations
 
+import argparse
 import json
-import sys
 from pathlib import Path
 
 import mujoco
@@ -69,10 +69,16 @@ def simulated(model: mujoco.MjModel, command: np.ndarray, first: np.ndarray, num
     return out
 
 
-def main(folder: Path, logs: list[str]) -> None:
+def main() -> None:
     """Fit the logs and print their numbers."""
+    assert __doc__ is not None
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("fetched", type=Path, help="folder of fetch_real_robots.py")
+    parser.add_argument("logs", nargs="*", default=["multisine", "friction_gravity", "chirp_sweep"], help="motions")
+    given = parser.parse_args()
+    folder: Path = given.fetched
     model = without_meshes(folder / MODEL)
-    for log in logs or ["multisine", "friction_gravity", "chirp_sweep"]:
+    for log in given.logs:
         position, command = (
             column(folder / LOGS / log / f"{name}.csv")[:LENGTH, :JOINTS] for name in ("state_motor", "control")
         )
@@ -88,4 +94,4 @@ def main(folder: Path, logs: list[str]) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), sys.argv[2:])
+    main()

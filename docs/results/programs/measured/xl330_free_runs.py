@@ -8,9 +8,9 @@ fetch_real_robots.py.
 
 from __future__ import annotations
 
+import argparse
 import json
 import math
-import sys
 from bisect import bisect_right
 from dataclasses import dataclass
 from pathlib import Path
@@ -67,8 +67,12 @@ def simulated(log: Run, numbers: np.ndarray) -> np.ndarray:
     return out
 
 
-def main(folder: Path) -> None:
+def main() -> None:
     """Fit both frictions to each log and to all, and print the numbers."""
+    assert __doc__ is not None
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("fetched", type=Path, help="folder of fetch_real_robots.py")
+    folder: Path = parser.parse_args().fetched
     logs = {name: run(folder, stamp) for name, stamp in LOGS.items()}
     for law, n in (("no load", len(NAMES) - 1), ("load", len(NAMES))):
         for chosen in (*([name] for name in logs), list(logs)):
@@ -87,4 +91,4 @@ def main(folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main()

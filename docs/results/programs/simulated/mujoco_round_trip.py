@@ -7,8 +7,8 @@ The log DIAGNOSED is diagnosed twice, with different held-out data, which takes 
 
 from __future__ import annotations
 
+import argparse
 import os
-import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -202,8 +202,16 @@ def _effects(patch: Path) -> str:
     return "; ".join(parts) or "no effect"
 
 
-if __name__ == "__main__":
-    target = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[2]
+def main() -> None:
+    """Write the page."""
+    assert __doc__ is not None
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("folder", nargs="?", type=Path, default=Path(__file__).parents[2], help="folder of the page")
+    folder = parser.parse_args().folder
     written = page(Path(os.environ["FLEXROS_REALDATA"]) / DATA)
-    target.mkdir(parents=True, exist_ok=True)
-    (target / "mujoco_round_trip.md").write_text(written, encoding="utf-8")
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "mujoco_round_trip.md").write_text(written, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

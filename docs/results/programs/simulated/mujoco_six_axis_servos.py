@@ -7,7 +7,7 @@ A diagnosis takes some minutes; the seeds of the page are SEEDS.
 
 from __future__ import annotations
 
-import sys
+import argparse
 import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -229,11 +229,21 @@ def row(seed: int, diagnosis: Diagnosis) -> str:
     )
 
 
-if __name__ == "__main__":
-    target = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[2]
-    target.mkdir(parents=True, exist_ok=True)
+def main() -> None:
+    """Diagnose robots that are drawn at random, and write the page."""
+    assert __doc__ is not None
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("folder", nargs="?", type=Path, default=Path(__file__).parents[2], help="folder of the page")
+    parser.add_argument("seeds", nargs="*", type=int, default=SEEDS, help="seeds of the robots")
+    given = parser.parse_args()
+    folder = given.folder
+    folder.mkdir(parents=True, exist_ok=True)
     written = HEAD.format(rate=RATE, duration=DURATION, noise=NOISE, code=code_version())
-    for drawn_seed in map(int, sys.argv[2:] or SEEDS):
+    for drawn_seed in given.seeds:
         with tempfile.TemporaryDirectory() as made:
             written += row(drawn_seed, diagnosed(drawn_seed, Path(made)))
-        (target / "mujoco_six_axis_servos.md").write_text(written, encoding="utf-8")
+        (folder / "mujoco_six_axis_servos.md").write_text(written, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
