@@ -179,18 +179,26 @@ class Candidate:
     def with_usual(self, name: str) -> Candidate | None:
         """Return the candidate with a parameter that shapes it fixed at the middle of its initial values.
 
+        Bristles that are so stiff that the log does not show them are none, and so with overtones.
+
         Args:
             name: Name of a free parameter.
 
         Returns:
             The candidate; None for a parameter of its size, without which nothing is left.
         """
+        if name in self.effect.unsaid:
+            return self.without_unsaid()
         free = next(free for free in self.free if free.name == name)
         if self.neutral(free) is not None:
             return None
         usual = sorted(free.starts)[len(free.starts) // 2]
         others = tuple(other for other in self.free if other is not free)
         return replace(self, free=others, fixed=(*self.fixed, (name, usual)), together=False)
+
+    def without_unsaid(self) -> Candidate:
+        """Return the candidate as it competes, without what is fitted once it is found, such as bristles."""
+        return replace(self, free=tuple(free for free in self.free if free.name not in self.effect.unsaid))
 
     def without_part(self, name: str) -> Candidate | None:
         """Return the candidate without a parameter beside its size, nor those that shape nothing else.

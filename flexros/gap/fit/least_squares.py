@@ -46,16 +46,18 @@ def fit(
     enough: float | None = None,
     rival: float = np.inf,
     share: float = 0.0,
+    roughly: bool = False,
     settings: FitSettings = FIT,
     stop: Callable[[], bool] | None = None,
 ) -> CandidateFit:
     """Minimise the sum of squares from an initial value (Levenberg 1944, Marquardt 1963).
 
-    Derivatives are differences, computed together in the lanes of the predictor; of many parameters they are corrected
-    by what a step changed while steps do about what they promise (Broyden 1965). Eight dampings are tried at once, each
-    parameter damped by its own information (Marquardt). Where that gains far less than predicted, the steps are bent
-    along the curvature of the prediction errors (Transtrum, Sethna 2012), and then all parameters are damped equally
-    (Levenberg), so that of two parameters that the log cannot separate the better determined one moves.
+    Derivatives are differences, computed together in the lanes of the predictor; of many parameters, and of fits that
+    are only compared, they are corrected by what a step changed while steps do about what they promise (Broyden 1965).
+    Eight dampings are tried at once, each parameter damped by its own information (Marquardt). Where that gains far
+    less than predicted, the steps are bent along the curvature of the prediction errors (Transtrum, Sethna 2012), and
+    then all parameters are damped equally (Levenberg), so that of two parameters that the log cannot separate the
+    better determined one moves.
 
     Args:
         predictor: Predictor of the hypothesis.
@@ -69,6 +71,7 @@ def fit(
         rival: Sum of squares of a better fit: this one ends where it has no hope to come near it.
         share: Fall below which the fit ends as well, over what is left above the floor [1]: where the hypothesis lacks
             much, steps shorten by a constant factor, and a fall of less than one would take dozens of them.
+        roughly: Whether the fit is only compared with others.
         settings: Limits of steps and of the end.
         stop: Asked after each iteration; True ends the fit where it is.
     """
@@ -100,7 +103,7 @@ def fit(
         theta, chi2, known = best_step(predictor, data, theta, line, settings.longest_step, well)
         fall, step = line.chi2 - chi2, theta - before
         does_well = fall > max(LASTING * line.fall_by(step), ABLE * predicted, limit)
-        if does_well and len(theta) > MANY and not predictor.jumps:
+        if does_well and (roughly or (len(theta) > MANY and not predictor.jumps)):
             carried = carried_on(line, predictor, data, theta, step, known)
         del line  # slopes are the largest arrays of a fit
         if fall < limit and exact:

@@ -134,6 +134,8 @@ def carried_on(
     weights = np.diag(line.information) * step
     weights /= max(float(weights @ step), 1e-300)
     J, missed = line.slopes, residual - line.residual - line.slopes @ step
+    if predictor.jumps:
+        missed = without_jumps(missed[:, None])[:, 0]
     for column, weight in enumerate(weights):
         J[:, column] += weight * missed
     prior = np.zeros(len(theta))

@@ -97,10 +97,7 @@ def _held_by(search: Search, fit: CandidateFit, levels: Mapping[str, float]) -> 
 def _without_bristles(search: Search, fit: CandidateFit) -> CandidateFit:
     """Hold the friction of an explanation rigidly where its bristles are not worth their parameters."""
     rigid = tuple(
-        replace(one, free=tuple(free for free in one.free if free.name not in BRISTLES))
-        if issubclass(one.effect, AbstractYieldingFriction)
-        else one
-        for one in fit.hypothesis
+        one.without_unsaid() if issubclass(one.effect, AbstractYieldingFriction) else one for one in fit.hypothesis
     )
     if rigid == fit.hypothesis or search.deadline.stops_finishing():
         return fit

@@ -58,7 +58,7 @@ def exchanged(
         comparison, level = _compared(search, fit, exchanges, fits)
         early = [] if in_vain(search, fit) else [one for one in level if _stopped_early(search, fit, one)]
         if early:
-            fits += search.parallel("effects exchanged", search.completed, early)
+            fits += search.parallel("effects exchanged", search.to_compare, early)
             comparison = compared(search, best_of_each(fits))
             level = [one for one in comparison.fits if len(one.hypothesis) == len(fit.hypothesis)]
         best = simplest(search, comparison, comparison.ranked(level)[0], level)

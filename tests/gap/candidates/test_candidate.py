@@ -9,6 +9,7 @@ import pytest
 
 from flexros.effects import effects
 from flexros.effects.kinds.ranges import Range
+from flexros.effects.kinds.yielding_friction import BRISTLES
 from flexros.gap.candidates.candidate import (
     Candidate,
     FreeParameter,
@@ -170,6 +171,16 @@ def test_a_parameter_of_the_shape_is_fixed_and_one_of_the_size_is_not() -> None:
     assert "velocity" not in {free.name for free in fixed.free}
     assert dict(fixed.fixed)["velocity"] > 0
     assert stribeck.with_usual("extra") is None
+
+
+def test_bristles_at_a_limit_are_none() -> None:
+    """So stiff that the encoder does not show them, friction holds rigidly; of a usual stiffness it would yield."""
+    friction = next(
+        one for one in list_candidates(load_robot("elbow"), Scales({})) if one.effect.name == "coulomb_friction"
+    )
+    bristles = tuple(FreeParameter(name, 1.0, 1e6, signed=False, starts=(1e3,)) for name in BRISTLES)
+    yielding = replace(friction, free=(*friction.free, *bristles))
+    assert [yielding.with_usual(name) for name in BRISTLES] == [friction, friction]
 
 
 @pytest.mark.parametrize(("effect", "part", "left"), [

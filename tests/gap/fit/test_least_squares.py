@@ -160,28 +160,28 @@ def test_steps_follow_a_curved_valley(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 class Bowed:
-    """Errors that bend a little with each of twenty parameters; counts the predictions: predictor and log."""
+    """Errors that bend a little with each of many parameters; counts the predictions: predictor and log."""
 
-    n_effect, bounds, tolerance = 20, (np.full(20, -10.0), np.full(20, 10.0)), Tolerance()
-    jumps = False
-    fineness = np.ones(20)
+    tolerance, misfit, settings = Tolerance(), 1.0, DiagnosisSettings(threads=1)
 
-    misfit, settings = 1.0, DiagnosisSettings(threads=1)
-
-    def __init__(self) -> None:
-        self.passes = 0
+    def __init__(self, number: int, jumps: bool) -> None:
+        self.n_effect, self.jumps, self.passes = number, jumps, 0
+        self.bounds, self.fineness = (np.full(number, -10.0), np.full(number, 10.0)), np.ones(number)
 
     def residuals(self, _: object, thetas: FloatArray) -> FloatArray:
         self.passes += 1
-        slopes, noise = np.split(np.random.default_rng(0).normal(size=(1000, 21)), [20], axis=1)
-        far = thetas - np.linspace(0.5, 2.0, 20)[:, None]
+        slopes, noise = np.split(np.random.default_rng(0).normal(size=(1000, self.n_effect + 1)), [-1], axis=1)
+        far = thetas - np.linspace(0.5, 2.0, self.n_effect)[:, None]
         return np.asarray(noise + 100 * slopes @ (far + 0.1 * far**2))
 
 
-def test_derivatives_are_not_computed_anew_while_steps_do_what_they_promise(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("number", "roughly", "jumps"), [(20, False, False), (16, True, False), (16, True, True)])
+def test_derivatives_are_not_computed_anew_while_steps_do_what_they_promise(
+    number: int, roughly: bool, jumps: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def fitted() -> tuple[CandidateFit, int]:
-        bowed = Bowed()
-        found = fit(cast("Predictor", bowed), cast("FitData", bowed), np.zeros(20), 40)
+        bowed = Bowed(number, jumps)
+        found = fit(cast("Predictor", bowed), cast("FitData", bowed), np.zeros(number), 40, roughly=roughly)
         return found, bowed.passes
 
     corrected, few = fitted()
@@ -191,6 +191,15 @@ def test_derivatives_are_not_computed_anew_while_steps_do_what_they_promise(monk
     assert corrected.converged
     assert corrected.chi2 == pytest.approx(anew.chi2, abs=0.1)
     np.testing.assert_allclose(corrected.theta, anew.theta, atol=1e-3)
+
+
+def test_derivatives_of_few_parameters_are_exact_unless_fits_are_only_compared() -> None:
+    passes = []
+    for roughly in (False, True):
+        bowed = Bowed(16, False)
+        fit(cast("Predictor", bowed), cast("FitData", bowed), np.zeros(16), 40, roughly=roughly)
+        passes.append(bowed.passes)
+    assert passes[1] < passes[0]
 
 
 def test_a_fit_that_leaves_much_ends_where_its_steps_hardly_lower_that() -> None:

@@ -127,6 +127,7 @@ class LogFits:
             enough=max(enough, self.data.negligible),
             rival=rival,
             share=share if to_noise else 0.0,
+            roughly=quick and to_noise,
             settings=settings,
             stop=self.deadline.of_fit(finishing=finishing),
         )
@@ -177,7 +178,8 @@ class LogFits:
     def _near_best_order(self, fit: CandidateFit) -> CandidateFit:
         """Fit again from the best orders of a rotor near that of a fit."""
         near = neighbouring_orders(fit, self.data, self.rows)
-        return best_of([fit, *(self._quick(fit.predictor, start) for start in near[:, :2].T)])
+        rival = fit.chi2 if self.premises.floor_is_noise else np.inf
+        return best_of([fit, *(self._quick(fit.predictor, start, rival) for start in near[:, :2].T)])
 
     def _continued_rival(self, fit: CandidateFit, rival: float) -> CandidateFit:
         """Carry a fit to its end, unless the time is over."""
@@ -222,9 +224,10 @@ class LogFits:
                 break
         return fit
 
-    def _final(self, predictor: Predictor, theta: FloatArray) -> CandidateFit:
-        """Fit to the end."""
-        return self._fit(predictor, theta, self._most_iterations, finishing=True)
+    def _final(self, predictor: Predictor, theta: FloatArray, rival: float = np.inf) -> CandidateFit:
+        """Fit to the end; of a simulated log a fit without hope to come near a rival ends early."""
+        rival = rival if self.premises.floor_is_noise else np.inf
+        return self._fit(predictor, theta, self._most_iterations, rival=rival, finishing=True)
 
     def completed(self, fit: CandidateFit) -> CandidateFit:
         """Carry a fit to its end, with a plant of its own laws alone and the finer steps that it may have.
@@ -242,6 +245,12 @@ class LogFits:
         nominal = fit.theta.copy()
         nominal[fit.predictor.n_effect :] = 0.0
         return best_of([fit, self._fit(fit.predictor, nominal, self._most_iterations, rival=fit.chi2, finishing=True)])
+
+    def to_compare(self, fit: CandidateFit) -> CandidateFit:
+        """Carry a fit so far that it may be compared with others: of a simulated log near its end."""
+        if not self.premises.floor_is_noise:
+            return self.completed(fit)
+        return self._fit(fit.predictor, fit.theta, self._most_iterations, quick=True)
 
     def finished(self, fits: Sequence[CandidateFit]) -> list[CandidateFit]:
         """Carry the best fits to their end, and leave out those that are no more than a simpler one."""

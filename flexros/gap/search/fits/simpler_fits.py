@@ -36,8 +36,9 @@ class SimplerFits(Refits):
         n = self.data.n_values
         while (fewer := without_least_parameter(fit)) is not None and not self.deadline.stops_finishing():
             hypothesis, theta = fewer
-            pruned = self._final(self.null.predictor(hypothesis, fit.predictor.plant), theta)
-            if not n * np.log(pruned.chi2 / fit.chi2) < np.log(n):
+            most = fit.chi2 * np.exp(np.log(n) / n)
+            pruned = self._final(self.null.predictor(hypothesis, fit.predictor.plant), theta, rival=most)
+            if not pruned.chi2 < most:
                 break
             fit = pruned
         parts = [(law, next(iter(part))) for law in fit.hypothesis for part in law.effect.extends.values()]
@@ -46,8 +47,9 @@ class SimplerFits(Refits):
             saved = 0 if rest is None else len(law.free) - len(rest.free)
             if rest is None or not saved:
                 continue
-            pruned = self._with_fewer(fit, law, rest)
-            if n * np.log(pruned.chi2 / fit.chi2) < saved * np.log(n):
+            most = fit.chi2 * np.exp(saved * np.log(n) / n)
+            pruned = self._with_fewer(fit, law, rest, rival=most)
+            if pruned.chi2 < most:
                 fit = pruned
         return fit
 
@@ -82,13 +84,15 @@ class SimplerFits(Refits):
                 fit = self._with_fewer(fit, candidate, shaped)
         return fit
 
-    def _with_fewer(self, fit: CandidateFit, candidate: Candidate, fewer: Candidate) -> CandidateFit:
+    def _with_fewer(
+        self, fit: CandidateFit, candidate: Candidate, fewer: Candidate, rival: float = np.inf
+    ) -> CandidateFit:
         """Fit an explanation to the end with one of its candidates replaced by the same with fewer free parameters."""
         names = {free.name for free in fewer.free}
         kept = [one is not candidate or free.name in names for one in fit.hypothesis for free in one.free]
         theta = fit.theta[np.array([*kept, *([True] * len(fit.deviations))], dtype=bool)]
         changed = tuple(fewer if one is candidate else one for one in fit.hypothesis)
-        return self._final(self.null.predictor(changed, fit.predictor.plant), theta)
+        return self._final(self.null.predictor(changed, fit.predictor.plant), theta, rival=rival)
 
 
 def _common_factor(fit: CandidateFit, locations: Collection[str]) -> str:

@@ -13,6 +13,7 @@ from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.prediction.predictor import Predictor
+from flexros.gap.residuals.fit_data import FitData
 from flexros.gap.search.fits.candidate_fits import Search
 from flexros.gap.search.fits.log_fits import LogFits, _hopeless
 from tests.gap.diagnosis_logs import candidates_of, predictor_of, search_of
@@ -20,6 +21,10 @@ from tests.gap.diagnosis_logs import candidates_of, predictor_of, search_of
 pytestmark = pytest.mark.slow
 
 FRICTION = "coulomb_friction@motor_1:level=0.05"
+
+
+def _of(data: FitData, *, imported: bool) -> FitData:
+    return replace(data, record=replace(data.record, imported=imported))
 
 
 def test_a_fit_that_stays_far_out_of_tolerance_is_tried_from_the_nominal_numbers(
@@ -76,6 +81,40 @@ def test_single_effects_without_hope_to_reach_the_most_promising_one_are_given_u
     assert first == found[0].hypothesis[0].name == names[0]
     assert rivals.pop(first) == np.inf
     assert list(rivals.values()) == pytest.approx([found[0].chi2] * 2, rel=0.01)
+
+
+@pytest.mark.parametrize(("imported", "expected"), [(False, 5.0), (True, np.inf)])
+def test_orders_beside_that_of_a_fit_without_hope_to_do_better_are_given_up(
+    imported: bool, expected: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    search = search_of(FRICTION)
+    search = replace(search, null=replace(search.null, data=_of(search.data, imported=imported)))
+    rivals = []
+
+    def recorded(_: Search, predictor: Predictor, start: FloatArray, rival: float = np.inf) -> CandidateFit:
+        rivals.append(rival)
+        return CandidateFit(predictor, start, 9.0)
+
+    monkeypatch.setattr(Search, "_quick", recorded)
+    monkeypatch.setattr("flexros.gap.search.fits.log_fits.neighbouring_orders", lambda *_: np.zeros((1, 3)))
+    fit = CandidateFit(predictor_of(candidates_of()["torque_bias@motor_1"]), np.zeros(1), 5.0)
+    assert search._near_best_order(fit) is fit
+    assert rivals == [expected] * 2
+
+
+@pytest.mark.parametrize("imported", [False, True])
+def test_a_fit_is_compared_near_its_end_in_a_simulated_log_and_at_it_in_a_measured_one(
+    imported: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    search = search_of(FRICTION)
+    search = replace(search, null=replace(search.null, data=_of(search.data, imported=imported)))
+    completed: list[CandidateFit] = []
+    monkeypatch.setattr(Search, "completed", lambda _, fit: completed.append(fit) or fit)
+    friction = candidates_of()["coulomb_friction@motor_1"]
+    fit = CandidateFit(predictor_of(friction), np.array([friction.free[0].encode(0.04)]), np.inf)
+    found = search.to_compare(fit)
+    assert completed == ([fit] if imported else [])
+    assert imported or found.chi2 / search.data.n_values == pytest.approx(1.0, abs=0.05)
 
 
 def test_when_the_time_is_over_only_what_is_needed_is_done() -> None:
