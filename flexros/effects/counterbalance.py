@@ -65,7 +65,8 @@ class Counterbalance(AbstractMotorTorque):
         that carries weight, another weight does as well.
         """
         gravity = np.abs(robot.spec.gravity.value)
-        carry = [motor.name for motor in robot.motors if gravity[motor.joint.axis] < np.linalg.norm(gravity)]
+        across = [motor for motor in robot.motors if gravity[motor.joint.axis] < np.linalg.norm(gravity)]
+        carry = [motor.name for motor in across if motor.rotary]
         return robot.commands == "position" and len(carry) > 1 and location in carry
 
     def sought_for_curve(self, robot: Robot, location: str) -> bool:

@@ -15,7 +15,7 @@ from flexros.gap.search.servos.fits import ServoFits, promising
 from flexros.gap.search.servos.plan import CARRIED, begun_of, limited_servos, moved_from_zero, starts
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
@@ -158,13 +158,16 @@ def _with_carried(
     first = fits.likeliest(found)
     if first is None:
         return found
+
+    def carried_on(begun: Begun, values: Mapping[str, float]) -> CandidateFit:
+        return fits.longer(fits.screened(begun, values))
+
     best = fits.longer(first)
     own = [pair for pair in bare if pair[0].name in best.names]
     taken: list[tuple[Candidate, float]] = []
     settings, rest = fits.settings.search, list(carried)
     while rest and not fits.over:
-        begun, values = [*own, *taken], first_parameters(best)
-        tried = [fits.longer(fits.screened([*begun, pair], values)) for pair in rest]
+        tried = fits.every([([*own, *taken, pair], first_parameters(best)) for pair in rest], carried_on, 0.3, 0.3)
         index = min(range(len(tried)), key=lambda number: tried[number].chi2)
         left = best.chi2 - fits.null.data.n_values
         least = settings.removed_of_all * left if left > 0 else settings.removed * best.chi2  # within the floor
