@@ -6,6 +6,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
 import casadi as ca
+import numpy as np
 from pydantic import Field
 
 from flexros.effects.kinds.motor_law import AbstractMotorTorque, MotorState
@@ -25,11 +26,14 @@ class Counterbalance(AbstractMotorTorque):
     A spring between a point of the frame and one of the arm, stretched from length zero, has this torque exactly; that
     of a gas cylinder is much like it. Heavy arms have one at the second joint. A diagnosis begins with one where it
     lowers what is left of the measured torque of its motor by far; in a small motion it looks like a constant torque.
+    Logs of servos have no torques: there it is a candidate like others, where several joints carry weight.
     """
 
     name: ClassVar[str] = "counterbalance"
     stage: ClassVar[Stage] = "actuator"
-    sought_where: ClassVar[str] = "in logs with torques, or in place of a torque_curve"
+    sought_where: ClassVar[str] = (
+        "in logs with torques, in those of servos of which several carry weight, or in place of a torque_curve"
+    )
     size: ClassVar[str] = "cosine"
     further_sizes: ClassVar[tuple[str, ...]] = ("sine",)
     turned: ClassVar[tuple[str, ...]] = ("cosine",)
@@ -55,9 +59,15 @@ class Counterbalance(AbstractMotorTorque):
         return tuple(motor.name for motor in robot.motors if motor.rotary)
 
     def sought(self, robot: Robot, location: str) -> bool:
-        """Return False: torques show it, see `flexros.gap.search.torque_start`."""
-        del robot, location
-        return False
+        """Return whether it is at one of several servos that carry weight at position zero.
+
+        Other logs have torques, which show it, see `flexros.gap.search.torque_start`. What it does to the only servo
+        that carries weight, another weight does as well.
+        """
+        gravity = np.abs(robot.spec.gravity.value)
+        across = [motor for motor in robot.motors if gravity[motor.joint.axis] < np.linalg.norm(gravity)]
+        carry = [motor.name for motor in across if motor.rotary]
+        return robot.commands == "position" and len(carry) > 1 and location in carry
 
     def sought_for_curve(self, robot: Robot, location: str) -> bool:
         """Return True: one that carries little beside the weight of the arm is first seen as a curve."""

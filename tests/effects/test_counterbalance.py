@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from flexros.effects.counterbalance import Counterbalance
-from flexros.robot import load_robot
+from flexros.robot import Robot, load_robot
 from flexros.simulate.plant_model import PlantModel
 from tests.effects.effect_runs import laws_of
+from tests.gap.servo_logs import servo_arm
 
 ELBOW = load_robot("elbow")
 
@@ -32,3 +33,16 @@ def test_joints_that_turn_under_gravity_have_one() -> None:
     assert Counterbalance().locations(ELBOW) == ("motor_1", "motor_2")
     assert Counterbalance().locations(load_robot("two_mass")) == ()
     assert Counterbalance().locations(load_robot("emps")) == ()
+
+
+@pytest.mark.parametrize(
+    ("robot", "sought"),
+    [
+        (servo_arm().commanded_by("position"), ["motor_1", "motor_2"]),
+        (servo_arm(upright=True).commanded_by("position"), []),  # motor_2 alone carries weight: another does the same
+        (servo_arm(), []),  # torques show it
+    ],
+)
+def test_it_is_sought_where_several_servos_carry_weight(robot: Robot, sought: list[str]) -> None:
+    one = Counterbalance()
+    assert [motor for motor in robot.joint_names if one.sought(robot, motor)] == sought

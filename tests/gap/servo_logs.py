@@ -58,23 +58,26 @@ def servo_robot(
     return robot_from_data(data, "servo_joint.yaml")
 
 
-def servo_arm(*, rotors: bool = True) -> Robot:
+def servo_arm(*, rotors: bool = True, upright: bool = False) -> Robot:
     """Two links under gravity, the second one a wrist; stiffness 60 and 20 Nm/rad, damping 2 and 0.5 Nm s/rad.
 
     Args:
         rotors: Whether it has the inertia of its rotors.
+        upright: Whether its first joint turns about the vertical.
     """
     links = []
-    for mass, inertia, stiffness, damping in ((1.5, 0.05, 60.0, 2.0), (0.3, 0.02, 20.0, 0.5)):
+    axes, shown = (("rz", "ry"), ("xx", "yy", "zz")) if upright else (("ry", "ry"), ("yy",))
+    numbers = (1.5, 0.05, 60.0, 2.0), (0.3, 0.02, 20.0, 0.5)
+    for axis, (mass, inertia, stiffness, damping) in zip(axes, numbers, strict=True):
         servo = {"stiffness": stiffness, "damping": damping}
         motor = {"inertia": inertia if rotors else 0, "viscous_friction": 0.1, "torque_limit": 30.0, "servo": servo}
         links.append(
             {
                 "mass": mass,
                 "center_of_mass": [0, 0, 0.5 * mass / 1.5],
-                "inertia": {"yy": 0.02 * mass},
+                "inertia": dict.fromkeys(shown, 0.02 * mass),
                 "length": [0, 0, 0.3],
-                "directions": {"ry": {"spring": "rigid", "motor": motor}},
+                "directions": {axis: {"spring": "rigid", "motor": motor}},
             }
         )
     data = {
@@ -83,7 +86,7 @@ def servo_arm(*, rotors: bool = True) -> Robot:
         "sample_time": T,
         "sensors": {"encoder_noise": NOISE},
         "bodies": links,
-        "outputs": {"joints": {"coordinates": ["body_1.ry", "body_2.ry"]}},
+        "outputs": {"joints": {"coordinates": [f"body_{k + 1}.{axis}" for k, axis in enumerate(axes)]}},
         "controlled": "joints",
     }
     return robot_from_data(data, "servo_arm.yaml")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -18,13 +17,13 @@ from flexros.gap.fit.estimates import beyond_search
 from flexros.gap.fit.limits import at_limits
 from flexros.gap.fit.null_fit import predicting_best
 from flexros.gap.fit.tolerance_takeover import with_own_numbers
-from flexros.gap.held_out.closed_share import BOOTSTRAP_STREAM, NOTHING, closed_fraction, share_between
+from flexros.gap.held_out.closed_share import NOTHING, closed_fraction, share_between
 from flexros.gap.held_out.errors_ahead import errors_ahead
 from flexros.gap.held_out.gap_floor import tolerance_floor
+from flexros.gap.held_out.one_sample import surely_worse
 from flexros.gap.search.elimination.clear_sizes import unclear
 from flexros.gap.search.forward_selection import explanations_of
 from flexros.gap.search.worth import compared
-from flexros.random_streams import generator
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
@@ -38,8 +37,6 @@ if TYPE_CHECKING:
 
 SAME = 1e-3
 """Share by which predictions of one sample may be worse and still count as the same [1] (chosen)."""
-CHANCE = 0.025
-"""Quantile of a bootstrap below which a rise is chance [1]: the lower end of a 95 % interval."""
 RIVALS = 3
 """Other explanations that are tried once an effect was withdrawn, the likeliest ones [1] (chosen)."""
 
@@ -84,7 +81,7 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> Conf
     fits = list(explanations.comparison.fits)
     chosen = told_apart(search, explanations.chosen, fits, held)
     if chosen is not explanations.chosen:
-        fits = [chosen, *(fit for fit in fits if fit.names != chosen.names)]
+        fits = [chosen, *(fit for fit in best_of_each(fits) if fit.names != chosen.names)]
         explanations = explanations_of(search, compared(search, fits), chosen, detected=True)
     withdrawn: list[str] = []
     before: AheadErrors | None = None
@@ -250,23 +247,3 @@ def comes_back(name: str, fit: CandidateFit) -> bool:
     effect, _, location = name.partition("@")
     own = effects()[effect]().numbers(fit.predictor.robot, location)
     return not far_out(fit, STRAINED).keys().isdisjoint(own)
-
-
-def surely_worse(fit: CandidateFit, other: CandidateFit, held: FitData) -> bool:
-    """Return whether a fit predicts the held-out log one sample ahead worse than another one, by more than chance.
-
-    That is by the 95 % interval of a bootstrap over blocks of the log, as `share_between` has it 0.1 s ahead. What
-    differs at a tool and at further sensors counts as it is.
-
-    Args:
-        fit: The fit.
-        other: The other one.
-        held: The held-out log.
-    """
-    settings, record = held.settings.prediction_gap, held.record
-    number = max(1, math.ceil(record.n_samples * record.sample_time / settings.block))
-    worse, better = (one.residual(held) for one in (fit, other))
-    rises = held.squares_in_time(worse, number) - held.squares_in_time(better, number)
-    elsewhere = float(np.sum(worse**2) - np.sum(better**2) - rises.sum())
-    draws = generator(0, BOOTSTRAP_STREAM).integers(0, number, size=(settings.draws, number))
-    return not np.quantile(rises[draws].sum(axis=1), CHANCE) + elsewhere <= 0  # also where it diverged

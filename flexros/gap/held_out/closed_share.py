@@ -43,7 +43,9 @@ def closed_fraction(before: AheadErrors, after: AheadErrors, sample_time: float)
     return share_between(before, before, after, sample_time)
 
 
-def share_between(before: AheadErrors, more: AheadErrors, less: AheadErrors, sample_time: float) -> ClosedShare | None:
+def share_between(
+    before: AheadErrors, more: AheadErrors, less: AheadErrors, sample_time: float, *, floor: float = 1.0
+) -> ClosedShare | None:
     """Compute the share of a gap between two repairs, with a 95 % interval by a bootstrap over blocks of the log.
 
     (E_more - E_less) / (E_before - 1), all of the same log. A gap within the noise of the floor has no share, which
@@ -55,6 +57,7 @@ def share_between(before: AheadErrors, more: AheadErrors, less: AheadErrors, sam
         more: Errors of the model that leaves more.
         less: Errors of the one that leaves less.
         sample_time: Time between two samples [s].
+        floor: Errors without a gap, over their floor; zero for a share of all errors [1].
 
     Returns:
         The share and its interval; None where the gap does not show in these errors, or not in the blocks that count.
@@ -64,17 +67,17 @@ def share_between(before: AheadErrors, more: AheadErrors, less: AheadErrors, sam
     blocks = reduce(np.intersect1d, of_blocks)
     own = list(zip(models, of_blocks, strict=True))
     least = settings.shows * sampling_error(before)
-    if before.mean - 1.0 <= least or not len(blocks):
+    if before.mean - floor <= least or not len(blocks):
         return None
     of_each = np.array([[errors.squares[where == block].mean() for block in blocks] for errors, where in own])
     counts = np.array([[np.sum(where == block) for block in blocks] for where in of_blocks], dtype=float)
     draws = generator(0, BOOTSTRAP_STREAM).integers(0, len(blocks), size=(settings.draws, len(blocks)))
     means = (of_each * counts)[:, draws].sum(axis=-1) / counts[:, draws].sum(axis=-1)
-    means = means[:, means[0] - 1.0 > least]
+    means = means[:, means[0] - floor > least]
     if not means.size:
         return None
-    low, high = np.quantile((means[1] - means[2]) / (means[0] - 1.0), [0.025, 0.975])
-    return ClosedShare((more.mean - less.mean) / (before.mean - 1.0), (float(low), float(high)))
+    low, high = np.quantile((means[1] - means[2]) / (means[0] - floor), [0.025, 0.975])
+    return ClosedShare((more.mean - less.mean) / (before.mean - floor), (float(low), float(high)))
 
 
 def sampling_error(errors: AheadErrors) -> float:

@@ -9,9 +9,9 @@ import numpy as np
 from flexros.effects.delay import Delay
 from flexros.effects.servos import ServoCommandLag
 from flexros.gap.candidates.candidate import alike, simpler
-from flexros.gap.fit.candidate_fit import best_of_each
+from flexros.gap.fit.candidate_fit import best_of_each, first_parameters
 from flexros.gap.search.elimination.reduce import reduced
-from flexros.gap.search.fits.additions import Addition
+from flexros.gap.search.fits.additions import begun_at
 from flexros.gap.search.model_probability import contrast_of
 from flexros.gap.search.worth import compared, in_vain, incomplete, simplest, worth
 
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.fit.directions import Directions
+    from flexros.gap.search.fits.additions import Addition
     from flexros.gap.search.fits.candidate_fits import Search
     from flexros.gap.search.model_probability import ModelComparison
 
@@ -88,15 +89,44 @@ def one_delay(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> Ca
     if len(lags) < 2 or delay is None or delay.name in fit.names or search.deadline.stops():
         return fit
     removed = search.settings.search.removed_of_all
-    values = dict(zip((one.name for one in fit.hypothesis), fit.predictor.values(fit.theta), strict=True))
-    mean = float(np.mean([value for one in lags for value in values[one.name].values()]))
-    start = np.array([one.encode(mean) for one in delay.free])
-    nothing = np.zeros(len(fit.predictor.tolerance.names), dtype=bool)
-    addition = Addition(delay, 0.0, start, nothing, np.zeros(len(search.rows), dtype=np.float32))
-    late = search.completed(search.together(fit, [addition], without=[one.name for one in lags]))
+    sizes = first_parameters(fit)
+    mean = float(np.mean([sizes[one.name] for one in lags]))
+    late = _with_late_commands(search, fit, [one.name for one in lags], [delay], mean)
     fits.append(late)
     late = reduced(search, late, fits, removed)
     return fit if worth(search, compared(search, [late, fit]), late, fit, removed) else late
+
+
+def filters_for_delay(search: Search, fit: CandidateFit) -> CandidateFit | None:
+    """Fit an explanation with filters of the commands of all servos in place of one delay of all.
+
+    Args:
+        search: The search.
+        fit: The explanation.
+
+    Returns:
+        The fit; None without that delay, or where no filters compete.
+    """
+    lags = [one for one in search.candidates() if one.effect is ServoCommandLag and one.name not in fit.names]
+    name, sizes = f"{Delay.name}@all", first_parameters(fit)
+    return _with_late_commands(search, fit, [name], lags, sizes[name]) if lags and name in sizes else None
+
+
+def _with_late_commands(
+    search: Search, fit: CandidateFit, gone: Sequence[str], candidates: Sequence[Candidate], late: float
+) -> CandidateFit:
+    """Fit an explanation with other effects that make the commands of servos late.
+
+    Args:
+        search: The search.
+        fit: The explanation.
+        gone: Its own such effects, effect@location.
+        candidates: The others.
+        late: Time by which they begin [s].
+    """
+    sizes = [{free.name: late for free in one.free} for one in candidates]
+    additions = [begun_at(one, own, fit, len(search.rows)) for one, own in zip(candidates, sizes, strict=True)]
+    return search.completed(search.together(fit, additions, without=gone))
 
 
 def _stopped_early(search: Search, fit: CandidateFit, other: CandidateFit) -> bool:

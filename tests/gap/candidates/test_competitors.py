@@ -90,7 +90,7 @@ def servo_record() -> Record:
 @pytest.mark.parametrize(
     ("names", "words"),
     [
-        (["counterbalance"], "is not sought in this log: it is sought only in logs with torques, or in place of"),
+        (["counterbalance"], "is not sought in this log: it is sought only in logs with torques, in those of servos"),
         (["backlash"], "it cannot act on robot"),
         (["counterbalance", "torque_curve"], ""),
         (["servo_stiffness_error", "coulomb_friction", "torque_gain_error", "rotor_inertia"], ""),

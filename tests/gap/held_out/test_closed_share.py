@@ -33,6 +33,14 @@ def test_what_opens_between_two_repairs_is_a_share_of_the_whole_gap() -> None:
     assert share.interval[0] < 0.25 < share.interval[1]
 
 
+def test_errors_within_the_noise_of_the_floor_have_a_share_of_all_errors_alone() -> None:
+    before, less = synthetic(0.9, 0), synthetic(0.45, 1)
+    assert share_between(before, before, less, ROBOT.sample_time) is None
+    share = share_between(before, before, less, ROBOT.sample_time, floor=0.0)
+    assert share is not None
+    assert share.value == pytest.approx(0.5, abs=0.06)
+
+
 def test_closed_share_is_that_of_the_excess_over_the_floor() -> None:
     share = closed_fraction(synthetic(11.0, 0), synthetic(6.0, 1), ROBOT.sample_time)
     assert share is not None

@@ -11,7 +11,14 @@ import pytest
 from flexros.effects import effects
 from flexros.gap.candidates.candidate import Candidate
 from flexros.gap.search import exchange
-from flexros.gap.search.exchange import _divisions, _replacements, _stopped_early, exchanged, one_delay
+from flexros.gap.search.exchange import (
+    _divisions,
+    _replacements,
+    _stopped_early,
+    exchanged,
+    filters_for_delay,
+    one_delay,
+)
 from flexros.gap.settings import DiagnosisSettings
 from flexros.record.premises import SIMULATED
 from tests.gap.diagnosis_logs import candidates_of
@@ -227,6 +234,38 @@ def test_a_plain_effect_that_comes_near_another_is_carried_to_its_end(
 LAGS = ("servo_command_lag@motor_1", "servo_command_lag@motor_2")
 
 
+def fit_of(names: tuple[str, ...], *begin: float) -> Any:
+    """A fit of named effects of sizes from 0.01 on, with what those of them begin with that were put in place."""
+    every = [SimpleNamespace(name=one, effect=effects()[one.partition("@")[0]]) for one in names]
+    tolerance = SimpleNamespace(names=("motor_1.inertia",))
+    predictor = SimpleNamespace(
+        tolerance=tolerance, values=lambda _: [{"time_constant": 0.01 + 0.002 * k} for k in range(len(names))]
+    )
+    return SimpleNamespace(
+        names=frozenset(names), hypothesis=every, theta=None, predictor=predictor, chi2=1.0, begin=begin
+    )
+
+
+def search_of(*candidates: str) -> Any:
+    """A search with candidates that are fitted as they begin."""
+
+    def together(fit: Any, additions: Any, without: Any) -> Any:
+        rest = tuple(name for name in fit.names if name not in without)
+        return fit_of((*(one.candidate.name for one in additions), *rest), *(float(one.start[0]) for one in additions))
+
+    free = SimpleNamespace(name="time", encode=lambda value: value)
+    return SimpleNamespace(
+        settings=DiagnosisSettings(),
+        candidates=lambda: [
+            SimpleNamespace(name=one, effect=effects()[one.partition("@")[0]], free=(free,)) for one in candidates
+        ],
+        deadline=SimpleNamespace(stops=lambda: False),
+        rows=np.arange(4),
+        together=together,
+        completed=lambda one: one,
+    )
+
+
 @pytest.mark.parametrize(
     ("names", "worth", "expected"),
     [
@@ -239,34 +278,20 @@ LAGS = ("servo_command_lag@motor_1", "servo_command_lag@motor_2")
 def test_filters_of_several_servos_become_one_delay_that_does_as_much(
     names: tuple[str, ...], worth: bool, expected: set[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fit_of(names: tuple[str, ...], begin: float = 0.0) -> Any:
-        every = [SimpleNamespace(name=one, effect=effects()[one.partition("@")[0]]) for one in names]
-        tolerance = SimpleNamespace(names=("motor_1.inertia",))
-        predictor = SimpleNamespace(
-            tolerance=tolerance, values=lambda _: [{"time_constant": 0.01 + 0.002 * k} for k in range(len(names))]
-        )
-        return SimpleNamespace(
-            names=frozenset(names), hypothesis=every, theta=None, predictor=predictor, chi2=1.0, begin=begin
-        )
-
-    def together(fit: Any, additions: Any, without: Any) -> Any:
-        (one,) = additions
-        rest = tuple(name for name in fit.names if name not in without)
-        return fit_of((one.candidate.name, *rest), float(one.start[0]))
-
-    free = SimpleNamespace(encode=lambda value: value)
-    search: Any = SimpleNamespace(
-        settings=DiagnosisSettings(),
-        candidates=lambda: [SimpleNamespace(name="delay@all", free=(free,))],
-        deadline=SimpleNamespace(stops=lambda: False),
-        rows=np.arange(4),
-        together=together,
-        completed=lambda one: one,
-    )
     monkeypatch.setattr(exchange, "compared", lambda *_: None)
     monkeypatch.setattr(exchange, "worth", lambda *_: worth)
     monkeypatch.setattr(exchange, "reduced", lambda _search, one, _fits, _removed: one)
     fits: list[Any] = []
-    found = one_delay(search, fit_of((*names, "coulomb_friction@motor_1")), fits)
+    found = one_delay(search_of("delay@all"), fit_of((*names, "coulomb_friction@motor_1")), fits)
     assert found.names == expected
-    assert [one.begin for one in fits] == pytest.approx([0.011] * (len(names) > 1))
+    assert [one.begin for one in fits] == [pytest.approx((0.011,))] * (len(names) > 1)
+
+
+def test_filters_of_all_servos_begin_with_the_delay_that_they_replace() -> None:
+    delayed = fit_of(("coulomb_friction@motor_1", "delay@all"))
+    filtered = filters_for_delay(search_of(*LAGS), delayed)
+    assert filtered is not None
+    assert filtered.names == {*LAGS, "coulomb_friction@motor_1"}
+    assert filtered.begin == pytest.approx((0.012, 0.012))  # type: ignore[attr-defined]
+    assert filters_for_delay(search_of(*LAGS), fit_of(LAGS)) is None
+    assert filters_for_delay(search_of(), delayed) is None

@@ -10,6 +10,8 @@ import numpy as np
 from flexros.gap.fit.tolerance_takeover import with_takeover
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from numpy.typing import NDArray
 
     from flexros.arrays import BoolArray, FloatArray, IntArray
@@ -57,6 +59,20 @@ class Addition:
                 scaled = start[index] * size if free.signed else start[index] + np.log(max(size, SMALLEST))
                 start[index] = np.clip(scaled, low, high)
         return replace(self, start=start)
+
+
+def begun_at(candidate: Candidate, values: Mapping[str, float], fit: CandidateFit, n_rows: int) -> Addition:
+    """Prepare the addition of a candidate that begins with given values; linear theory says nothing of it.
+
+    Args:
+        candidate: The candidate.
+        values: Values of its free parameters by name [their units].
+        fit: The fit that it is added to.
+        n_rows: Number of rows of the search.
+    """
+    start = np.array([free.encode(values[free.name]) for free in candidate.free])
+    replaced = np.zeros(len(fit.predictor.tolerance.names), dtype=bool)
+    return Addition(candidate, 0.0, start, replaced, np.zeros(n_rows, dtype=np.float32))
 
 
 def best_starts(direction: Directions, surroundings: Surroundings, most: int = 2) -> IntArray:

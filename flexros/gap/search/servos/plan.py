@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from flexros.effects.counterbalance import Counterbalance
 from flexros.effects.delay import Delay
 from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.effects.friction.viscous_friction import ViscousFriction
@@ -40,6 +41,9 @@ OF_SERVO = (CoulombFriction, ViscousFriction, ServoStiffnessError, MotorInertiaE
 
 LARGEST_ROTOR = 100.0
 """Inertia of a rotor, seen through its gear, over that of the bodies it moves, up to which fits begin [1] (chosen)."""
+
+CARRIED = (ToolLoad, Counterbalance)
+"""Effects that change the weight which servos carry: few logs have one, and wrong gains stand for them."""
 
 Begun: TypeAlias = "Sequence[tuple[Candidate, float]]"
 """Effects, each with the value that its first parameter begins with [its unit]."""
@@ -110,6 +114,8 @@ def begun_of(null: NullFit, limited: BoolArray, settings: ServoStartSettings) ->
         first = replace(candidate, free=candidate.free[:1])
         if candidate.effect is ToolLoad:
             begun.append((candidate, settings.little_load * body_numbers(robot, last_moved(robot))[0]))
+        elif candidate.effect is Counterbalance:
+            begun.append((candidate, 0.0))
         elif candidate.effect is ServoCommandLag:
             begun.append((first, settings.lag * record.sample_time))
         elif (candidate.effect in OF_SERVO and candidate.location in others) or candidate.name == f"{Delay.name}@all":

@@ -5,7 +5,6 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
-from flexros.effects.left_out.tool_load import ToolLoad
 from flexros.effects.servos import ServoCommandLag
 from flexros.gap.candidates.candidate import list_candidates
 from flexros.gap.candidates.competitors import competitors
@@ -13,11 +12,12 @@ from flexros.gap.candidates.scales import scales_of_motors
 from flexros.gap.fit.candidate_fit import first_parameters
 from flexros.gap.search.servos.braking import braking_of, freed, named, restated
 from flexros.gap.search.servos.fits import ServoFits, promising
-from flexros.gap.search.servos.plan import begun_of, limited_servos, moved_from_zero, starts
+from flexros.gap.search.servos.plan import CARRIED, begun_of, limited_servos, moved_from_zero, starts
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
+    from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.fit.null_fit import NullFit
     from flexros.gap.search.servos.plan import Begun, Start
@@ -45,8 +45,8 @@ def fit_of_servos(
     list of effects go on. Friction, rotors and delays are fitted from zero on, not by their logarithms: where wrong
     gains have stood for a rotor, it comes back once these are right.
 
-    What a load does that the robot file leaves out, wrong rotors and filters may do nearly as well: where it removes a
-    good part of what the best fit leaves, all begin again with it.
+    What a load or a counterbalance does that the robot file leaves out, wrong rotors, gains and filters may do nearly
+    as well: where one removes a good part of what the best fit leaves, all begin again with it.
 
     Args:
         null: The nominal model, fitted.
@@ -68,8 +68,8 @@ def fit_of_servos(
     limited = limited_servos(robot, record, begin.often_limited)
     competing = competitors(robot, settings.search, null.data.record.prescribed)
     listed = [pair for pair in begun_of(null, limited, begin) if competing.contain(pair[0])]
-    load = [pair for pair in listed if pair[0].effect is ToolLoad]
-    bare = moved_from_zero([pair for pair in listed if pair[0].effect is not ToolLoad], record, robot)
+    carried = [pair for pair in listed if pair[0].effect in CARRIED]
+    bare = moved_from_zero([pair for pair in listed if pair[0].effect not in CARRIED], record, robot)
     if not any(pair[0].effect is not ServoCommandLag for pair in bare):
         return None
     plan = partial(
@@ -79,7 +79,7 @@ def fit_of_servos(
         robot=robot,
         undamped=begin.undamped if limited.any() else None,
     )
-    best = _best(ServoFits(null, settings, stop, progress), plan, bare, load)
+    best = _best(ServoFits(null, settings, stop, progress), plan, bare, carried)
     if best is None:
         return None
     as_listed = {one.name: one for one, _ in listed}
@@ -91,19 +91,19 @@ def _best(
     fits: ServoFits,
     plan: Callable[[Begun], list[Start]],
     bare: Begun,
-    load: Begun,
+    carried: Begun,
 ) -> CandidateFit | None:
     """Return the best fit from all starts; None where the time was over before the first.
 
     Args:
         fits: Fits of the log.
         plan: Lists the starts with some effects.
-        bare: All effects but a load, with their initial values.
-        load: A load that the robot file leaves out; empty where none is sought.
+        bare: All effects but those of the weight that is carried, with their initial values.
+        carried: Those: a load and counterbalances that the robot file leaves out; empty where none is sought.
     """
-    found = fits.every(plan(bare), fits.screened, 0.0, 0.3 if load else 0.6)
-    if load and found and not fits.over:
-        found = _with_load(fits, found, plan, bare, load)
+    found = fits.every(plan(bare), fits.screened, 0.0, 0.3 if carried else 0.6)
+    if carried and found and not fits.over:
+        found = _with_carried(fits, found, plan, bare, carried)
     if not found or fits.over:
         return fits.likeliest(found)
     best_ones = promising(found, fits.settings.servo_start.promising)
@@ -135,34 +135,46 @@ def _with_less_damping(fits: ServoFits, best: CandidateFit) -> CandidateFit:
     return less if less.chi2 < best.chi2 else best
 
 
-def _with_load(
+def _with_carried(
     fits: ServoFits,
     found: list[CandidateFit],
     plan: Callable[[Begun], list[Start]],
     bare: Begun,
-    load: Begun,
+    carried: Begun,
 ) -> list[CandidateFit]:
-    """Return the fits from all starts with a load that the robot file leaves out, or those found, without one.
+    """Return the fits from all starts with what changes the weight that servos carry, or those found, without it.
 
-    It is tried with the best fit, which goes on before: what few iterations leave may hide what a load does. Within
-    the floor, which counts what tolerances allow for, wrong gains and inertias stand for a load: there it must remove a
-    good part of all that is left.
+    Each such effect is tried with the best fit, which goes on before: what few iterations leave may hide what it does.
+    The best one stays, and the others are tried beside it. Within the floor, which counts what tolerances allow for,
+    wrong gains and inertias stand for a load: there it must remove a good part of all that is left.
 
     Args:
         fits: Fits of the log.
-        found: Fits from all starts without a load.
+        found: Fits from all starts without any.
         plan: Lists the starts with some effects.
         bare: These effects.
-        load: The load.
+        carried: The effects of the weight, with their initial values.
     """
     first = fits.likeliest(found)
     if first is None:
         return found
+
+    def carried_on(begun: Begun, values: Mapping[str, float]) -> CandidateFit:
+        return fits.longer(fits.screened(begun, values))
+
     best = fits.longer(first)
     own = [pair for pair in bare if pair[0].name in best.names]
-    loaded = fits.longer(fits.screened([*own, *load], first_parameters(best)))
-    settings, left = fits.settings.search, best.chi2 - fits.null.data.n_values
-    least = settings.removed_of_all * left if left > 0 else settings.removed * best.chi2  # within the floor
-    if best.chi2 - loaded.chi2 > least:
-        return [loaded, *fits.every(plan([*bare, *load]), fits.screened, 0.3, 0.6)]
+    taken: list[tuple[Candidate, float]] = []
+    settings, rest = fits.settings.search, list(carried)
+    while rest and not fits.over:
+        tried = fits.every([([*own, *taken, pair], first_parameters(best)) for pair in rest], carried_on, 0.3, 0.3)
+        index = min(range(len(tried)), key=lambda number: tried[number].chi2)
+        left = best.chi2 - fits.null.data.n_values
+        least = settings.removed_of_all * left if left > 0 else settings.removed * best.chi2  # within the floor
+        if not best.chi2 - tried[index].chi2 > least:
+            break
+        best = tried[index]
+        taken.append(rest.pop(index))
+    if taken:
+        return [best, *fits.every(plan([*bare, *taken]), fits.screened, 0.3, 0.6)]
     return [best if one is first else one for one in found]

@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 
 from flexros.effects import RobotWithEffects, parse_effect, place_effects
+from flexros.effects.left_out import ToolLoad
+from flexros.gap.candidates.candidate import Candidate
 from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
@@ -209,6 +211,18 @@ def test_a_load_that_the_file_leaves_out_is_found_beside_late_commands() -> None
     assert values["motor_inertia_error@motor_2"]["relative"] == pytest.approx(0.4, abs=0.1)
 
 
+def test_a_counterbalance_is_found_where_gains_had_stood_for_it() -> None:
+    hidden = (
+        "counterbalance@motor_1:cosine=-1.5,sine=-2.5",
+        "delay@all:time=0.01",
+        "coulomb_friction@motor_2:level=0.2",
+    )
+    values = found_in_arm(servo_arm, *hidden)
+    assert values["counterbalance@motor_1"] == pytest.approx({"cosine": -1.5, "sine": -2.5}, rel=0.1)
+    assert values["delay@all"]["time"] == pytest.approx(0.01, rel=0.02)
+    assert {"counterbalance@motor_2", "tool_load@tool"}.isdisjoint(values)
+
+
 def test_rotors_and_a_load_that_the_file_leaves_out_are_found_beside_a_wrong_gain() -> None:
     """Filters of the commands took up the delay where logarithms of rotors had moved far down and did not come back."""
     hidden = (
@@ -238,14 +252,15 @@ def test_a_load_must_remove_a_good_part_also_within_the_floor(best: float, loade
     n = 1000
     without, beside = (SimpleNamespace(chi2=level * n, names=frozenset[str]()) for level in (best, loaded))
     fits: Any = SimpleNamespace(
+        over=False,
         null=SimpleNamespace(data=SimpleNamespace(n_values=n)),
         settings=DiagnosisSettings(),
         likeliest=lambda found: found[0],
         screened=lambda *_: beside,
         longer=lambda one: one,
-        every=lambda *_: [],
+        every=lambda starts, fitted, *_: [fitted(*one) for one in starts],
     )
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(start, "first_parameters", lambda _: {})
-        found = start._with_load(fits, [without], lambda _: [], [], [])  # type: ignore[list-item]
+        found = start._with_carried(fits, [without], lambda _: [], [], [(Candidate(ToolLoad, "tool", ()), 0.0)])  # type: ignore[list-item]
     assert found == ([beside] if taken else [without])
