@@ -178,7 +178,7 @@ def test_a_search_in_vain_carries_no_fit_near_it_to_its_end(vain: bool, monkeypa
     search: Any = SimpleNamespace(
         settings=DiagnosisSettings(),
         deadline=SimpleNamespace(stops=lambda: False),
-        completed=lambda fit: fit,
+        to_compare=lambda fit: fit,
         parallel=lambda step, work, fits: carried.extend(fits) or list(map(work, fits)),
     )
     assert exchanged(search, delay, [], []) is delay
