@@ -29,6 +29,7 @@ from flexros.gap.search.model_probability import allowing_for_doubt, compare
 from flexros.gap.settings import DiagnosisSettings
 from flexros.identify.rigid.torque_timing import in_time
 from flexros.record.joint_signs import sign_words
+from flexros.record.stamp_jitter import slight_last
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -144,7 +145,7 @@ def measure_gap(
     warnings = settled(data.record, numbers.closed_fraction, explained_by).warnings
     doubts = (*moving_on_words(left.moving_on), *_moved(fits, numbers.closed_fraction))
     signs = sign_words(record) if left.significant else ()
-    return MeasuredGap(numbers, left, (*doubts, *signs, *warnings, *_cut_short(deadline)))
+    return MeasuredGap(numbers, left, slight_last((*doubts, *signs, *warnings, *_cut_short(deadline))))
 
 
 @dataclass(frozen=True, eq=False)
