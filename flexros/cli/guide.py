@@ -58,26 +58,6 @@ def _after_analyze(given: Mapping[str, Any], _: int) -> str:
     return f"flexros analyze {bag} --report report.html    the same with pictures"
 
 
-def _to_own_model(patch: Path) -> str:
-    """Return the options of an export into the file that the robot of a patch was imported from; URDF for none."""
-    from flexros.effects.patching.patched_robot import load_patched
-
-    source = Path(load_patched(patch).base.spec.defaults.source)
-    to = {".urdf": "urdf", ".xml": "mjcf", ".mjcf": "mjcf"}.get(source.suffix)
-    if to is None:
-        return "--to urdf --out repaired.urdf"
-    return f"--to {to} --base {word(source)} --out repaired{source.suffix}"
-
-
-def _after_gap(given: Mapping[str, Any], code: int) -> str:
-    bag, model = word(given["bag"]), word(given["model"])
-    if given["patch"] and not code:
-        return f"flexros export {word(given['patch'])} {_to_own_model(given['patch'])}    the repair in your own model"
-    if code:
-        return f"flexros diagnose {bag} --model {model} --out diagnosis    which effect causes it"
-    return f"flexros monitor {bag} --model {model} --calibrate thresholds.yaml    watch that it stays so"
-
-
 def _after_compare(given: Mapping[str, Any], _: int) -> str:
     folders = [word(folder) for folder in given["diagnosis"]]
     if not given["report"]:
@@ -251,7 +231,6 @@ GUIDES: dict[str, Guide] = {
         DIAGNOSE,
         "how far model and log are apart",
         ("flexros gap log --model e12", "flexros gap other --model e12 --patch diagnosis/patch.yaml"),
-        _after_gap,
     ),
     "diagnose": Guide(
         DIAGNOSE,

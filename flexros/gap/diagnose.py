@@ -9,7 +9,7 @@ from flexros.blas_threads import one_blas_thread
 from flexros.effects import RobotWithEffects
 from flexros.gap.answer.rough_gains import relative_to_file
 from flexros.gap.candidates.competitors import competitors, not_sought
-from flexros.gap.candidates.tolerance import TORQUE, with_torque_tolerance
+from flexros.gap.candidates.tolerance import with_torque_tolerance
 from flexros.gap.deadline import Deadline
 from flexros.gap.diagnosis_task import DiagnosisTask
 from flexros.gap.fit.torques.noted_timing import shift_of_noted
@@ -18,14 +18,13 @@ from flexros.gap.held_out.closed_loop_gap import closed_loop_gap, why_not_simula
 from flexros.gap.prediction.driven_model import driven_model
 from flexros.gap.progress import Stages
 from flexros.gap.residuals.fit_samples import at_rate_of_fits
-from flexros.gap.search.better_torques import are_better, most_begun, tolerance_on_trial
 from flexros.gap.settings import DiagnosisSettings
+from flexros.gap.torque_stages import usual_first, with_smaller_tolerance
 from flexros.identify.rigid.torque_timing import in_time
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from flexros.gap.diagnosis_task import SearchedLog
     from flexros.gap.result import DiagnosisResult
     from flexros.logs.time_series import Log
     from flexros.record.record import Record
@@ -80,12 +79,13 @@ def diagnose(
         begun = given.with_effects(rough)
         record, holdout = with_gains(record, begun), None if holdout is None else with_gains(holdout, begun)
     stages = Stages(progress)
-    task = DiagnosisTask(begun, holdout, tolerance or {}, notes, settings, deadline, stages, bool(rough))
+    first = usual_first(settings)
+    task = DiagnosisTask(begun, holdout, tolerance or {}, notes, first, deadline, stages, bool(rough))
     found = task.searched(record)
     shift = shift_of_noted(found.explanations.chosen, found.null, settings)
     if shift is not None and not deadline.stops():  # half a sample hid behind the effects: all again with it
         found = task.searched(in_time(record, shift))
-    task, found = _with_better_torques(task, found)
+    task, found = with_smaller_tolerance(task, found, settings)
     result = task.answered(found)
     if rough:
         result = relative_to_file(result, rough, given)
@@ -97,40 +97,3 @@ def diagnose(
         result = replace(result, signals=(*result.signals, *signals))
     stages.end()
     return result
-
-
-def _with_better_torques(task: DiagnosisTask, found: SearchedLog) -> tuple[DiagnosisTask, SearchedLog]:
-    """Search on with a smaller tolerance of the torques of an imported log, on trial, where nobody stated one.
-
-    Args:
-        task: What is diagnosed against, with the assumed tolerance.
-        found: What was found with it.
-
-    Returns:
-        The task and what was found with the last tolerance at which further effects explained most of what was left.
-    """
-    assumed, notes, share = task.settings.noise, task.notes, task.settings.search.within_floor
-    stated = TORQUE in task.tolerance or "signal_tolerance" in assumed.model_fields_set
-    if stated or not found.null.data.measurement.signal_tolerance or found.record.command is not None:
-        return task, found
-    while found.explanations.detected and found.explanations.beside is None and not task.deadline.stops():
-        chosen = found.explanations.chosen
-        counts = task.settings.noise.signal_tolerance
-        tried = tolerance_on_trial(counts, found.beyond_noise(chosen), again=counts < assumed.signal_tolerance)
-        if tried is None:
-            break
-        note = (
-            f"the torques are better than the {assumed.signal_tolerance:g} of their rms that counts as no gap where "
-            f"nothing is stated, as those of a simulator or of a calibrated drive: here {tried:g} counts as none"
-        )
-        trial = replace(task, notes=(*notes, note), settings=with_torque_tolerance(task.settings, {TORQUE: tried}))
-        more = trial.searched(found.record, chosen, most_begun(assumed.signal_tolerance, tried))
-        begun, grown = more.search.base, more.explanations.chosen
-        if task.deadline.over or begun.names != chosen.names or grown.names == chosen.names:
-            break
-        left = more.beyond_noise(grown)
-        explained = left < share * more.beyond_noise(begun)
-        if not (explained and are_better(assumed.signal_tolerance, tried, left)):
-            break
-        task, found = trial, more
-    return task, found

@@ -110,7 +110,7 @@ class DiagnosisTask:
             record: The log.
             begun: An explanation that the search begins with; default: what the torques show.
             most: What that may leave beyond noise, over the tolerance of torques; with more, or where no candidates
-                promise to explain most of it, it is the answer [1].
+                promise to explain most of it, it is the answer [1]. Default: it is searched on in any case.
         """
         settings, deadline, stages = self.settings, self.deadline, self.stages
         stages.again()
@@ -132,7 +132,7 @@ class DiagnosisTask:
         if base is not None and most < math.inf and _beyond_noise(search, base, logs.held_data) > most:
             explanations = explanations_of(search, compared(search, [base]), base, detected=True)
         else:
-            promised = 0.0 if begun is None else 1 - settings.search.within_floor
+            promised = 1 - settings.search.within_floor if most < math.inf else 0.0
             search, explanations = found_looser(search, explain(search, promised), logs.used.fitted, logs.tolerance)
         if search.null is not null:
             null, prediction = search.null, prediction_of(search.null.fit, search.null.data)

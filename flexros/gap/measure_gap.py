@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from flexros.blas_threads import one_blas_thread
 from flexros.errors import InputError
 from flexros.gap.answer.strained_numbers import STRAINED_ALONE, far_out, moved_words
-from flexros.gap.candidates.tolerance import tolerance_of, with_torque_tolerance
+from flexros.gap.candidates.tolerance import TORQUE, tolerance_of, with_torque_tolerance
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.fit.torques.noted_timing import shift_of_noted, with_torque_in_time_behind_springs
@@ -25,10 +25,12 @@ from flexros.gap.progress import Stages
 from flexros.gap.residuals.fit_samples import at_rate_of_fits, part_of_fits
 from flexros.gap.residuals.observed_model import NOTHING, ObservedModel
 from flexros.gap.residuals.prepare_fit_data import fit_data
+from flexros.gap.search.better_torques import LEAST
 from flexros.gap.search.model_probability import allowing_for_doubt, compare
 from flexros.gap.settings import DiagnosisSettings
 from flexros.identify.rigid.torque_timing import in_time
 from flexros.record.joint_signs import sign_words
+from flexros.record.stamp_jitter import slight_last
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -81,14 +83,15 @@ class MeasuredGap:
         return gap_figure(self.numbers)
 
     def _repr_html_(self) -> str:
-        from flexros.gap.report.terminal import gap_line, gap_verdict, left_line
+        from flexros.gap.report.terminal import gap_line, gap_verdict, hidden_line, left_line
         from flexros.gap.report.words import capital
         from flexros.report.base import Paragraph
         from flexros.report.notebook import notebook_html
 
         verdict = capital(gap_verdict(self.left, "the model" if self.numbers.after is None else "the repaired model"))
         warnings = (Paragraph(text, "warning") for text in self.warnings)
-        return notebook_html(verdict, (Paragraph(gap_line(self.numbers)), Paragraph(left_line(self.left)), *warnings))
+        lines = (gap_line(self.numbers), left_line(self.left), hidden_line(self.left))
+        return notebook_html(verdict, (*(Paragraph(text) for text in lines if text), *warnings))
 
 
 @one_blas_thread()
@@ -131,20 +134,25 @@ def measure_gap(
     if shift is not None:  # errors of springs in the nominal model hid when the torques acted
         stages.again()
         stages.begin("nominal model", half)
-        fits = _fits(in_time(record, shift), model, repaired, tolerance or {}, settings, stages, deadline)
+        record = in_time(record, shift)
+        fits = _fits(record, model, repaired, tolerance or {}, settings, stages, deadline)
     data, before = fits.data, _errors(fits.nominal, fits.data)
     after = None if fits.repaired is None else _errors(fits.repaired, data)
     floor = tolerance_floor(fits.last.fit, data)
-    left = _left_over(fits.last, data, (after or before).mean, floor)
+    left = _left_over(fits, (after or before).mean, floor)
     if after is not None:
         alike = moving_on(fits.last.fit, model.robot, data, before, after)
         left = replace(left, moving_on=tuple(alike))
+    elif _is_assumed(data) and not left.significant and not deadline.over:
+        stages.begin("better torques", 1.0)
+        better = with_torque_tolerance(settings, {TORQUE: LEAST})
+        left = _with_hidden(left, _fits(record, model, None, tolerance or {}, better, stages, deadline), settings)
     numbers = gap_numbers(before, after, record.sample_time, with_tolerance=floor)
     explained_by = None if repaired is None or left.significant else [law.effect for law in repaired.laws]
     warnings = settled(data.record, numbers.closed_fraction, explained_by).warnings
     doubts = (*moving_on_words(left.moving_on), *_moved(fits, numbers.closed_fraction))
     signs = sign_words(record) if left.significant else ()
-    return MeasuredGap(numbers, left, (*doubts, *signs, *warnings, *_cut_short(deadline)))
+    return MeasuredGap(numbers, left, slight_last((*doubts, *signs, *warnings, *_cut_short(deadline))))
 
 
 @dataclass(frozen=True, eq=False)
@@ -254,8 +262,9 @@ def _errors(null: NullFit, data: FitData) -> AheadErrors:
     return over_expected_floor(errors_ahead(null.fit, data), null.model, data)
 
 
-def _left_over(null: NullFit, data: FitData, ahead: float, with_tolerance: float | None) -> LeftOver:
+def _left_over(fits: _Fits, ahead: float, with_tolerance: float | None) -> LeftOver:
     """Return what a model leaves one sample ahead, and what of it is noise and tolerance, as a diagnosis has it."""
+    null, data = fits.last, fits.data
     settings, names = data.settings.ranking, null.model.robot.joint_names
     comparison = allowing_for_doubt(compare(data, null.fit, settings=settings), data)
     return LeftOver(
@@ -265,4 +274,25 @@ def _left_over(null: NullFit, data: FitData, ahead: float, with_tolerance: float
         ahead=ahead,
         most_ahead=settings.floors * (with_tolerance or 1.0),
         lacking=tuple(names[encoder.motor] for encoder in unknown_rounding(null.model, data.measurement)),
+        strained=tuple(name for name in far_out(null.fit, STRAINED_ALONE, large=False) if name not in fits.lacked),
     )
+
+
+def _is_assumed(data: FitData) -> bool:
+    """Return whether nobody stated how well the torques of a measured log are known."""
+    stated = "signal_tolerance" in data.settings.noise.model_fields_set
+    return bool(data.measurement.signal_tolerance) and not stated and data.record.command is None
+
+
+def _with_hidden(left: LeftOver, better: _Fits, settings: DiagnosisSettings) -> LeftOver:
+    """State the gap that the assumed tolerance of torques hides.
+
+    Args:
+        left: What the model leaves with that tolerance, which is no gap.
+        better: The fits with a much smaller one.
+        settings: Settings with the assumed one.
+    """
+    ahead = _errors(better.last, better.data).mean
+    if not _left_over(better, ahead, tolerance_floor(better.last.fit, better.data)).significant:
+        return left
+    return replace(left, assumed=settings.noise.signal_tolerance, if_known=ahead)

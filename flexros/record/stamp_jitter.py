@@ -11,8 +11,13 @@ from flexros.record.even_grid import NOTED_JITTER
 from flexros.record.local_cubic import local_cubic
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from flexros.arrays import BoolArray, FloatArray
     from flexros.record.even_grid import EvenGrid
+
+SLIGHT, EVEN = "deviate from even sampling by", "which the positions do not follow; the samples are treated as even"
+"""Words of the warning of jitter that does not matter."""
 
 _SMOOTH = 5  # samples over which speeds are averaged
 _BELIEVED = 0.5  # share of the deviation that must be visible in the positions
@@ -56,7 +61,7 @@ def positions_on_grid(
         believed = seen_share(position, grid, valid) > _BELIEVED
     amount = _amount(grid)
     if not believed:
-        warnings.append(f"{amount}, which the positions do not follow; the samples are treated as even")
+        warnings.append(f"{amount}, {EVEN}")
         return position, valid, False
     warnings.append(f"{amount} and are the true instants; the positions were interpolated to even ones")
     time, valid = grid.times[finite], grid.near(finite)
@@ -65,10 +70,20 @@ def positions_on_grid(
     return position, valid, True
 
 
+def slight_last(warnings: Sequence[str]) -> tuple[str, ...]:
+    """Put the warning of jitter that does not matter behind all others, once for all logs.
+
+    Args:
+        warnings: Warnings, one sentence each.
+    """
+    slight = [text for text in warnings if SLIGHT in text and EVEN in text]
+    return (*(text for text in warnings if text not in slight), *slight[:1])
+
+
 def _amount(grid: EvenGrid) -> str:
     """Say how far the stamps are from even sampling."""
     if not grid.irregular:
-        return f"the stamps of joint_states deviate from even sampling by {1e6 * grid.jitter:.3g} us rms"
+        return f"the stamps of joint_states {SLIGHT} {1e6 * grid.jitter:.3g} us rms"
     low, high = 1e3 * np.quantile(np.diff(grid.times), (0.01, 0.99))
     return (
         f"the stamps of joint_states are irregular ({low:.3g} to {high:.3g} ms apart, {1 / grid.sample_time:.5g} Hz in "

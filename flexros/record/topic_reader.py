@@ -69,7 +69,8 @@ def torque_source(
             "joint_states); record one of them"
         )
     if wanted == "command" and not commanded:
-        warnings.append("the log has no joint_commands; the measured torques of joint_states are used")
+        lacking = "joint_commands" if commands is None else "commanded torques (effort of joint_commands)"
+        warnings.append(f"the log has no {lacking}; the measured torques of joint_states are used")
         return "measured"
     if wanted == "measured" and not measured:
         warnings.append(f"joint_states has no measured torques (effort) of {lacking}; the commanded torques are used")

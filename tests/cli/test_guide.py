@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import re
 import shlex
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -14,11 +12,10 @@ import typer
 from flexros.cli.app import COMMANDS, app
 from flexros.cli.commands.identify.procedure import COMMANDS as IDENTIFY
 from flexros.cli.guide import GUIDES, JOBS, OTHER, Guide, guide_of
-from flexros.robot import library
 
 Flexros = Callable[..., Any]
 ROOT: Any = typer.main.get_command(app)
-SAYS_IT_ITSELF = {"run", "import", "diagnose", "identify frf", "view"}
+SAYS_IT_ITSELF = {"run", "import", "diagnose", "gap", "identify frf", "view"}
 """Commands whose next step depends on their result."""
 
 
@@ -71,31 +68,3 @@ def test_next_step_is_on_stderr_and_not_beside_json(flexros: Flexros) -> None:
     ended = flexros("robots")
     assert ended.err == "Next: flexros robot e12 --q 0,0.3,0\n"
     assert flexros("robots", "--json").err == ""
-
-
-def test_next_step_after_a_gap_names_log_and_model() -> None:
-    given = {"bag": "a b", "model": "e12", "patch": None}
-    then = GUIDES["gap"].then
-    assert then is not None
-    assert then(given, 1).startswith("flexros diagnose 'a b' --model e12 --out diagnosis")
-
-
-@pytest.mark.parametrize(
-    ("source", "options"),
-    [
-        ("", "--to urdf --out repaired.urdf"),
-        ("panda.urdf", "--to urdf --base panda.urdf --out repaired.urdf"),
-        ("wx250s.xml", "--to mjcf --base wx250s.xml --out repaired.xml"),
-    ],
-)
-def test_next_step_after_a_repaired_gap_is_an_export_into_the_imported_file(
-    source: str, options: str, tmp_path: Path
-) -> None:
-    text = Path(library.__path__[0], "elbow.yaml").read_text(encoding="utf-8")
-    text = re.sub("(?m)^defaults: .*$", f'defaults: {{source: "{source}"}}', text)
-    (tmp_path / "arm.yaml").write_text(text, encoding="utf-8")
-    patch = tmp_path / "patch.yaml"
-    patch.write_text("robot: arm.yaml\neffects: []\n", encoding="utf-8")
-    then = GUIDES["gap"].then
-    assert then is not None
-    assert f"flexros export {patch} {options}  " in then({"bag": "a", "model": "e12", "patch": patch}, 0)

@@ -173,3 +173,31 @@ def test_torques_that_acted_elsewhere_are_no_new_measurement(monkeypatch: pytest
     assert len(begun) == 1
     assert [name for name, _ in calls] == ["nominal model", "repaired model"] * 2
     assert [share for _, share in calls] == [0.0, 0.5, 0.5, 0.75]
+
+
+@pytest.mark.parametrize(("level", "torque", "hidden"), [
+    (0.05, None, True), (0.05, 0.05, False), (0.0, None, False),
+])  # fmt: skip
+def test_what_an_assumed_tolerance_of_torques_hides_is_measured(
+    level: float, torque: float | None, hidden: bool
+) -> None:
+    """Six large effects were no gap within the 5 % that nobody stated."""
+    effects = (f"coulomb_friction@motor_1:level={level}",) if level else ()
+    record = replace(record_of(*effects), simulated=False, imported=True)
+    found = measure_gap(record, MODEL, tolerance=None if torque is None else {"torque": torque})
+    assert not found.significant
+    assert found.left.assumed == (0.05 if hidden else None)
+    stated = measure_gap(record, MODEL, tolerance={"torque": 0.005})
+    assert found.left.if_known == (stated.numbers.before if hidden else None)
+
+
+@pytest.mark.parametrize(("far", "gap"), [({}, False), ({"motor_1.inertia": 1.22}, True)])
+def test_what_a_real_machine_may_leave_is_a_gap_beside_a_number_far_out_of_its_tolerance(
+    far: dict[str, float], gap: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "far_out", lambda *_, **__: far)
+    record = replace(record_of("motor_inertia_error@motor_1:relative=0.3"), simulated=False, imported=True)
+    left = measure_gap(record, MODEL, tolerance={"inertia": 0.04, "torque": 0.01}).left
+    assert left.most < left.level < 2.0
+    assert left.strained == tuple(far)
+    assert left.significant is gap

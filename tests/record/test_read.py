@@ -12,6 +12,7 @@ from flexros.logs.stamps import stamps_ns
 from flexros.logs.time_series import JointSeries, Log, PoseSeries
 from flexros.record.read import read_record
 from flexros.record.record import Record
+from flexros.record.stamp_jitter import slight_last
 from flexros.record.topic_reader import TorqueSource
 from flexros.robot import Robot, load_robot
 
@@ -108,6 +109,14 @@ def test_measured_torque_stands_in_for_the_command(emps: Robot) -> None:
     assert record.measured_torque
     np.testing.assert_allclose(record.torque[:-1], (effort[1:] + effort[:-1]) / 2)
     assert any("no joint_commands" in text for text in record.warnings)
+
+
+def test_position_commands_are_commands_without_torques(emps: Robot) -> None:
+    log = make_log()
+    commands = JointSeries(log.joint_states.stamp, ONE, position=log.joint_states.position)
+    states = replace(log.joint_states, effort=column(3))
+    record = read(replace(log, joint_states=states, joint_commands=commands), emps)
+    assert any("no commanded torques (effort of joint_commands)" in text for text in record.warnings)
 
 
 def test_command_goes_before_the_measured_torque_with_a_note(emps: Robot) -> None:
@@ -320,6 +329,20 @@ def test_jitter_is_undone_where_the_stamps_tell_the_true_instants(emps: Robot, t
     assert np.sqrt(np.mean(error[5:-5] ** 2)) < 6e-6
     text = "are the true instants; the positions were interpolated" if true_instants else "do not follow"
     assert any(text in warning for warning in record.warnings)
+
+
+def test_jitter_that_does_not_matter_is_told_once_and_last(emps: Robot) -> None:
+    texts = []
+    for seed in (1, 2):
+        off = np.random.default_rng(seed).normal(scale=1e5, size=N).astype(np.int64)
+        states = JointSeries(stamps_ns(N, T) + off, ONE, position=motion(np.arange(N) * T)[:, None])
+        texts += read(make_log(joint_states=states), emps).warnings
+    assert all("treated as even" in text for text in texts)
+    assert len(set(texts)) == 2
+    assert slight_last((texts[0], "a torque is missing", f"held-out log: {texts[1]}")) == (
+        "a torque is missing",
+        texts[0],
+    )
 
 
 @pytest.mark.parametrize("true_instants", [True, False])

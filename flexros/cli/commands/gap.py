@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from flexros.cli.commands.diagnose import GAP_FOUND
+from flexros.cli.guide import word
 from flexros.cli.options import (
     KnownModelOption,
     NamespaceOption,
@@ -20,7 +21,7 @@ from flexros.cli.options import (
     parse_tolerance,
     torque_source,
 )
-from flexros.cli.output import console, print_json, say
+from flexros.cli.output import console, print_json, say, suggest
 from flexros.cli.progress import progress_shown
 from flexros.errors import InputError
 
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from flexros.effects import RobotWithEffects
+    from flexros.gap.held_out.left_over import LeftOver
     from flexros.gap.measure_gap import MeasuredGap
     from flexros.record.record import Record
     from flexros.robot import Robot
@@ -77,7 +79,36 @@ def gap(
             _print_other_figures(patch, bag.name, measured)
         for text in measured.warnings:
             say(f"warning: {text}")
+    suggest(next_step(bag, model, patch, measured.left), unless=as_json)
     return GAP_FOUND if measured.significant else 0
+
+
+def next_step(bag: Path, model: str, patch: Path | None, left: LeftOver) -> str:
+    """Return what to do after a gap was measured.
+
+    Args:
+        bag: The log.
+        model: The model.
+        patch: The patch; None without one.
+        left: What the model, the repaired one where there is a patch, leaves.
+    """
+    if patch is not None and not left.significant:
+        return f"flexros export {word(patch)} {_to_own_model(patch)}    the repair in your own model"
+    if left.significant or left.assumed is not None:
+        why = "which effect causes it" if left.significant else "which effects the assumed tolerance of torques hides"
+        return f"flexros diagnose {word(bag)} --model {word(model)} --out diagnosis    {why}"
+    return f"flexros monitor {word(bag)} --model {word(model)} --calibrate thresholds.yaml    watch that it stays so"
+
+
+def _to_own_model(patch: Path) -> str:
+    """Return the options of an export into the file that the robot of a patch was imported from; URDF for none."""
+    from flexros.effects.patching.patched_robot import load_patched
+
+    source = Path(load_patched(patch).base.spec.defaults.source)
+    to = {".urdf": "urdf", ".xml": "mjcf", ".mjcf": "mjcf"}.get(source.suffix)
+    if to is None:
+        return "--to urdf --out repaired.urdf"
+    return f"--to {to} --base {word(source)} --out repaired{source.suffix}"
 
 
 def _checked(models: Sequence[RobotWithEffects], check: Callable[[Robot], Record]) -> Record:
@@ -147,8 +178,10 @@ def _print_other_figures(patch: Path, log: str, measured: MeasuredGap) -> None:
 
 
 def _print(measured: MeasuredGap) -> None:
-    from flexros.gap.report.terminal import gap_line, gap_verdict, left_line
+    from flexros.gap.report.terminal import gap_line, gap_verdict, hidden_line, left_line
 
     console.print(gap_verdict(measured.left, "the model" if measured.numbers.after is None else "the repaired model"))
     say(gap_line(measured.numbers))
     say(left_line(measured.left))
+    if hidden := hidden_line(measured.left):
+        say(hidden)

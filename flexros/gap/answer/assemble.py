@@ -37,6 +37,7 @@ from flexros.gap.result import DiagnosisResult, Explanation, RankedCandidate
 from flexros.gap.schema import NEXT_EXPERIMENT, Cause, CauseParameter, Diagnosis
 from flexros.provenance import versions
 from flexros.record.joint_signs import sign_words
+from flexros.record.stamp_jitter import slight_last
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -227,7 +228,7 @@ def _diagnosis(
         tolerance_sensitivity=findings.names_by_tolerance,
         next_experiment=following,
         partial=deadline.partial,
-        warnings=tuple(dict.fromkeys(warnings)),
+        warnings=slight_last(tuple(dict.fromkeys(warnings))),
         provenance={
             "log": findings.data.record.name,
             "holdout": findings.held.record.name,

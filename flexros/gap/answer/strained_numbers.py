@@ -49,12 +49,13 @@ def strained_numbers(findings: Findings) -> dict[str, float]:
     return {name: factor for name, factor in found.items() if name not in lacked}
 
 
-def far_out(fit: CandidateFit, least: float) -> dict[str, float]:
+def far_out(fit: CandidateFit, least: float, *, large: bool = True) -> dict[str, float]:
     """Return the factors of the numbers that a fit moves far out of their tolerance, by name [1].
 
     Args:
         fit: The fit.
         least: Deviation from which it is far, however small the tolerance [1].
+        large: Whether a large factor is far out from a smaller deviation on.
 
     Returns:
         Factors, that of the number farthest out of its tolerance first.
@@ -62,7 +63,7 @@ def far_out(fit: CandidateFit, least: float) -> dict[str, float]:
     tolerance = fit.predictor.tolerance
     sizes = np.abs(tolerance.by_name(fit.deviations))
     logarithms = np.asarray(tolerance.logarithms(fit.deviations))
-    far = (sizes > least) | ((sizes > SEVERAL) & (np.abs(logarithms) > LARGE))
+    far = (sizes > least) | (large & (sizes > SEVERAL) & (np.abs(logarithms) > LARGE))
     far &= np.array(tolerance.deviations) > 0  # all others are those of an effect, or exact
     return {tolerance.names[k]: float(np.exp(logarithms[k])) for k in np.argsort(-sizes) if far[k]}
 

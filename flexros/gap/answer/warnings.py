@@ -15,6 +15,7 @@ from flexros.gap.answer.unexplained_torques import torque_warnings
 from flexros.gap.fit.estimates import placed_effects
 from flexros.gap.held_out.errors_ahead import errors_ahead
 from flexros.gap.held_out.gap_floor import tolerance_floor
+from flexros.gap.search.better_torques import LEAST
 from flexros.record.one_way import ONE_WAY, moves_one_way
 
 if TYPE_CHECKING:
@@ -115,14 +116,19 @@ def _taken_out(findings: Findings) -> list[str]:
 
 
 def _within_tolerance(findings: Findings, gap: GapNumbers) -> list[str]:
-    """Say where what is left is about what the tolerance of torques allows for: effects below that do not show."""
+    """Say where what is left is about what the tolerance of torques allows for: effects below that do not show.
+
+    A smaller one is proposed down to the smallest on trial.
+    """
     share, floor = findings.data.measurement.signal_tolerance, gap.tolerance_floor
     if gap.after is None or floor is None or floor < LEAST_FLOOR or not SIZEABLE < gap.after / floor < 1 / SIZEABLE:
         return []
+    known_better = (
+        f": if these torques are known better, as those of a simulator, state a tolerance of torque of {LEAST:g}"
+    )
     return [
         f"what is left is about what torques that are off by {100 * share:g} % of their rms leave, and effects below "
-        "that do not show: if these torques are known better, as those of a simulator, state a tolerance of torque of "
-        "0.005"
+        f"that do not show{known_better if share > LEAST else ''}"
     ]
 
 

@@ -19,6 +19,11 @@ class LeftOver:
         lacking: Motors whose encoder has a coarse rounding that the model lacks, which is a gap.
         moving_on: Motors that the repaired model predicts hardly better than at constant speed, by a much larger
             inertia, which repairs nothing: that is a gap.
+        strained: Numbers that are moved so far out of their tolerance that torques within theirs do not make it: what a
+            real machine leaves beyond noise and tolerance is a gap then.
+        assumed: Tolerance of the torques that hides a gap, relative to their rms, where nobody stated one [1]; None
+            where there is no gap with a much smaller one either.
+        if_known: The gap 0.1 s ahead with that one [1].
     """
 
     level: float
@@ -28,13 +33,25 @@ class LeftOver:
     most_ahead: float
     lacking: tuple[str, ...] = ()
     moving_on: tuple[str, ...] = ()
+    strained: tuple[str, ...] = ()
+    assumed: float | None = None
+    if_known: float | None = None
 
     @property
     def beyond(self) -> bool:
         """Whether errors are beyond noise and tolerance, or the model lacks the rounding of an encoder."""
-        machine = self.most_of_machine
-        within = machine is not None and self.level <= machine and self.ahead <= self.most_ahead
-        return (self.level > self.most and not within) or bool(self.lacking)
+        return (self.level > self.most and (self.refused or not self._of_machine)) or bool(self.lacking)
+
+    @property
+    def refused(self) -> bool:
+        """Whether numbers far out of their tolerance alone make a gap of what a real machine may leave."""
+        return self.level > self.most and self._of_machine and bool(self.strained)
+
+    @property
+    def _of_machine(self) -> bool:
+        """Whether a real machine may leave as much."""
+        most = self.most_of_machine
+        return most is not None and self.level <= most and self.ahead <= self.most_ahead
 
     @property
     def significant(self) -> bool:

@@ -27,6 +27,7 @@ from flexros.gap.report.words import (
     where_words,
     with_std,
 )
+from flexros.gap.search.better_torques import LEAST
 from flexros.gap.where.regimes import REGIMES
 from flexros.report.number_text import number
 
@@ -173,8 +174,10 @@ def gap_verdict(left: LeftOver, model: str) -> str:
     if left.moving_on and not left.beyond:
         motors = ", ".join(left.moving_on)
         return f"a gap: {model} predicts {motors} hardly better than at constant speed, by a far larger inertia"
-    verdict, compared = ("a gap", "more than") if left.significant else ("no gap", "no more than")
-    return f"{verdict}: the errors of {model} are {compared} noise and tolerance"
+    if left.significant:
+        return f"a gap: the errors of {model} are more than noise and tolerance"
+    allowed = f"{gap_words(left.most_of_machine)} times " if left.most_of_machine and left.level > left.most else ""
+    return f"no gap: the errors of {model} are no more than {allowed}noise and tolerance"
 
 
 def left_line(left: LeftOver) -> str:
@@ -188,9 +191,22 @@ def left_line(left: LeftOver) -> str:
             f", or up to {gap_words(left.most_of_machine)} where the gap 0.1 s ahead, {gap_words(left.ahead)} here, is "
             f"at most {gap_words(left.most_ahead)}"
         )
+        if left.refused:
+            text += f" and no number of the model is far out of its tolerance, as {', '.join(left.strained)} is"
     if left.lacking:
         text += f"; the model lacks the rounding of the encoder of {', '.join(left.lacking)}, which is a gap"
     return text
+
+
+def hidden_line(left: LeftOver) -> str:
+    """Return in one sentence what an assumed tolerance of torques hides; empty where it hides nothing that is known."""
+    if left.assumed is None or left.if_known is None:
+        return ""
+    return (
+        f"That torques are known within {100 * left.assumed:g} % of their rms is assumed, not measured: known within "
+        f"{100 * LEAST:g} %, as those of a simulator, they show a gap of {gap_words(left.if_known, 4)}. Diagnose the "
+        f"log, which finds out how well they are known, or state a tolerance of torque of {LEAST:g}"
+    )
 
 
 def group_lines(diagnosis: Diagnosis) -> tuple[str, ...]:

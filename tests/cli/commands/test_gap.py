@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -11,7 +12,9 @@ import pytest
 
 from flexros.cli.commands import gap
 from flexros.errors import InputError
+from flexros.gap.held_out.left_over import LeftOver
 from flexros.logs.write_log import write_log
+from flexros.robot import library
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import load_scenario
@@ -114,6 +117,44 @@ def test_the_source_of_the_torque_is_chosen(flexros, bags: dict[str, str]) -> No
         for source in ("command", "measured")
     )
     assert (command, measured) == (0, 1)
+
+
+NONE, A_GAP = LeftOver(1.0, 1.04, None, 1.0, 2.0), LeftOver(2.0, 1.04, None, 1.0, 2.0)
+HIDDEN = replace(NONE, assumed=0.05, if_known=260.5)
+
+
+@pytest.mark.parametrize(
+    ("left", "command"),
+    [
+        (A_GAP, "flexros diagnose 'a b' --model e12 --out diagnosis    which effect causes it"),
+        (
+            HIDDEN,
+            "flexros diagnose 'a b' --model e12 --out diagnosis    which effects the assumed tolerance",
+        ),
+        (NONE, "flexros monitor 'a b' --model e12 "),
+    ],
+)
+def test_next_step_after_a_gap_names_log_and_model(left: LeftOver, command: str) -> None:
+    assert gap.next_step(Path("a b"), "e12", None, left).startswith(command)
+
+
+@pytest.mark.parametrize(
+    ("source", "options"),
+    [
+        ("", "--to urdf --out repaired.urdf"),
+        ("panda.urdf", "--to urdf --base panda.urdf --out repaired.urdf"),
+        ("wx250s.xml", "--to mjcf --base wx250s.xml --out repaired.xml"),
+    ],
+)
+def test_next_step_after_a_repaired_gap_is_an_export_into_the_imported_file(
+    source: str, options: str, tmp_path: Path
+) -> None:
+    text = Path(library.__path__[0], "elbow.yaml").read_text(encoding="utf-8")
+    text = re.sub("(?m)^defaults: .*$", f'defaults: {{source: "{source}"}}', text)
+    (tmp_path / "arm.yaml").write_text(text, encoding="utf-8")
+    patch = tmp_path / "patch.yaml"
+    patch.write_text("robot: arm.yaml\neffects: []\n", encoding="utf-8")
+    assert f"flexros export {patch} {options}  " in gap.next_step(Path("a"), "e12", patch, NONE)
 
 
 def test_a_log_that_one_of_two_models_accepts_is_not_refused() -> None:

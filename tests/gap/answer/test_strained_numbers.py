@@ -60,3 +60,9 @@ def test_a_guessed_number_is_far_out_where_its_factor_is_large(tolerance: float,
     assert found == ({"motor_1.inertia": pytest.approx(np.exp(tolerance * deviation))} if far else {})
     if far:
         assert f"motor_1.inertia {'to 0.423 times' if tolerance > 0.1 else 'by -18.5%'}" in moved_words(fit, found)
+
+
+def test_a_large_factor_within_many_tolerances_is_not_far_out_where_only_tolerances_count() -> None:
+    predictor = SimpleNamespace(tolerance=Tolerance(("motor_1.inertia",), (0.3,)))
+    fit: Any = SimpleNamespace(predictor=predictor, deviations=np.array([-2.87]))
+    assert not far_out(fit, STRAINED, large=False)

@@ -63,6 +63,14 @@ def test_what_the_tolerance_of_torques_may_hide_is_told(after: float, floor: flo
     assert all("off by 5 % of their rms" in text and "tolerance of torque of 0.005" in text for text in texts)
 
 
+@pytest.mark.parametrize(("tolerance", "advised"), [(0.05, True), (0.02, True), (0.005, False), (0.001, False)])
+def test_no_tolerance_is_advised_that_counts_already(tolerance: float, advised: bool) -> None:
+    findings: Any = SimpleNamespace(data=SimpleNamespace(measurement=SimpleNamespace(signal_tolerance=tolerance)))
+    gap: Any = SimpleNamespace(after=18.3, tolerance_floor=20.8)
+    (text,) = warnings._within_tolerance(findings, gap)
+    assert ("state a tolerance of torque of 0.005" in text) is advised
+
+
 @pytest.mark.parametrize(("after", "own", "begin", "warned"), [
     (50.0, 2.0, 0.0, True), (15.0, 2.0, 0.0, False), (50.0, 30.0, 0.0, False), (50.0, 2.0, 10.0, False),
 ])  # fmt: skip

@@ -29,6 +29,7 @@ def test_log_of_a_lower_rate_is_no_problem(found, healthy) -> None:
         sample_time=2 * record.sample_time,
         position=record.position[: len(torque) * 2 : 2],
         torque=torque,
+        noted=None,
         valid=record.valid[: len(torque) * 2 : 2],
         reference=None,
         tool=None,

@@ -1,0 +1,92 @@
+"""The searches of an imported log one after the other, with smaller and smaller tolerances of its torques.
+
+An observer that trusts torques more follows the encoders less. Where the nominal model is far off, its errors are then
+many times the floor, and count so little beside each other that tolerated numbers of the model and effects of another
+kind stand for those that are missing. So each search with a smaller tolerance begins with what the one before found.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from flexros.gap.candidates.tolerance import TORQUE, with_torque_tolerance
+from flexros.gap.search.better_torques import are_better, most_begun, tolerance_on_trial
+from flexros.gap.settings import NoiseSettings
+
+if TYPE_CHECKING:
+    from flexros.gap.diagnosis_task import DiagnosisTask, SearchedLog
+    from flexros.gap.settings import DiagnosisSettings
+
+
+def usual_first(settings: DiagnosisSettings) -> DiagnosisSettings:
+    """Return the settings of the first search: no tolerance of torques is smaller there than the usual one.
+
+    Args:
+        settings: Settings of the diagnosis.
+    """
+    usual = NoiseSettings().signal_tolerance
+    return with_torque_tolerance(settings, {TORQUE: usual}) if settings.noise.signal_tolerance < usual else settings
+
+
+def with_smaller_tolerance(
+    task: DiagnosisTask, found: SearchedLog, settings: DiagnosisSettings
+) -> tuple[DiagnosisTask, SearchedLog]:
+    """Search on with the stated tolerance of the torques, or on trial with smaller ones where nobody stated one.
+
+    Args:
+        task: What is diagnosed against, with the settings of the first search.
+        found: What that found.
+        settings: Settings of the diagnosis.
+
+    Returns:
+        The task with the last tolerance, and what was found with it.
+    """
+    if "signal_tolerance" not in settings.noise.model_fields_set:
+        return _with_better_torques(task, found)
+    stated = replace(task, settings=settings)
+    if settings.noise.signal_tolerance == found.null.data.settings.noise.signal_tolerance or _are_exact(found):
+        return stated, found
+    begun = found.explanations.detected and found.explanations.beside is None
+    return stated, stated.searched(found.record, found.explanations.chosen if begun else None)
+
+
+def _are_exact(found: SearchedLog) -> bool:
+    """Return whether torques have no tolerance, as those of a simulated log."""
+    return not found.null.data.measurement.signal_tolerance
+
+
+def _with_better_torques(task: DiagnosisTask, found: SearchedLog) -> tuple[DiagnosisTask, SearchedLog]:
+    """Search on with a smaller tolerance of the torques of an imported log, on trial.
+
+    Args:
+        task: What is diagnosed against, with the assumed tolerance.
+        found: What was found with it.
+
+    Returns:
+        The task and what was found with the last tolerance at which further effects explained most of what was left.
+    """
+    assumed, notes, share = task.settings.noise, task.notes, task.settings.search.within_floor
+    if _are_exact(found) or found.record.command is not None:
+        return task, found
+    while found.explanations.detected and found.explanations.beside is None and not task.deadline.stops():
+        chosen = found.explanations.chosen
+        counts = task.settings.noise.signal_tolerance
+        tried = tolerance_on_trial(counts, found.beyond_noise(chosen), again=counts < assumed.signal_tolerance)
+        if tried is None:
+            break
+        note = (
+            f"the torques are better than the {assumed.signal_tolerance:g} of their rms that counts as no gap where "
+            f"nothing is stated, as those of a simulator or of a calibrated drive: here {tried:g} counts as none"
+        )
+        trial = replace(task, notes=(*notes, note), settings=with_torque_tolerance(task.settings, {TORQUE: tried}))
+        more = trial.searched(found.record, chosen, most_begun(assumed.signal_tolerance, tried))
+        begun, grown = more.search.base, more.explanations.chosen
+        if task.deadline.over or begun.names != chosen.names or grown.names == chosen.names:
+            break
+        left = more.beyond_noise(grown)
+        explained = left < share * more.beyond_noise(begun)
+        if not (explained and are_better(assumed.signal_tolerance, tried, left)):
+            break
+        task, found = trial, more
+    return task, found

@@ -1,0 +1,62 @@
+"""Searches of one log with smaller and smaller tolerances of its torques."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from flexros.effects import RobotWithEffects
+from flexros.gap.diagnose import diagnose
+from flexros.gap.diagnosis_task import DiagnosisTask, SearchedLog
+from flexros.gap.fit.candidate_fit import CandidateFit
+from flexros.record.record import Record
+from flexros.robot import Robot
+from tests.gap.diagnosis_logs import ROBOT, record_of, settings_of
+from tests.gap.rigid_arm import arm, record_of_arm
+
+pytestmark = pytest.mark.slow
+
+FEW = settings_of("coulomb_friction", "viscous_friction")
+Searches = list[tuple[float, frozenset[str], frozenset[str]]]
+
+
+@pytest.fixture(name="searches")
+def searches_fixture(monkeypatch: pytest.MonkeyPatch) -> Searches:
+    """Receives the tolerance of torques of each search, the effects it begins with and those it finds."""
+    made: Searches = []
+    search = DiagnosisTask.searched
+
+    def searched(
+        task: DiagnosisTask, record: Record, begun: CandidateFit | None = None, most: float = math.inf
+    ) -> SearchedLog:
+        found = search(task, record, begun, most)
+        begins_with = frozenset() if begun is None else begun.names
+        made.append((task.settings.noise.signal_tolerance, begins_with, found.explanations.chosen.names))
+        return found
+
+    monkeypatch.setattr(DiagnosisTask, "searched", searched)
+    return made
+
+
+def diagnosed(record: Record, robot: Robot, torque: float) -> None:
+    diagnose(record, RobotWithEffects(robot, ()), tolerance={"torque": torque}, settings=FEW)
+
+
+def test_a_smaller_tolerance_is_reached_from_the_usual_one_with_what_was_found_there(searches: Searches) -> None:
+    diagnosed(record_of_arm(imported=True), arm(), 0.01)
+    (usual, nothing, found), (stated, begins_with, _) = searches
+    assert (usual, stated) == (0.05, 0.01)
+    assert not nothing
+    assert found
+    assert begins_with == found
+
+
+def test_a_larger_tolerance_is_searched_with_alone(searches: Searches) -> None:
+    diagnosed(record_of_arm(imported=True), arm(), 0.08)
+    assert [tolerance for tolerance, *_ in searches] == [0.08]
+
+
+def test_exact_torques_are_searched_once(searches: Searches) -> None:
+    diagnosed(record_of("coulomb_friction@motor_1:level=0.05"), ROBOT, 0.01)
+    assert len(searches) == 1
