@@ -1,8 +1,8 @@
 """The searches of an imported log one after the other, with smaller and smaller tolerances of its torques.
 
 An observer that trusts torques more follows the encoders less. Where the nominal model is far off, its errors are then
-many times the floor, and count so little beside each other that tolerated numbers of the model and effects of another
-kind stand for those that are missing. So each search with a smaller tolerance begins with what the one before found.
+thousands of floors, and while effects are missing, tolerated numbers of the model and effects of another kind stand for
+them. So each search with a smaller tolerance begins with what the one before found.
 """
 
 from __future__ import annotations
