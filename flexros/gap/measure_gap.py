@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from flexros.blas_threads import one_blas_thread
@@ -122,7 +123,8 @@ def measure_gap(
         The gap numbers: `before` and `noise_floor`, with a repaired model the others too.
     """
     settings = with_torque_tolerance(settings or DiagnosisSettings(), tolerance)
-    stages, deadline, half = Stages(progress), Deadline(settings.time_limit), 1.0 if repaired is None else 0.5
+    on_trial = repaired is None and _is_assumed(record, settings)
+    stages, deadline, half = Stages(progress), Deadline(settings.time_limit), 0.5 if repaired or on_trial else 1.0
     stages.begin("nominal model", half)
     record = at_rate_of_fits(record, model.robot, settings)
     model = driven_model(model, record)
@@ -143,10 +145,11 @@ def measure_gap(
     if after is not None:
         alike = moving_on(fits.last.fit, model.robot, data, before, after)
         left = replace(left, moving_on=tuple(alike))
-    elif _is_assumed(data) and not left.significant and not deadline.over:
+    elif on_trial and not left.significant and not deadline.over:
         stages.begin("better torques", 1.0)
         better = with_torque_tolerance(settings, {TORQUE: LEAST})
-        left = _with_hidden(left, _fits(record, model, None, tolerance or {}, better, stages, deadline), settings)
+        fitted = partial(_fits, record, model, None, tolerance or {}, better, stages, deadline)
+        left = _with_hidden(left, fitted, settings.noise.signal_tolerance)
     numbers = gap_numbers(before, after, record.sample_time, with_tolerance=floor)
     explained_by = None if repaired is None or left.significant else [law.effect for law in repaired.laws]
     warnings = settled(data.record, numbers.closed_fraction, explained_by).warnings
@@ -278,21 +281,25 @@ def _left_over(fits: _Fits, ahead: float, with_tolerance: float | None) -> LeftO
     )
 
 
-def _is_assumed(data: FitData) -> bool:
+def _is_assumed(record: Record, settings: DiagnosisSettings) -> bool:
     """Return whether nobody stated how well the torques of a measured log are known."""
-    stated = "signal_tolerance" in data.settings.noise.model_fields_set
-    return bool(data.measurement.signal_tolerance) and not stated and data.record.command is None
+    stated = "signal_tolerance" in settings.noise.model_fields_set
+    return not (stated or record.premises.floor_is_noise) and record.command is None
 
 
-def _with_hidden(left: LeftOver, better: _Fits, settings: DiagnosisSettings) -> LeftOver:
-    """State the gap that the assumed tolerance of torques hides.
+def _with_hidden(left: LeftOver, fitted: Callable[[], _Fits], assumed: float) -> LeftOver:
+    """State the gap that an assumed tolerance of torques hides.
 
     Args:
         left: What the model leaves with that tolerance, which is no gap.
-        better: The fits with a much smaller one.
-        settings: Settings with the assumed one.
+        fitted: Fits the model with a much smaller one.
+        assumed: The assumed one [1].
     """
+    try:
+        better = fitted()
+    except InputError:  # with hardly any correction the prediction diverges, so that there is no figure
+        return left
     ahead = _errors(better.last, better.data).mean
     if not _left_over(better, ahead, tolerance_floor(better.last.fit, better.data)).significant:
         return left
-    return replace(left, assumed=settings.noise.signal_tolerance, if_known=ahead)
+    return replace(left, assumed=assumed, if_known=ahead)

@@ -1,8 +1,8 @@
 """The searches of an imported log one after the other, with smaller and smaller tolerances of its torques.
 
 An observer that trusts torques more follows the encoders less. Where the nominal model is far off, its errors are then
-many times the floor, and count so little beside each other that tolerated numbers of the model and effects of another
-kind stand for those that are missing. So each search with a smaller tolerance begins with what the one before found.
+thousands of floors, and while effects are missing, tolerated numbers of the model and effects of another kind stand for
+them. So each search with a smaller tolerance begins with what the one before found.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from flexros.gap.candidates.tolerance import TORQUE, with_torque_tolerance
 from flexros.gap.search.better_torques import are_better, most_begun, tolerance_on_trial
+from flexros.gap.search.looser import STEP
 from flexros.gap.settings import NoiseSettings
 
 if TYPE_CHECKING:
@@ -32,7 +33,9 @@ def usual_first(settings: DiagnosisSettings) -> DiagnosisSettings:
 def with_smaller_tolerance(
     task: DiagnosisTask, found: SearchedLog, settings: DiagnosisSettings
 ) -> tuple[DiagnosisTask, SearchedLog]:
-    """Search on with the stated tolerance of the torques, or on trial with smaller ones where nobody stated one.
+    """Search on down to the stated tolerance of the torques, or on trial with smaller ones where nobody stated one.
+
+    Each one is a tenth of the one before, and the last one is as stated; to exact torques it is one step.
 
     Args:
         task: What is diagnosed against, with the settings of the first search.
@@ -44,11 +47,13 @@ def with_smaller_tolerance(
     """
     if "signal_tolerance" not in settings.noise.model_fields_set:
         return _with_better_torques(task, found)
-    stated = replace(task, settings=settings)
-    if settings.noise.signal_tolerance == found.null.data.settings.noise.signal_tolerance or _are_exact(found):
-        return stated, found
-    begun = found.explanations.detected and found.explanations.beside is None
-    return stated, stated.searched(found.record, found.explanations.chosen if begun else None)
+    stated, counts = settings.noise.signal_tolerance, task.settings.noise.signal_tolerance
+    while stated < counts and not _are_exact(found):
+        counts = max(stated, counts / STEP) if stated else 0.0
+        task = replace(task, settings=with_torque_tolerance(settings, {TORQUE: counts}))
+        begun = found.explanations.detected and found.explanations.beside is None
+        found = task.searched(found.record, found.explanations.chosen if begun else None)
+    return replace(task, settings=settings), found
 
 
 def _are_exact(found: SearchedLog) -> bool:

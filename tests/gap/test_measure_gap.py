@@ -7,15 +7,18 @@ from dataclasses import replace
 import pytest
 
 from flexros.effects import RobotWithEffects, parse_effect, place_effects
+from flexros.errors import InputError
 from flexros.gap import measure_gap as module
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.deadline import Deadline
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.fit.torques.unknown_numbers import UnknownNumbers
 from flexros.gap.measure_gap import measure_gap
+from flexros.gap.residuals.fit_data import FitData
 from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.search.model_probability import compare
 from flexros.gap.settings import DiagnosisSettings
+from flexros.record.record import Record
 from flexros.robot.robot import Robot
 from tests.gap.diagnosis_logs import MODEL, ROBOT, record_of
 from tests.gap.rigid_arm import arm, record_of_arm
@@ -189,6 +192,20 @@ def test_what_an_assumed_tolerance_of_torques_hides_is_measured(
     assert found.left.assumed == (0.05 if hidden else None)
     stated = measure_gap(record, MODEL, tolerance={"torque": 0.005})
     assert found.left.if_known == (stated.numbers.before if hidden else None)
+
+
+def test_a_prediction_that_diverges_with_better_torques_leaves_the_gap_as_it_is(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def weighed(record: Record, model: RobotWithEffects, settings: DiagnosisSettings) -> FitData:
+        if settings.noise.signal_tolerance < 0.05:
+            raise InputError("the prediction of the nominal model diverges")
+        return fit_data(record, model, settings)
+
+    monkeypatch.setattr(module, "fit_data", weighed)
+    found = measure_gap(replace(record_of(FRICTION), simulated=False, imported=True), MODEL)
+    assert not found.significant
+    assert found.left.assumed is None
 
 
 @pytest.mark.parametrize(("far", "gap"), [({}, False), ({"motor_1.inertia": 1.22}, True)])

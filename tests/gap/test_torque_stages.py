@@ -52,6 +52,14 @@ def test_a_smaller_tolerance_is_reached_from_the_usual_one_with_what_was_found_t
     assert begins_with == found
 
 
+@pytest.mark.parametrize(
+    ("torque", "steps"), [(0.001, [0.05, 0.005, 0.001]), (0.0, [0.05, 0.0])], ids=["small", "exact"]
+)
+def test_a_step_is_no_more_than_a_tenth(torque: float, steps: list[float], searches: Searches) -> None:
+    diagnosed(record_of_arm(imported=True), arm(), torque)
+    assert [tolerance for tolerance, *_ in searches] == pytest.approx(steps)
+
+
 def test_a_larger_tolerance_is_searched_with_alone(searches: Searches) -> None:
     diagnosed(record_of_arm(imported=True), arm(), 0.08)
     assert [tolerance for tolerance, *_ in searches] == [0.08]

@@ -51,13 +51,16 @@ controlled: joints
 
 @pytest.fixture(scope="module")
 def bags(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
-    """Ten seconds of the diagnosis experiment, with and without hidden friction."""
+    """Ten seconds of the diagnosis experiment, with and without hidden friction; as of a real machine too."""
     folder, made = tmp_path_factory.mktemp("bags"), {}
-    for name, effects in (("hidden", ["coulomb_friction@motor_1:level=0.05"]), ("clean", [])):
+    for name, level in (("rough", 0.15), ("hidden", 0.05), ("clean", 0.0)):
+        effects = [f"coulomb_friction@motor_1:level={level}"] if level else []
         values = {"diagnosis.length": 10, "diagnosis.parts": ["moves"], "plant.effects": effects, "seed": 4}
         log = closed_loop(Experiment.prepare(load_scenario("diagnosis").with_values(values, "test")))
         write_log(log, folder / name)
         made[name] = str(folder / name)
+        write_log(replace(log, provenance={"import": {"files": ["run.csv"]}}), folder / f"imported_{name}")
+        made[f"imported_{name}"] = str(folder / f"imported_{name}")
     measured = replace(log.joint_states, effort=0.8 * log.joint_commands.effort)
     write_log(replace(log, joint_states=measured), folder / "measured")
     made["measured"] = str(folder / "measured")
@@ -155,6 +158,19 @@ def test_next_step_after_a_repaired_gap_is_an_export_into_the_imported_file(
     patch = tmp_path / "patch.yaml"
     patch.write_text("robot: arm.yaml\neffects: []\n", encoding="utf-8")
     assert f"flexros export {patch} {options}  " in gap.next_step(Path("a"), "e12", patch, NONE)
+
+
+@pytest.mark.parametrize(
+    ("bag", "hidden", "following"), [("rough", True, "flexros diagnose"), ("clean", False, "flexros monitor")]
+)
+def test_what_an_assumed_tolerance_of_torques_hides_is_told(
+    flexros, bags: dict[str, str], bag: str, hidden: bool, following: str
+) -> None:
+    ended = flexros("gap", bags[f"imported_{bag}"], "--model", "four_mass_linear")
+    assert ended.code == 0, ended.err
+    assert ended.out.startswith("no gap: ")
+    assert ("is assumed, not measured" in ended.out) is hidden
+    assert f"Next: {following} " in ended.err
 
 
 def test_a_log_that_one_of_two_models_accepts_is_not_refused() -> None:
