@@ -207,13 +207,13 @@ def causes_words(causes: Sequence[Cause]) -> str:
     Returns:
         E.g. "Coulomb friction at motor_1, 0.213 Nm (±0.011) and delay at all motors, 2.1 ms (±0.1)", "5 effects:
         Coulomb friction (motor_1, motor_2 and motor_4) and viscous friction (motor_1 and motor_2)", or "13 effects, the
-        largest ones delay at all motors, tool load at the tool and Coulomb friction at motor_1 (the table has all)".
+        largest ones delay at all motors, tool load at the tool and Coulomb friction at motor_1".
     """
     if len(causes) <= _MOST_CAUSES:
         return listed([cause_words(cause) for cause in causes])
     if len(causes) > _MOST_GATHERED:
         largest = listed([f"{_imitated(cause)}{named(cause)}" for cause in causes[:_LARGEST]])
-        return f"{len(causes)} effects, the largest ones {largest} (the table has all)"
+        return f"{len(causes)} effects, the largest ones {largest}"
     places: dict[str, list[str]] = {}
     for cause in causes:
         places.setdefault(f"{_imitated(cause)}{effect_words(cause.effect)}", []).append(cause.location)

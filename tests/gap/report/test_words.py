@@ -230,6 +230,5 @@ def test_of_many_causes_the_largest_are_named() -> None:
         for k in range(1, 8)
     ]
     assert causes_words(causes) == (
-        "7 effects, the largest ones torque bias at motor_1, torque bias at motor_2 and torque bias at motor_3 "
-        "(the table has all)"
+        "7 effects, the largest ones torque bias at motor_1, torque bias at motor_2 and torque bias at motor_3"
     )
