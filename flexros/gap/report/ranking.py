@@ -175,7 +175,8 @@ def table_of_ranking(result: DiagnosisResult) -> TextTable:
     ranked = first_of_ranking(result, _MOST_ROWS)
     rows = tuple(
         (
-            capital(named(candidate)) + (f" (with {partners_words(candidate)})" if candidate.together_with else ""),
+            capital(named(candidate))
+            + (f" (with {partners_words(candidate)})" if first and candidate.together_with else ""),
             parameters_words(candidate.parameters),
             _short(candidate.probability),
             *([_share(opened.get((candidate.effect, candidate.location)))] if opened else []),

@@ -188,8 +188,7 @@ def _table(mapped: Sequence[Excess], highest: float, realisations: int) -> TextT
     )
     header = ("Signal", "band", "part of the motion", "share of the excess", "p-value")
     caption = "The largest locations, significant ones first."
-    if any(row[-1].startswith("≤") for row in rows):
-        caption += (
-            f" Where p is at most {rows[0][-1][2:]}, none of {realisations} simulated logs without a gap has as much."
-        )
+    bound = next((row[-1] for row in rows if row[-1].startswith("≤")), "")
+    if bound:
+        caption += f" Where p is at most {bound[2:]}, none of {realisations} simulated logs without a gap has as much."
     return TextTable(header, rows, caption, left=3)

@@ -42,6 +42,8 @@ _MOST_CAUSES, _MOST_GATHERED, _MOST_PARTNERS = 4, 6, 3
 another one (chosen)."""
 _LARGEST = 3
 """Causes that a sentence names of more than it states (chosen)."""
+_CERTAIN = 1.0 - 1e-12
+"""Share from which it is all of it but for round-off [1]."""
 _NEARLY_ALL, _ALL = 0.95, 0.9995
 """Closed shares between these are stated with a decimal (chosen)."""
 
@@ -305,7 +307,7 @@ def share_words(share: float) -> str:
         return f"over {100 * MOST_SHARE:.0f} %"
     if share < 0.01:
         return "under 1 %"
-    return f"{100 * share:.0f} %" if share <= 0.99 or share >= 1 else "over 99 %"
+    return f"{100 * share:.0f} %" if share <= 0.99 or share >= _CERTAIN else "over 99 %"
 
 
 def signed_share_words(share: float) -> str:

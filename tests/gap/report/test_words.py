@@ -147,6 +147,7 @@ def test_shares_are_never_told_as_all_or_nothing_when_they_are_not() -> None:
         "over 99 %",
         "100 %",
     ]
+    assert share_words(1.0 - 1e-16) == "100 %"  # a sum of probabilities
     assert [closed_words(share) for share in (-0.5, 0.83, 0.9968, 1.4)] == ["\u221250 %", "83 %", "99.7 %", "100 %"]
     assert p_value_words(1e-5) == "p < 0.001"
 

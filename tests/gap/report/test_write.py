@@ -222,6 +222,8 @@ def test_figures_of_a_whole_explanation_are_written_once(diagnosed: Diagnosed) -
     html = page(replace(diagnosed("explained"), ranking=pair))
     table = html.partition("Gain: twice the gain")[2].partition("</table>")[0]
     assert table.count("<td>5400</td>") == 1
+    assert table.count("(with hysteresis at motor_1)") == 1
+    assert "(with Coulomb friction at motor_1)" not in table
     assert html.count("twice the log-likelihood by 5400") == 1
 
 
