@@ -13,12 +13,16 @@ from effects_pictures import DRAWINGS, pictures
 
 from flexros.effects.kinds.base import AbstractEffect, Stage, effects
 from flexros.effects.kinds.law import AbstractLaw
+from flexros.effects.kinds.model_change import AbstractChangedValues
+from flexros.robot import load_robot
 
 if TYPE_CHECKING:
     from flexros.effects.kinds.ranges import Range
 
 UNITS = {"relative": "", "time": " s", "frequency": " Hz", "order": " per turn", "phase": " rad"}
 """Units of bounds that are multiples of nothing in a log."""
+ALONE, ROBOT = 0.1, "six_axis"
+"""Size of a parameter alone, and built-in robot that has a location for every effect of several parameters."""
 HEAD = """# Effects
 
 Every deviation of a real robot from its ideal model is one file in `flexros/effects`. The same effects make a simulated
@@ -108,11 +112,21 @@ def _table(kind: type[AbstractEffect]) -> str:
 
 def _sizes(kind: type[AbstractEffect]) -> list[str]:
     """List the parameters that switch an effect on."""
-    if issubclass(kind, AbstractLaw):
-        names = [name for name, field in kind.model_fields.items() if field.annotation is float]
-        single: list[dict[str, Any]] = [{name: 0.1} for name in names]
-        return [name for name, values in zip(names, single) if not kind.model_construct(**values).neutral]
-    return [getattr(kind, "size", "relative")]
+    names = [name for name, field in kind.model_fields.items() if field.annotation is float]
+    if len(names) == 1:
+        return names
+    single: list[dict[str, Any]] = [{name: ALONE} for name in names]
+    return [name for name, values in zip(names, single) if _acts(kind.model_construct(**values))]
+
+
+def _acts(effect: AbstractEffect) -> bool:
+    """Whether an effect is not switched off."""
+    if isinstance(effect, AbstractLaw):
+        return not effect.neutral
+    assert isinstance(effect, AbstractChangedValues)
+    robot = load_robot(ROBOT)
+    changed = effect.values(robot, effect.locations(robot)[0])
+    return any(value != robot.parameters[name].value for name, value in changed.items())
 
 
 def _searched(allowed: Range) -> str:

@@ -137,3 +137,8 @@ class DiagnosisResult:
     limits: tuple[str, ...] = ()
     settings: DiagnosisSettings = field(default_factory=DiagnosisSettings)
     timings: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def simulated_logs(self) -> int:
+        """Simulated logs without a gap that p-values of locations are counted in; 0 where there were none."""
+        return self.settings.where.realisations if self.settings.where is not None else 0

@@ -94,7 +94,7 @@ class Page:
             return f"<details><summary>{escape(block.summary)}</summary>{inner}</details>"
         if isinstance(block, Paragraph):
             style = f' class="{block.style}"' if block.style else ""
-            return f"<p{style}>{escape(block.text)}</p>"
+            return f"<p{style}>{_kept(block.text)}</p>"
         if isinstance(block, Heading):
             return f"<h3>{escape(block.text)}</h3>"
         if isinstance(block, Listing):
@@ -191,7 +191,7 @@ def _tile(name: str, value: str, unit: str, below: str) -> str:
     return (
         f'<div class="tile"><div class="name">{escape(name)}</div>'
         f'<div class="value">{escape(value)}<small>{escape(unit)}</small></div>'
-        f'<div class="below">{escape(below)}</div></div>'
+        f'<div class="below">{_kept(below)}</div></div>'
     )
 
 
@@ -207,10 +207,15 @@ def _listing(listing: Listing) -> str:
     )
 
 
+def _kept(text: str) -> str:
+    """Escape a text, with numbers that stay on the line of their per cent sign."""
+    return escape(text).replace(" %", "\u00a0%")
+
+
 def _cell(tag: str, text: str, left: bool) -> str:
     if not left:
-        return f"<{tag}>{escape(text)}</{tag}>"
-    shown = escape(text)
+        return f"<{tag}>{_kept(text)}</{tag}>"
+    shown = _kept(text)
     if len(text) > _LONG_NAME and " " not in text:
         shown = shown.replace("_", "_<wbr>").replace("/", "/<wbr>")
     kind = "left"

@@ -22,6 +22,8 @@ MUTED = "#59636e"
 GRID = "#e7eaee"
 REFERENCE = "#59636e"
 """Colour of commanded signals; they are also dotted."""
+LOGARITHMIC = {"type": "log", "tickformat": "~g"}
+"""An axis in decades with whole numbers at its marks: without a format 20 and 50 would be written as 2 and 5."""
 _RUNS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#5e3c99", "#8c510a")
 """Colours of runs, distinguishable for the colour-blind (Okabe and Ito 2008, extended)."""
 

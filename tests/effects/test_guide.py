@@ -42,6 +42,14 @@ def test_every_effect_has_a_section_and_a_picture(written: Path) -> None:
 
 
 @pytest.mark.parametrize("name", sorted(effects()))
+def test_an_effect_is_switched_off_by_parameters_of_its_own(name: str) -> None:
+    section = PAGE.partition(f"\n### {name}\n")[2].partition("\n### ")[0]
+    off = re.findall(r"`(\w+)` = 0", re.search(r"^Switched off by (.*)\.$", section, re.MULTILINE)[1])  # type: ignore[index]
+    assert off
+    assert set(off) <= set(effects()[name].model_fields)
+
+
+@pytest.mark.parametrize("name", sorted(effects()))
 def test_picture_is_drawn_by_the_script(name: str, written: Path) -> None:
     here, anew = (
         (folder / "pictures" / "effects" / f"{name}.svg").read_text(encoding="utf-8") for folder in (REFERENCE, written)

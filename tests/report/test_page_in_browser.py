@@ -210,7 +210,7 @@ def test_bands_of_a_map_are_drawn_with_all_names(browser: Browser, tmp_path: Pat
         for motor in (1, 2) for band in ((0.0, 2.0), (2.0, 9.0))
     ]  # fmt: skip
     for width in (1366, 390):
-        shown(browser, [Picture(_spectrum(where), "c")], tmp_path, width)
+        shown(browser, [Picture(_spectrum(where, 200), "c")], tmp_path, width)
         browser.until("document.querySelectorAll('#picture-1 .ytick text').length === 2")
         edges = "[...document.querySelectorAll('#picture-1 .ytick text')].map(e => e.getBoundingClientRect().left)"
         left = browser.value("document.getElementById('picture-1').getBoundingClientRect().left")

@@ -11,7 +11,7 @@ from flexros.control.design.margins import frequency_grid, loop_response, step_r
 from flexros.report.base import Paragraph, Picture, TextTable
 from flexros.report.number_text import number
 from flexros.report.page import Chapter, page_html
-from flexros.report.theme import INK, REFERENCE, curve, run_colour, stacked
+from flexros.report.theme import INK, LOGARITHMIC, REFERENCE, curve, run_colour, stacked
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -174,7 +174,7 @@ def _pictures(
         _draw(nyquist, L.real, L.imag, label, colour, 1, "", "", legend=True)
         values = np.clip(step_response(plants, controller, number_, motor, samples), -10.0, 10.0)
         _draw(steps, time, values, label, colour, 1, "s", "1", legend=True)
-    bode.update_xaxes(type="log")
+    bode.update_xaxes(LOGARITHMIC)
     bode.update_xaxes(title_text="frequency [Hz]", row=3, col=1)
     for row, text in enumerate(("dB", "degrees", "dB, T dotted"), start=1):
         bode.update_yaxes(title_text=text, row=row, col=1)

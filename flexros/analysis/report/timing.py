@@ -10,7 +10,7 @@ import plotly.graph_objects as go
 from flexros.analysis.report.pace import pace_sentence, pace_tables
 from flexros.report.base import AbstractSection, Block, Folded, Paragraph, Picture, TextTable
 from flexros.report.number_text import number
-from flexros.report.theme import compact, curve, run_colour, stacked
+from flexros.report.theme import LOGARITHMIC, compact, curve, run_colour, stacked
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -187,7 +187,7 @@ def _picture(topics: Sequence[tuple[str, _Periods]]) -> Picture:
     figure.update_xaxes(title_text="time since start [s]", row=1)
     figure.update_xaxes(title_text="period [ms]", row=2)
     figure.update_yaxes(title_text="period [ms]", row=1)
-    figure.update_yaxes(title_text="number of samples", type="log", row=2)
+    figure.update_yaxes(title_text="number of samples", row=2, **LOGARITHMIC)
     caption = (
         "Periods of the loop by the stamps of its topics, in real time by the receive times. In the histogram gaps "
         "between stamps are omitted, and receive periods far above the others are counted in the last bar."

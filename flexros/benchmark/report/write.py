@@ -15,7 +15,7 @@ from flexros.control.linear_controller import linear_controller
 from flexros.report.base import Folded, Paragraph, Picture, TextTable, Tiles
 from flexros.report.number_text import number
 from flexros.report.page import Chapter, page_html
-from flexros.report.theme import curve, run_colour, stacked
+from flexros.report.theme import LOGARITHMIC, curve, run_colour, stacked
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -188,7 +188,7 @@ def _response_picture(controllers: Sequence[BenchmarkController], contexts: Sequ
                 legend=row == 1,
             )  # fmt: skip
             figure.add_trace(line, row=row, col=1)
-    figure.update_xaxes(type="log")
+    figure.update_xaxes(LOGARITHMIC)
     figure.update_yaxes(title_text="dB of Nm/rad", row=1, col=1)
     figure.update_yaxes(title_text="degrees", row=2, col=1)
     figure.update_xaxes(title_text="frequency [Hz]", row=2, col=1)

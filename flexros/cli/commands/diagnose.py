@@ -56,7 +56,10 @@ def diagnose(
         help="Effects that compete, e.g. coulomb_friction,backlash; center_error competes only where it is named here.",
     ),
     time_limit: float = typer.Option(
-        None, "--time-limit", help="Time after which the search ends and what it found is written as partial [s]."
+        None,
+        "--time-limit",
+        help="Time after which the search ends [s]. The check on held-out data follows, and where steps of the search "
+        "are missing the result is partial.",
     ),
     as_json: bool = typer.Option(False, "--json", help="Print diagnosis.json."),
 ) -> int:

@@ -22,6 +22,7 @@ from flexros.effects.servos.servo_command_lag import ServoCommandLag
 from flexros.effects.torque_gain_error import TorqueGainError
 from flexros.effects.torque_saturation import TorqueSaturation
 from flexros.errors import InputError
+from flexros.robot.exchange.body_inertia import BodyInertia
 from flexros.robot.exchange.numbers import SAME, BodyNumbers, JointNumbers, LoadNumbers, NotHeld, RepairedNumbers
 from flexros.robot.parameters import INERTIA_COMPONENTS
 from flexros.robot.quantity import unit_of
@@ -142,7 +143,8 @@ def _of_body(
         words = f"mass {mass:.6g} kg, centre {place} m, and inertia"
         point = None if load is None else LoadNumbers(load.mass, (load.x, load.y, load.z))
         beside = _beside_load(differences, inertia_factor) if load is not None else ""
-        return BodyNumbers(name, body.label, 1.0, weight_error, point, words, beside_load=beside)
+        before = BodyInertia(own, np.array(nominal.center_of_mass.value), nominal.straight_inertia())
+        return BodyNumbers(name, body.label, 1.0, weight_error, point, words, beside_load=beside, nominal=before)
     if moved:
         x, y, z = (moment / (mass - own)).tolist()
         return BodyNumbers(name, body.label, 1.0, weight_error, LoadNumbers(mass - own, (x, y, z)))

@@ -54,3 +54,16 @@ def closed_by(effect: Located, waterfall: Sequence[Waterfall]) -> float:
     """Return the share of the gap of all joints that an effect closes in the waterfall [1]; 0 where it is not there."""
     steps = (step for one in waterfall for step in one.steps)
     return sum(step.share for step in steps if same_effect(step, effect))
+
+
+def largest_part(budget: Sequence[BudgetShare]) -> tuple[BudgetShare | None, float]:
+    """Return the effect that closes most of the gap whether it is added first or removed last, and at least how much.
+
+    An effect that only makes up for others closes little in one of the two. None closes any where all do so.
+
+    Args:
+        budget: The gap divided among effects.
+    """
+    shares = ((one, min(one.share_first or 0.0, one.share_last or 0.0)) for one in budget if one.effect is not None)
+    largest = max(shares, key=lambda pair: pair[1], default=None)
+    return (None, 0.0) if largest is None or round(largest[1], PLACES) <= 0 else largest

@@ -178,7 +178,8 @@ def _strained(findings: Findings) -> list[str]:
     if not factors:
         return []
     moved = moved_words(findings.explanations.chosen, factors)
-    held = " A patch holds those that effects change." if findings.explanations.detected else ""
+    found = findings.explanations.detected
+    held = " A patch has them but for those that no effect changes, such as lengths." if found else ""
     return [
         f"the answer moves numbers of the model beyond their tolerance: {moved}.{held} They may stand "
         "for an effect such as a load: measure them, or correct them in the robot file"

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.gap.prediction.predicted_log import PredictedLog
 from flexros.gap.signatures.signature_data import SignatureData
 from flexros.gap.where.prediction_errors import SensorErrors
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.result import Explanation
+    from flexros.robot import Robot
 
 SEEN_BY_TOOL = 1e-3
 """Least rms of a tool error that is not floating-point rounding, over the noise of the tracker [1] (chosen)."""
@@ -82,7 +84,7 @@ def signature_evidence(
         before: The nominal model with its predictions.
         after: The repaired model with its predictions; None where no effect was found.
     """
-    repaired = None if after is None else model.with_effects(after.effects).robot
+    repaired = None if after is None else _with_friction(model.with_effects(after.effects))
     tool, error = tool_errors(nothing, data) or (data.record.tool, None)
     return SignatureData(
         robot=model.robot,
@@ -93,3 +95,13 @@ def signature_evidence(
         repaired=repaired,
         tool_error=error,
     )
+
+
+def _with_friction(model: RobotWithEffects) -> Robot:
+    """Return a robot with the viscous friction of its laws as its own, which acts in its linear model too."""
+    friction: dict[str, float] = {}
+    for law in model.laws:
+        if isinstance(law.effect, ViscousFriction):
+            name = f"{law.location}.viscous_friction"
+            friction[name] = friction.get(name, model.robot.parameters[name].value) + law.effect.coefficient
+    return model.robot.with_values(friction)

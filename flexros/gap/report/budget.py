@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
+from flexros.effects.left_out import RotorInertia, ToolLoad
 from flexros.gap.report.waterfall import shown, waterfall_figure
 from flexros.gap.report.words import (
     NOT_DETERMINED,
@@ -69,7 +70,8 @@ def _caption(diagnosis: Diagnosis, joints: tuple[str, ...]) -> str:
     return (
         "The gap on held-out data at each joint, as shares of the gap of all joints: with the nominal model, what each "
         "effect closes (blue) or opens there (orange), and what is left. Effects are added in the order of what they "
-        f"close; one takes what those after it close as well. 0 is the floor, noise alone.{hidden}"
+        "close; one takes what those after it close as well. Effects that act against each other at a joint are one "
+        f"row where only together they close a part of the gap there. 0 is the floor, noise alone.{hidden}"
     )
 
 
@@ -95,7 +97,7 @@ def _introduction(diagnosis: Diagnosis) -> str:
 
 def _shares(diagnosis: Diagnosis) -> TextTable:
     budget = diagnosis.budget
-    sizes = {(cause.effect, cause.location): clear_words(cause.effect, cause.parameters) for cause in diagnosis.causes}
+    sizes = _sizes(diagnosis)
     rows: list[tuple[str, ...]] = []
     for joint in dict.fromkeys(share.joint for share in budget):
         rows.append((joint,))
@@ -108,6 +110,20 @@ def _shares(diagnosis: Diagnosis) -> TextTable:
             rows.append((capital(name), size, first, last))
     caption = "Shares of the gap, with 95 % intervals."
     return TextTable(("Effect", "size", "added first", "removed last"), tuple(rows), caption, left=2)
+
+
+def _sizes(diagnosis: Diagnosis) -> dict[tuple[str, str], str]:
+    """Write the sizes of causes, and of rotors and a load that the model lacks, by effect and location."""
+    lacked: dict[tuple[str, str], list[str]] = {}
+    for one in diagnosis.model_numbers:
+        owner, _, name = one.name.partition(".")
+        size = with_std(one.value, one.std, one.unit) if one.determined else NOT_DETERMINED
+        if owner == ToolLoad.name:
+            lacked.setdefault((ToolLoad.name, one.location), []).append(f"{name} {size}")
+        elif name == "inertia" and one.nominal == 0:
+            lacked[RotorInertia.name, one.location] = [size]
+    causes = {(cause.effect, cause.location): clear_words(cause.effect, cause.parameters) for cause in diagnosis.causes}
+    return {key: ", ".join(texts) for key, texts in lacked.items()} | causes
 
 
 def is_worse_alone(share: BudgetShare) -> bool:

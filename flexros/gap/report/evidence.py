@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.gap.report.ranking import first_of_ranking
+from flexros.gap.report.ranking import explanation_of, first_of_ranking
 from flexros.gap.report.signature_pictures import signature_pictures
 from flexros.gap.report.words import (
     capital,
@@ -22,6 +23,8 @@ from flexros.report.base import AbstractSection, Block, Folded, Heading, Paragra
 from flexros.report.number_text import number
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from flexros.gap.result import DiagnosisResult, RankedCandidate
 
 _SHOWN = 3
@@ -47,10 +50,18 @@ class EvidenceSection(AbstractSection["DiagnosisResult"]):
             return ()
         blocks: list[Block] = []
         drawn: set[str] = set()
-        for rank, candidate in enumerate(first_of_ranking(result.ranking, _SHOWN), start=1):
+        told: set[frozenset[tuple[str, str]]] = set()
+        for rank, candidate in enumerate(first_of_ranking(result, _SHOWN), start=1):
+            explanation = explanation_of(candidate)
+            found: list[Block] = []
+            if rank == 1 and len(explanation) > 1:
+                blocks.append(Heading(f"The explanation by {len(explanation)} effects"))
+                blocks += _common(candidate, result, whole=True)
+            elif explanation not in told:
+                found += _common(candidate, result)
+            told.add(explanation)
             heading = f"{rank}. {capital(cause_words(candidate))}: {share_words(candidate.probability)}"
-            found: list[Block] = [Paragraph(text, "for") for text in evidence_for(candidate)]
-            found += [Paragraph(text, "against") for text in evidence_against(candidate, result)]
+            found += _paragraphs(evidence_for(candidate, result), evidence_against(candidate, result))
             for picture in signature_pictures(candidate, result):
                 if picture.caption not in drawn:  # effects at one joint share pictures
                     drawn.add(picture.caption)
@@ -60,8 +71,18 @@ class EvidenceSection(AbstractSection["DiagnosisResult"]):
         return tuple(blocks)
 
 
-def evidence_for(candidate: RankedCandidate) -> tuple[str, ...]:
-    """List the evidence for an effect, one sentence each."""
+def _common(candidate: RankedCandidate, result: DiagnosisResult, *, whole: bool = False) -> list[Block]:
+    """Return the evidence for and against an explanation, in words of one of its effects or of the whole of it."""
+    subject = replace(candidate, together_with=()) if whole else candidate
+    return _paragraphs(explanation_for(subject), explanation_against(subject, result))
+
+
+def _paragraphs(of_it: Sequence[str], against: Sequence[str]) -> list[Block]:
+    return [*(Paragraph(text, "for") for text in of_it), *(Paragraph(text, "against") for text in against)]
+
+
+def explanation_for(candidate: RankedCandidate) -> tuple[str, ...]:
+    """List the evidence for an effect together with those that it explains the log with, one sentence each."""
     texts = []
     if candidate.score > 0:
         gain, cost = number(candidate.gain, 4), number(candidate.penalty, 3)
@@ -76,14 +97,11 @@ def evidence_for(candidate: RankedCandidate) -> tuple[str, ...]:
         texts.append(f"It also predicts held-out data better: gain {number(candidate.holdout_gain, 4)} there.")
     if candidate.remainder is not None and candidate.remainder < _LEAVES_LITTLE:
         texts.append(f"It leaves {share_words(max(candidate.remainder, 0.0))} of the excess over the noise floor.")
-    clear = [name for name, value in candidate.parameters.items() if abs(value.value) > _CLEAR * value.std > 0]
-    if clear:
-        texts.append(f"Clearly different from zero: {listed([_number(name, candidate) for name in clear])}.")
     return tuple(texts)
 
 
-def evidence_against(candidate: RankedCandidate, result: DiagnosisResult) -> tuple[str, ...]:
-    """List the evidence against an effect, one sentence each.
+def explanation_against(candidate: RankedCandidate, result: DiagnosisResult) -> tuple[str, ...]:
+    """List the evidence against an effect together with those that it explains the log with, one sentence each.
 
     Args:
         candidate: The effect.
@@ -103,6 +121,34 @@ def evidence_against(candidate: RankedCandidate, result: DiagnosisResult) -> tup
         texts.append("It does not predict held-out data better than the nominal model.")
     if candidate.remainder is not None and candidate.remainder > result.settings.ranking.unexplained:
         texts.append(f"It leaves {share_words(candidate.remainder)} of the excess over the noise floor unexplained.")
+    return tuple(texts)
+
+
+def evidence_for(candidate: RankedCandidate, result: DiagnosisResult) -> tuple[str, ...]:
+    """List the evidence for an effect itself, one sentence each.
+
+    Args:
+        candidate: The effect.
+        result: The diagnosis.
+    """
+    texts = []
+    opened = next((one.share_last for one in result.diagnosis.budget if same_effect(one, candidate)), None)
+    if opened is not None and opened > 0:
+        texts.append(f"Without it, and with all others, {share_words(opened)} of the held-out gap opens.")
+    clear = [name for name, value in candidate.parameters.items() if abs(value.value) > _CLEAR * value.std > 0]
+    if clear:
+        texts.append(f"Clearly different from zero: {listed([_number(name, candidate) for name in clear])}.")
+    return tuple(texts)
+
+
+def evidence_against(candidate: RankedCandidate, result: DiagnosisResult) -> tuple[str, ...]:
+    """List the evidence against an effect itself, one sentence each.
+
+    Args:
+        candidate: The effect.
+        result: The diagnosis.
+    """
+    texts = []
     unknown = [name for name, value in candidate.parameters.items() if not math.isfinite(value.std)]
     if unknown:
         texts.append(f"Not identifiable from this log: {listed([name.replace('_', ' ') for name in unknown])}.")

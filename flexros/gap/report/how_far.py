@@ -56,7 +56,7 @@ def gap_figure(gap: GapNumbers) -> go.Figure:
     """Draw the gap before and after the repair, that of the best rival, and the noise floor."""
     import plotly.graph_objects as go
 
-    from flexros.report.theme import stacked
+    from flexros.report.theme import LOGARITHMIC, stacked
 
     bars = [
         ("nominal model", gap.before, NOMINAL),
@@ -84,7 +84,7 @@ def gap_figure(gap: GapNumbers) -> go.Figure:
     figure.update_yaxes(autorange="reversed", showgrid=False)
     unit = "" if gap.unit == "1" else f" [{gap.unit}]"
     figure.update_xaxes(
-        title_text=f"gap{unit}", type="log", range=[math.log10(0.5 * smallest), math.log10(2.2 * largest)]
+        title_text=f"gap{unit}", range=[math.log10(0.5 * smallest), math.log10(2.2 * largest)], **LOGARITHMIC
     )
     figure.update_layout(margin={"l": 185, "t": 16}, showlegend=False, bargap=0.35)
     return figure

@@ -74,7 +74,7 @@ def _settled(prediction: PredictedLog, record: Record) -> FloatArray:
 
 
 def _empty(result: DiagnosisResult, motors: np.ndarray[tuple[int, ...], np.dtype[np.intp]]) -> go.Figure:
-    from flexros.report.theme import stacked
+    from flexros.report.theme import LOGARITHMIC, stacked
 
     names = [result.robot.joint_names[motor] for motor in motors.tolist()]
     titles = [title for name in names for title in (f"{name}, over time", f"{name}, spectrum")]
@@ -82,8 +82,8 @@ def _empty(result: DiagnosisResult, motors: np.ndarray[tuple[int, ...], np.dtype
     for row in range(1, len(names) + 1):
         figure.update_xaxes(title_text="time [s]", row=row, col=1)
         figure.update_yaxes(title_text="error / σ", row=row, col=1)
-        figure.update_xaxes(title_text="frequency [Hz]", type="log", row=row, col=2)
-        figure.update_yaxes(title_text="power / floor", type="log", row=row, col=2)
+        figure.update_xaxes(title_text="frequency [Hz]", row=row, col=2, **LOGARITHMIC)
+        figure.update_yaxes(title_text="power / floor", row=row, col=2, **LOGARITHMIC)
     return figure
 
 

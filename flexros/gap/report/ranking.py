@@ -60,7 +60,7 @@ class RankingSection(AbstractSection["DiagnosisResult"]):
             *groups,
             *open_sizes,
             *tolerances,
-            table_of_ranking(result.ranking),
+            table_of_ranking(result),
         )
 
 
@@ -84,15 +84,16 @@ def _sentence(result: DiagnosisResult) -> str:
         " Here none of them explains the gap, so none is probable: the cause is another effect, or several together."
     )
     return (
-        f"{count} effect{'s' * (count > 1)} at their locations, and 'nothing', were fitted to the log and compared by "
-        "their gain beyond what their number of parameters gains by chance. The probability is that of the effect "
+        f"The explanations that were fitted to the end have {count} effect{'s' * (count > 1)} at their locations. They "
+        "and 'nothing' are compared by their gain beyond what their number of parameters gains by chance. The "
+        "probability is that of the effect "
         "being part of the truth; where several causes act together, several are high."
         f"{unknown if result.diagnosis.verdict == 'unknown_effect' else ''}"
     )
 
 
 def _picture(result: DiagnosisResult) -> Picture:
-    ranked = first_of_ranking(result.ranking, _MOST_BARS)
+    ranked = first_of_ranking(result, _MOST_BARS)
     names = [*(capital(named(candidate)) for candidate in ranked), capital(NOTHING)]
     values = [*(candidate.probability for candidate in ranked), result.null_probability]
     colours = [*(_colour(candidate, result.diagnosis) for candidate in ranked), _NONE]
@@ -107,14 +108,31 @@ def _picture(result: DiagnosisResult) -> Picture:
     )
 
 
-def first_of_ranking(ranking: Sequence[RankedCandidate], most: int) -> Sequence[RankedCandidate]:
-    """Return the first effects, and all further causes.
+def first_of_ranking(result: DiagnosisResult, most: int) -> Sequence[RankedCandidate]:
+    """Return the first effects, and all further causes and rivals that the log does not tell from them.
 
     Args:
-        ranking: Effects in their order.
-        most: Effects that are returned if no more are causes.
+        result: The diagnosis.
+        most: Effects that are returned if no more are causes or rivals.
     """
-    return [one for rank, one in enumerate(ranking) if rank < most or one.probability >= LIKELY]
+    rivals = [one for group in result.diagnosis.ambiguity_groups for one in group]
+    return [
+        one
+        for rank, one in enumerate(result.ranking)
+        if rank < most or one.probability >= LIKELY or any(same_effect(one, rival) for rival in rivals)
+    ]
+
+
+def explanation_of(candidate: RankedCandidate) -> frozenset[tuple[str, str]]:
+    """Return the effects, with their locations, that the figures of a candidate are of."""
+    others = ((one.effect, one.location) for one in candidate.together_with)
+    return frozenset([(candidate.effect, candidate.location), *others])
+
+
+def first_of_explanations(ranked: Sequence[RankedCandidate]) -> list[bool]:
+    """Return which candidates are the first of their explanation, whose figures would only be repeated below."""
+    explanations = [explanation_of(candidate) for candidate in ranked]
+    return [explanation not in explanations[:rank] for rank, explanation in enumerate(explanations)]
 
 
 def _bars(names: Sequence[str], values: Sequence[float], colours: Sequence[str]) -> go.Figure:
@@ -150,28 +168,42 @@ def _colour(candidate: RankedCandidate, diagnosis: Diagnosis) -> str:
     return _CAUSE if reported and candidate.probability >= LIKELY else _REST
 
 
-def table_of_ranking(ranking: Sequence[RankedCandidate]) -> TextTable:
+def table_of_ranking(result: DiagnosisResult) -> TextTable:
     """Return the first effects in their order with their fitted parameters and evidence."""
-    unseen = any(candidate.holdout_gain is not None for candidate in ranking)
+    unseen = any(candidate.holdout_gain is not None for candidate in result.ranking)
+    opened = {(share.effect, share.location): share.share_last for share in result.diagnosis.budget}
+    ranked = first_of_ranking(result, _MOST_ROWS)
     rows = tuple(
         (
-            capital(named(candidate)) + (f" (with {partners_words(candidate)})" if candidate.together_with else ""),
+            capital(named(candidate))
+            + (f" (with {partners_words(candidate)})" if first and candidate.together_with else ""),
             parameters_words(candidate.parameters),
             _short(candidate.probability),
-            number(candidate.gain, 4),
-            number(candidate.penalty, 3),
-            *([number(candidate.holdout_gain, 4)] if unseen else []),
-            "-" if candidate.remainder is None else _short(candidate.remainder),
+            *([_share(opened.get((candidate.effect, candidate.location)))] if opened else []),
+            *(_figures(candidate, unseen) if first else [""] * (3 + unseen)),
         )
-        for candidate in first_of_ranking(ranking, _MOST_ROWS)
+        for candidate, first in zip(ranked, first_of_explanations(ranked), strict=True)
     )
-    header = ("Effect", "fitted", "probability", "gain", "penalty", *(["gain, held out"] if unseen else []), "leaves")
+    of_explanation = ("gain", "penalty", *(["gain, held out"] if unseen else []), "leaves")
+    header = ("Effect", "fitted", "probability", *(["removed last"] if opened else []), *of_explanation)
+    last = "Removed last: share of the held-out gap that opens without it. " if opened else ""
     held_out = "gain, held out: the same in held-out data, for the first few; " if unseen else ""
     caption = (
-        "Gain: twice the gain in log-likelihood over the nominal model in the fitted log; penalty: cost of its "
-        f"parameters; {held_out}leaves: share of the excess over noise that remains in the fitted log."
+        f"{last}Gain: twice the gain in log-likelihood over the nominal model in the fitted log; penalty: cost of its "
+        f"parameters; {held_out}leaves: share of the excess over noise that remains in the fitted log. Of effects that "
+        "explain the log together these are written at the first one."
     )
     return TextTable(header, rows, caption, left=2)
+
+
+def _figures(candidate: RankedCandidate, unseen: bool) -> list[str]:
+    """Write the figures of an explanation: gain, penalty, gain in held-out data where `unseen`, and remainder."""
+    held_out = [number(candidate.holdout_gain, 4)] if unseen else []
+    return [number(candidate.gain, 4), number(candidate.penalty, 3), *held_out, _share(candidate.remainder)]
+
+
+def _share(share: float | None) -> str:
+    return "-" if share is None else _short(share)
 
 
 def _short(share: float) -> str:

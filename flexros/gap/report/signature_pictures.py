@@ -61,7 +61,7 @@ def _shown(signature: Signature) -> Signature:
 
 
 def _figure(signature: Signature) -> go.Figure:
-    from flexros.report.theme import stacked
+    from flexros.report.theme import LOGARITHMIC, stacked
 
     figure = stacked([""], height=_HEIGHT)
     clouds = {name: curve for name, curve in signature.series.items() if curve.style == "points"}
@@ -69,9 +69,9 @@ def _figure(signature: Signature) -> go.Figure:
     for colours, curves in ((_POINTS if lines else _COLOURS, clouds), (_COLOURS, lines)):
         for index, (name, curve) in enumerate(curves.items()):
             figure.add_trace(_trace(_spoken(name), curve, colours[index % len(colours)], 3 if lines else 6))
-    figure.update_xaxes(title_text=signature.x_label, type="log" if signature.log_x else "linear")
+    figure.update_xaxes(title_text=signature.x_label, **(LOGARITHMIC if signature.log_x else {}))
     title = "<br>".join(textwrap.wrap(signature.y_label, _ACROSS))
-    figure.update_yaxes(title_text=title, title_standoff=12, type="log" if signature.log_y else "linear")
+    figure.update_yaxes(title_text=title, title_standoff=12, **(LOGARITHMIC if signature.log_y else {}))
     if clouds and lines and not signature.log_y:
         figure.update_yaxes(range=_range(clouds.values(), lines.values()))
     figure.update_layout(showlegend=len(signature.series) > 1, legend_itemsizing="constant", margin_l=104)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.gap.answer.order import PLACES, closed_by
-from flexros.gap.report.verdict import partial_sentence, reported_causes, verdict_sentence
+from flexros.gap.answer.order import largest_part
+from flexros.gap.report.verdict import partial_sentence, reported_causes, verdict_lead
 from flexros.gap.report.words import (
+    budget_words,
     capital,
     closed_words,
     floors_words,
@@ -41,7 +42,7 @@ class SummarySection(AbstractSection["DiagnosisResult"]):
         more = len(texts) - _MANY_WARNINGS
         if more > 0:
             warnings.append(Paragraph(f"{more} more warning{'s' * (more > 1)} at the end.", "warning"))
-        lead = verdict_sentence(result.diagnosis).replace(" %", "\u00a0%")
+        lead = verdict_lead(result.diagnosis)
         partial = partial_sentence(result.diagnosis)
         lacking = (Paragraph(partial, "warning"),) if partial else ()
         joints = joints_line(result.robot)
@@ -62,11 +63,20 @@ def _tiles(result: DiagnosisResult) -> list[tuple[str, str, str, str]]:
     closed_loop = next((signal for signal in result.signals if "closed loop" in signal.signal), None)
     if closed_loop is not None:
         tiles.append(_closed_loop_tile(closed_loop))
+    return tiles + _where_tiles(result)
+
+
+def _where_tiles(result: DiagnosisResult) -> list[tuple[str, str, str, str]]:
+    """Return the joint with the largest part of the gap, and the first location of the map, in its own measure."""
+    diagnosis, tiles = result.diagnosis, []
+    if len(diagnosis.waterfall) > 1:
+        joint = max(diagnosis.waterfall, key=lambda one: one.before)
+        tiles.append(("Largest part of the gap", joint.joint, "", f"{share_words(joint.before)} of the held-out gap"))
     if diagnosis.where:
         first = diagnosis.where[0]
-        detail = where_words(first, result.record.sample_time).partition(", ")[2]
-        below = f"{capital(detail)}, {p_value_words(first.p_value)}" if detail else p_value_words(first.p_value)
-        tiles.append(("Where it shows most", first.joint, "", below.replace("p = ", "p\u00a0=\u00a0")))
+        detail = where_words(first, result.record.sample_time).removeprefix(first.joint).lstrip(",: ")
+        p_value = p_value_words(first.p_value, result.simulated_logs).replace(" ", "\u00a0")
+        tiles.append(("Clearest sign, before any hypothesis", first.joint, "", f"{capital(detail)}, {p_value}"))
     return tiles
 
 
@@ -78,13 +88,12 @@ def _cause_tile(diagnosis: Diagnosis) -> tuple[str, str, str, str]:
     if diagnosis.verdict == "unknown_effect":
         return "Verdict", "unknown effect", "", f"best known effect: {named(causes[0])}"
     more = f" and {len(causes) - 1} more" if len(causes) > 1 else ""
-    below, steps = f"{capital(named(causes[0]))}{more}", [step for one in diagnosis.waterfall for step in one.steps]
-    largest = max(steps, key=lambda step: closed_by(step, diagnosis.waterfall), default=None)
-    closed = 0.0 if largest is None else closed_by(largest, diagnosis.waterfall)
-    if more and largest is not None and 0 < round(closed, PLACES) <= 1:  # else others open what it closes
-        others = len({(step.effect, step.location) for step in steps}) - 1
-        below = f"{capital(named(largest))} and {others} more in the patch"
-        return "Closed by the largest part", share_words(min(closed, 1.0)).removesuffix(" %"), "%", below
+    largest, closed = largest_part(diagnosis.budget)
+    if more and largest is not None:
+        effects = [share for share in diagnosis.budget if share.effect is not None]
+        below = f"By {budget_words(largest)}, added first or removed last; {len(effects) - 1} more in the patch"
+        return "Closed by the largest part, at least", share_words(closed).removesuffix(" %"), "%", below
+    below = f"{capital(named(causes[0]))}{more}"
     return "Probability of the first cause", share_words(causes[0].probability).removesuffix(" %"), "%", below
 
 

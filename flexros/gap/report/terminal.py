@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flexros.gap.report.budget import LITTLE_WORSE, WHY_WORSE, WORSE_ALONE, draws, is_worse_alone
-from flexros.gap.report.ranking import first_of_ranking
-from flexros.gap.report.verdict import verdict_sentence
+from flexros.gap.report.ranking import first_of_explanations, first_of_ranking
+from flexros.gap.report.verdict import hanging_names, verdict_sentence
 from flexros.gap.report.waterfall import waterfall_lines
 from flexros.gap.report.words import (
     NOT_DETERMINED,
@@ -49,7 +49,10 @@ def verdict_line(diagnosis: Diagnosis) -> str:
 
 
 def ranking_table(result: DiagnosisResult) -> Table:
-    """Return a table of the first effects in their order, of all further causes, and of 'nothing'."""
+    """Return a table of the first effects in their order, of all further causes and rivals, and of 'nothing'.
+
+    Gain and remainder are those of a whole explanation, and are written at the first of its effects.
+    """
     from rich.table import Table
     from rich.text import Text
 
@@ -58,9 +61,11 @@ def ranking_table(result: DiagnosisResult) -> Table:
     for heading in ("probability", "gain", "leaves"):
         table.add_column(heading, justify="right", no_wrap=True)
     table.add_column("fitted", min_width=22)
-    for candidate in first_of_ranking(result.ranking, _RANKED):
+    ranked = first_of_ranking(result, _RANKED)
+    for candidate, first in zip(ranked, first_of_explanations(ranked), strict=True):
         left = "-" if candidate.remainder is None else share_words(candidate.remainder)
-        cells = (capital(named(candidate)), share_words(candidate.probability), number(candidate.score, 4), left)
+        figures = (number(candidate.score, 4), left) if first else ("", "")
+        cells = (capital(named(candidate)), share_words(candidate.probability), *figures)
         table.add_row(*map(Text, (*cells, clear_words(candidate.effect, candidate.parameters))))
     table.add_row("Nothing", share_words(result.null_probability), "0", "100 %", "")
     return table
@@ -69,7 +74,7 @@ def ranking_table(result: DiagnosisResult) -> Table:
 def where_lines(result: DiagnosisResult) -> tuple[str, ...]:
     """Describe the first locations of the gap."""
     return tuple(
-        f"{where_words(location, result.record.sample_time)}, {p_value_words(location.p_value)}"
+        f"{where_words(location, result.record.sample_time)}, {p_value_words(location.p_value, result.simulated_logs)}"
         for location in result.diagnosis.where[:_LOCATIONS]
     )
 
@@ -220,15 +225,16 @@ def group_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
 
 
 def tolerance_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
-    """List the effects whose names change with halved or doubled tolerances, or say that none does."""
+    """List the effects whose names hang on halved or doubled tolerances, or say that no name changes."""
     rows = diagnosis.tolerance_sensitivity
     changing = tuple(
         f"{capital(named(row))}: {share_words(row.halved)} with halved tolerances of the model, "
         f"{share_words(row.stated)} with the stated ones, {share_words(row.doubled)} with doubled ones"
-        for row in rows
-        if row.changes
+        for row in hanging_names(diagnosis)
     )
-    return changing or (("No name changes with halved or doubled tolerances of the model",) if rows else ())
+    if changing or any(row.changes for row in rows):
+        return changing
+    return ("No name changes with halved or doubled tolerances of the model",) if rows else ()
 
 
 def next_lines(diagnosis: Diagnosis) -> tuple[str, ...]:

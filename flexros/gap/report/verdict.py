@@ -9,6 +9,7 @@ from flexros.gap.answer.order import shares_of
 from flexros.gap.held_out.closed_share import NOTHING
 from flexros.gap.report.words import (
     LIKELY,
+    capital,
     cause_words,
     causes_words,
     closed_words,
@@ -31,7 +32,15 @@ from flexros.report.number_text import number
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from flexros.gap.schema import Cause, Diagnosis, EffectLocation, GapNumbers, ModelNumber
+    from flexros.gap.schema import (
+        Cause,
+        Diagnosis,
+        EffectLocation,
+        Excess,
+        GapNumbers,
+        ModelNumber,
+        ToleranceSensitivity,
+    )
 
 _LACKED = (RotorInertia.name, ToolLoad.name)
 """Numbers that a robot file may leave out."""
@@ -39,6 +48,10 @@ _FEW_LACKED = 3
 """Numbers that the model lacks, stated one by one up to this many; of more the rotors are gathered (chosen)."""
 _SURE = 0.995
 """Probability from which it is not stated in the sentence (chosen)."""
+_NEARLY_SURE = 0.99
+"""Probability above which it is written as "over 99 %"."""
+_TIE = 0.2
+"""Change of a probability below which rivals are about as probable with any tolerances [1] (chosen)."""
 
 
 def verdict_sentence(diagnosis: Diagnosis) -> str:
@@ -85,7 +98,7 @@ def reported_causes(diagnosis: Diagnosis) -> tuple[Cause, ...]:
 
 def tolerance_sentence(diagnosis: Diagnosis) -> str:
     """Say which names change with halved or doubled tolerances of the model; empty where none does."""
-    changing = [row for row in diagnosis.tolerance_sensitivity if row.changes]
+    changing = hanging_names(diagnosis)
     if not changing:
         return ""
     texts = []
@@ -98,6 +111,26 @@ def tolerance_sentence(diagnosis: Diagnosis) -> str:
     )
 
 
+def hanging_names(diagnosis: Diagnosis) -> list[ToleranceSensitivity]:
+    """List the names that change with halved or doubled tolerances, without rivals that are a tie with any of them."""
+    rivals = [one for group in diagnosis.ambiguity_groups for one in group]
+    return [
+        row
+        for row in diagnosis.tolerance_sensitivity
+        if row.changes
+        and not (
+            any(same_effect(row, rival) for rival in rivals)
+            and max(row.halved, row.stated, row.doubled) - min(row.halved, row.stated, row.doubled) < _TIE
+        )
+    ]
+
+
+def verdict_lead(diagnosis: Diagnosis) -> str:
+    """Return the verdict for a report: its word, and its sentence."""
+    word, sentence = capital(diagnosis.verdict.replace("_", " ")), verdict_sentence(diagnosis)
+    return sentence if sentence.startswith(word) else f"{word}: {sentence}"
+
+
 def _no_gap(diagnosis: Diagnosis) -> str:
     gap = diagnosis.gap
     text = (
@@ -107,7 +140,7 @@ def _no_gap(diagnosis: Diagnosis) -> str:
     if diagnosis.where:
         first = min(diagnosis.where, key=lambda location: location.p_value)
         location = where_words(first).partition(":")[0]
-        text += f"; the most suspicious location, {location}, has {p_value_words(first.p_value)}"
+        text += f"; the most suspicious location, {location}, has {_p_words(diagnosis, first)}"
     lacking = _lacking(diagnosis).removesuffix(".")
     return f"{text}. {lacking}: it is the model with the patch that agrees." if lacking else f"{text}."
 
@@ -117,8 +150,9 @@ def _explained(diagnosis: Diagnosis) -> str:
     if not causes:
         return f"There is a gap. {_where(diagnosis)}"
     sure = min(cause.probability for cause in causes)
-    each, more = ("", "") if len(causes) == 1 else ("each ", " or more")
-    how = "" if sure >= _SURE else f", {each}with a probability of {share_words(sure)}{more}"
+    each = "" if len(causes) == 1 else "each "
+    least = "" if len(causes) == 1 or sure > _NEARLY_SURE else "at least "  # which is said as "over 99 %"
+    how = "" if sure >= _SURE else f", {each}with a probability of {least}{share_words(sure)}"
     names = causes_words(causes)
     return " ".join(f"The gap comes from {names}{how}. {_lacking(diagnosis)} {_closed(diagnosis.gap)}".split())
 
@@ -246,7 +280,11 @@ def _where(diagnosis: Diagnosis) -> str:
     if not diagnosis.where:
         return ""
     first = diagnosis.where[0]
-    return f"It is largest in {where_words(first)} ({p_value_words(first.p_value)})."
+    return f"It is largest in {where_words(first)} ({_p_words(diagnosis, first)})."
+
+
+def _p_words(diagnosis: Diagnosis, location: Excess) -> str:
+    return p_value_words(location.p_value, (diagnosis.provenance.get("where") or {}).get("realisations", 0))
 
 
 def _next(diagnosis: Diagnosis) -> str:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     import plotly.graph_objects as go
 
-    from flexros.gap.schema import Diagnosis, Waterfall
+    from flexros.gap.schema import Diagnosis, Step, Waterfall
 
 LEAST = 0.01
 """Share of the gap from which a joint and a step are shown by themselves [1] (chosen)."""
@@ -36,12 +36,14 @@ class Row:
         share: Share of the gap [1]; of a step, the change.
         begin: Where its bar begins [1].
         total: Whether it is the gap before or what is left, not a step.
+        parts: Effects with what each changes, where the row is of several.
     """
 
     name: str
     share: float
     begin: float
     total: bool = False
+    parts: tuple[str, ...] = ()
 
     @property
     def words(self) -> str:
@@ -52,16 +54,45 @@ class Row:
 
 
 def rows_of(waterfall: Waterfall) -> tuple[Row, ...]:
-    """List the rows of a joint: the gap before, the steps that show, all others together, and what is left."""
+    """List the rows of a joint: the gap before, the steps that show, all others together, and what is left.
+
+    Where effects act against each other at the joint, those that only together close any of the gap are one row: the
+    order in which they are added would decide by how much each opens or closes it.
+    """
     rows, level = [Row("before", waterfall.before, 0.0, total=True)], waterfall.before
-    for step in waterfall.steps:
-        if abs(step.share) >= LEAST:
-            rows.append(Row(named_at(waterfall.joint, step.effect, step.location), -step.share, level))
-            level -= step.share
+    for steps in _together([step for step in waterfall.steps if abs(step.share) >= LEAST]):
+        share = sum(step.share for step in steps)
+        if abs(share) >= LEAST:
+            rows.append(_row(waterfall.joint, steps, level))
+            level -= share
     others = waterfall.left - level
     if abs(others) >= LEAST / 2:
         rows.append(Row("all others", others, level))
     return (*rows, Row("left", waterfall.left, 0.0, total=True))
+
+
+def _together(steps: Sequence[Step]) -> list[list[Step]]:
+    """Join each step that opens the gap with those after it, up to the one with which they close some."""
+    groups: list[list[Step]] = []
+    for step in steps:
+        if groups and sum(one.share for one in groups[-1]) < -LEAST / 2:
+            groups[-1].append(step)
+        else:
+            groups.append([step])
+    return groups
+
+
+def _row(joint: str, steps: Sequence[Step], level: float) -> Row:
+    """Make the row of one step, or of several by the name of the largest."""
+    share = -sum(step.share for step in steps)
+    first, *others = sorted(steps, key=lambda step: -abs(step.share))
+    name = named_at(joint, first.effect, first.location)
+    if not others:
+        return Row(name, share, level)
+    names = [named_at(joint, step.effect, step.location) for step in steps]
+    parts = tuple(f"{one} {signed_share_words(-step.share)}" for one, step in zip(names, steps, strict=True))
+    beside = named_at(joint, others[0].effect, others[0].location) if len(others) == 1 else f"{len(others)} others"
+    return Row(f"{name} with {beside}", share, level, parts=parts)
 
 
 def shown(diagnosis: Diagnosis) -> tuple[Waterfall, ...]:
@@ -92,8 +123,8 @@ def waterfall_figure(diagnosis: Diagnosis) -> go.Figure:
                 measure=["absolute", *["relative"] * (len(rows) - 2), "absolute"],
                 x=[row.share for row in rows],
                 y=own,
-                customdata=[f"{capital(row.name)}, {waterfall.joint}: {row.words}" for row in rows],
-                hovertemplate="%{customdata} of the gap<extra></extra>",
+                customdata=[_hover(row, waterfall.joint) for row in rows],
+                hovertemplate="%{customdata}<extra></extra>",
                 connector={"line": {"color": TOTALS, "width": 1, "dash": "dot"}},
                 decreasing={"marker": {"color": REPAIRED}},
                 increasing={"marker": {"color": NOMINAL}},
@@ -143,6 +174,10 @@ def _places(labels: Sequence[str]) -> list[float]:
     """Return where the rows of labels are, a row apart, and farther where a label has more than two lines."""
     heights = [max(1.0, (1 + label.count("<br>")) / 2) for label in labels]
     return [end - (height + 1) / 2 for end, height in zip(accumulate(heights), heights, strict=True)]
+
+
+def _hover(row: Row, joint: str) -> str:
+    return "<br>".join([f"{capital(row.name)}, {joint}: {row.words} of the gap", *row.parts])
 
 
 def _label(row: Row, joint: str) -> str:

@@ -42,16 +42,17 @@ class WhereSection(AbstractSection["DiagnosisResult"]):
             return ()
         bands = [location for location in mapped if location.regime == "all"]
         regimes = [location for location in mapped if location.regime != "all"]
+        realisations = result.simulated_logs
         maps: list[Block] = []
         if len(bands) > 1:
             ordered = sorted(bands, key=lambda location: location.band_hz)
-            maps.append(Picture(_spectrum(ordered), _caption("frequency band, each as wide as its band")))
+            maps.append(Picture(_spectrum(ordered, realisations), _caption("frequency band, each as wide as its band")))
         if len(regimes) > 1:
             figure = _map(
                 regimes, [_wrapped(location.regime.replace("_", " "), 13) for location in regimes], "part of the motion"
             )
             maps.append(Picture(figure, _caption("part of the motion")))
-        return (Paragraph(_sentence(mapped)), *maps, _table(mapped, 0.5 / result.record.sample_time))
+        return (Paragraph(_sentence(mapped)), *maps, _table(mapped, 0.5 / result.record.sample_time, realisations))
 
 
 def _sentence(mapped: Sequence[Excess]) -> str:
@@ -76,11 +77,11 @@ def _wrapped(text: str, width: int) -> str:
     return "<br>".join(textwrap.wrap(text, width))
 
 
-def _spectrum(locations: Sequence[Excess]) -> go.Figure:
+def _spectrum(locations: Sequence[Excess], realisations: int) -> go.Figure:
     """Draw every band at its frequencies: those of several signals need not be the same."""
     import plotly.graph_objects as go
 
-    from flexros.report.theme import stacked
+    from flexros.report.theme import LOGARITHMIC, stacked
 
     rows = list(dict.fromkeys(_row(location) for location in locations))
     lowest = _BELOW * min(location.band_hz[1] for location in locations)
@@ -96,7 +97,7 @@ def _spectrum(locations: Sequence[Excess]) -> go.Figure:
                 z=[[share]], x=[low, high], y=[row - 0.5, row + 0.5], zmin=0, zmax=largest, colorscale=_SCALE,
                 showscale=False, xgap=2, ygap=2,
                 hovertemplate=f"{_row(location)}, {words}: {number(share, 3)} % of the excess, "
-                f"{p_value_words(location.p_value)}<extra></extra>",
+                f"{p_value_words(location.p_value, realisations)}<extra></extra>",
             )
         )  # fmt: skip
         texts.append(_text(0.5 * math.log10(low * high), row, share, location.p_value, largest))
@@ -108,7 +109,7 @@ def _spectrum(locations: Sequence[Excess]) -> go.Figure:
         showgrid=False,
     )
     ends = [math.log10(lowest), math.log10(max(location.band_hz[1] for location in locations))]
-    figure.update_xaxes(title_text="frequency [Hz]", type="log", range=ends, showgrid=False, dtick="D2")
+    figure.update_xaxes(title_text="frequency [Hz]", range=ends, showgrid=False, dtick="D2", **LOGARITHMIC)
     figure.update_layout(margin={"l": 170, "t": 20, "b": 58}, height=78 + 44 * len(rows))
     return figure
 
@@ -173,7 +174,7 @@ def _row(location: Excess) -> str:
     return location.signal if location.joint == "tool" else f"{location.joint} {location.signal}"
 
 
-def _table(mapped: Sequence[Excess], highest: float) -> TextTable:
+def _table(mapped: Sequence[Excess], highest: float, realisations: int) -> TextTable:
     ordered = sorted(mapped, key=lambda location: (location.p_value >= SIGNIFICANT, -location.share))
     rows = tuple(
         (
@@ -181,9 +182,13 @@ def _table(mapped: Sequence[Excess], highest: float) -> TextTable:
             band_words(location.band_hz, highest),
             location.regime.replace("_", " "),
             share_words(location.share),
-            p_value_words(location.p_value).removeprefix("p ").removeprefix("= "),
+            p_value_words(location.p_value, realisations).removeprefix("p ").removeprefix("= "),
         )
         for location in ordered[:_MOST_ROWS]
     )
     header = ("Signal", "band", "part of the motion", "share of the excess", "p-value")
-    return TextTable(header, rows, "The largest locations, significant ones first.", left=3)
+    caption = "The largest locations, significant ones first."
+    bound = next((row[-1] for row in rows if row[-1].startswith("≤")), "")
+    if bound:
+        caption += f" Where p is at most {bound[2:]}, none of {realisations} simulated logs without a gap has as much."
+    return TextTable(header, rows, caption, left=3)

@@ -37,8 +37,13 @@ DIVERGED = 1e24
 """Size of a gap from which predictions ran away within the horizon [1] (chosen)."""
 MOST_SHARE = 10.0
 """Share that is written as a number at most [1] (chosen)."""
-_MOST_CAUSES, _MOST_PARTNERS = 4, 3
-"""Causes that a sentence states with their sizes, and effects that are named beside another one (chosen)."""
+_MOST_CAUSES, _MOST_GATHERED, _MOST_PARTNERS = 4, 6, 3
+"""Causes that a sentence states with their sizes, and with all their locations, and effects that are named beside
+another one (chosen)."""
+_LARGEST = 3
+"""Causes that a sentence names of more than it states (chosen)."""
+_CERTAIN = 1.0 - 1e-12
+"""Share from which it is all of it but for round-off [1]."""
 _NEARLY_ALL, _ALL = 0.95, 0.9995
 """Closed shares between these are stated with a decimal (chosen)."""
 
@@ -196,14 +201,21 @@ def _without_size(cause: Cause) -> str:
 
 
 def causes_words(causes: Sequence[Cause]) -> str:
-    """Write what a gap comes from: a few causes with their sizes, more of them gathered by effect.
+    """Write what a gap comes from: a few causes with their sizes, more of them gathered by effect, of many the largest.
+
+    Args:
+        causes: The causes, the largest first.
 
     Returns:
-        E.g. "Coulomb friction at motor_1, 0.213 Nm (±0.011) and delay at all motors, 2.1 ms (±0.1)", or "7 effects:
-        Coulomb friction (motor_1, motor_2, motor_4 and motor_6) and viscous friction (motor_1, motor_2 and motor_3)".
+        E.g. "Coulomb friction at motor_1, 0.213 Nm (±0.011) and delay at all motors, 2.1 ms (±0.1)", "5 effects:
+        Coulomb friction (motor_1, motor_2 and motor_4) and viscous friction (motor_1 and motor_2)", or "13 effects, the
+        largest ones delay at all motors, tool load at the tool and Coulomb friction at motor_1".
     """
     if len(causes) <= _MOST_CAUSES:
         return listed([cause_words(cause) for cause in causes])
+    if len(causes) > _MOST_GATHERED:
+        largest = listed([f"{_imitated(cause)}{named(cause)}" for cause in causes[:_LARGEST]])
+        return f"{len(causes)} effects, the largest ones {largest}"
     places: dict[str, list[str]] = {}
     for cause in causes:
         places.setdefault(f"{_imitated(cause)}{effect_words(cause.effect)}", []).append(cause.location)
@@ -295,7 +307,7 @@ def share_words(share: float) -> str:
         return f"over {100 * MOST_SHARE:.0f} %"
     if share < 0.01:
         return "under 1 %"
-    return f"{100 * share:.0f} %" if share <= 0.99 or share >= 1 else "over 99 %"
+    return f"{100 * share:.0f} %" if share <= 0.99 or share >= _CERTAIN else "over 99 %"
 
 
 def signed_share_words(share: float) -> str:
@@ -375,12 +387,15 @@ def _between(interval: tuple[float, float] | None, words: Callable[[float], str]
     return "" if low == high else f" ({low} to {high})"
 
 
-def p_value_words(p_value: float) -> str:
-    """Write a p-value, e.g. "p = 0.03", "p < 0.001".
+def p_value_words(p_value: float, realisations: int = 0) -> str:
+    """Write a p-value, e.g. "p = 0.03", "p < 0.001", "p ≤ 0.005" where simulated logs can tell no less.
 
     Args:
         p_value: Probability of such an excess by chance [1].
+        realisations: Simulated logs without a gap that it was counted in; 0 where not known.
     """
+    if realisations and 0.5 < p_value * (realisations + 1) < 1.5:
+        return f"p ≤ {number(p_value, 1)}"
     return "p < 0.001" if p_value < 1e-3 else f"p = {number(p_value, 2)}"
 
 

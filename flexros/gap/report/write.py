@@ -100,7 +100,7 @@ def diagnosis_html(result: DiagnosisResult) -> str:
     """Show the answer of a diagnosis; `plot` draws its pictures, and the report has the evidence."""
     blocks: list[Block] = [*SummarySection().blocks(result)]
     if result.ranking and result.diagnosis.verdict != "no_gap":
-        blocks.append(table_of_ranking(result.ranking))
+        blocks.append(table_of_ranking(result))
     blocks += BudgetSection().blocks(result)
     return notebook_html(f"Diagnosis of {result.robot.name}", blocks)
 

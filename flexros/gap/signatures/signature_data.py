@@ -29,7 +29,8 @@ class SignatureData:
         observer: Gain of the predictor of the nominal robot.
         before: Prediction of the nominal robot.
         after: Prediction of the repaired robot; None where nothing was repaired.
-        repaired: The repaired robot, without the laws of its effects; None where nothing was repaired.
+        repaired: The repaired robot, with the viscous friction of its effects and without their other laws; None where
+            nothing was repaired.
         tool_error: Measured minus predicted tool positions [m], shape (n_t, 3), at the times of the record's tool;
             None where the tool was not measured.
     """

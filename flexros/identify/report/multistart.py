@@ -9,7 +9,7 @@ import plotly.graph_objects as go
 
 from flexros.report.base import AbstractSection, Block, Paragraph, Picture
 from flexros.report.number_text import number
-from flexros.report.theme import run_colour, stacked
+from flexros.report.theme import LOGARITHMIC, run_colour, stacked
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -58,6 +58,6 @@ def _picture(costs: FloatArray) -> Picture:
             showlegend=False,
         )
     )
-    figure.update_yaxes(title_text="cost / lowest cost", type="log")
+    figure.update_yaxes(title_text="cost / lowest cost", **LOGARITHMIC)
     figure.update_xaxes(title_text="start", range=[0.5, len(costs) + 0.5], tickformat="d")
     return Picture(figure, "Costs of the fits from all starts; those at 1 ended in the best minimum.")

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from flexros.robot.exchange.body_inertia import BodyInertia
 
 SAME = 1e-9
 """Relative difference up to which a number of a file is left as it is [1] (chosen, far above round-off)."""
@@ -80,6 +84,7 @@ class BodyNumbers:
         load: Point mass that moves its centre of mass, None for none; the factor is 1 then.
         rewritten: Mass and centre of mass that no factor and no load alone says, in words; the factors are 1 then.
         beside_load: What of these a load leaves, in words; empty without one.
+        nominal: Its numbers in the robot without effects, in its own frame, where `rewritten`; else None.
         inertia_factor: Inertia about the centre of mass, beyond that of `mass_factor`, with the mass kept [1].
     """
 
@@ -91,6 +96,7 @@ class BodyNumbers:
     rewritten: str = ""
     inertia_factor: float = 1.0
     beside_load: str = ""
+    nominal: BodyInertia | None = None
 
     @property
     def change(self) -> tuple[str, str]:

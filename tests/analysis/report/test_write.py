@@ -86,7 +86,7 @@ def test_every_picture_has_its_element_and_caption(page):
 
 
 def test_figures_in_the_page_equal_the_analysis(page, runs):
-    texts = parsed(page).texts
+    texts = [text.replace("\u00a0", " ") for text in parsed(page).texts]
     at = texts.index("All figures", texts.index("All figures") + 1)  # the first is in the contents
     for row in figure_rows(runs):
         at = texts.index(row.name, at)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from flexros.gap.answer.order import in_order
+from flexros.gap.answer.order import in_order, largest_part
 from flexros.gap.schema import BudgetShare, Cause, Step, Waterfall
 
 
@@ -13,6 +13,22 @@ def cause(effect: str, probability: float) -> Cause:
 def share(effect: str, last: float) -> BudgetShare:
     names = {"joint": "motor_1", "class": "friction", "effect": effect, "location": "motor_1"}
     return BudgetShare.model_validate({**names, "share_first": None, "share_last": last, "interval": None})
+
+
+def both(effect: str, first: float | None, last: float) -> BudgetShare:
+    return share(effect, last).model_copy(update={"share_first": first})
+
+
+def test_the_largest_part_closes_as_much_first_as_last() -> None:
+    """A gain that made up for the other effects would close two thirds, of 4 % at its joint."""
+    budget = (both("stiffness_error", -1.1, 0.64), both("rotor_inertia", None, 0.6), both("delay", 0.52, 0.53))
+    largest, closed = largest_part(budget)
+    assert largest is budget[2]
+    assert closed == 0.52
+
+
+def test_effects_that_close_the_gap_only_together_have_no_largest_part() -> None:
+    assert largest_part((both("delay", -0.2, 0.6), both("backlash", 0.4, 0.001))) == (None, 0.0)
 
 
 def waterfall(**closed: float) -> Waterfall:

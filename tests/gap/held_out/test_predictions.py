@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from flexros.effects import parse_effect
 from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.fit.estimates import placed_effects
 from flexros.gap.held_out.predictions import prediction_of, sensor_errors, signature_evidence, tool_errors
@@ -53,6 +55,18 @@ def test_pictures_see_the_log_before_and_after_the_repair() -> None:
     assert found.repaired.parameters["body_2.rz.stiffness"].value == pytest.approx(0.95 * nominal)
     assert found.tool_error is None
     assert signature_evidence(MODEL, data, nothing, before, None).repaired is None
+
+
+def test_pictures_of_the_repaired_robot_have_its_viscous_friction() -> None:
+    """It is a law beside the robot: without it the frequency response of both robots was one curve."""
+    friction = (parse_effect("viscous_friction@motor_1:coefficient=3", "test"),)
+    data, nothing = data_of(SOFT), CandidateFit(predictor_of(), np.zeros(0), 0.0)
+    before = explanation(None)
+    found = signature_evidence(MODEL, data, nothing, before, replace(before, effects=friction))
+    assert found.repaired is not None
+    name = "motor_1.viscous_friction"
+    assert found.repaired.parameters[name].value == pytest.approx(ROBOT.parameters[name].value + 3)
+    assert found.robot.parameters[name].value == ROBOT.parameters[name].value
 
 
 @pytest.mark.slow

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable
+from dataclasses import replace
 
 from rich.console import Console
 
@@ -22,7 +23,7 @@ from flexros.gap.report.terminal import (
 )
 from flexros.gap.report.words import undetermined_words
 from flexros.gap.result import DiagnosisResult
-from flexros.gap.schema import CauseParameter, Diagnosis, ModelNumber
+from flexros.gap.schema import CauseParameter, Diagnosis, EffectLocation, ModelNumber
 
 Diagnosed = Callable[[str], DiagnosisResult]
 
@@ -37,6 +38,18 @@ def test_ranking_ends_with_nothing(diagnosed: Diagnosed) -> None:
     lines = text.getvalue().splitlines()
     assert lines[1].split()[:6] == ["Coulomb", "friction", "at", "motor_1", "97", "%"]
     assert lines[-1].split() == ["Nothing", "0", "%", "0", "100", "%"]
+
+
+def test_figures_of_effects_together_are_printed_at_the_first(diagnosed: Diagnosed) -> None:
+    first, second, *_ = diagnosed("explained").ranking
+    partners = [(EffectLocation(effect=one.effect, location=one.location),) for one in (second, first)]
+    pair = tuple(replace(one, together_with=others) for one, others in zip((first, second), partners, strict=True))
+    text = io.StringIO()
+    Console(file=text, width=140).print(ranking_table(replace(diagnosed("explained"), ranking=pair)))
+    lines = text.getvalue().splitlines()
+    assert "5378" in lines[1]
+    assert lines[2].split()[:5] == ["Hysteresis", "at", "motor_1", "3", "%"]
+    assert lines[2].split()[5] == "level"
 
 
 def test_gap_is_one_line(diagnosed: Diagnosed) -> None:

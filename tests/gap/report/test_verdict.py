@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import pytest
 
-from flexros.gap.report.terminal import gap_line, group_lines
-from flexros.gap.report.verdict import partial_sentence, reported_causes, verdict_sentence
+from flexros.gap.report.terminal import gap_line, group_lines, tolerance_lines
+from flexros.gap.report.verdict import partial_sentence, reported_causes, tolerance_sentence, verdict_sentence
 from flexros.gap.report.words import cause_words
 from flexros.gap.result import DiagnosisResult
 from flexros.gap.schema import NEXT_EXPERIMENT, BudgetShare, Diagnosis, EffectLocation, ModelNumber, Partial
@@ -116,7 +116,14 @@ def test_both_causes_of_a_pair_are_reported(diagnosed: Diagnosed) -> None:
     assert [cause.effect for cause in reported_causes(pair)] == ["coulomb_friction", "hysteresis"]
     text = verdict_sentence(pair)
     assert "Coulomb friction at motor_1, 0.213 Nm (±0.011) and hysteresis at motor_1" in text
-    assert "each with a probability of 90 % or more" in text
+    assert "each with a probability of at least 90 %" in text
+
+
+def test_nearly_certain_causes_are_not_said_to_be_more_than_that(diagnosed: Diagnosed) -> None:
+    diagnosis = diagnosed("explained").diagnosis
+    causes = tuple(cause.model_copy(update={"probability": 0.992}) for cause in diagnosis.causes[:2])
+    text = verdict_sentence(diagnosis.model_copy(update={"causes": causes}))
+    assert "each with a probability of over 99 %. " in text
 
 
 def test_a_repair_that_makes_it_worse_is_reported(diagnosed: Diagnosed) -> None:
@@ -210,6 +217,21 @@ def test_names_that_hang_on_tolerances_are_in_the_verdict(guessed: Diagnosis) ->
     alone = guessed.model_copy(update={"ambiguity_groups": ()})
     assert "cannot distinguish" not in verdict_sentence(alone)
     assert "hysteresis at motor_1 (with halved" in verdict_sentence(alone)
+
+
+def test_rivals_that_are_a_tie_with_any_tolerances_do_not_hang_on_them(guessed: Diagnosis) -> None:
+    """47, 50 and 50 % against 53, 50 and 50 %: that the log does not tell them apart is said already."""
+    hysteresis, backlash, coulomb = guessed.tolerance_sensitivity
+    rows = (
+        hysteresis.model_copy(update={"halved": 0.53, "stated": 0.4996, "doubled": 0.4988}),
+        backlash.model_copy(update={"halved": 0.47, "stated": 0.5004, "doubled": 0.5012}),
+        coulomb,
+    )
+    tie = guessed.model_copy(update={"tolerance_sensitivity": rows})
+    assert tolerance_sentence(tie) == ""
+    assert tolerance_lines(tie) == ()
+    alone = tie.model_copy(update={"ambiguity_groups": ()})
+    assert "hysteresis at motor_1 (with halved ones)" in tolerance_sentence(alone)
 
 
 def test_names_of_a_part_that_hang_on_tolerances_are_in_the_verdict(divided: Diagnosis, guessed: Diagnosis) -> None:

@@ -41,6 +41,22 @@ def test_small_steps_are_written_together() -> None:
     assert rows[1].share == pytest.approx(-0.024)
 
 
+def test_effects_that_act_against_each_other_are_one_row() -> None:
+    """The gap of a joint had grown from 4 to 67 % before the last effect closed all of it."""
+    steps = (step("delay", -0.19, "all"), step("tool_load", -0.46, "tool"), step("stiffness_error", 0.69, "motor_2"))
+    (_, row, left) = rows_of(Waterfall(joint="motor_2", before=0.04, steps=steps, left=0.0))
+    assert row.name == "stiffness error with 2 others"
+    assert row.words == "\u22124 %"
+    assert row.parts == ("delay at all motors +19 %", "tool load at the tool +46 %", "stiffness error \u221269 %")
+    assert left.total
+
+
+def test_two_effects_that_act_against_each_other_are_both_named() -> None:
+    steps = (step("torque_bias", -0.1), step("backlash", 0.3), step("coulomb_friction", 0.2))
+    rows = rows_of(Waterfall(joint="motor_1", before=0.4, steps=steps, left=0.0))
+    assert [row.name for row in rows[1:-1]] == ["backlash with torque bias", "Coulomb friction"]
+
+
 def test_an_effect_of_another_joint_has_its_location() -> None:
     assert [row.name for row in rows_of(SECOND)][1:3] == ["Coulomb friction at motor_1", "delay at motor_1"]
 

@@ -50,8 +50,8 @@ def test_a_cause_of_a_size_that_it_hardly_ever_has_is_not_stated_as_certain(x: f
     angles = {"x": parameter(x, 0.001, "rad"), "y": parameter(0.045, 0.001, "rad")}
     tilt = Cause(effect="base_tilt", location="base", probability=1.0, parameters=angles, closed_fraction=None)
     assert cause_words(tilt).startswith(f"{before}tilt at the base, x ")
-    others = [tilt.model_copy(update={"effect": "torque_bias", "location": f"motor_{k}"}) for k in range(1, 7)]
-    assert f"7 effects: {before}tilt at the base and " in causes_words([tilt, *others])
+    others = [tilt.model_copy(update={"effect": "torque_bias", "location": f"motor_{k}"}) for k in range(1, 5)]
+    assert f"5 effects: {before}tilt at the base and " in causes_words([tilt, *others])
 
 
 def test_locations_are_named_in_words() -> None:
@@ -147,8 +147,14 @@ def test_shares_are_never_told_as_all_or_nothing_when_they_are_not() -> None:
         "over 99 %",
         "100 %",
     ]
+    assert share_words(1.0 - 1e-16) == "100 %"  # a sum of probabilities
     assert [closed_words(share) for share in (-0.5, 0.83, 0.9968, 1.4)] == ["\u221250 %", "83 %", "99.7 %", "100 %"]
     assert p_value_words(1e-5) == "p < 0.001"
+
+
+def test_a_p_value_that_simulated_logs_resolve_no_better_is_a_bound() -> None:
+    assert [p_value_words(count / 201, 200) for count in (1, 2)] == ["p ≤ 0.005", "p = 0.0100"]
+    assert p_value_words(1e-5, 200) == "p < 0.001"
 
 
 def test_shares_of_a_fit_that_strays_are_no_rows_of_digits() -> None:
@@ -217,3 +223,13 @@ def test_many_causes_are_gathered_by_effect() -> None:
         "5 effects: Coulomb friction (motor_1, motor_2 and motor_4), delay at all motors and payload error at the tool"
     )
     assert causes_words(causes[:1]) == "Coulomb friction at motor_1, 0.200 Nm (±0.010)"
+
+
+def test_of_many_causes_the_largest_are_named() -> None:
+    causes = [
+        Cause(effect="torque_bias", location=f"motor_{k}", probability=1.0, parameters={}, closed_fraction=None)
+        for k in range(1, 8)
+    ]
+    assert causes_words(causes) == (
+        "7 effects, the largest ones torque bias at motor_1, torque bias at motor_2 and torque bias at motor_3"
+    )

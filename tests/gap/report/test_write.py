@@ -15,13 +15,15 @@ from plotly.offline import get_plotlyjs
 
 from flexros.gap.report import diagnosis_report
 from flexros.gap.result import DiagnosisResult
-from flexros.gap.schema import Diagnosis, ModelNumber, Partial, Step
+from flexros.gap.schema import Diagnosis, EffectLocation, ModelNumber, Partial
 from flexros.robot import Robot
 
 pytestmark = pytest.mark.slow
 
 Diagnosed = Callable[[str], DiagnosisResult]
 PATCH = "robot: four_mass_linear\neffects:\n  - effect: coulomb_friction <at> motor_1\n"
+COULOMB = EffectLocation(effect="coulomb_friction", location="motor_1")
+HYSTERESIS = EffectLocation(effect="hysteresis", location="motor_1")
 ALWAYS = ("Where it shows", "Which effect", "How far apart, before and after", "Limits of this log")
 VERDICTS = {
     "no_gap": (ALWAYS, ("The evidence", "The patch")),
@@ -178,19 +180,68 @@ def test_the_budget_is_drawn_and_its_negative_shares_are_explained(diagnosed: Di
 def test_a_share_that_may_be_above_zero_is_stated(diagnosed: Diagnosed, divided: Diagnosis) -> None:
     budget = tuple(share.model_copy(update={"interval": (-0.7, 0.1)}) for share in divided.budget)
     html = page(replace(diagnosed("explained"), diagnosis=divided.model_copy(update={"budget": budget})), PATCH)
-    assert "\u221230 %" in html
+    assert "\u221230\u00a0%" in html
     assert "A share below zero" in html
     assert "worse alone" not in html
 
 
 def test_the_first_tile_counts_what_the_model_lacks(diagnosed: Diagnosed, divided: Diagnosis) -> None:
-    rotor = Step(effect="rotor_inertia", location="motor_1", share=0.7)
-    causes = tuple(step.model_copy(update={"share": 0.005}) for step in divided.waterfall[0].steps)
-    waterfall = (divided.waterfall[0].model_copy(update={"steps": (rotor, *causes)}),)
-    html = page(replace(diagnosed("explained"), diagnosis=divided.model_copy(update={"waterfall": waterfall})))
-    tile = html.partition("Closed by the largest part")[2]
-    assert "70" in tile[:200]
-    assert "Rotor inertia at motor_1 and 2 more in the patch" in tile
+    hysteresis, coulomb = divided.budget
+    rotor = coulomb.model_copy(update={"effect": "rotor_inertia", "share_first": 0.7, "share_last": 0.8})
+    known = divided.model_copy(update={"budget": (rotor, hysteresis, coulomb)})
+    tile = page(replace(diagnosed("explained"), diagnosis=known)).partition("Closed by the largest part, at least")[2]
+    assert "70" in tile[:100]
+    assert "By rotor inertia at motor_1, added first or removed last; 2 more in the patch" in tile
+
+
+def test_the_joint_of_the_gap_is_not_mixed_up_with_the_map(diagnosed: Diagnosed, divided: Diagnosis) -> None:
+    second = divided.waterfall[0].model_copy(update={"joint": "motor_2", "before": 0.2})
+    first = divided.waterfall[0].model_copy(update={"before": 0.8})
+    known = divided.model_copy(update={"waterfall": (second, first)})
+    tiles = page(replace(diagnosed("explained"), diagnosis=known))
+    assert 'motor_1<small></small></div><div class="below">80\u00a0% of the held-out gap' in tiles.replace("\n", "")
+    assert "Clearest sign, before any hypothesis" in tiles
+
+
+def test_the_verdict_comes_first_with_its_word(diagnosed: Diagnosed) -> None:
+    assert '<p class="lead">Unknown effect: There is a gap' in page(diagnosed("unknown_effect"))
+    assert '<p class="lead">No gap: model and log agree' in page(diagnosed("no_gap"))
+
+
+def test_a_rival_has_its_bar_however_many_causes_come_before(diagnosed: Diagnosed) -> None:
+    result = diagnosed("ambiguous")
+    causes = tuple(replace(result.ranking[0], location=f"motor_{k}", probability=1.0) for k in range(2, 13))
+    bars = pictures(page(replace(result, ranking=(*causes, *result.ranking))))[2]["figure"]["data"][0]  # type: ignore[index]
+    assert "Backlash at motor_1" in bars["y"]
+    assert "Coulomb friction at motor_1" not in bars["y"]
+
+
+def test_figures_of_a_whole_explanation_are_written_once(diagnosed: Diagnosed) -> None:
+    first, second, *_ = diagnosed("explained").ranking
+    pair = (replace(first, together_with=(HYSTERESIS,)), replace(second, gain=first.gain, together_with=(COULOMB,)))
+    html = page(replace(diagnosed("explained"), ranking=pair))
+    table = html.partition("Gain: twice the gain")[2].partition("</table>")[0]
+    assert table.count("<td>5400</td>") == 1
+    assert table.count("(with hysteresis at motor_1)") == 1
+    assert "(with Coulomb friction at motor_1)" not in table
+    assert html.count("twice the log-likelihood by 5400") == 1
+
+
+def test_numbers_of_a_table_stay_beside_their_per_cent_sign(diagnosed: Diagnosed, divided: Diagnosis) -> None:
+    html = page(replace(diagnosed("explained"), diagnosis=divided))
+    assert " %" not in "".join(re.findall(r"<td.*?</td>", html))
+
+
+def test_a_load_that_the_model_lacks_has_its_size_in_the_budget(diagnosed: Diagnosed, divided: Diagnosis) -> None:
+    load = divided.budget[0].model_copy(update={"joint": "tool", "location": "tool", "effect": "tool_load"})
+    sizes = {"location": "tool", "nominal": 0.0, "std": 0.1}
+    numbers = tuple(
+        ModelNumber(name=f"tool_load.{name}", value=value, unit=unit, **sizes)
+        for name, value, unit in (("mass", 1.2, "kg"), ("x", 0.4, "m"))
+    )
+    known = divided.model_copy(update={"budget": (load, *divided.budget), "model_numbers": numbers})
+    html = page(replace(diagnosed("explained"), diagnosis=known))
+    assert 'Tool load</td><td class="left">mass 1.20 kg (±0.10), x 0.40 m (±0.10)</td>' in html
 
 
 def test_numbers_of_the_model_that_are_not_determined_are_said_so(diagnosed: Diagnosed, divided: Diagnosis) -> None:
@@ -213,7 +264,7 @@ def test_a_cause_without_a_size_is_said_beside_its_probability(diagnosed: Diagno
 
 def test_probabilities_with_other_tolerances_are_a_table(diagnosed: Diagnosed, guessed: Diagnosis) -> None:
     html = page(replace(diagnosed("ambiguous"), diagnosis=guessed), PATCH)
-    assert re.search(r"Backlash at motor_1</td><td>0 %</td><td>3 %</td><td>98 %</td>", html)
+    assert re.search(r"Backlash at motor_1</td><td>0.%</td><td>3.%</td><td>98.%</td>", html)
     assert "A name that changes is ambiguous" in html
 
 

@@ -9,10 +9,11 @@ import numpy as np
 from flexros.config.text_file import read_text
 from flexros.errors import InputError
 from flexros.input_limits import LARGEST_URDF
+from flexros.robot.exchange.body_inertia import BodyInertia, point_mass
 from flexros.robot.exchange.joint_names import tagged
 from flexros.robot.exchange.mjcf.actuator_repair import ActuatorRepair
 from flexros.robot.exchange.mjcf.actuators import actuators_of, added
-from flexros.robot.exchange.mjcf.body_inertia import BodyInertia, inertia_of, point_mass
+from flexros.robot.exchange.mjcf.body_inertia import inertia_of, write_inertia
 from flexros.robot.exchange.mjcf.mujoco_model import compile_text, mujoco_package
 from flexros.robot.exchange.number_text import number, numbers_text
 from flexros.robot.exchange.numbers import REWRITTEN, Export, NotHeld, Written, same
@@ -227,7 +228,7 @@ class _Repair:
             self._list_numbers(body, REWRITTEN)
             return
         label = str(self.model.body(index).name)
-        wanted.write(self._element("body", label))
+        write_inertia(wanted, self._element("body", label))
         self.expected.append(("body_mass", index, wanted.mass))
         if not same(body.inertia_factor, 1.0):
             for entry, before, value in zip(("xx", "yy", "zz"), np.diag(own.inertia), np.diag(wanted.inertia)):

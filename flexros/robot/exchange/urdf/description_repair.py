@@ -9,11 +9,12 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.robot.body_placement import BodyPlacements
+from flexros.robot.exchange.body_inertia import BodyInertia, point_mass
 from flexros.robot.exchange.joint_names import motor_joints
 from flexros.robot.exchange.link_inertia import LEAST
 from flexros.robot.exchange.number_text import number
 from flexros.robot.exchange.numbers import REWRITTEN, Export, NotHeld, Written, same
-from flexros.robot.exchange.urdf.link_load import add_load
+from flexros.robot.exchange.urdf.link_inertial import changes_of_link, link_axes, link_inertia, write_link_inertia
 from flexros.robot.exchange.urdf.robot_import import turned_base
 from flexros.robot.exchange.urdf.tree import NO_LIMIT, read_tree
 from flexros.robot.exchange.xml_text import XmlElement, XmlText
@@ -54,7 +55,7 @@ def repair_description(
     """Return a URDF or SDF with the numbers of a robot: only attributes or texts that differ are changed.
 
     Joints get damping, friction and effort, as absolute values; links are scaled by the factor by which effects change
-    mass and inertia.
+    mass and inertia, or, in a URDF, get the difference that effects make to mass, centre and inertia.
 
     Args:
         text: The document.
@@ -160,10 +161,11 @@ class _Repair:
     def body(self, body: BodyNumbers) -> None:
         """Scale mass and inertia of a link."""
         self._lost(body.body, "weight", body.weight_error, "relative", "{kind} has one mass for weight and inertia")
-        if body.rewritten and not self.new:
+        if body.rewritten and self.kind == "sdf" and not self.new:
             self.not_held.append(NotHeld(body.body, "numbers", body.beside_load or body.rewritten, REWRITTEN))
             body = replace(body, rewritten="")
         unchanged = same(body.mass_factor, 1.0) and same(body.inertia_factor, 1.0) and body.load is None
+        unchanged = unchanged and not body.rewritten
         if self.new or unchanged:
             return
         wanted = (body.label, body.body)
@@ -171,6 +173,9 @@ class _Repair:
         if link is None or self._mass_of(link) is None:
             reason = f"no link '{body.label or body.body}' with a mass was found"
             self.not_held.append(NotHeld(body.body, *body.change, reason))
+            return
+        if body.rewritten:
+            self._numbers(link, body)
             return
         if body.load is not None:
             self._load(link, body.body, body.load)
@@ -218,9 +223,30 @@ class _Repair:
             reason = "the links of an SDF have frames of their own: add it there"
             self.not_held.append(NotHeld(body, "load", load.words, reason))
             return
-        before, after = add_load(self.root, link, load, self.source, self._turn(link.attributes["name"], body))
-        place = f"link {link.attributes['name']} inertial"
-        self.written.append(Written(body, f"load of {load.words}: mass", place, before, after, "kg"))
+        name = link.attributes["name"]
+        own, turn = link_inertia(link, self.source), link_axes(self.root, name, self.source, self._turn(name, body))
+        whole = own.plus(point_mass(load.mass, turn @ np.array(load.place)))
+        write_link_inertia(link, whole)
+        place = f"link {name} inertial"
+        self.written.append(Written(body, f"load of {load.words}: mass", place, own.mass, whole.mass, "kg"))
+
+    def _numbers(self, link: XmlElement, body: BodyNumbers) -> None:
+        """Change mass, centre and inertia of a link of a URDF as those of its body; further links of it keep theirs."""
+        name, nominal = link.attributes["name"], body.nominal
+        assert nominal is not None
+        spec = self.robot.spec.bodies[int(body.body.removeprefix("body_")) - 1]
+        wanted = BodyInertia(spec.mass.value, np.array(spec.center_of_mass.value), spec.straight_inertia())
+        turn, joint = link_axes(self.root, name, self.source, self._turn(name, body.body)), np.zeros(3)
+        own = link_inertia(link, self.source)
+        whole = own.plus(wanted.moved(turn, joint)).plus(nominal.moved(turn, joint), -1)
+        if whole.possible:
+            write_link_inertia(link, whole)
+            self.written += changes_of_link(body.body, name, own, whole)
+            return
+        reason = f"the link {name} cannot have them; an export without a base file has these"
+        self.not_held.append(NotHeld(body.body, "numbers", body.beside_load or body.rewritten, reason))
+        if body.load is not None:
+            self._load(link, body.body, body.load)
 
     def _turn(self, link: str, body: str) -> FloatArray:
         """Return the rotation from the frame of a body to the base of the URDF, all joints at zero, shape (3, 3)."""
