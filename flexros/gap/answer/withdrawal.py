@@ -81,7 +81,8 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> Conf
     fits = list(explanations.comparison.fits)
     chosen = told_apart(search, explanations.chosen, fits, held)
     if chosen is not explanations.chosen:
-        fits = [chosen, *(fit for fit in best_of_each(fits) if fit.names != chosen.names)]
+        more, others = explanations.chosen.names, best_of_each(fits)  # what else has more was not confirmed
+        fits = [chosen, *(fit for fit in others if fit.names != chosen.names and not fit.names > more)]
         explanations = explanations_of(search, compared(search, fits), chosen, detected=True)
     withdrawn: list[str] = []
     before: AheadErrors | None = None

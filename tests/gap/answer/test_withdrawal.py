@@ -112,6 +112,23 @@ def test_an_effect_of_undetermined_size_that_gains_nothing_in_the_held_out_log_i
     assert kept.explanations.chosen.names == {FRICTION}
 
 
+def test_what_only_the_fitted_log_is_for_is_no_rival_of_what_both_logs_are_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of an arm a rotor that both logs showed was ambiguous with an eccentricity that the held-out one refuted."""
+    search, _ = found()
+    among = {one.candidate.name: one for one in search.directions(search.candidates())}
+    null = search.null.fit
+    small, both, other = (
+        search.together(null, search.additions([among[name] for name in names], null, search.surroundings(null)))
+        for names in ((FRICTION,), (FRICTION, SOFT), (FRICTION, BIAS))
+    )
+    explanations = explanations_of(search, compared(search, [small, both, other]), small, detected=True)
+    monkeypatch.setattr(withdrawal, "told_apart", lambda *_: other)
+    monkeypatch.setattr(withdrawal, "_better_without", lambda *_: None)
+    kept = confirmed(search, explanations, measured(*BOTH, seed=2)).explanations
+    assert kept.chosen.names == {FRICTION, BIAS}
+    assert all(SOFT not in fit.names for fit in kept.rivals)
+
+
 def test_an_effect_that_spoils_predictions_goes_though_one_sample_ahead_chance_speaks_for_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
