@@ -13,7 +13,7 @@ from flexros.gap.answer.unexplained import unexplained
 from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.held_out.errors_ahead import errors_ahead
 from tests.gap.diagnosis_logs import MODEL, predictor_of
-from tests.gap.sensor_logs import sensed, sensed_data
+from tests.gap.sensors.sensor_logs import sensed, sensed_data
 
 if TYPE_CHECKING:
     from flexros.gap.answer.decision import Findings

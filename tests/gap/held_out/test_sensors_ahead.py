@@ -10,7 +10,7 @@ from flexros.gap.held_out.errors_ahead import AheadErrors, errors_ahead
 from flexros.gap.held_out.gap_floor import over_expected_floor
 from flexros.gap.held_out.gap_numbers import signal_gaps
 from tests.gap.diagnosis_logs import MODEL, ROBOT, predictor_of
-from tests.gap.sensor_logs import sensed, sensed_data
+from tests.gap.sensors.sensor_logs import sensed, sensed_data
 
 STIFFNESS = "stiffness_error@body_1.rz:relative=0.02"
 SENSORS = ("link position", "joint torque", "tool acceleration")

@@ -21,7 +21,7 @@ from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import load_scenario
 from tests.gap.diagnosis_logs import ROBOT, predictor_of
-from tests.gap.sensor_logs import NOISE, sensed, sensed_data, truth_of
+from tests.gap.sensors.sensor_logs import NOISE, sensed, sensed_data, truth_of
 
 NOTHING = np.zeros((0, 1))
 SENSORS = ("link position", "joint torque", "tool acceleration", "link speed")

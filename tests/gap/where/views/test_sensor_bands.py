@@ -10,7 +10,7 @@ from flexros.gap.held_out.predictions import prediction_of, sensor_errors
 from flexros.gap.schema import Excess
 from flexros.gap.where.find import where
 from tests.gap.diagnosis_logs import ROBOT, predictor_of
-from tests.gap.sensor_logs import sensed, sensed_data
+from tests.gap.sensors.sensor_logs import sensed, sensed_data
 
 pytestmark = pytest.mark.slow
 

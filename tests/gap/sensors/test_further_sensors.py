@@ -25,7 +25,7 @@ from flexros.logs.foreign.mapping import load_mapping
 from flexros.record.record import Record
 from flexros.robot import load_robot
 from tests.gap.diagnosis_logs import FEW_EFFECTS, MODEL, candidates_of, predictor_of, settings_of
-from tests.gap.sensor_logs import sensed, sensed_data, truth_of
+from tests.gap.sensors.sensor_logs import sensed, sensed_data, truth_of
 
 STIFFNESS = "stiffness_error@body_1.rz:relative=0.02"
 KNEE = "nonlinear_stiffness@body_1.rz:relative=0.05,knee=0.05"
