@@ -29,6 +29,7 @@ from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.search.better_torques import LEAST
 from flexros.gap.search.model_probability import allowing_for_doubt, compare
 from flexros.gap.settings import DiagnosisSettings
+from flexros.gap.torque_stages import is_assumed
 from flexros.identify.rigid.torque_timing import in_time
 from flexros.record.joint_signs import sign_words
 from flexros.record.stamp_jitter import slight_last
@@ -123,7 +124,7 @@ def measure_gap(
         The gap numbers: `before` and `noise_floor`, with a repaired model the others too.
     """
     settings = with_torque_tolerance(settings or DiagnosisSettings(), tolerance)
-    on_trial = repaired is None and _is_assumed(record, settings)
+    on_trial = repaired is None and is_assumed(record, settings)
     stages, deadline, half = Stages(progress), Deadline(settings.time_limit), 0.5 if repaired or on_trial else 1.0
     stages.begin("nominal model", half)
     record = at_rate_of_fits(record, model.robot, settings)
@@ -279,12 +280,6 @@ def _left_over(fits: _Fits, ahead: float, with_tolerance: float | None) -> LeftO
         lacking=tuple(names[encoder.motor] for encoder in unknown_rounding(null.model, data.measurement)),
         strained=tuple(name for name in far_out(null.fit, STRAINED_ALONE, large=False) if name not in fits.lacked),
     )
-
-
-def _is_assumed(record: Record, settings: DiagnosisSettings) -> bool:
-    """Return whether nobody stated how well the torques of a measured log are known."""
-    stated = "signal_tolerance" in settings.noise.model_fields_set
-    return not (stated or record.premises.floor_is_noise) and record.command is None
 
 
 def _with_hidden(left: LeftOver, fitted: Callable[[], _Fits], assumed: float) -> LeftOver:

@@ -18,6 +18,7 @@ from flexros.gap.settings import NoiseSettings
 if TYPE_CHECKING:
     from flexros.gap.diagnosis_task import DiagnosisTask, SearchedLog
     from flexros.gap.settings import DiagnosisSettings
+    from flexros.record.record import Record
 
 
 def usual_first(settings: DiagnosisSettings) -> DiagnosisSettings:
@@ -45,10 +46,10 @@ def with_smaller_tolerance(
     Returns:
         The task with the last tolerance, and what was found with it.
     """
-    if "signal_tolerance" not in settings.noise.model_fields_set:
+    if is_assumed(found.record, settings):
         return _with_better_torques(task, found)
     stated, counts = settings.noise.signal_tolerance, task.settings.noise.signal_tolerance
-    while stated < counts and not _are_exact(found):
+    while stated < counts and not found.record.premises.floor_is_noise:
         counts = max(stated, counts / STEP) if stated else 0.0
         task = replace(task, settings=with_torque_tolerance(settings, {TORQUE: counts}))
         begun = found.explanations.detected and found.explanations.beside is None
@@ -56,9 +57,15 @@ def with_smaller_tolerance(
     return replace(task, settings=settings), found
 
 
-def _are_exact(found: SearchedLog) -> bool:
-    """Return whether torques have no tolerance, as those of a simulated log."""
-    return not found.null.data.measurement.signal_tolerance
+def is_assumed(record: Record, settings: DiagnosisSettings) -> bool:
+    """Return whether nobody stated how well the measured torques of a real machine are known.
+
+    Args:
+        record: The log.
+        settings: Settings of the diagnosis.
+    """
+    stated = "signal_tolerance" in settings.noise.model_fields_set
+    return not (stated or record.premises.floor_is_noise) and record.command is None
 
 
 def _with_better_torques(task: DiagnosisTask, found: SearchedLog) -> tuple[DiagnosisTask, SearchedLog]:
@@ -72,8 +79,6 @@ def _with_better_torques(task: DiagnosisTask, found: SearchedLog) -> tuple[Diagn
         The task and what was found with the last tolerance at which further effects explained most of what was left.
     """
     assumed, notes, share = task.settings.noise, task.notes, task.settings.search.within_floor
-    if _are_exact(found) or found.record.command is not None:
-        return task, found
     while found.explanations.detected and found.explanations.beside is None and not task.deadline.stops():
         chosen = found.explanations.chosen
         counts = task.settings.noise.signal_tolerance

@@ -87,7 +87,8 @@ class AbstractEffect(Settings, ABC):
     turned: ClassVar[tuple[str, ...]] = ()
     """Parameters with the other sign at a joint that counts the other way round, see `turned_round`."""
     unsaid: ClassVar[tuple[str, ...]] = ()
-    """Parameters that a text names only where they are not at their defaults."""
+    """Parameters that a text names only where they are not at their defaults. A diagnosis fits them once it has found
+    the effect without them, and leaves them out together."""
     uneven: ClassVar[tuple[str, ...]] = ()
     """Sizes of a difference between directions, which a motion in one direction does not tell from the others."""
     seeks_less: ClassVar[bool] = False
