@@ -5,18 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from flexros.effects.left_out import RotorInertia, ToolLoad
+from flexros.gap.report.figure_words import band_words, share_interval_words, share_words, signed_share_words, with_std
 from flexros.gap.report.waterfall import shown, waterfall_figure
-from flexros.gap.report.words import (
-    NOT_DETERMINED,
-    band_words,
-    capital,
-    clear_words,
-    named_at,
-    share_interval_words,
-    share_words,
-    signed_share_words,
-    with_std,
-)
+from flexros.gap.report.words import NOT_DETERMINED, capital, clear_words, named_at
 from flexros.gap.where.regimes import REGIMES
 from flexros.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
 from flexros.report.number_text import number

@@ -8,19 +8,9 @@ from typing import TYPE_CHECKING
 from rich.table import Table
 
 from flexros.atomic_file import write_result
+from flexros.gap.report.figure_words import closed_words, gap_words, share_words, shows
 from flexros.gap.report.verdict import verdict_sentence
-from flexros.gap.report.words import (
-    capital,
-    closed_words,
-    effect_words,
-    first_few,
-    gap_words,
-    listed,
-    location_words,
-    parameter_words,
-    share_words,
-    shows,
-)
+from flexros.gap.report.words import capital, effect_words, first_few, listed, location_words, parameter_words
 from flexros.gap.schema import CauseParameter
 from flexros.report.base import Block, Heading, Paragraph, Picture, TextTable
 from flexros.report.origin import folded_origin

@@ -6,18 +6,10 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, ClassVar
 
+from flexros.gap.report.figure_words import share_words
 from flexros.gap.report.ranking import explanation_of, first_of_ranking
 from flexros.gap.report.signature_pictures import signature_pictures
-from flexros.gap.report.words import (
-    capital,
-    cause_words,
-    first_few,
-    listed,
-    named,
-    parameter_words,
-    partners_words,
-    share_words,
-)
+from flexros.gap.report.words import capital, cause_words, first_few, listed, named, parameter_words, partners_words
 from flexros.gap.schema import same_effect
 from flexros.report.base import AbstractSection, Block, Folded, Heading, Paragraph
 from flexros.report.number_text import number

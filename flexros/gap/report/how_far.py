@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, ClassVar
 
+from flexros.gap.report.figure_words import closed_words, gap_words, interval_words, shows
 from flexros.gap.report.innovations import innovation_picture
-from flexros.gap.report.words import closed_words, gap_words, interval_words, shows
 from flexros.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
 from flexros.report.colours import FLOOR, NOMINAL, REPAIRED, RIVAL
 from flexros.report.number_text import number

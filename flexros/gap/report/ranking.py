@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
+from flexros.gap.report.figure_words import share_words
 from flexros.gap.report.words import (
     LIKELY,
     capital,
@@ -11,7 +12,6 @@ from flexros.gap.report.words import (
     named,
     parameters_words,
     partners_words,
-    share_words,
     undetermined_words,
 )
 from flexros.gap.schema import same_effect

@@ -5,19 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from flexros.gap.answer.order import largest_part
+from flexros.gap.report.figure_words import closed_words, floors_words, gap_words, p_value_words, share_words, shows
 from flexros.gap.report.verdict import partial_sentence, reported_causes, verdict_lead
-from flexros.gap.report.words import (
-    budget_words,
-    capital,
-    closed_words,
-    floors_words,
-    gap_words,
-    named,
-    p_value_words,
-    share_words,
-    shows,
-    where_words,
-)
+from flexros.gap.report.words import budget_words, capital, named, where_words
 from flexros.report.base import AbstractSection, Block, Paragraph, Tiles
 from flexros.report.number_text import number
 from flexros.robot.exchange.joint_names import joints_line

@@ -5,28 +5,22 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flexros.gap.report.budget import LITTLE_WORSE, WHY_WORSE, WORSE_ALONE, draws, is_worse_alone
-from flexros.gap.report.ranking import first_of_explanations, first_of_ranking
-from flexros.gap.report.verdict import hanging_names, verdict_sentence
-from flexros.gap.report.waterfall import waterfall_lines
-from flexros.gap.report.words import (
-    NOT_DETERMINED,
+from flexros.gap.report.figure_words import (
     band_words,
-    budget_words,
-    capital,
-    clear_words,
     closed_words,
-    first_few,
     floors_words,
     gap_words,
     interval_words,
-    named,
     p_value_words,
     share_words,
     shows,
     signed_share_words,
-    where_words,
     with_std,
 )
+from flexros.gap.report.ranking import first_of_explanations, first_of_ranking
+from flexros.gap.report.verdict import hanging_names, verdict_sentence
+from flexros.gap.report.waterfall import waterfall_lines
+from flexros.gap.report.words import NOT_DETERMINED, budget_words, capital, clear_words, first_few, named, where_words
 from flexros.gap.search.better_torques import LEAST
 from flexros.gap.where.regimes import REGIMES
 from flexros.report.number_text import number

@@ -7,24 +7,26 @@ from typing import TYPE_CHECKING
 from flexros.effects.left_out import RotorInertia, ToolLoad
 from flexros.gap.answer.order import shares_of
 from flexros.gap.held_out.closed_share import NOTHING
+from flexros.gap.report.figure_words import (
+    closed_words,
+    gap_words,
+    interval_words,
+    p_value_words,
+    share_words,
+    shows,
+    with_std,
+)
 from flexros.gap.report.words import (
     LIKELY,
     capital,
     cause_words,
     causes_words,
-    closed_words,
     effect_words,
     first_few,
-    gap_words,
-    interval_words,
     listed,
     location_words,
     named,
-    p_value_words,
-    share_words,
-    shows,
     where_words,
-    with_std,
 )
 from flexros.gap.schema import NEXT_EXPERIMENT, same_effect
 from flexros.report.number_text import number

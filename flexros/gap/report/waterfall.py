@@ -7,7 +7,8 @@ from itertools import accumulate
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
-from flexros.gap.report.words import MOST_SHARE, capital, named_at, share_words, signed_share_words
+from flexros.gap.report.figure_words import MOST_SHARE, share_words, signed_share_words
+from flexros.gap.report.words import capital, named_at
 from flexros.report.colours import NOMINAL, REPAIRED
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from flexros.gap.report.words import band_words, p_value_words, share_words
+from flexros.gap.report.figure_words import band_words, p_value_words, share_words
 from flexros.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
 from flexros.report.number_text import number
 

@@ -5,20 +5,13 @@ from __future__ import annotations
 import pytest
 
 from flexros.gap.report.words import (
-    band_words,
     cause_words,
     causes_words,
-    closed_words,
     effect_words,
     first_few,
-    gap_words,
     listed,
     location_words,
-    p_value_words,
     parameter_words,
-    share_interval_words,
-    share_words,
-    signed_share_words,
     undetermined_words,
     where_words,
 )
@@ -127,50 +120,9 @@ def test_a_number_that_may_be_zero_is_left_out_of_the_cause() -> None:
     assert cause_words(cause) == "Coulomb friction at motor_1, 0.213 Nm (±0.011)"
 
 
-def test_bands_without_an_end() -> None:
-    assert band_words((0.0, 2.0)) == "below 2 Hz"
-    assert band_words((8.0, 20.0)) == "8 to 20 Hz"
-    assert band_words((200.0, 1e9)) == "above 200 Hz"
-    assert band_words((0.0, 1e9)) == "all frequencies"
-
-
 def test_places_of_the_gap() -> None:
     place = Excess(signal="position", joint="motor_1", band_hz=(0.0, 8.0), regime="low speed", share=0.5, p_value=0.01)
     assert where_words(place) == "motor_1, below 8 Hz, at low speed: 50 % of the excess"
-
-
-def test_shares_are_never_told_as_all_or_nothing_when_they_are_not() -> None:
-    assert [share_words(share) for share in (0.0, 1e-6, 0.42, 0.9999, 1.0)] == [
-        "0 %",
-        "under 1 %",
-        "42 %",
-        "over 99 %",
-        "100 %",
-    ]
-    assert share_words(1.0 - 1e-16) == "100 %"  # a sum of probabilities
-    assert [closed_words(share) for share in (-0.5, 0.83, 0.9968, 1.4)] == ["\u221250 %", "83 %", "99.7 %", "100 %"]
-    assert p_value_words(1e-5) == "p < 0.001"
-
-
-def test_a_p_value_that_simulated_logs_resolve_no_better_is_a_bound() -> None:
-    assert [p_value_words(count / 201, 200) for count in (1, 2)] == ["p ≤ 0.005", "p = 0.0100"]
-    assert p_value_words(1e-5, 200) == "p < 0.001"
-
-
-def test_shares_of_a_fit_that_strays_are_no_rows_of_digits() -> None:
-    assert share_words(4e24) == "over 1000 %"
-    assert [signed_share_words(share) for share in (4e24, -4e24, 9.5)] == [
-        "over +1000 %",
-        "over \u22121000 %",
-        "+950 %",
-    ]
-    assert share_interval_words((1.9e28, 3.5e28)) == ""
-    assert share_interval_words((0.5, 4e24)) == " (50 % to over +1000 %)"
-    assert share_interval_words((-0.02, 1.2)) == " (\u22122 % to 120 %)"
-
-
-def test_a_gap_of_predictions_that_ran_away_has_no_size() -> None:
-    assert [gap_words(size) for size in (1.234, 51234567.8, 5.3e28)] == ["1.23", "5.12e+07", "divergence"]
 
 
 def test_lists_read_as_sentences() -> None:
