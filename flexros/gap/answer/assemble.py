@@ -123,7 +123,7 @@ def result_of(
     whole = verdict != "no_gap"
     budget = budget_of(findings, errors.before, errors.after or errors.before) if whole else without_gap(findings)
     patch = () if errors.worse else repair_of(findings)
-    names, covariance = covariance_of(chosen, findings.data, findings.settings)
+    names, covariance = covariance_of(chosen, findings.data, findings.settings, findings.held)
     tolerated = chosen.predictor.tolerance
     closed = _closed(errors.after, findings, errors) if patch else None
     found = [one.effect for one in placed_effects(chosen)] if verdict == "explained" and patch else None
@@ -258,7 +258,7 @@ def _causes(findings: Findings, verdict: Verdict, errors: HeldOutErrors, budget:
     if not explanations.detected:
         return tuple(causes.values())
     for fit in _compared(findings):
-        for candidate, parameters in zip(fit.hypothesis, parameters_of(fit, findings.data, findings.settings)):
+        for candidate, parameters in zip(fit.hypothesis, findings.sizes(fit)):
             name = candidate.name
             if name not in causes:
                 causes[name] = Cause(
@@ -324,9 +324,7 @@ def _candidates(findings: Findings, verdict: Verdict) -> dict[RankedCandidate, C
         if fit.names <= best.keys():
             continue
         exact = probability > findings.settings.likely
-        for candidate, parameters in zip(
-            fit.hypothesis, parameters_of(fit, findings.data if exact else None, findings.settings)
-        ):
+        for candidate, parameters in zip(fit.hypothesis, findings.sizes(fit) if exact else parameters_of(fit)):
             if candidate.name in best:
                 continue
             others = (other.name for other in fit.hypothesis if other is not candidate)

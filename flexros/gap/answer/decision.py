@@ -15,7 +15,7 @@ from flexros.gap.answer.given_model import GivenModel
 from flexros.gap.answer.strained_numbers import as_effects, strained_numbers
 from flexros.gap.answer.unexplained_torques import unexplained_torques
 from flexros.gap.fit.constancy import constancies
-from flexros.gap.fit.estimates import beyond_search, placed_effects
+from flexros.gap.fit.estimates import beyond_search, parameters_of, placed_effects
 from flexros.gap.fit.torques.unknown_numbers import UnknownNumbers
 from flexros.gap.held_out.gap_floor import unknown_rounding
 from flexros.gap.schema import EffectLocation
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from flexros.effects import RobotWithEffects
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.residuals.fit_data import FitData
-    from flexros.gap.schema import ToleranceSensitivity, Verdict
+    from flexros.gap.schema import CauseParameter, ToleranceSensitivity, Verdict
     from flexros.gap.search.forward_selection import Explanations
     from flexros.gap.settings import RankingSettings
     from flexros.record.quantization import Quantization
@@ -93,6 +93,10 @@ class Findings:
         if not self.beyond_search:
             return chosen
         return replace(chosen, theta=chosen.switched_off(self.beyond_search))
+
+    def sizes(self, fit: CandidateFit) -> list[dict[str, CauseParameter]]:
+        """Return the parameters of every effect of a fit, with what both logs say of their deviations."""
+        return parameters_of(fit, self.data, self.settings, self.held)
 
     @property
     def quantized(self) -> dict[str, Quantization]:

@@ -112,8 +112,7 @@ def _with_variation(
 
     Where a law is missing, others take up a part of it, of another size in every part of the log; their common mean is
     an accident of its motion. So a size is known no better than it varies, however long the log is. Chance is what the
-    covariance says of a part. Correlations of the parameters stay. An effect that the whole log shows varies by no more
-    than its size: parts tell sizes with a common factor apart too badly to say that there is none.
+    covariance says of a part. Parts tell sizes with a common factor apart too badly to say that there is none.
 
     Args:
         covariance: Covariance in the units of the fit, shape (n_fitted, n_fitted).
@@ -129,10 +128,24 @@ def _with_variation(
     estimates, deviations = estimates_of_parts(J, r, parts_of(data, form.parts), prior, prior * fit.theta)
     coloured_over_white = np.diag(covariance) / np.maximum(np.diag(inverse) * np.mean(r**2), 1e-300)
     varying = variation_between_parts(estimates, deviations * np.sqrt(np.maximum(coloured_over_white, 1.0)))
+    return with_variation(covariance, varying[:n_effect], fit)
+
+
+def with_variation(covariance: FloatArray, varying: FloatArray, fit: CandidateFit) -> FloatArray:
+    """Widen a covariance by standard deviations that come on top of those of the effects; correlations stay.
+
+    An effect that the whole log shows varies by no more than its size.
+
+    Args:
+        covariance: Covariance in the units of the fit, shape (n_fitted, n_fitted).
+        varying: What the parameters of the effects vary by, in these units, shape (n_effect,).
+        fit: The fit.
+    """
+    n_effect = len(varying)
     wider = np.ones(len(covariance))
     own = np.maximum(np.diag(covariance)[:n_effect], 1e-300)
     most = np.maximum((MOST_VARYING * _sizes(fit)) ** 2 - own, 0.0)
-    wider[:n_effect] = np.sqrt(1.0 + np.minimum(varying[:n_effect] ** 2, most) / own)
+    wider[:n_effect] = np.sqrt(1.0 + np.minimum(varying**2, most) / own)
     return np.asarray(covariance * np.outer(wider, wider))
 
 

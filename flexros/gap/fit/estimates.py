@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.gap.fit.between_logs import with_variation_between_logs
 from flexros.gap.fit.covariance import fit_covariance, inverse_of
 from flexros.gap.schema import CauseParameter
 
@@ -34,10 +35,10 @@ def placed_effects(fit: CandidateFit) -> tuple[PlacedEffect, ...]:
 
 
 def parameters_of(
-    fit: CandidateFit, data: FitData | None = None, form: RankingSettings | None = None
+    fit: CandidateFit, data: FitData | None = None, form: RankingSettings | None = None, held: FitData | None = None
 ) -> list[dict[str, CauseParameter]]:
     """Return the parameters of every effect of a fit with their standard deviations; arguments as `covariance_of`."""
-    _, covariance = covariance_of(fit, data, form)
+    _, covariance = covariance_of(fit, data, form, held)
     deviations = iter(np.sqrt(np.maximum(np.diag(covariance), 0.0)))
     values = fit.predictor.values(fit.theta)
     return [
@@ -97,7 +98,7 @@ def beyond_search(fit: CandidateFit) -> frozenset[str]:
 
 
 def covariance_of(
-    fit: CandidateFit, data: FitData | None = None, form: RankingSettings | None = None
+    fit: CandidateFit, data: FitData | None = None, form: RankingSettings | None = None, held: FitData | None = None
 ) -> tuple[tuple[str, ...], FloatArray]:
     """Compute the covariance of the parameters of the effects, in their units.
 
@@ -105,12 +106,14 @@ def covariance_of(
         fit: The fit.
         data: The log that it was fitted to; None for the quick covariance, which holds for white residuals.
         form: Settings with the model-form errors of effects; None for what the residuals show alone.
+        held: A log that was not fitted, whose sizes may differ; None for none.
 
     Returns:
         Names, e.g. "coulomb_friction@motor_1.level", and covariance, shape (p, p).
     """
     n_effect = fit.predictor.n_effect
     whole = inverse_of(fit.information) if data is None else fit_covariance(fit, data, form)
+    whole = whole if held is None else with_variation_between_logs(whole, fit, held, form)
     slopes = fit.predictor.slopes(fit.theta)
     names = tuple(f"{candidate.name}.{free.name}" for candidate in fit.hypothesis for free in candidate.free)
     return names, whole[:n_effect, :n_effect] * np.outer(slopes, slopes)
