@@ -102,7 +102,7 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> Conf
         fits.append(better)
         chosen = better
     found, rest = chosen, _without_limited(search, chosen, held)
-    chosen = with_own_numbers(rest, search.data, STRAINED)
+    chosen = with_own_numbers(search.at_its_end(rest), search.data, STRAINED)
     if withdrawn or chosen is not found:
         fits = [chosen, *(fit for fit in fits if fit is not found)]
         kept = [fit for fit in fits if fit is chosen or (fit.names != chosen.names and fit.names.isdisjoint(withdrawn))]

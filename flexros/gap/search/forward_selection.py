@@ -249,13 +249,13 @@ def _beside_curves(
 
 
 def _pruned(search: Search, explanations: Explanations) -> Explanations:
-    """Prune the parameters of all likely explanations, so that none of them has a handicap."""
+    """Prune the parameters of all likely explanations and carry them to their end, so that none has a handicap."""
     likely = [
         fit
         for fit, probability in zip(explanations.rivals, explanations.probabilities)
         if probability > search.settings.ranking.likely or fit is explanations.chosen
     ]
-    pruned = {fit: search.pruned(fit) for fit in likely}
+    pruned = {fit: search.at_its_end(search.pruned(fit)) for fit in likely}
     chosen = search.within_limits(pruned[explanations.chosen])
     fits = [pruned.get(fit, fit) for fit in explanations.comparison.fits if fit is not explanations.chosen]
     if chosen.predictor.n_effect < explanations.chosen.predictor.n_effect:  # without a parameter one may be needless

@@ -246,6 +246,13 @@ class LogFits:
         nominal[fit.predictor.n_effect :] = 0.0
         return best_of([fit, self._fit(fit.predictor, nominal, self._most_iterations, rival=fit.chi2, finishing=True)])
 
+    def at_its_end(self, fit: CandidateFit) -> CandidateFit:
+        """Return a fit to a measured log where it ends, if it was ended before, as fits that are compared are."""
+        if self.premises.floor_is_noise or self.deadline.stops():
+            return fit
+        ended = self.completed(fit)
+        return ended if fit.chi2 - ended.chi2 > self.data.negligible else fit
+
     def to_compare(self, fit: CandidateFit) -> CandidateFit:
         """Carry a fit so far that it may be compared with others: of a simulated log near its end."""
         if not self.premises.floor_is_noise:
