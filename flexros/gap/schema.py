@@ -168,7 +168,13 @@ class ModelNumber(Settings):
     unit: str = Field(description="SI unit, 1 for none")
     determined: bool = Field(
         default=True,
-        description="whether the log determines it: false where `std` is above the difference of `value` and `nominal`",
+        description="whether the log determines it: false at the limit of its search, and where `std` is above the "
+        "difference of `value` and `nominal`",
+    )
+    at_limit: bool = Field(
+        default=False,
+        description="whether it ended at the limit of its search, five tolerances: the true number may be farther off, "
+        "or it stands for something else",
     )
 
 

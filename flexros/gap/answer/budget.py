@@ -17,9 +17,10 @@ from flexros.effects.left_out.rotor_inertia import RotorInertia
 from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_moved
 from flexros.gap.answer.decision import effect_location
 from flexros.gap.answer.partial_repairs import PartialRepairs
-from flexros.gap.answer.strained_numbers import strained_numbers
+from flexros.gap.answer.strained_numbers import at_search_limit, strained_numbers
 from flexros.gap.answer.unexplained import unexplained
 from flexros.gap.answer.waterfall import waterfalls
+from flexros.gap.fit.between_logs import with_variation_between_logs
 from flexros.gap.fit.covariance import fit_covariance
 from flexros.gap.held_out.closed_share import closed_fraction, share_between
 from flexros.gap.schema import BudgetShare, ModelNumber
@@ -207,6 +208,7 @@ def _together(numbers: Sequence[ModelNumber]) -> tuple[ModelNumber, ...]:
                     "value": other.value + one.value - one.nominal,
                     "std": float(np.hypot(other.std, one.std)),
                     "determined": other.determined and one.determined,
+                    "at_limit": other.at_limit or one.at_limit,
                 }
             )
         )
@@ -222,7 +224,8 @@ def _estimated(findings: Findings) -> list[ModelNumber]:
     chosen, robot = findings.explanations.chosen, findings.model.robot
     tolerance = chosen.predictor.tolerance
     n = chosen.predictor.n_effect
-    covariance = fit_covariance(chosen, findings.data, findings.settings)[n:, n:]
+    whole = fit_covariance(chosen, findings.data, findings.settings)
+    covariance = with_variation_between_logs(whole, chosen, findings.held, findings.settings)[n:, n:]
     fitted = tolerance.fitted(covariance)
     relative = dict(zip(tolerance.names, fitted))
     with_uninformed = dict(zip(tolerance.names, np.hypot(fitted, tolerance.uninformed)))
@@ -250,11 +253,21 @@ def _estimated(findings: Findings) -> list[ModelNumber]:
             )
         )
     strained = strained_numbers(findings)
-    return [*numbers, *(_moved(name, factor, robot, float(relative[name])) for name, factor in strained.items())]
+    limited = at_search_limit(chosen)
+    moved = (_moved(*one, robot, float(relative[one[0]]), at_limit=one[0] in limited) for one in strained.items())
+    return [*numbers, *moved]
 
 
-def _moved(name: str, factor: float, robot: Robot, relative: float) -> ModelNumber:
-    """Return a number that the answer moves far out of its tolerance; `relative` is the deviation of its factor [1]."""
+def _moved(name: str, factor: float, robot: Robot, relative: float, *, at_limit: bool) -> ModelNumber:
+    """Return a number that the answer moves far out of its tolerance.
+
+    Args:
+        name: Its name.
+        factor: Its value over the nominal one [1].
+        robot: The nominal robot.
+        relative: Relative standard deviation [1].
+        at_limit: Whether it is as far out as is searched: no log determines it there.
+    """
     parameter = robot.parameters[name]
     value = factor * parameter.value
     return ModelNumber(
@@ -264,7 +277,8 @@ def _moved(name: str, factor: float, robot: Robot, relative: float) -> ModelNumb
         value=value,
         std=abs(value) * relative,
         unit=parameter.unit,
-        determined=relative * factor <= abs(factor - 1.0),
+        determined=not at_limit and relative * factor <= abs(factor - 1.0),
+        at_limit=at_limit,
     )
 
 

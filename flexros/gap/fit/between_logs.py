@@ -36,11 +36,9 @@ def with_variation_between_logs(
     """
     if held.record.premises.library_is_complete:
         return covariance
-    n_effect = fit.predictor.n_effect
     change, deviations = _estimates(fit, held, form)
     own = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    estimates = np.vstack([np.zeros(n_effect), change[:n_effect]])
-    varying = variation_between_parts(estimates, np.vstack([own[:n_effect], deviations[:n_effect]]))
+    varying = variation_between_parts(np.vstack([np.zeros_like(change), change]), np.vstack([own, deviations]))
     return with_variation(covariance, varying, fit)
 
 

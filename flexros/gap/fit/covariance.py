@@ -108,7 +108,7 @@ def _with_variation(
     line: Linearised,
     form: RankingSettings,
 ) -> FloatArray:
-    """Widen the covariance by what the parameters of the effects vary between parts of the log beyond chance.
+    """Widen the covariance by what the parameters vary between parts of the log beyond chance.
 
     Where a law is missing, others take up a part of it, of another size in every part of the log; their common mean is
     an accident of its motion. So a size is known no better than it varies, however long the log is. Chance is what the
@@ -122,30 +122,30 @@ def _with_variation(
         line: The fit, linearised.
         form: Settings with the number of parts.
     """
-    rows, n_effect = slice(0, data.spread.size), fit.predictor.n_effect
+    rows = slice(0, data.spread.size)
     prior = np.diag(line.information - line.slopes.T @ line.slopes)
     J, r = line.slopes[rows], line.residual[rows]
     estimates, deviations = estimates_of_parts(J, r, parts_of(data, form.parts), prior, prior * fit.theta)
     coloured_over_white = np.diag(covariance) / np.maximum(np.diag(inverse) * np.mean(r**2), 1e-300)
     varying = variation_between_parts(estimates, deviations * np.sqrt(np.maximum(coloured_over_white, 1.0)))
-    return with_variation(covariance, varying[:n_effect], fit)
+    return with_variation(covariance, varying, fit)
 
 
 def with_variation(covariance: FloatArray, varying: FloatArray, fit: CandidateFit) -> FloatArray:
-    """Widen a covariance by standard deviations that come on top of those of the effects; correlations stay.
+    """Widen a covariance by standard deviations that come on top of its own; correlations stay.
 
-    An effect that the whole log shows varies by no more than its size.
+    An effect that the whole log shows varies by no more than its size, a number of the model by no more than its
+    tolerance.
 
     Args:
         covariance: Covariance in the units of the fit, shape (n_fitted, n_fitted).
-        varying: What the parameters of the effects vary by, in these units, shape (n_effect,).
+        varying: What the parameters vary by, in these units, shape (n_fitted,).
         fit: The fit.
     """
-    n_effect = len(varying)
-    wider = np.ones(len(covariance))
-    own = np.maximum(np.diag(covariance)[:n_effect], 1e-300)
-    most = np.maximum((MOST_VARYING * _sizes(fit)) ** 2 - own, 0.0)
-    wider[:n_effect] = np.sqrt(1.0 + np.minimum(varying**2, most) / own)
+    own = np.maximum(np.diag(covariance), 1e-300)
+    tolerated = np.ones(len(own) - fit.predictor.n_effect)
+    most = np.maximum(np.concatenate([MOST_VARYING * _sizes(fit), tolerated]) ** 2 - own, 0.0)
+    wider = np.sqrt(1.0 + np.minimum(varying**2, most) / own)
     return np.asarray(covariance * np.outer(wider, wider))
 
 

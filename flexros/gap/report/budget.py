@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from flexros.effects.left_out import RotorInertia, ToolLoad
-from flexros.gap.report.figure_words import band_words, share_interval_words, share_words, signed_share_words, with_std
+from flexros.gap.report.figure_words import band_words, share_interval_words, share_words, signed_share_words
 from flexros.gap.report.waterfall import shown, waterfall_figure
-from flexros.gap.report.words import NOT_DETERMINED, capital, clear_words, named_at
+from flexros.gap.report.words import capital, clear_words, named_at, number_words
 from flexros.gap.where.regimes import REGIMES
 from flexros.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
 from flexros.report.number_text import number
@@ -108,7 +108,7 @@ def _sizes(diagnosis: Diagnosis) -> dict[tuple[str, str], str]:
     lacked: dict[tuple[str, str], list[str]] = {}
     for one in diagnosis.model_numbers:
         owner, _, name = one.name.partition(".")
-        size = with_std(one.value, one.std, one.unit) if one.determined else NOT_DETERMINED
+        size = number_words(one)
         if owner == ToolLoad.name:
             lacked.setdefault((ToolLoad.name, one.location), []).append(f"{name} {size}")
         elif name == "inertia" and one.nominal == 0:
@@ -152,11 +152,7 @@ def _part(share: float) -> str:
     return f"{100 * share:.1f} %" if share >= _VISIBLE else "-"
 
 
-def _fitted(one: ModelNumber) -> str:
-    return with_std(one.value, one.std) if one.determined else NOT_DETERMINED
-
-
 def _numbers(numbers: tuple[ModelNumber, ...]) -> TextTable:
-    rows = tuple((one.name, number(one.nominal, 4), _fitted(one), one.unit) for one in numbers)
+    rows = tuple((one.name, number(one.nominal, 4), number_words(one, unit=False), one.unit) for one in numbers)
     caption = "Parameters of the nominal model that are wrong beyond their tolerance."
     return TextTable(("Parameter", "nominal", "fitted", "unit"), rows, caption)

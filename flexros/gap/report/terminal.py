@@ -15,12 +15,11 @@ from flexros.gap.report.figure_words import (
     share_words,
     shows,
     signed_share_words,
-    with_std,
 )
 from flexros.gap.report.ranking import first_of_explanations, first_of_ranking
 from flexros.gap.report.verdict import hanging_names, verdict_sentence
 from flexros.gap.report.waterfall import waterfall_lines
-from flexros.gap.report.words import NOT_DETERMINED, budget_words, capital, clear_words, first_few, named, where_words
+from flexros.gap.report.words import budget_words, capital, clear_words, first_few, named, number_words, where_words
 from flexros.gap.search.better_torques import LEAST
 from flexros.gap.where.regimes import REGIMES
 from flexros.report.number_text import number
@@ -99,7 +98,7 @@ def number_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
     wrong: dict[str, list[str]] = {}
     for one in diagnosis.model_numbers:
         owner, _, name = one.name.partition(".")
-        size = with_std(one.value, one.std, one.unit) if one.determined else NOT_DETERMINED
+        size = number_words(one)
         instead = f" instead of {number(one.nominal, 4)}" if one.nominal else ""
         (wrong if one.nominal else lacked).setdefault(owner, []).append(f"{name} {size}{instead}")
     lines = [f"{owner}: {', '.join(texts)}" for found in (lacked, wrong) for owner, texts in found.items()]

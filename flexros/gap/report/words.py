@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from flexros.gap.result import RankedCandidate
-    from flexros.gap.schema import BudgetShare, Cause, CauseParameter, EffectLocation, Excess
+    from flexros.gap.schema import BudgetShare, Cause, CauseParameter, EffectLocation, Excess, ModelNumber
 
 _PROPER = {"coulomb": "Coulomb", "stribeck": "Stribeck"}
 _CLEAR = 2.0
@@ -129,6 +129,19 @@ def parameter_words(name: str, parameter: CauseParameter) -> str:
         scale, prefixed = scaled(max(abs(value), std) if math.isfinite(std) else abs(value), unit)
         return with_std(value / scale, std / scale, prefixed) if value else f"0 {unit}"
     return with_std(value, std, "" if unit == "1" else unit)
+
+
+def number_words(one: ModelNumber, *, unit: bool = True) -> str:
+    """Write the fitted value of a number, e.g. "0.81 kg m2 (±0.02)", "151.5 kg or beyond (limit of its search)".
+
+    Args:
+        one: The number.
+        unit: Whether its unit is written.
+    """
+    own = one.unit if unit else ""
+    if one.at_limit:
+        return f"{number(one.value, 4)} {own}".rstrip() + " or beyond (limit of its search)"
+    return with_std(one.value, one.std, own) if one.determined else NOT_DETERMINED
 
 
 def parameters_words(parameters: Mapping[str, CauseParameter]) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from flexros.effects import parse_effect, place_effects
-from flexros.gap.answer.strained_numbers import STRAINED, as_effects, far_out, moved_words
+from flexros.gap.answer.strained_numbers import STRAINED, as_effects, at_search_limit, far_out, moved_words
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.robot import load_robot
 
@@ -66,3 +66,14 @@ def test_a_large_factor_within_many_tolerances_is_not_far_out_where_only_toleran
     predictor = SimpleNamespace(tolerance=Tolerance(("motor_1.inertia",), (0.3,)))
     fit: Any = SimpleNamespace(predictor=predictor, deviations=np.array([-2.87]))
     assert not far_out(fit, STRAINED, large=False)
+
+
+def test_a_number_is_at_the_limit_of_its_search_where_most_of_its_change_is() -> None:
+    """A rotor was said to be 28 % heavier to six digits, where five tolerances were as far as was searched."""
+    names, tolerances = ("motor_1.inertia", "body_1.mass", "body_2.mass"), (0.05, 0.05, 0.05)
+    directions = np.array([[1.0, 0.0], [0.3, 0.9], [0.0, 1.0]])
+    predictor = SimpleNamespace(tolerance=Tolerance(names, tolerances, directions=directions))
+    fit: Any = SimpleNamespace(predictor=predictor, deviations=np.array([-5.0, 2.0]))
+    assert at_search_limit(fit) == {"motor_1.inertia", "body_1.mass"}
+    fit.deviations = np.array([-4.0, 2.0])
+    assert at_search_limit(fit) == frozenset()

@@ -93,6 +93,24 @@ def test_a_size_that_the_whole_log_shows_stays_determined(monkeypatch: pytest.Mo
     assert size.std == pytest.approx(0.9 * size.value)
 
 
+def test_a_tolerated_number_varies_by_no_more_than_its_tolerance(
+    fitted: CandidateFit, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It is known that well without any log. A rotor was known to a millionth where its motor had an unknown law."""
+    friction = candidates_of()["coulomb_friction@motor_1"]
+    predictor = predictor_of(friction, tolerance=Tolerance(("body_2.rz.stiffness",), (0.03,)))
+    theta = np.array([*encoded(friction, level=LEVEL), 0.5])
+    widths = []
+    for varying in (0.0, 0.1, np.inf):
+        monkeypatch.setattr(covariance, "variation_between_parts", lambda *_, by=varying: np.array([0.0, by]))
+        data = data_of(f"coulomb_friction@motor_1:level={LEVEL}")
+        measured = replace(data, record=replace(data.record, imported=True))
+        fit = CandidateFit(predictor, theta, float(chi2_of(predictor, measured, theta[:, None])[0]))
+        widths.append(float(np.sqrt(fit_covariance(fit, measured, RankingSettings())[1, 1])))
+    assert widths[1] == pytest.approx(np.hypot(widths[0], 0.1))
+    assert widths[2] == pytest.approx(1.0)
+
+
 def test_a_number_that_a_log_says_nothing_of_keeps_its_tolerance_however_the_prior_weighs(
     fitted: CandidateFit, monkeypatch: pytest.MonkeyPatch
 ) -> None:

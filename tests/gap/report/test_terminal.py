@@ -106,6 +106,14 @@ def test_numbers_that_the_model_lacks_are_all_listed_and_come_before_wrong_ones(
     assert lines[-1] == "and those of 2 more, in report and patch"
 
 
+def test_a_number_at_the_limit_of_its_search_is_no_finding(diagnosed: Diagnosed) -> None:
+    rotor = ModelNumber(
+        location="motor_1", name="motor_1.inertia", nominal=118, value=151.5, std=0.01, unit="kg", at_limit=True
+    )
+    (line,) = number_lines(diagnosed("explained").diagnosis.model_copy(update={"model_numbers": (rotor,)}))
+    assert line == "motor_1: inertia 151.5 kg or beyond (limit of its search) instead of 118"
+
+
 def test_the_rest_has_joint_motion_and_band(divided: Diagnosis) -> None:
     assert rest_lines(divided) == ("motor_1: 15 %: at reversals 12 %, below 2 Hz 10 %",)
 

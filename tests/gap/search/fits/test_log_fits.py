@@ -117,6 +117,20 @@ def test_a_fit_is_compared_near_its_end_in_a_simulated_log_and_at_it_in_a_measur
     assert imported or found.chi2 / search.data.n_values == pytest.approx(1.0, abs=0.05)
 
 
+@pytest.mark.parametrize(("imported", "expected"), [(True, 1.0), (False, 1.5)], ids=["measured", "simulated"])
+def test_a_fit_to_a_measured_log_that_was_ended_before_is_carried_to_its_end(imported: bool, expected: float) -> None:
+    """That of a measured leg left 120,354 where 118,655 was possible, and its sizes were those of the way."""
+    search = search_of(FRICTION)
+    search = replace(search, null=replace(search.null, data=_of(search.data, imported=imported)))
+    friction = candidates_of()["coulomb_friction@motor_1"]
+    compared = CandidateFit(
+        predictor_of(friction), np.array([friction.free[0].encode(0.04)]), 1.5 * search.data.n_values
+    )
+    ended = search.at_its_end(compared)
+    assert ended.chi2 / search.data.n_values == pytest.approx(expected, abs=0.05)
+    assert search.at_its_end(ended) is ended
+
+
 def test_when_the_time_is_over_only_what_is_needed_is_done() -> None:
     search = replace(search_of(), deadline=Deadline(interrupted=lambda: True))
     assert search.parallel("numbers", lambda number: 2 * number, [1, 2, 3], needed=1) == [2]
