@@ -114,6 +114,15 @@ def test_diagnosis_that_did_not_end_has_no_shares(pendulum: dict[str, Any]) -> N
     assert "| `not finished` | 0 of 2 | 0 of 2 | - | 90 % | - | - | 3600 | - |" in text
 
 
+def test_sizes_are_counted_whose_interval_has_the_stated_range(pendulum: dict[str, Any]) -> None:
+    """Stated are 0.16 to 0.313 Nm at motor 1 and 0.11 to 0.185 Nm at motor 2."""
+    pendulum["diagnosis"]["causes"] = [coulomb(1, value(0.3, 0.001)), coulomb(2, value(0.2, 0.008))]
+    text = program("real_robots_page").page({"dfki_double_pendulum": pendulum})
+    assert "Of the 2 sizes of what is named, 2 are within 1.96 of their standard deviations" in text
+    pendulum["diagnosis"]["causes"][1] = coulomb(2, value(0.2, 0.007))
+    assert "named, 1 are within" in program("real_robots_page").page({"dfki_double_pendulum": pendulum})
+
+
 def test_value_at_its_limit_is_not_found(pendulum: dict[str, Any]) -> None:
     pendulum["diagnosis"]["causes"] = [coulomb(1, value(0.17, 0.01, at_limit=True))]
     rows = program("real_robots_page").agreement(case_of("dfki_double_pendulum"), pendulum["diagnosis"])

@@ -19,6 +19,8 @@ WAYS = {"diagnosis": "diagnosis", "hand": "by hand", "least_squares": "least squ
 """Ways to a repaired model, with the headings of their columns."""
 NEAR = 0.25
 """Relative error up to which a size agrees with what is published (the goal)."""
+WITHIN = 1.96
+"""Standard deviations to each side of a 95 % interval [1]."""
 NAMED, LISTED = 0.5, 0.01
 """Probability from which an effect counts as named, and from which it is listed [1]."""
 WORSE = -10.0
@@ -107,6 +109,13 @@ def agreement(case: Case, diagnosis: Found) -> list[tuple[Known, float | None, f
     return rows
 
 
+def within_deviations(known: Known, value: float | None, std: float | None) -> bool:
+    """Return whether the range of a known deviation is within a 95 % interval of what was found; arguments as above."""
+    if value is None or std is None:
+        return False
+    return max(known.low - value, value - known.high, 0.0) <= WITHIN * std
+
+
 def _value(known: Known, diagnosis: Found) -> tuple[float | None, float | None]:
     """Find the value of a known deviation, first among the numbers of the model, then among the causes."""
     for row in diagnosis.get("model_numbers", ()):
@@ -142,6 +151,9 @@ def _overview(done: Sequence[tuple[Case, Found]]) -> Iterator[str]:
     complete = sum(all(value is not None for _, value, _, _ in rows) for rows in causes)
     sized = sum(all(near for *_, near in rows) for rows in causes)
     yield f"\nThe complete cause is named on {complete} of {len(causes)} robots, on {sized} with all its sizes.\n"
+    named = [within_deviations(*row[:3]) for rows in causes for row in rows if row[1] is not None]
+    yield f"Of the {len(named)} sizes of what is named, {sum(named)} are within {WITHIN} of their standard deviations "
+    yield "of the stated range.\n"
     if len(causes) < len(done):
         yield f"{len(done) - len(causes)} more, whose log was chosen with the answers in view, does not count.\n"
 
