@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects.delay import Delay
+from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.servos import ServoCommandLag
 from flexros.gap.candidates.candidate import alike, simpler
 from flexros.gap.fit.candidate_fit import best_of_each, first_parameters
@@ -14,6 +15,7 @@ from flexros.gap.search.elimination.reduce import reduced
 from flexros.gap.search.fits.additions import begun_at
 from flexros.gap.search.model_probability import contrast_of
 from flexros.gap.search.worth import compared, in_vain, incomplete, simplest, worth
+from flexros.robot.parameters import SERVO
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -26,6 +28,8 @@ if TYPE_CHECKING:
     from flexros.gap.search.model_probability import ModelComparison
 
 
+SEVERAL = 2
+"""Servos that one delay of all makes late, instead of what does so at each of them [1]."""
 RICH = 3
 """Parameters from which a law that extends others may stand for two effects [1]."""
 
@@ -73,28 +77,44 @@ def exchanged(
 
 
 def one_delay(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
-    """Replace the filters of the commands of several servos by one delay of all, where that explains as much.
+    """Replace filters of commands, or viscous friction, of several servos by one delay of all, where that does as much.
 
-    Which of the two it is shows little beside what is still missing where the search begins: of a load that the file
-    lacks, five filters of 18 to 19 ms took up more than a delay of 20 ms did, and with them wrong rotors. No exchange
-    of one effect for one comes from these to the delay.
+    Which of them it is shows little beside what is still missing where the search begins: of a load that the file
+    lacks, five filters of 18 to 19 ms took up more than a delay of 20 ms did, and with them wrong rotors. Viscous
+    friction b makes a servo of the stiffness k late by b / k: beside a wrong gain, that of three motors by 4 ms each
+    stood for a delay. No exchange of one effect for one comes from these to the delay.
 
     Args:
         search: The search.
         fit: The explanation.
         fits: All fits so far; new ones are appended.
     """
-    lags = [one for one in fit.hypothesis if one.effect is ServoCommandLag]
     delay = next((one for one in search.candidates() if one.name == f"{Delay.name}@all"), None)
-    if len(lags) < 2 or delay is None or delay.name in fit.names or search.deadline.stops():
+    if delay is None or search.data.record.command is None:
         return fit
     removed = search.settings.search.removed_of_all
+    for times in (_by_filters(fit), _by_friction(fit)):
+        if len(times) < SEVERAL or delay.name in fit.names or search.deadline.stops():
+            continue
+        late = _with_late_commands(search, fit, list(times), [delay], float(np.mean(list(times.values()))))
+        fits.append(late)
+        late = reduced(search, late, fits, removed)
+        fit = fit if worth(search, compared(search, [late, fit]), late, fit, removed) else late
+    return fit
+
+
+def _by_filters(fit: CandidateFit) -> dict[str, float]:
+    """Return by which time filters of commands make servos late [s], by effect@location."""
     sizes = first_parameters(fit)
-    mean = float(np.mean([sizes[one.name] for one in lags]))
-    late = _with_late_commands(search, fit, [one.name for one in lags], [delay], mean)
-    fits.append(late)
-    late = reduced(search, late, fits, removed)
-    return fit if worth(search, compared(search, [late, fit]), late, fit, removed) else late
+    return {one.name: sizes[one.name] for one in fit.hypothesis if one.effect is ServoCommandLag}
+
+
+def _by_friction(fit: CandidateFit) -> dict[str, float]:
+    """Return by which time viscous friction makes servos late [s], by effect@location."""
+    sizes, numbers = first_parameters(fit), fit.predictor.robot.parameters
+    own = [one for one in fit.hypothesis if one.effect is ViscousFriction and sizes[one.name] > 0]
+    stiffness = {one.name: numbers[f"{one.location}.{SERVO}stiffness"].value for one in own}
+    return {name: sizes[name] / value for name, value in stiffness.items() if value > 0}
 
 
 def filters_for_delay(search: Search, fit: CandidateFit) -> CandidateFit | None:

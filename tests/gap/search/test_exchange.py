@@ -232,14 +232,21 @@ def test_a_plain_effect_that_comes_near_another_is_carried_to_its_end(
 
 
 LAGS = ("servo_command_lag@motor_1", "servo_command_lag@motor_2")
+BRAKES = ("viscous_friction@motor_1", "viscous_friction@motor_2")
 
 
 def fit_of(names: tuple[str, ...], *begin: float) -> Any:
     """A fit of named effects of sizes from 0.01 on, with what those of them begin with that were put in place."""
-    every = [SimpleNamespace(name=one, effect=effects()[one.partition("@")[0]]) for one in names]
+    every = [
+        SimpleNamespace(name=one, effect=effects()[one.partition("@")[0]], location=one.partition("@")[2])
+        for one in names
+    ]
     tolerance = SimpleNamespace(names=("motor_1.inertia",))
+    stiffness = {f"motor_{k}.servo_stiffness": SimpleNamespace(value=2.0) for k in (1, 2)}
     predictor = SimpleNamespace(
-        tolerance=tolerance, values=lambda _: [{"time_constant": 0.01 + 0.002 * k} for k in range(len(names))]
+        tolerance=tolerance,
+        values=lambda _: [{"size": 0.01 + 0.002 * k} for k in range(len(names))],
+        robot=SimpleNamespace(parameters=stiffness),
     )
     return SimpleNamespace(
         names=frozenset(names), hypothesis=every, theta=None, predictor=predictor, chi2=1.0, begin=begin
@@ -260,6 +267,7 @@ def search_of(*candidates: str) -> Any:
             SimpleNamespace(name=one, effect=effects()[one.partition("@")[0]], free=(free,)) for one in candidates
         ],
         deadline=SimpleNamespace(stops=lambda: False),
+        data=SimpleNamespace(record=SimpleNamespace(command=np.zeros(4))),
         rows=np.arange(4),
         together=together,
         completed=lambda one: one,
@@ -272,19 +280,24 @@ def search_of(*candidates: str) -> Any:
         (LAGS, False, {"delay@all", "coulomb_friction@motor_1"}),
         (LAGS, True, {*LAGS, "coulomb_friction@motor_1"}),
         (LAGS[:1], False, {LAGS[0], "coulomb_friction@motor_1"}),
+        (BRAKES, False, {"delay@all", "coulomb_friction@motor_1"}),
+        (BRAKES, True, {*BRAKES, "coulomb_friction@motor_1"}),
+        (BRAKES[1:], False, {BRAKES[1], "coulomb_friction@motor_1"}),
     ],
-    ids=["filters do as much", "filters do more", "one filter"],
+    ids=["filters do as much", "filters do more", "one filter", "friction does as much", "does more", "at one motor"],
 )
-def test_filters_of_several_servos_become_one_delay_that_does_as_much(
+def test_what_makes_several_servos_late_becomes_one_delay_that_does_as_much(
     names: tuple[str, ...], worth: bool, expected: set[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """Viscous friction b makes a servo of the stiffness k late by b / k."""
+    mean = 0.011 if names[0] in LAGS else 0.011 / 2.0
     monkeypatch.setattr(exchange, "compared", lambda *_: None)
     monkeypatch.setattr(exchange, "worth", lambda *_: worth)
     monkeypatch.setattr(exchange, "reduced", lambda _search, one, _fits, _removed: one)
     fits: list[Any] = []
     found = one_delay(search_of("delay@all"), fit_of((*names, "coulomb_friction@motor_1")), fits)
     assert found.names == expected
-    assert [one.begin for one in fits] == [pytest.approx((0.011,))] * (len(names) > 1)
+    assert [one.begin for one in fits] == [pytest.approx((mean,))] * (len(names) > 1)
 
 
 def test_filters_of_all_servos_begin_with_the_delay_that_they_replace() -> None:
