@@ -20,8 +20,8 @@ from flexros.gap.answer.partial_repairs import PartialRepairs
 from flexros.gap.answer.strained_numbers import at_search_limit, strained_numbers
 from flexros.gap.answer.unexplained import unexplained
 from flexros.gap.answer.waterfall import waterfalls
-from flexros.gap.fit.between_logs import with_variation_between_logs
-from flexros.gap.fit.covariance import fit_covariance
+from flexros.gap.fit.uncertainty.between_logs import with_variation_between_logs
+from flexros.gap.fit.uncertainty.covariance import fit_covariance
 from flexros.gap.held_out.closed_share import closed_fraction, share_between
 from flexros.gap.schema import BudgetShare, ModelNumber
 

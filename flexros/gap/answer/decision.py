@@ -14,9 +14,9 @@ from flexros.effects.kinds.base import PlacedEffect
 from flexros.gap.answer.given_model import GivenModel
 from flexros.gap.answer.strained_numbers import as_effects, strained_numbers
 from flexros.gap.answer.unexplained_torques import unexplained_torques
-from flexros.gap.fit.constancy import constancies
 from flexros.gap.fit.estimates import beyond_search, parameters_of, placed_effects
 from flexros.gap.fit.torques.unknown_numbers import UnknownNumbers
+from flexros.gap.fit.uncertainty.constancy import constancies
 from flexros.gap.held_out.gap_floor import unknown_rounding
 from flexros.gap.schema import EffectLocation
 from flexros.gap.search.curves import curves_of

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.fit.covariance import inverse_of
 from flexros.gap.fit.linearisation import linearise
+from flexros.gap.fit.uncertainty.covariance import inverse_of
 
 if TYPE_CHECKING:
     from flexros.gap.answer.decision import Findings

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.fit.between_logs import with_variation_between_logs
-from flexros.gap.fit.covariance import fit_covariance, inverse_of
+from flexros.gap.fit.uncertainty.between_logs import with_variation_between_logs
+from flexros.gap.fit.uncertainty.covariance import fit_covariance, inverse_of
 from flexros.gap.schema import CauseParameter
 
 if TYPE_CHECKING:

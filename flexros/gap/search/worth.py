@@ -12,9 +12,9 @@ from flexros.effects.kinds.law import AbstractLaw
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.effects.kinds.relative_error import AbstractRelativeError
 from flexros.gap.candidates.candidate import simpler
-from flexros.gap.fit.constancy import constancies
 from flexros.gap.fit.tolerance_takeover import takeover
 from flexros.gap.fit.torques.solution import is_silent
+from flexros.gap.fit.uncertainty.constancy import constancies
 from flexros.gap.search.model_probability import ModelComparison, compare
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Literal, TypeVar
 import numpy as np
 from scipy.optimize import lsq_linear
 
-from flexros.gap.fit.coloured_errors import coloured
-from flexros.gap.fit.covariance import inverse_of
+from flexros.gap.fit.uncertainty.coloured_errors import coloured
+from flexros.gap.fit.uncertainty.covariance import inverse_of
 from flexros.gap.prediction.predictor import FARTHEST
 
 if TYPE_CHECKING:

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.fit.coloured_errors import coloured
 from flexros.gap.fit.directions import diverged, switched_off
-from flexros.gap.fit.doubts import doubt_of, of_smooth_friction, of_timing, with_doubt_of_shapes
 from flexros.gap.fit.linearisation import linearise, linearised, with_smooth_slopes
 from flexros.gap.fit.once_per_fit import once_per_fit
-from flexros.gap.fit.parts import estimates_of_parts, parts_of, variation_between_parts
+from flexros.gap.fit.uncertainty.coloured_errors import coloured
+from flexros.gap.fit.uncertainty.doubts import doubt_of, of_smooth_friction, of_timing, with_doubt_of_shapes
+from flexros.gap.fit.uncertainty.parts import estimates_of_parts, parts_of, variation_between_parts
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.gap.fit.doubts import doubt_of
+from flexros.gap.fit.uncertainty.doubts import doubt_of
 
 pytestmark = pytest.mark.slow
 

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.fit.covariance import fit_covariance, inverse_of, with_variation
 from flexros.gap.fit.linearisation import linearised
 from flexros.gap.fit.once_per_fit import once_per_fit
-from flexros.gap.fit.parts import variation_between_parts
+from flexros.gap.fit.uncertainty.covariance import fit_covariance, inverse_of, with_variation
+from flexros.gap.fit.uncertainty.parts import variation_between_parts
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.gap.fit.parts import estimates_of_parts, variation_between_parts
+from flexros.gap.fit.uncertainty.parts import estimates_of_parts, variation_between_parts
 
 PARTS = 8
 

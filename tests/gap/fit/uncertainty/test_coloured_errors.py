@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.gap.fit.coloured_errors import smoothed
+from flexros.gap.fit.uncertainty.coloured_errors import smoothed
 from flexros.random_streams import generator
 
 pytestmark = pytest.mark.slow

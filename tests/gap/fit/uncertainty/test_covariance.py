@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.fit import coloured_errors, covariance
 from flexros.gap.fit.candidate_fit import CandidateFit
-from flexros.gap.fit.covariance import fit_covariance
 from flexros.gap.fit.estimates import parameters_of
 from flexros.gap.fit.least_squares import fit
 from flexros.gap.fit.sum_of_squares import chi2_of
+from flexros.gap.fit.uncertainty import coloured_errors, covariance
+from flexros.gap.fit.uncertainty.covariance import fit_covariance
 from flexros.gap.settings import FitSettings, RankingSettings
 from tests.gap.diagnosis_logs import WHOLE, candidates_of, data_of, encoded, predictor_of
 

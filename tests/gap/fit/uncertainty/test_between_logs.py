@@ -8,10 +8,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from flexros.gap.fit import between_logs
 from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.fit.estimates import parameters_of
 from flexros.gap.fit.least_squares import fit
+from flexros.gap.fit.uncertainty import between_logs
 from flexros.gap.residuals.fit_data import FitData
 from flexros.gap.schema import CauseParameter
 from flexros.gap.settings import FitSettings, RankingSettings

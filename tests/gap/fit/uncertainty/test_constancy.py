@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexros.gap.fit.constancy import constancy
-from flexros.gap.fit.parts import estimates_of_parts
+from flexros.gap.fit.uncertainty.constancy import constancy
+from flexros.gap.fit.uncertainty.parts import estimates_of_parts
 from flexros.gap.settings import RankingSettings
-from tests.gap.fit.test_parts import linear_log
+from tests.gap.fit.uncertainty.test_parts import linear_log
 
 PARTS, FEWEST = RankingSettings().parts, RankingSettings().fewest_parts
 

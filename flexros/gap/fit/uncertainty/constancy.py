@@ -13,7 +13,7 @@ import numpy as np
 from flexros.gap.fit.estimates import sizes_of
 from flexros.gap.fit.linearisation import linearised
 from flexros.gap.fit.once_per_fit import once_per_fit
-from flexros.gap.fit.parts import estimates_of_parts, parts_of
+from flexros.gap.fit.uncertainty.parts import estimates_of_parts, parts_of
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
