@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from flexros.gap.answer.assemble import result_of
 from flexros.gap.answer.decision import findings_of, on_held_out
+from flexros.gap.answer.rivals.most_probable import most_probable
 from flexros.gap.answer.sensitivity import sensitivity_of
 from flexros.gap.answer.withdrawal import confirmed
 from flexros.gap.fit.null_fit import fit_null
@@ -168,7 +169,7 @@ class DiagnosisTask:
             model,
             searched,
             found.held_data,
-            sensitivity.explanations,
+            most_probable(found.search, sensitivity.explanations, found.held_data, sensitivity.elsewhere),
             names_by_tolerance=sensitivity.rows,
             elsewhere=sensitivity.elsewhere,
             given=self.given,
