@@ -1,7 +1,8 @@
-"""The search of a log for causes, and its answer."""
+"""A log that is searched again with a smaller tolerance of its torques."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -12,7 +13,38 @@ from flexros.gap.answer.sensitivity import Sensitivity
 from flexros.gap.deadline import Deadline
 from flexros.gap.diagnosis_task import DiagnosisTask
 from flexros.gap.progress import Stages
-from tests.gap.diagnosis_logs import MODEL, settings_of
+from tests.gap.diagnosis_logs import MODEL, record_of, settings_of
+
+FRICTION = "coulomb_friction@motor_1:level=0.3"
+
+
+class SearchedError(Exception):
+    """The log is searched."""
+
+
+@pytest.mark.parametrize(("fitted", "begins"), [(1.0, True), (9.0, False)])
+def test_a_search_on_trial_begins_where_its_base_leaves_little_of_the_fitted_log(
+    monkeypatch: pytest.MonkeyPatch, fitted: float, begins: bool
+) -> None:
+    """A delay and a ripple that were missing left four times as much of a faster log, which counts at the end."""
+
+    def explain(*_: Any) -> None:
+        raise SearchedError
+
+    settings = settings_of("coulomb_friction")
+    record, held = (replace(record_of(FRICTION, length=2.0, seed=seed), imported=True) for seed in (1, 2))
+    task = DiagnosisTask(MODEL, held, {}, (), settings, Deadline(), Stages(None))
+    begun = task.searched(record).explanations.chosen
+    assert begun.hypothesis
+    assert task.searched(record, begun).search.base.names == begun.names
+    monkeypatch.setattr(diagnosis_task, "beyond_noise", lambda *_: fitted)
+    monkeypatch.setattr(diagnosis_task, "_beyond_noise", lambda *_: 99.0)
+    monkeypatch.setattr(diagnosis_task, "explain", explain)
+    if begins:
+        with pytest.raises(SearchedError):
+            task.searched(record, begun, 5.0)
+    else:
+        assert task.searched(record, begun, 5.0).explanations.chosen.names == begun.names
 
 
 def test_what_leads_over_all_tolerances_is_what_the_patch_holds(monkeypatch: pytest.MonkeyPatch) -> None:
