@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.answer.decision import rivals_of
+from flexros.gap.answer.decision import on_held_out, rivals_of
 from flexros.gap.held_out.closed_share import NOTHING, share_between
 from flexros.gap.held_out.errors_ahead import errors_ahead
 from flexros.gap.held_out.one_sample import surely_worse
@@ -40,7 +40,7 @@ def most_probable(
         return explanations
     while rivals := [fit for fit in rivals_of(explanations, search.settings.ranking, elsewhere) if fit.hypothesis]:
         chosen, probability = explanations.chosen, dict(zip(explanations.rivals, explanations.probabilities))
-        gone = [fit for fit in rivals if _refuted(fit, explanations, held)]
+        gone = [fit for fit in rivals if _refuted(search, fit, explanations, held)]
         best = max((fit for fit in (chosen, *rivals) if fit not in gone), key=probability.__getitem__)
         richer = [fit for fit in explanations.rivals if len(fit.hypothesis) > len(best.hypothesis)]
         explanations = _without(explanations, [*gone, *richer])
@@ -50,13 +50,16 @@ def most_probable(
     return explanations
 
 
-def _refuted(fit: CandidateFit, explanations: Explanations, held: FitData) -> bool:
+def _refuted(search: Search, fit: CandidateFit, explanations: Explanations, held: FitData) -> bool:
     """Return whether a log is predicted worse than by the chosen explanation, by more than chance at either horizon.
 
-    0.1 s ahead it must leave more than nothing of the gap: of two that predict alike, each block of a log is for one.
+    Of two that predict nearly the same, every block of a log may be for one by next to nothing. So it counts one sample
+    ahead where the likelihoods differ by more than the factor within which two are rivals, and 0.1 s ahead from a share
+    of the gap that is written as more than nothing.
     """
     chosen = explanations.chosen
-    if surely_worse(fit, chosen, held):
+    rise = on_held_out(fit, held).chi2 / on_held_out(chosen, held).chi2
+    if held.n_values * np.log(rise) > 2 * np.log(search.settings.ranking.rival) and surely_worse(fit, chosen, held):
         return True
     before, more, less = (errors_ahead(one, held) for one in (explanations.null, fit, chosen))
     share = share_between(before, more, less, held.record.sample_time)
