@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from flexros.gap.answer.assemble import result_of
 from flexros.gap.answer.decision import findings_of, on_held_out
+from flexros.gap.answer.rivals.most_probable import most_probable
 from flexros.gap.answer.sensitivity import sensitivity_of
 from flexros.gap.answer.withdrawal import confirmed
 from flexros.gap.fit.null_fit import fit_null
@@ -92,6 +93,7 @@ class DiagnosisTask:
         deadline: When the search ends.
         stages: Progress of the diagnosis; each search goes through them once more.
         rough_gains: Whether the servos have gains by the log, whose scale gravity alone fixes.
+        torques_better: Whether the torques turned out better than was assumed.
     """
 
     given: RobotWithEffects
@@ -102,6 +104,7 @@ class DiagnosisTask:
     deadline: Deadline
     stages: Stages
     rough_gains: bool = False
+    torques_better: bool = False
 
     def searched(self, record: Record, begun: CandidateFit | None = None, most: float = math.inf) -> SearchedLog:
         """Weigh a log, and search for what explains it.
@@ -109,8 +112,8 @@ class DiagnosisTask:
         Args:
             record: The log.
             begun: An explanation that the search begins with; default: what the torques show.
-            most: What that may leave beyond noise, over the tolerance of torques; with more, or where no candidates
-                promise to explain most of it, it is the answer [1]. Default: it is searched on in any case.
+            most: What that may leave beyond noise in this log, over the tolerance of torques; with more, or where no
+                candidates promise to explain most of it, it is the answer [1]. Default: it is searched on in any case.
         """
         settings, deadline, stages = self.settings, self.deadline, self.stages
         stages.again()
@@ -129,7 +132,7 @@ class DiagnosisTask:
 
         stages.begin("causes", CAUSES)
         search = prepare_search(null, settings, stages.inner, deadline, base)
-        if base is not None and most < math.inf and _beyond_noise(search, base, logs.held_data) > most:
+        if base is not None and beyond_noise(search, base) > most:
             explanations = explanations_of(search, compared(search, [base]), base, detected=True)
         else:
             promised = 1 - settings.search.within_floor if most < math.inf else 0.0
@@ -168,7 +171,7 @@ class DiagnosisTask:
             model,
             searched,
             found.held_data,
-            sensitivity.explanations,
+            most_probable(found.search, sensitivity.explanations, found.held_data, sensitivity.elsewhere),
             names_by_tolerance=sensitivity.rows,
             elsewhere=sensitivity.elsewhere,
             given=self.given,
@@ -178,6 +181,7 @@ class DiagnosisTask:
             complete=deadline.partial is None,
             withdrawn=kept.withdrawn,
             fitted_around=kept.fitted_around,
+            torques_better=self.torques_better,
             stop=deadline.of_fit(finishing=True),
         )
         return result_of(findings, found.prediction, found.excess, settings, stages, deadline)

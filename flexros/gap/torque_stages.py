@@ -89,7 +89,8 @@ def _with_better_torques(task: DiagnosisTask, found: SearchedLog) -> tuple[Diagn
             f"the torques are better than the {assumed.signal_tolerance:g} of their rms that counts as no gap where "
             f"nothing is stated, as those of a simulator or of a calibrated drive: here {tried:g} counts as none"
         )
-        trial = replace(task, notes=(*notes, note), settings=with_torque_tolerance(task.settings, {TORQUE: tried}))
+        settings = with_torque_tolerance(task.settings, {TORQUE: tried})
+        trial = replace(task, notes=(*notes, note), settings=settings, torques_better=True)
         more = trial.searched(found.record, chosen, most_begun(assumed.signal_tolerance, tried))
         begun, grown = more.search.base, more.explanations.chosen
         if task.deadline.over or begun.names != chosen.names or grown.names == chosen.names:

@@ -21,10 +21,11 @@ from flexros.gap.answer.decision import (
 )
 from flexros.gap.answer.limits import identifiability_limits
 from flexros.gap.answer.order import in_order
+from flexros.gap.answer.rivals.scale_doubt import covariance_of_answer, parameters_of_answer
 from flexros.gap.answer.unexplained_torques import hidden_from_torques
 from flexros.gap.answer.warnings import answer_warnings, record_warnings, sensor_warnings
 from flexros.gap.candidates.candidate import name_of
-from flexros.gap.fit.estimates import covariance_of, determined, parameters_of, placed_effects
+from flexros.gap.fit.estimates import determined, parameters_of, placed_effects
 from flexros.gap.held_out.closed_share import closed_fraction
 from flexros.gap.held_out.constant_speed import moving_on, moving_on_words
 from flexros.gap.held_out.errors_ahead import errors_ahead
@@ -123,7 +124,7 @@ def result_of(
     whole = verdict != "no_gap"
     budget = budget_of(findings, errors.before, errors.after or errors.before) if whole else without_gap(findings)
     patch = () if errors.worse else repair_of(findings)
-    names, covariance = covariance_of(chosen, findings.data, findings.settings, findings.held)
+    names, covariance = covariance_of_answer(findings)
     tolerated = chosen.predictor.tolerance
     closed = _closed(errors.after, findings, errors) if patch else None
     found = [one.effect for one in placed_effects(chosen)] if verdict == "explained" and patch else None
@@ -258,7 +259,7 @@ def _causes(findings: Findings, verdict: Verdict, errors: HeldOutErrors, budget:
     if not explanations.detected:
         return tuple(causes.values())
     for fit in _compared(findings):
-        for candidate, parameters in zip(fit.hypothesis, findings.sizes(fit)):
+        for candidate, parameters in zip(fit.hypothesis, _sizes(fit, findings, exact=True)):
             name = candidate.name
             if name not in causes:
                 causes[name] = Cause(
@@ -324,7 +325,7 @@ def _candidates(findings: Findings, verdict: Verdict) -> dict[RankedCandidate, C
         if fit.names <= best.keys():
             continue
         exact = probability > findings.settings.likely
-        for candidate, parameters in zip(fit.hypothesis, findings.sizes(fit) if exact else parameters_of(fit)):
+        for candidate, parameters in zip(fit.hypothesis, _sizes(fit, findings, exact=exact)):
             if candidate.name in best:
                 continue
             others = (other.name for other in fit.hypothesis if other is not candidate)
@@ -340,6 +341,13 @@ def _candidates(findings: Findings, verdict: Verdict) -> dict[RankedCandidate, C
             )
             best[candidate.name] = (ranked, fit)
     return dict(best.values())
+
+
+def _sizes(fit: CandidateFit, findings: Findings, *, exact: bool) -> list[dict[str, CauseParameter]]:
+    """Return the parameters of every effect of an explanation; with exact errors, or quick ones of unlikely fits."""
+    if fit is findings.explanations.chosen:
+        return parameters_of_answer(findings)
+    return findings.sizes(fit) if exact else parameters_of(fit)
 
 
 def _next(findings: Findings, verdict: Verdict, stages: Stages, deadline: Deadline) -> NextExperiment | None:

@@ -17,6 +17,7 @@ from flexros.effects.left_out.rotor_inertia import RotorInertia
 from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_moved
 from flexros.gap.answer.decision import effect_location
 from flexros.gap.answer.partial_repairs import PartialRepairs
+from flexros.gap.answer.rivals.scale_doubt import parameters_of_answer
 from flexros.gap.answer.strained_numbers import at_search_limit, strained_numbers
 from flexros.gap.answer.unexplained import unexplained
 from flexros.gap.answer.waterfall import waterfalls
@@ -159,7 +160,7 @@ def _model_numbers(findings: Findings) -> tuple[ModelNumber, ...]:
     """List the parameters of the robot that effects of the chosen explanation correct."""
     chosen, robot = findings.explanations.chosen, findings.model.robot
     numbers = []
-    for candidate, parameters in zip(chosen.hypothesis, findings.sizes(chosen)):
+    for candidate, parameters in zip(chosen.hypothesis, parameters_of_answer(findings)):
         if class_of(candidate.effect) != MODEL_NUMBERS or candidate.name in findings.beyond_search:
             continue
         placed = candidate.placed({name: parameter.value for name, parameter in parameters.items()})

@@ -55,6 +55,7 @@ class Findings:
         elsewhere: Explanations that are the most probable ones with other tolerances.
         withdrawn: Effects, effect@location, without which the held-out log is predicted better.
         fitted_around: Effects that ended at the last limit of their search, the others fitted again without them.
+        torques_better: Whether the torques turned out better than assumed, and what is left is within what was.
         stop: Asked by the fits of the answer after each iteration; True ends them where they are.
     """
 
@@ -74,6 +75,7 @@ class Findings:
     elsewhere: tuple[CandidateFit, ...] = ()
     withdrawn: tuple[str, ...] = ()
     fitted_around: tuple[str, ...] = ()
+    torques_better: bool = False
     stop: Callable[[], bool] = lambda: False
 
     @cached_property
@@ -120,6 +122,7 @@ def findings_of(
     elsewhere: tuple[CandidateFit, ...] = (),
     withdrawn: tuple[str, ...] = (),
     fitted_around: tuple[str, ...] = (),
+    torques_better: bool = False,
     stop: Callable[[], bool] = lambda: False,
 ) -> Findings:
     """Evaluate the nominal model and the chosen explanation on the held-out log; arguments as in `Findings`."""
@@ -140,6 +143,7 @@ def findings_of(
         elsewhere=elsewhere,
         withdrawn=withdrawn,
         fitted_around=fitted_around,
+        torques_better=torques_better,
         stop=stop,
     )
 
@@ -228,10 +232,11 @@ def _within_floor(findings: Findings, left: float, with_tolerance: float | None)
     """Return whether the chosen explanation leaves about the floor: on a real machine, of noise and tolerance.
 
     There predictions of one sample, in both logs, must be within it as well as those 0.1 s ahead: the former show fast
-    errors, the latter slow ones.
+    errors, the latter slow ones. With torques that turned out better than assumed, `are_better` has asked for the
+    former: what counted as no gap with fewer effects is none with more.
     """
-    floors = findings.settings.floors
-    if not findings.data.record.premises.floor_is_noise and max(_levels(findings)) > floors:
+    floors, measured = findings.settings.floors, not findings.data.record.premises.floor_is_noise
+    if measured and not findings.torques_better and max(_levels(findings)) > floors:
         return False
     return left <= floors * (with_tolerance or 1.0)
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from flexros.effects import effects
 from flexros.gap.answer.decision import level_of_positions, on_held_out
+from flexros.gap.answer.rivals.most_probable import most_probable
 from flexros.gap.answer.strained_numbers import STRAINED, far_out
 from flexros.gap.answer.told_apart import told_apart
 from flexros.gap.fit.candidate_fit import best_of_each
@@ -81,8 +82,8 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> Conf
     fits = list(explanations.comparison.fits)
     chosen = told_apart(search, explanations.chosen, fits, held)
     if chosen is not explanations.chosen:
-        more, others = explanations.chosen.names, best_of_each(fits)  # what else has more was not confirmed
-        fits = [chosen, *(fit for fit in others if fit.names != chosen.names and not fit.names > more)]
+        fewer, others = explanations.chosen.names, best_of_each(fits)  # neither it nor what else has more was confirmed
+        fits = [chosen, *(fit for fit in others if fit.names != chosen.names and not fit.names >= fewer)]
         explanations = explanations_of(search, compared(search, fits), chosen, detected=True)
     withdrawn: list[str] = []
     before: AheadErrors | None = None
@@ -110,6 +111,7 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> Conf
         explanations = explanations_of(search, comparison, chosen, detected=True)
     if _changes_nothing(search, explanations, held):
         return Confirmed(explanations_of(search, explanations.comparison, explanations.null, detected=False))
+    explanations = most_probable(search, explanations, held)
     return Confirmed(explanations, tuple(withdrawn), tuple(sorted(found.names - rest.names)))
 
 

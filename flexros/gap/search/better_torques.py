@@ -25,8 +25,9 @@ LEAST = 0.005
 """Smallest tolerance on trial, relative to the rms of a torque [1] (chosen)."""
 
 MOST_BEGUN = 2.0
-"""The same of the explanation with which a search on trial begins, up to which there is hope [1] (chosen): 0.02 to 0.6
-where torques are those of a simulator, 7 on a linear drive whose friction no law describes that well."""
+"""The same of the explanation with which a search on trial begins, in the fitted log, up to which there is hope [1]
+(chosen): 0.02 to 0.9 where torques are those of a simulator. Another motion may show a delay or a ripple that is still
+missing far more, and counts once the search has ended."""
 
 
 def tolerance_on_trial(tolerance: float, left: float, *, again: bool = False) -> float | None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
 from itertools import combinations
 from typing import TYPE_CHECKING
@@ -10,12 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects.friction.viscous_friction import ViscousFriction
-from flexros.effects.left_out.rotor_inertia import RotorInertia
-from flexros.effects.motor_inertia_error import MotorInertiaError
 from flexros.effects.servos import ServoDampingError, ServoStiffnessError
 from flexros.effects.torque_gain_error import TorqueGainError
 from flexros.gap.candidates.candidate import Candidate, free_parameter
-from flexros.gap.fit.estimates import unit_of_parameter
+from flexros.gap.search.common_scale import in_proportion
 from flexros.gap.search.elimination.reduce import reduced
 from flexros.gap.search.fits.additions import Addition
 from flexros.gap.search.servos.braking import braking_of, named
@@ -158,26 +155,10 @@ def _without_gains(search: Search, chosen: CandidateFit, fits: list[CandidateFit
             break
         if gain not in chosen.hypothesis:  # it went together with another one
             continue
-        fits.append(search.without(_in_proportion(chosen, gain), gain.name))
+        fits.append(search.without(in_proportion(chosen, gain), gain.name))
         if not worth(search, compared(search, [fits[-1], chosen]), fits[-1], chosen, removed):
             chosen = reduced(search, fits[-1], fits, removed)
     return chosen
-
-
-def _in_proportion(fit: CandidateFit, gain: Candidate) -> CandidateFit:
-    """Divide all torques that a motor meets by the gain of its own, as they are where that is nominal."""
-    theta, robot, motor = fit.theta.copy(), fit.predictor.robot, gain.location
-    values = fit.predictor.values(fit.theta)
-    factor = 1 + values[fit.hypothesis.index(gain)]["relative"]
-    frees = [(one, free, own[free.name]) for one, own in zip(fit.hypothesis, values, strict=True) for free in one.free]
-    viscous = robot.parameters[f"{motor}.viscous_friction"].value
-    for column, (candidate, free, size) in enumerate(frees):
-        relative = candidate.effect is MotorInertiaError
-        felt = relative or candidate.effect is RotorInertia
-        if candidate.location == motor and (felt or unit_of_parameter(candidate, free.name, robot).startswith("N")):
-            known = 1.0 if relative else viscous if candidate.effect is ViscousFriction else 0.0
-            theta[column] = np.clip(free.encode((known + size) / factor - known), *free.bounds)
-    return replace(fit, theta=theta)
 
 
 def _without_pair(search: Search, chosen: CandidateFit, fits: list[CandidateFit]) -> CandidateFit | None:

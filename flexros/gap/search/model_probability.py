@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.candidates.candidate import names_of
+from flexros.gap.candidates.one_scale import of_one_scale
 from flexros.gap.settings import RankingSettings
 
 if TYPE_CHECKING:
@@ -42,6 +43,8 @@ class ModelComparison:
             values, as what rounding feigns at one encoder is among the values of that one.
         exact: Whether the nominal model is exact but for the effects.
         distance: Sum of the squares by which the weighted prediction errors of two fits differ; None where not known.
+        chance: What the sums of squares of two fits of a measured log of torques may differ by without evidence [1];
+            None for other logs.
         settings: Thresholds and costs.
     """
 
@@ -53,6 +56,7 @@ class ModelComparison:
     rounding: float = 0.0
     exact: bool = False
     distance: Callable[[CandidateFit, CandidateFit], float] | None = None
+    chance: Callable[[CandidateFit, CandidateFit], float] | None = None
     settings: RankingSettings = RANKING
 
     def level(self, fit: CandidateFit) -> float:
@@ -191,7 +195,8 @@ class ModelComparison:
         """Return the model-form error that an explanation may have where it differs from another one.
 
         It is a share of the gap that its own effects close; effects of both have the same error in both. Where one of
-        the two only adds to the other, it is that of the addition.
+        the two only adds to the other, it is that of the addition. A gain and an inertia of one scale differ by no more
+        than chance where the parts of a measured log do not agree (Vuong 1989, with parts for single values).
         """
         if fit.names < reference.names:
             fit, reference = reference, fit
@@ -200,6 +205,8 @@ class ModelComparison:
             return 0.0
         gap = max(self._least_level_of(fit.names - contrast.own) - self.level(fit), 0.0)
         error = form_error(gap, plain=contrast.plain, settings=self.settings)
+        if contrast.one_scale and self.chance is not None:
+            return max(error, self.chance(fit, reference) / self.n_values)
         if not contrast.between or self.distance is None:
             return error
         difference, noise = abs(self.level(fit) - self.level(reference)), 2 * self.level(reference) / self.n_values
@@ -234,11 +241,13 @@ class Contrast:
             the same rotors, or Coulomb and load-dependent friction of the same motors, so that the distance between the
             two predictions separates them: what such a harmonic has of other orders, it has wherever it enters, and
             how dry friction sticks does not depend on what its level follows.
+        one_scale: Whether they differ in a gain of a torque and an inertia alone, see `of_one_scale`.
     """
 
     own: frozenset[str]
     plain: bool
     between: bool
+    one_scale: bool
 
 
 def contrast_of(hypothesis: Hypothesis, other: Hypothesis) -> Contrast:
@@ -253,7 +262,9 @@ def contrast_of(hypothesis: Hypothesis, other: Hypothesis) -> Contrast:
         or (rotors is not None and rotors == rotors_of_others)
         or (friction is not None and friction == friction_of_others)
     )
-    return Contrast(own, plain, bool(own and others) and alike)
+    pair = [one for one in (*hypothesis, *other) if one.name in own ^ others]
+    one_scale = len(own) == len(others) == 1 and of_one_scale(*pair)
+    return Contrast(own, plain, bool(own and others) and alike, one_scale)
 
 
 def _rotors(hypothesis: Hypothesis, names: frozenset[str]) -> list[str] | None:
@@ -295,6 +306,7 @@ def compare(
     null: CandidateFit,
     fits: Sequence[CandidateFit] = (),
     distance: Callable[[CandidateFit, CandidateFit], float] | None = None,
+    chance: Callable[[CandidateFit, CandidateFit], float] | None = None,
     settings: RankingSettings = RANKING,
 ) -> ModelComparison:
     """Compare fits of a log.
@@ -304,9 +316,11 @@ def compare(
         null: The nominal model, with what is tolerated fitted.
         fits: All other fits.
         distance: Sum of the squares by which the weighted prediction errors of two fits differ; None where not known.
+        chance: What the sums of squares of two fits may differ by without evidence [1]; None where not known.
         settings: Thresholds and costs.
     """
-    exact = data.record.premises.floor_is_noise and not null.predictor.tolerance.names
+    noise, servos = data.record.premises.floor_is_noise, data.record.command is not None
+    exact = noise and not null.predictor.tolerance.names
     return ModelComparison(
         null=null,
         fits=tuple(fits),
@@ -316,6 +330,7 @@ def compare(
         rounding=float(data.measurement.rounding @ data.values_of_motors) / data.n_values,
         exact=exact,
         distance=distance,
+        chance=None if noise or servos else chance,  # numbers of servos have common factors of their own
         settings=settings,
     )
 

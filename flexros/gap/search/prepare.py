@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,6 +26,8 @@ if TYPE_CHECKING:
     from flexros.gap.fit.null_fit import NullFit
     from flexros.gap.residuals.fit_data import FitData
 
+BY_CHANCE = 2.0
+"""Standard deviations by which parts of a log differ by chance [1]: 95 %."""
 ROWS_STREAM = 21
 """Stream of random numbers that draws the prediction errors of the estimates."""
 
@@ -70,6 +74,7 @@ def prepare_search(
             data.record.sample_time,
         ),
         distance=_distances(data),
+        chance=partial(_chance, data),
         settings=settings,
         left_before=left_before,
         competitors=competitors(null.model.robot, settings.search, data.record.prescribed),
@@ -98,3 +103,21 @@ def _distances(data: FitData) -> Callable[[CandidateFit, CandidateFit], float]:
         return known[pair]
 
     return distance
+
+
+def _chance(data: FitData, fit: CandidateFit, other: CandidateFit) -> float:
+    """Return what the sums of squares of two fits of a measured log may differ by without evidence [1].
+
+    What explanations of a machine leave is not white, and lasts for a part of a motion: parts of the log tell by how
+    much their difference is an accident. Tolerated numbers were weighed by what was left before the search, which is
+    more than at its end.
+
+    Args:
+        data: The log.
+        fit: One fit.
+        other: The other one.
+    """
+    number = max(2, math.ceil(data.record.n_samples * data.record.sample_time / data.settings.prediction_gap.block))
+    first, second = (data.squares_in_time(one.residual(data), number) for one in (fit, other))
+    by_parts = float(np.std(first - second, ddof=1)) * math.sqrt(number)
+    return BY_CHANCE * by_parts + (data.misfit - 1) * abs(fit.prior_penalty - other.prior_penalty)

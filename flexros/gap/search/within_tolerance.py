@@ -167,7 +167,7 @@ def without_tolerated(search: Search, chosen: CandidateFit, fits: list[Candidate
         rest = tuple(other for other in full.hypothesis if other is not one)
         start = full.theta[~full.columns([one.name])]
         without = fitted(search.null.predictor(rest), start)
-        both = compare(data, search.null.fit, [without, full], search.distance, search.settings.ranking)
+        both = compare(data, search.null.fit, [without, full], search.distance, search.chance, search.settings.ranking)
         if not worth(search, both, without, full, removed):
             full, chosen = without, search.completed(search.without(chosen, one.name))
             fits.append(chosen)

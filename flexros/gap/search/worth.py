@@ -33,7 +33,7 @@ numbers of an arm one is beyond three now and then."""
 
 def compared(search: Search, fits: Sequence[CandidateFit]) -> ModelComparison:
     """Compare fits with each other and with the nominal model."""
-    return compare(search.data, search.null.fit, fits, search.distance, search.settings.ranking)
+    return compare(search.data, search.null.fit, fits, search.distance, search.chance, search.settings.ranking)
 
 
 def incomplete(search: Search, comparison: ModelComparison, chosen: CandidateFit) -> bool:

@@ -307,6 +307,15 @@ def test_on_a_real_machine_the_floor_contains_the_tolerance() -> None:
     assert verdict_of(far, left=1.0) == "partly_explained"
 
 
+def test_what_torques_within_the_assumed_tolerance_explain_is_no_remainder_of_better_ones() -> None:
+    """With a delay and a ripple more an answer had been one in part, which was complete without them."""
+    found = findings(fitted(1.0, COULOMB), [], [1.0], TRUTH)
+    real = replace(found, data=replace(found.data, record=replace(found.data.record, imported=True)))
+    far = replace(real, held_chosen=replace(real.held_chosen, chi2=2.1 * found.held.n_values))
+    assert verdict_of(replace(far, torques_better=True), left=1.0) == "explained"
+    assert verdict_of(replace(far, torques_better=True), left=2.1) == "partly_explained"
+
+
 def test_torques_of_a_fit_on_a_real_machine_count_by_what_they_predict() -> None:
     """A fit weighs errors of torques by less than their tolerance, and the sum of both may be far above the floor."""
     good = fitted(50.0, COULOMB)

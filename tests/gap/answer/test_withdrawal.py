@@ -129,6 +129,20 @@ def test_what_only_the_fitted_log_is_for_is_no_rival_of_what_both_logs_are_for(m
     assert all(SOFT not in fit.names for fit in kept.rivals)
 
 
+def test_the_most_probable_of_two_that_hold_in_both_logs_is_the_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    search, _ = found()
+    among = {one.candidate.name: one for one in search.directions(search.candidates())}
+    null = search.null.fit
+    right, wrong = (
+        search.together(null, search.additions([among[name] for name in names], null, search.surroundings(null)))
+        for names in ((FRICTION, SOFT), (FRICTION, BIAS))
+    )
+    explanations = explanations_of(search, compared(search, [right, wrong]), wrong, detected=True)
+    monkeypatch.setattr(withdrawal, "_better_without", lambda *_: None)
+    kept = confirmed(search, explanations, measured(*BOTH, seed=2)).explanations
+    assert kept.chosen.names == {FRICTION, SOFT}
+
+
 def test_an_effect_that_spoils_predictions_goes_though_one_sample_ahead_chance_speaks_for_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

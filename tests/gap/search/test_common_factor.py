@@ -17,7 +17,7 @@ from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.schema import Diagnosis
-from flexros.gap.search import common_factor
+from flexros.gap.search import common_factor, common_scale
 from flexros.gap.settings import DiagnosisSettings
 from tests.gap.diagnosis_logs import candidates_of, encoded, predictor_of, settings_of
 from tests.gap.servo_logs import SERVO_EFFECTS, servo_log, servo_robot
@@ -149,7 +149,7 @@ def test_friction_and_inertia_in_proportion_to_a_gain() -> None:
     predictor = predictor_of(*hypothesis)
     theta = np.concatenate([encoded(one, **sizes[one.effect.name]) for one in hypothesis])
     fit: Any = _Sized(hypothesis, theta, predictor)
-    scaled = common_factor._in_proportion(fit, every["torque_gain_error"])
+    scaled = common_scale.in_proportion(fit, every["torque_gain_error"])
     found = {one.effect.name: own for one, own in zip(hypothesis, predictor.values(scaled.theta), strict=True)}
     nominal = predictor.robot.parameters["motor_1.viscous_friction"].value
     assert found["coulomb_friction"]["level"] == pytest.approx(1.0)
@@ -165,7 +165,7 @@ def test_a_gain_is_left_out_where_other_friction_explains_as_much(alike: bool, m
     chosen: Any = SimpleNamespace(hypothesis=(gain, other), names={gain.name, other.name}, chi2=1000.0)
     rest = SimpleNamespace(hypothesis=(other,), chi2=1001.0 if alike else 1100.0)
     monkeypatch.setattr(common_factor, "compared", lambda *_: None)
-    monkeypatch.setattr(common_factor, "_in_proportion", lambda fit, gain: fit)
+    monkeypatch.setattr(common_factor, "in_proportion", lambda fit, gain: fit)
     monkeypatch.setattr(common_factor, "reduced", lambda search, fit, fits, removed: fit)
     monkeypatch.setattr(common_factor, "worth", lambda search, how, rest, fit, share: rest.chi2 > fit.chi2 + 10)
     search: Any = SimpleNamespace(
@@ -184,7 +184,7 @@ def test_of_two_gains_the_second_may_go_with_the_first(monkeypatch: pytest.Monke
     rest: Any = SimpleNamespace(hypothesis=(second, other), chi2=1001.0)
     least: Any = SimpleNamespace(hypothesis=(other, replace(other, location="motor_2")), chi2=1002.0)
     monkeypatch.setattr(common_factor, "compared", lambda *_: None)
-    monkeypatch.setattr(common_factor, "_in_proportion", lambda fit, gain: fit.hypothesis.index(gain))
+    monkeypatch.setattr(common_factor, "in_proportion", lambda fit, gain: fit.hypothesis.index(gain))
     monkeypatch.setattr(common_factor, "reduced", lambda search, fit, fits, removed: least)
     monkeypatch.setattr(common_factor, "worth", lambda *_: False)
     search: Any = SimpleNamespace(

@@ -16,6 +16,7 @@ from flexros.gap.fit.limits import at_limits
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.search import richer_laws
+from flexros.gap.search.common_scale import with_common_scale
 from flexros.gap.search.curves import with_curves
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.search.regrouping import with_gains
@@ -204,3 +205,19 @@ def test_friction_that_yields_stays_without_a_hump_that_ended_at_a_limit() -> No
     assert right.names == found.names
     assert not at_limits(right)
     assert right.chi2 == pytest.approx(found.chi2, rel=0.02)
+
+
+def test_a_load_takes_the_place_of_a_gain_with_all_else_in_proportion() -> None:
+    """Friction, springs and dampers of the one are those of the other one, times the gain."""
+    load, gain = "payload_error@tool", "torque_gain_error@motor_1"
+    search, wrong = search_and_fit(
+        (f"{load}:relative=0.3", *FRICTION), (gain, *(one.partition(":")[0] for one in FRICTION))
+    )
+    fits: list[CandidateFit] = []
+    assert with_common_scale(search, wrong, fits) is wrong
+    (right,) = (fit for fit in fits if load in fit.names)
+    assert right.names == wrong.names - {gain} | {load}
+    assert right.chi2 < wrong.chi2
+    sizes = dict(zip((one.name for one in right.hypothesis), right.predictor.values(right.theta), strict=True))
+    assert sizes[load]["relative"] == pytest.approx(0.3, rel=0.1)
+    assert sizes["coulomb_friction@motor_1"]["level"] == pytest.approx(6, rel=0.05)

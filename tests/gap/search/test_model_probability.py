@@ -21,7 +21,7 @@ from flexros.gap.search.model_probability import (
     contrast_of,
     form_error,
 )
-from flexros.record.premises import SIMULATED
+from flexros.record.premises import MEASURED, SIMULATED, Premises
 from tests.gap.diagnosis_logs import candidates_of, predictor_of
 
 pytestmark = pytest.mark.slow
@@ -30,6 +30,7 @@ N = 20_000
 COULOMB, STRIBECK, STIFFNESS = (
     "coulomb_friction@motor_1", "stribeck_friction@motor_1", "stiffness_error@body_2.rz",
 )  # fmt: skip
+GAIN, INERTIA = "torque_gain_error@motor_1", "motor_inertia_error@motor_1"
 
 
 def fitted(level: float, *names: str) -> CandidateFit:
@@ -107,6 +108,33 @@ def test_a_difference_beyond_what_parts_two_predictions_is_no_evidence() -> None
     assert apart.probabilities([delay, worse])[0] > 0.9
 
 
+@pytest.mark.parametrize(("other", "decided"), [(INERTIA, False), ("delay@all", True)])
+def test_a_gain_and_an_inertia_are_not_told_apart_by_what_differs_between_parts_of_a_log(
+    other: str, decided: bool
+) -> None:
+    """A gain of 0.85 and a payload error of 25 % left 5017 and 4994 of 24,000, by 15 of chance."""
+    first, second = fitted(1.0, GAIN), fitted(1.0 + 30 / N, other)
+    found = replace(comparison(1.5, first, second), distance=lambda *_: 1e6, chance=lambda *_: 15.0)
+    assert bool(found.probabilities([first, second])[1] < 0.01) is decided
+
+
+@pytest.mark.parametrize(
+    ("premises", "command", "known"), [(MEASURED, None, True), (MEASURED, 1, False), (SIMULATED, None, False)]
+)
+def test_only_in_measured_logs_of_torques_parts_of_a_log_tell_what_is_chance(
+    premises: Premises, command: object, known: bool
+) -> None:
+    data: Any = SimpleNamespace(
+        record=SimpleNamespace(premises=premises, command=command),
+        measurement=SimpleNamespace(rounding=np.zeros(1)),
+        values_of_motors=np.array([N]),
+        n_values=N,
+        floor_error=0.0,
+        noise_level=0.0,
+    )
+    assert (compare(data, fitted(1.0), chance=lambda *_: 15.0).chance is not None) is known
+
+
 def test_of_two_harmonics_of_a_rotor_what_parts_them_decides() -> None:
     """What a transmission error has of other orders, a ripple in its place would have as well."""
     error, ripple = (harmonic(level, name) for level, name in ((1.0, "transmission_error"), (1.01, "torque_ripple")))
@@ -160,6 +188,7 @@ def test_model_form_errors() -> None:
         ((COULOMB,), ("delay@all",), {COULOMB}, False, False),
         ((COULOMB, "delay@all"), (COULOMB,), {"delay@all"}, True, False),  # an addition: there is nothing between
         ((COULOMB,), (COULOMB, "delay@all"), set(), True, False),
+        ((GAIN,), (INERTIA,), {GAIN}, True, True),
     ],
 )
 def test_contrast_of_two_explanations(
@@ -167,7 +196,7 @@ def test_contrast_of_two_explanations(
 ) -> None:
     candidates = candidates_of()
     found = contrast_of(*(tuple(candidates[name] for name in names) for names in (one, other)))
-    assert found == Contrast(frozenset(own), plain, between)
+    assert found == Contrast(frozenset(own), plain, between, one_scale=GAIN in own)
 
 
 @pytest.mark.parametrize("swap", [False, True])
@@ -212,7 +241,7 @@ def test_an_effect_that_is_worth_its_parameters_is_detected() -> None:
 def test_rounding_at_one_encoder_feigns_nothing_at_the_others() -> None:
     """It hid a gain of torques that was worth 150, at another motor of six."""
     data: Any = SimpleNamespace(
-        record=SimpleNamespace(premises=SIMULATED),
+        record=SimpleNamespace(premises=SIMULATED, command=None),
         measurement=SimpleNamespace(rounding=np.array([0.0, 0.0, 0.9])),
         values_of_motors=np.full(3, 1000),
         n_values=N,

@@ -50,7 +50,7 @@ class Search:
         self.data = SimpleNamespace(misfit=misfit, n_values=1000)
         self.directions = lambda *_: []
         self.of_torques: frozenset[str] = frozenset()
-        self.distance = lambda *_: 0.0
+        self.distance = self.chance = lambda *_: 0.0
         self.deadline = SimpleNamespace(stops_finishing=lambda: False)
         tolerance = Tolerance((SPRING,), (0.03,))
         robot = SimpleNamespace(parameters={SPRING: 1.0})
@@ -143,7 +143,7 @@ def test_an_error_that_the_tolerance_takes_up_at_the_final_misfit_is_none(
     found = within_tolerance.without_tolerated(search, full, [])
     assert (PAYLOAD in found.names) is worth
     assert set(used) == {1.0}
-    assert given == [search.distance, search.settings.ranking]
+    assert given == [search.distance, search.chance, search.settings.ranking]
 
 
 @pytest.mark.parametrize(("effect", "size", "kept"), [

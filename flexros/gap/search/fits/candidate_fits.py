@@ -55,6 +55,7 @@ class Search(SimplerFits):
         base_residual: Its weighted prediction errors, shape (n_values,).
         scales: Largest torques, speeds and deflections of the log.
         distance: Sum of the squares by which the weighted prediction errors of two fits differ.
+        chance: What their sums of squares may differ by without evidence, by parts of a measured log [1].
         competitors: Effects and locations that compete.
         left_before: Mean squared prediction error of the base in the same log tied more closely, where an earlier
             search ended with it [1]; None where there was none.
@@ -64,6 +65,7 @@ class Search(SimplerFits):
     base_residual: FloatArray
     scales: Scales
     distance: Callable[[CandidateFit, CandidateFit], float]
+    chance: Callable[[CandidateFit, CandidateFit], float]
     competitors: Competitors
     left_before: float | None = None
     _levels: dict[tuple[frozenset[str], bytes], float] = field(init=False, default_factory=dict)
