@@ -51,17 +51,23 @@ def findings(rival: Fit) -> Any:
     explanations = SimpleNamespace(
         chosen=chosen, rivals=(chosen, rival), probabilities=np.array([0.75, 0.25]), detected=True
     )
-    return SimpleNamespace(explanations=explanations, data=None, settings=SimpleNamespace(rival=3.0), elsewhere=())
-
-
-@pytest.fixture(autouse=True)
-def of_the_fit(monkeypatch: pytest.MonkeyPatch) -> None:
     sizes = [
         {"level": CauseParameter(value=30.0, std=1.0, unit="N")},
         {"relative": CauseParameter(value=-0.15, std=0.02, unit="1")},
     ]
+    return SimpleNamespace(
+        explanations=explanations,
+        data=None,
+        held=None,
+        settings=SimpleNamespace(rival=3.0),
+        elsewhere=(),
+        sizes=lambda _: sizes,
+    )
+
+
+@pytest.fixture(autouse=True)
+def of_the_fit(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(scale_doubt, "covariance_of", lambda *_: (NAMES, np.diag([1.0, 0.02**2])))
-    monkeypatch.setattr(scale_doubt, "parameters_of", lambda *_: sizes)
 
 
 def test_sizes_are_as_uncertain_as_a_rival_of_another_scale_makes_them() -> None:
