@@ -70,7 +70,7 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> Conf
 
     Where the nominal model leaves no more than noise and tolerance in either log, there is no gap that an effect could
     be the cause of: one that does not hold in the held-out log is chance, however much it gains in the fitted one. So
-    are effects that change nothing there.
+    are effects that improve nothing there.
 
     Args:
         search: The search.
@@ -109,7 +109,7 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> Conf
         kept = [fit for fit in fits if fit is chosen or (fit.names != chosen.names and fit.names.isdisjoint(withdrawn))]
         comparison = compared(search, best_of_each(kept))
         explanations = explanations_of(search, comparison, chosen, detected=True)
-    if _changes_nothing(search, explanations, held):
+    if _improves_nothing(search, explanations, held):
         return Confirmed(explanations_of(search, explanations.comparison, explanations.null, detected=False))
     explanations = most_probable(search, explanations, held)
     return Confirmed(explanations, tuple(withdrawn), tuple(sorted(found.names - rest.names)))
@@ -185,8 +185,8 @@ def _of_chance(search: Search, explanations: Explanations, held: FitData) -> boo
     return worse or errors_ahead(chosen, held).mean > before
 
 
-def _changes_nothing(search: Search, explanations: Explanations, held: FitData) -> bool:
-    """Return whether effects change no predictions of a held-out log, and torques within tolerance explain both logs.
+def _improves_nothing(search: Search, explanations: Explanations, held: FitData) -> bool:
+    """Return whether effects improve no predictions of a held-out log, and torques within tolerance explain both logs.
 
     Errors of torques last, and 0.1 s ahead they leave far more than the floor: `tolerance_floor`.
     """
@@ -195,7 +195,7 @@ def _changes_nothing(search: Search, explanations: Explanations, held: FitData) 
         return False
     before = errors_ahead(null, held)
     closed = closed_fraction(before, errors_ahead(explanations.chosen, held), held.record.sample_time)
-    if closed is None or not closed.interval[0] <= 0 <= closed.interval[1]:
+    if closed is None or closed.interval[0] > 0:
         return False
     logs = ((before, held), (errors_ahead(null, search.data), search.data))
     return all(errors.mean <= floors * (tolerance_floor(null, log) or 1.0) for errors, log in logs)

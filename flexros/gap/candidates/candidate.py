@@ -28,10 +28,10 @@ AT_LIMIT = 1e-3
 """Distance from a limit of the search, over the whole range in the unit of the fit, that counts as at the limit [1]."""
 REDUCED = (0.3, 0.6, 0.9)
 """Shares of a nominal number that are taken away in the initial values of a search [1] (chosen)."""
-
-
 WIDER = 10.0
 """Factor by which a search that ended at its limit is widened (chosen)."""
+OF_NUMBERS = ("relative", "coefficient")
+"""Sizes of effects that are errors of a number of the model: over it, or in its unit."""
 
 
 @dataclass(frozen=True)
@@ -247,7 +247,7 @@ def alike(one: Candidate, other: Candidate) -> bool:
 
 
 def own_numbers(hypothesis: Hypothesis, robot: Robot) -> frozenset[str]:
-    """Return the numbers of a robot that a hypothesis has relative errors of.
+    """Return the numbers of a robot that a hypothesis has errors of.
 
     A log cannot tell such an error from a tolerated deviation of the same number.
 
@@ -255,7 +255,7 @@ def own_numbers(hypothesis: Hypothesis, robot: Robot) -> frozenset[str]:
         hypothesis: The hypothesis.
         robot: The nominal robot.
     """
-    errors = [one for one in hypothesis if any(free.name == "relative" for free in one.free)]
+    errors = [one for one in hypothesis if any(free.name in OF_NUMBERS for free in one.free)]
     return frozenset(name for one in errors for name in one.effect().numbers(robot, one.location))
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects.kinds.model_change import AbstractChangedValues
+from flexros.gap.candidates.candidate import OF_NUMBERS
 from flexros.gap.fit.sum_of_squares import chi2_of
 
 if TYPE_CHECKING:
@@ -15,9 +16,6 @@ if TYPE_CHECKING:
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.residuals.fit_data import FitData
-
-OF_NUMBERS = ("relative", "coefficient")
-"""Sizes of effects that are errors of a number of the model: over it, or in its unit."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -90,7 +90,7 @@ def test_what_is_less_probable_than_the_rest_does_not_take_its_place(monkeypatch
 
     search, explanations = hidden()
     monkeypatch.setattr(ModelComparison, "probabilities", doubtful)
-    monkeypatch.setattr(withdrawal, "_changes_nothing", lambda *_: False)
+    monkeypatch.setattr(withdrawal, "_improves_nothing", lambda *_: False)
     kept = confirmed(search, explanations, measured(BOTH[0], seed=2))
     assert kept.explanations.chosen.names == {BIAS}
 
@@ -183,15 +183,21 @@ def test_what_closes_nothing_goes_however_little_it_spoils() -> None:
 
 def test_the_last_effect_is_not_withdrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where there is a gap and no effect holds, it is the verdict that says so."""
-    monkeypatch.setattr(withdrawal, "_changes_nothing", lambda *_: False)
+    monkeypatch.setattr(withdrawal, "_improves_nothing", lambda *_: False)
     kept = confirmed(*found(), measured("torque_bias@motor_1:level=0.1", seed=2))
     assert len(kept.withdrawn) == 1
     assert len(kept.explanations.chosen.hypothesis) == 1
 
 
-def test_effects_that_change_nothing_are_none_where_torques_within_tolerance_explain_both_logs() -> None:
-    """0.1 s ahead such torques leave far more than the floor, as `flexros gap` counts it too."""
-    kept = confirmed(*found(), measured("torque_bias@motor_1:level=0.1", seed=2))
+@pytest.mark.parametrize("of_held_out", [(), (f"{SOFT}:relative=0.1",)], ids=["change nothing", "spoil it"])
+def test_effects_that_improve_nothing_are_none_where_torques_within_tolerance_explain_both_logs(
+    of_held_out: tuple[str, ...],
+) -> None:
+    """0.1 s ahead such torques leave far more than the floor, as `flexros gap` counts it too.
+
+    A ripple that made up for jitter of the stamps, and spoiled the held-out log, was an unknown effect.
+    """
+    kept = confirmed(*found(), measured("torque_bias@motor_1:level=0.1", *of_held_out, seed=2))
     assert (kept.explanations.detected, kept.withdrawn) == (False, ())
 
 

@@ -19,6 +19,7 @@ from flexros.gap.candidates.candidate import (
     from_zero,
     list_candidates,
     name_of,
+    own_numbers,
 )
 from flexros.gap.candidates.scales import Scales
 from flexros.robot import load_robot
@@ -29,6 +30,21 @@ SIGNED = [
     for parameter, allowed in effect.ranges.items()
     if allowed.signed
 ]
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("stiffness_error@body_1.ry", {"body_1.ry.stiffness"}),
+        ("viscous_friction@motor_2", {"motor_2.viscous_friction"}),
+        ("coulomb_friction@motor_1", set()),
+    ],
+)
+def test_errors_of_a_number_stand_for_its_deviation_within_tolerance(name: str, expected: set[str]) -> None:
+    """Viscous friction of -1.96 and a tolerated number of +2.00 Nm s/rad cancelled in a patch, and one was a cause."""
+    robot = load_robot("elbow")
+    among = {one.name: one for one in list_candidates(robot, Scales({}))}
+    assert own_numbers((among[name],), robot) == expected
 
 
 def test_negative_values_may_have_a_bound_of_their_own() -> None:
