@@ -161,12 +161,18 @@ def test_a_lead_of_torques_that_the_model_hardly_explains_is_told_only(found, he
 
 @pytest.mark.slow
 def test_measured_torque_may_be_noted_after_it_was_held(found, healthy) -> None:
-    """Then it is half a sample late anyway; a whole sample from a command of our own recorder is refused."""
+    """Then it is half a sample late anyway; a whole sample from a command of our own recorder is refused.
+
+    Measured currents of a drive that low-passes them are later still.
+    """
     record = late(healthy("emps"), 1)
     assert found("emps", record)[0].hopeless
     measured = {"measured_torque": True, "imported": True, "torque_shift": 0.0}
     assert not found("emps", record, **measured)[0].hopeless
-    assert found("emps", late(healthy("emps"), 2), **measured)[0].hopeless
+    (filtered,) = found("emps", late(healthy("emps"), 2), **measured)
+    assert not filtered.hopeless
+    assert "low-passes the currents" in filtered.text
+    assert found("emps", late(healthy("emps"), 12), **measured)[0].hopeless
 
 
 @pytest.mark.slow
