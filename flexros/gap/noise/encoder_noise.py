@@ -36,6 +36,8 @@ ROUNDED_SHARE = 0.1
 CROSSED, SPREAD, FEWEST_BLOCKS = 2.0, 2.5, 20
 """Steps of an encoder that a motor crosses within a sample, from which rounding no longer grows with speed; the factor
 by which some blocks must exceed that, and their fewest number (chosen)."""
+AT_REST = 0.01
+"""Speed over its largest one, rms of a block, up to which a motor rests [1] (chosen)."""
 HIDES = 1.2
 """Step of an encoder over its noise above which rounding hides size and colour of the noise [1] (chosen): smaller steps
 add white noise of step^2 / 12, with which noise as declared still counts as such."""
@@ -198,6 +200,9 @@ def _above_band(position: FloatArray, speed: FloatArray, record: Record) -> tupl
         power = np.mean(high.reshape(-1, _BLOCK) ** 2, axis=1)[whole]
         square = np.mean(speed[rows, motor].reshape(-1, _BLOCK) ** 2, axis=1)[whole]
         variance[motor], slope, spread = _line(square, power)
+        moving = square > AT_REST**2 * square.max()
+        if moving.sum() >= FEWEST_BLOCKS:  # to a line through much rest all motion is an outlier
+            _, slope, spread = _line(square[moving], power[moving])
         step = lattice_step(column[record.valid]) or 0.0
         if step**2 / 12 > ROUNDED_SHARE * variance[motor]:
             crossed = np.sqrt(square) * record.sample_time / step
