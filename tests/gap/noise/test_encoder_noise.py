@@ -101,10 +101,10 @@ def test_rounding_below_the_noise_does_not_hide_its_colour(robot: Robot, step: f
 
 
 def test_jitter_of_the_clock_shows_between_pauses(robot: Robot) -> None:
-    """Of picks and places an arm rests for half of the time; beside a good encoder all motion looked like an outlier."""
+    """An arm that picks and places rests for half of the time, and beside its rest all motion was an outlier."""
     phase = (np.arange(N) * T + 1e-4 * np.random.default_rng(3).normal(size=N)) % 4.0
     motion = np.where(phase < 2.2, 1 - np.cos(2 * np.pi * phase / 2.2), 0.0)
-    record = replace(record_of(white(), still=False), position=(motion + white(0.01 * SIGMA))[:, None])
+    record = replace(record_of(white(), still=False), position=(motion + white(1e-3 * SIGMA))[:, None])
     assert measure_noise(record, robot, SETTINGS).jitter == pytest.approx(1e-4, rel=0.1)
 
 
