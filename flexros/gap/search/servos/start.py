@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
+from flexros.effects.left_out.tool_load import ToolLoad
 from flexros.effects.servos import ServoCommandLag
 from flexros.gap.candidates.candidate import list_candidates
 from flexros.gap.candidates.competitors import competitors
@@ -146,7 +147,8 @@ def _with_carried(
 
     Each such effect is tried with the best fit, which goes on before: what few iterations leave may hide what it does.
     The best one stays, and the others are tried beside it. Within the floor, which counts what tolerances allow for,
-    wrong gains and inertias stand for a load: there it must remove a good part of all that is left.
+    wrong gains and inertias stand for a load: there it must remove a good part of all that is left. Counterbalances are
+    not sought there: one at every joint took up what wrong gains and rotors left on their way.
 
     Args:
         fits: Fits of the log.
@@ -166,10 +168,13 @@ def _with_carried(
     own = [pair for pair in bare if pair[0].name in best.names]
     taken: list[tuple[Candidate, float]] = []
     settings, rest = fits.settings.search, list(carried)
-    while rest and not fits.over:
+    while not fits.over:
+        left = best.chi2 - fits.null.data.n_values
+        rest = [pair for pair in rest if left > 0 or pair[0].effect is ToolLoad]
+        if not rest:
+            break
         tried = fits.every([([*own, *taken, pair], first_parameters(best)) for pair in rest], carried_on, 0.3, 0.3)
         index = min(range(len(tried)), key=lambda number: tried[number].chi2)
-        left = best.chi2 - fits.null.data.n_values
         least = settings.removed_of_all * left if left > 0 else settings.removed * best.chi2  # within the floor
         if not best.chi2 - tried[index].chi2 > least:
             break

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from flexros.effects import RobotWithEffects, parse_effect, place_effects
+from flexros.effects.counterbalance import Counterbalance
 from flexros.effects.left_out import ToolLoad
 from flexros.gap.candidates.candidate import Candidate
 from flexros.gap.candidates.tolerance import tolerance_of
@@ -249,18 +250,29 @@ def test_parameters_are_those_of_the_search_again() -> None:
 )
 def test_a_load_must_remove_a_good_part_also_within_the_floor(best: float, loaded: float, *, taken: bool) -> None:
     """Gains and inertias of five servos left less than tolerances allow for, and half of that beside the load."""
+    assert takes(Candidate(ToolLoad, "tool", ()), best, loaded) == taken
+
+
+@pytest.mark.parametrize(("best", "taken"), [(3.0, True), (0.8, False)])
+def test_no_counterbalance_is_sought_within_the_floor(best: float, *, taken: bool) -> None:
+    """One at every joint of an arm of six servos had taken up what wrong gains left, and a rotor had gone for them."""
+    assert takes(Candidate(Counterbalance, "motor_1", ()), best, 0.3 * best) == taken
+
+
+def takes(one: Candidate, best: float, beside: float) -> bool:
+    """Whether an effect of the carried weight is taken that lowers the mean square of the best fit to another one."""
     n = 1000
-    without, beside = (SimpleNamespace(chi2=level * n, names=frozenset[str]()) for level in (best, loaded))
+    before, after = (SimpleNamespace(chi2=level * n, names=frozenset[str]()) for level in (best, beside))
     fits: Any = SimpleNamespace(
         over=False,
         null=SimpleNamespace(data=SimpleNamespace(n_values=n)),
         settings=DiagnosisSettings(),
         likeliest=lambda found: found[0],
-        screened=lambda *_: beside,
+        screened=lambda *_: after,
         longer=lambda one: one,
         every=lambda starts, fitted, *_: [fitted(*one) for one in starts],
     )
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(start, "first_parameters", lambda _: {})
-        found = start._with_carried(fits, [without], lambda _: [], [], [(Candidate(ToolLoad, "tool", ()), 0.0)])  # type: ignore[list-item]
-    assert found == ([beside] if taken else [without])
+        found = start._with_carried(fits, [before], lambda _: [], [], [(one, 0.0)])  # type: ignore[list-item]
+    return found == [after]
