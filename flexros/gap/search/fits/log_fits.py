@@ -33,6 +33,9 @@ if TYPE_CHECKING:
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
+WELL_BEFORE = 0.01
+"""Fall of the sum of squares from which a fit had ended well before its end, over that sum [1] (chosen)."""
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LogFits:
@@ -247,11 +250,14 @@ class LogFits:
         return best_of([fit, self._fit(fit.predictor, nominal, self._most_iterations, rival=fit.chi2, finishing=True)])
 
     def at_its_end(self, fit: CandidateFit) -> CandidateFit:
-        """Return a fit to a measured log where it ends, if it was ended before, as fits that are compared are."""
+        """Return a fit to a measured log where it ends, if it was ended well before, as fits that are compared are.
+
+        What is left of the way moves sizes that the log hardly tells along valleys, away from those that torques show.
+        """
         if self.premises.floor_is_noise or self.deadline.stops():
             return fit
         ended = self.completed(fit)
-        return ended if fit.chi2 - ended.chi2 > self.data.negligible else fit
+        return ended if ended.chi2 < (1 - WELL_BEFORE) * fit.chi2 else fit
 
     def to_compare(self, fit: CandidateFit) -> CandidateFit:
         """Carry a fit so far that it may be compared with others: of a simulated log near its end."""
