@@ -35,6 +35,7 @@ from flexros.gap.settings import DiagnosisSettings
 from flexros.json_text import json_text
 from flexros.logs.foreign.import_log import import_log
 from flexros.logs.foreign.mapping import load_mapping
+from flexros.provenance import code_version
 
 if TYPE_CHECKING:
     from flexros.effects import RobotWithEffects
@@ -49,6 +50,7 @@ EVALUATION = (
     *(f"backlash:{seed}" for seed in range(7631, 7635)),
     *(f"servo:{seed}" for seed in range(7641, 7647)),
     *(f"{mode}:{seed}:{UR5E.name}" for mode, seed in (("torque", 7651), ("delay", 7652))),
+    *(f"many:{seed}:{UR5E.name}" for seed in (7661, 7662)),
 )
 """Cases of the page; their seeds were not used before it."""
 NAMES = ("fitted", "held", "other")
@@ -174,6 +176,7 @@ def result_of(case: Case, folder: Path) -> dict[str, Any]:
         "warnings": result.diagnosis.warnings,
         "gap": gap.model_dump(mode="json"),
         "seconds": seconds,
+        "code": code_version(),
     }
 
 

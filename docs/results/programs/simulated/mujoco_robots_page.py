@@ -31,6 +31,8 @@ in half of the cases, measured ones, noted at the begin or the end of the sample
 - **elastic**: gears with springs, motor encoders alone, and one spring whose stiffness is wrong by 25 to 60 %.
 - **backlash**: the same gears, one of them with a gap of 3 to 20 mrad.
 - **servo**: position actuators, and a log without torques: gains, friction, inertia, delay.
+- **many**: thirty effects at once on the UR5e: friction, a constant torque and a rotor at every joint, gains at four of
+  them, a load and a delay. Two cases, added later: each states the commit that ran it in mujoco_robots.json.
 
 Below, an effect is *shown* by the log if a model with all other true effects leaves a gap: more than noise and the
 tolerances of a measured log (5 % of the torques, 3 % of the nominal numbers), and more than two floors. Others cannot

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from flexros.arrays import FloatArray
 
-Mode = Literal["torque", "elastic", "backlash", "delay", "servo"]
+Mode = Literal["torque", "elastic", "backlash", "delay", "servo", "many"]
 Causes = dict[tuple[str, str], float]
 RATE = 250
 """Samples and commands per second."""
@@ -91,8 +91,10 @@ def drawn_truth(arm: Arm, mode: Mode, seed: int) -> Truth:
         seed: Seed of the draw.
     """
     random = np.random.default_rng([seed, 2])
-    causes: Causes = {}
     motors = [f"motor_{k + 1}" for k in range(arm.n_motors)]
+    if mode == "many":
+        return _everywhere(arm, motors, random)
+    causes: Causes = {}
     rotors, lacks = {}, _lacks_rotors(arm)
     for motor, inertia in zip(motors, arm.inertias.tolist(), strict=True):
         if random.random() < 0.6:
@@ -124,6 +126,20 @@ def drawn_truth(arm: Arm, mode: Mode, seed: int) -> Truth:
         causes["backlash", one] = float(random.uniform(3e-3, 2e-2))
     delay, sensor_delay = (late, 0) if half else (0, late)
     return Truth(causes, rotors, delay, sensor_delay, measured, noted if measured else 0)
+
+
+def _everywhere(arm: Arm, motors: list[str], random: np.random.Generator) -> Truth:
+    """Draw friction, a constant torque and a rotor at every joint, gains at two thirds of them, a load and a delay."""
+    causes: Causes = {("tool_load", "tool"): float(random.uniform(0.3, 0.8))}
+    rotors = {}
+    for motor, inertia in zip(motors, arm.inertias.tolist(), strict=True):
+        causes["coulomb_friction", motor] = level = inertia * float(random.uniform(1.0, 4.0))
+        causes["viscous_friction", motor] = inertia * float(random.uniform(1.0, 2.5))
+        causes["torque_bias", motor] = level * _relative(random, 0.3, 0.8)
+        rotors[motor] = inertia * float(random.uniform(0.4, 1.5))
+    for motor in random.choice(motors, 2 * len(motors) // 3, replace=False):
+        causes["torque_gain_error", str(motor)] = _relative(random, 0.08, 0.2)
+    return Truth(causes, rotors, delay=int(random.integers(1, 4)))
 
 
 def _relative(random: np.random.Generator, least: float, most: float) -> float:
@@ -228,8 +244,11 @@ def run(arm: Arm, truth: Truth, seed: int, duration: float = DURATION) -> Run:
     lead = round(SETTLING * RATE)
     wanted = reference(arm, seed, duration)
     wanted = np.vstack([np.repeat(wanted[:1], lead, axis=0), wanted])
-    rows = np.array([model.joint(f"motor_{k + 1}").qposadr[0] for k in range(arm.n_motors)])
+    motors = [f"motor_{k + 1}" for k in range(arm.n_motors)]
+    rows = np.array([model.joint(motor).qposadr[0] for motor in motors])
     data.qpos[rows] = wanted[0]
+    constant = [truth.causes.get(("torque_bias", motor), 0.0) for motor in motors]
+    data.qfrc_applied[[model.joint(motor).dofadr[0] for motor in motors]] = constant
     teeth = [_Teeth(model, place, size) for (effect, place), size in truth.causes.items() if effect == "backlash"]
     controller = _Controller(arm, truth, wanted)
     commands, positions = wanted.copy(), np.empty_like(wanted)
