@@ -53,8 +53,12 @@ MISSED = """
   tolerance up to which a log counts as explained.
 - A diagnosis ended in an internal error (backlash:7634): SciPy could not sort the eigenvalues of a Riccati equation of
   the proposed experiment. Mended; this case and those after it were run by commit 7a95b082.
-- All sizes outside their intervals but a rotor inertia are delays, which are found about 0.1 ms too short: half a step
-  of MuJoCo here.
+- Thirty effects (many, run by commit 83cc229a): wrists weigh little, so that no gravity fixes the common scale of gain,
+  rotor and friction there. Two or three gains are missing, all sizes at their motors are off by the same factor, which
+  their intervals do not say, and a load or false names beside them make up for it (many:7662). Both searches ended at
+  the limit of 150 s.
+- Else all sizes outside their intervals but a rotor inertia are delays, which are found about 0.1 ms too short: half a
+  step of MuJoCo here.
 
 The 28 cases before (seeds 7501 to 7552, commit 5d26139b) had 105 of 106 shown effects named, 4 false ones, 99 of 105
 sizes in their intervals and no log refused. Three of the false ones and the missing effect were of one arm, for whose
