@@ -59,7 +59,8 @@ SUMMARY = """
 
 "Named" counts deviations that are published or follow from least squares: effect and joint, with a probability of at
 least 50 %, and with a size within 25 % of the stated range. Shares of the gap are the smallest and the largest of the
-logs that were not fitted. Times are of one of two cores beside other work: processor times below tell more.
+logs that were not fitted. Times are of one of two cores beside other work: processor times below tell more. Where
+their code had not changed, least squares and MuJoCo are those of an earlier run than that of the diagnosis.
 
 """
 
