@@ -12,6 +12,8 @@ from flexros.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from pydantic.fields import FieldInfo
+
 Model = TypeVar("Model", bound=BaseModel)
 
 
@@ -47,9 +49,10 @@ def _sentence(model: type[BaseModel], error: ValidationError, source: str, data:
     key = _key(problem["loc"], data)
     given = problem.get("input")
     if problem["type"] == "extra_forbidden":
-        allowed = _allowed_keys(model, problem["loc"])
-        nearest = get_close_matches(str(problem["loc"][-1]), allowed, n=1)
-        hint = f"did you mean '{nearest[0]}'? " if nearest else ""
+        fields = _fields_at(model, problem["loc"])
+        unknown, allowed = str(problem["loc"][-1]), list(fields)
+        nearest = get_close_matches(unknown, allowed, n=1)
+        hint = f"did you mean '{nearest[0]}'? " if nearest else _hint_of_a_number(unknown, given, fields)
         listing = f"allowed are {', '.join(allowed)}" if allowed else "it is not a known key"
         return f"{source}: unknown key '{key}': {hint}{listing}"
     if problem["type"] == "missing":
@@ -80,8 +83,16 @@ def _short(value: object) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
-def _allowed_keys(model: type[BaseModel], location: tuple[int | str, ...]) -> list[str]:
-    """Return the keys allowed in place of an unknown one, following the location through the nested models."""
+def _hint_of_a_number(unknown: str, given: object, fields: Mapping[str, FieldInfo]) -> str:
+    """Say where a key belongs that a number beside it has; empty where none has it."""
+    for name, field in fields.items():
+        if any({"value", unknown} <= inner.model_fields.keys() for inner in _models_within(field.annotation)):
+            return f"that of a number is written {name}: {{value: ..., {unknown}: {_short(given)}}}; "
+    return ""
+
+
+def _fields_at(model: type[BaseModel], location: tuple[int | str, ...]) -> Mapping[str, FieldInfo]:
+    """Return the fields of which one is allowed in place of an unknown key, following its location."""
     candidates = [model]
     for part in location[:-1]:
         tagged = [candidate for candidate in candidates if part in (candidate.__name__, *_tags(candidate))]
@@ -90,7 +101,7 @@ def _allowed_keys(model: type[BaseModel], location: tuple[int | str, ...]) -> li
             candidates = tagged
         elif holding:
             candidates = _models_within(holding[0].model_fields[str(part)].annotation)
-    return list(candidates[0].model_fields) if candidates else []
+    return candidates[0].model_fields if candidates else {}
 
 
 def _models_within(annotation: Any) -> list[type[BaseModel]]:

@@ -58,3 +58,21 @@ def test_first_problem_as_one_sentence(data: dict[str, Any], message: str) -> No
 def test_valid_data_becomes_an_object() -> None:
     drawing = validate(Drawing, {"title": "t", "shapes": [{"type": "disc", "radius": 2}]}, "a.yaml")
     assert drawing.shapes == (Disc(type="disc", radius=2),)
+
+
+class Number(Settings):
+    value: float
+    tolerance: float = 0.0
+
+
+class Plate(Settings):
+    title: str
+    width: Number | None = None
+
+
+def test_a_key_that_a_number_has_is_shown_where_it_belongs() -> None:
+    """A user wrote the tolerance of a spring beside its stiffness, and was told the keys that are allowed there."""
+    with pytest.raises(
+        InputError, match=r"'tolerance': that of a number is written width: \{value: ..., tolerance: 0.2\}"
+    ):
+        validate(Plate, {"title": "t", "tolerance": 0.2}, "a.yaml")

@@ -18,9 +18,10 @@ from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_move
 from flexros.gap.answer.decision import effect_location
 from flexros.gap.answer.partial_repairs import PartialRepairs
 from flexros.gap.answer.rivals.scale_doubt import parameters_of_answer
-from flexros.gap.answer.strained_numbers import at_search_limit, strained_numbers
+from flexros.gap.answer.strained_numbers import strained_numbers
 from flexros.gap.answer.unexplained import unexplained
 from flexros.gap.answer.waterfall import waterfalls
+from flexros.gap.fit.limits import numbers_at_limits
 from flexros.gap.fit.uncertainty.between_logs import with_variation_between_logs
 from flexros.gap.fit.uncertainty.covariance import fit_covariance
 from flexros.gap.held_out.closed_share import closed_fraction, share_between
@@ -254,7 +255,7 @@ def _estimated(findings: Findings) -> list[ModelNumber]:
             )
         )
     strained = strained_numbers(findings)
-    limited = at_search_limit(chosen)
+    limited = numbers_at_limits(chosen)
     moved = (_moved(*one, robot, float(relative[one[0]]), at_limit=one[0] in limited) for one in strained.items())
     return [*numbers, *moved]
 

@@ -12,7 +12,6 @@ from flexros.effects.kinds.base import PlacedEffect, effects
 from flexros.effects.kinds.relative_error import AbstractRelativeError
 from flexros.errors import InputError
 from flexros.gap.fit.torques.rough_bodies import fitted_bodies
-from flexros.gap.prediction.predictor import FARTHEST
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -25,9 +24,6 @@ STRAINED, STRAINED_ALONE = 4.0, 8.0
 """Deviation from which a number is far out of its tolerance, over this [1] (chosen): of some forty numbers of an arm of
 six axes one is beyond three now and then; without any effect, errors of torques within their tolerance moved one of an
 exact model by 4.6."""
-ENDED, MOSTLY = 0.99, 0.5
-"""Deviation over the largest that is searched from which it ended there, and share of a number's change by such ones
-from which its value is theirs [1] (chosen)."""
 SHOWN = 3
 """Numbers of the model beyond their tolerance that are stated one by one [1] (chosen)."""
 LARGE, SEVERAL = 0.5, 2.0
@@ -70,19 +66,6 @@ def far_out(fit: CandidateFit, least: float, *, large: bool = True) -> dict[str,
     far = (sizes > least) | (large & (sizes > SEVERAL) & (np.abs(logarithms) > LARGE))
     far &= np.array(tolerance.deviations) > 0  # all others are those of an effect, or exact
     return {tolerance.names[k]: float(np.exp(logarithms[k])) for k in np.argsort(-sizes) if far[k]}
-
-
-def at_search_limit(fit: CandidateFit) -> frozenset[str]:
-    """Return the names of tolerated numbers that a fit moved mostly along directions in which its search ended.
-
-    Args:
-        fit: The fit.
-    """
-    tolerance, free = fit.predictor.tolerance, fit.deviations
-    ended = np.where(np.abs(free) > ENDED * FARTHEST, free, 0.0)
-    by_limits, moved = (np.abs(tolerance.by_name(one)) for one in (ended, free))
-    mostly = (by_limits > 0) & (by_limits > MOSTLY * moved)
-    return frozenset(name for name, limited in zip(tolerance.names, mostly, strict=True) if limited)
 
 
 def moved_words(fit: CandidateFit, factors: Mapping[str, float]) -> str:

@@ -4,9 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from flexros.gap.prediction.predictor import FARTHEST
+
 if TYPE_CHECKING:
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
+
+ENDED, MOSTLY = 0.99, 0.5
+"""Deviation over the largest that is searched from which it ended there, and share of a number's change by such ones
+from which its value is theirs [1] (chosen)."""
 
 
 def at_limits(fit: CandidateFit) -> list[tuple[Candidate, str]]:
@@ -29,3 +37,16 @@ def ended_at_last(fit: CandidateFit) -> set[str]:
         for one, name in at_limits(fit)
         if one.widened(name) is None and one.with_usual(name) is None and one.without_part(name) is None
     }
+
+
+def numbers_at_limits(fit: CandidateFit) -> frozenset[str]:
+    """Return the names of tolerated numbers that a fit moved mostly along directions in which its search ended.
+
+    Args:
+        fit: The fit.
+    """
+    tolerance, free = fit.predictor.tolerance, fit.deviations
+    ended = np.where(np.abs(free) > ENDED * FARTHEST, free, 0.0)
+    by_limits, moved = (np.abs(tolerance.by_name(one)) for one in (ended, free))
+    mostly = (by_limits > 0) & (by_limits > MOSTLY * moved)
+    return frozenset(name for name, limited in zip(tolerance.names, mostly, strict=True) if limited)

@@ -12,9 +12,9 @@ from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.servos import ServoDampingError, ServoStiffnessError
 from flexros.effects.torque_gain_error import TorqueGainError
 from flexros.gap.candidates.candidate import Candidate, free_parameter
-from flexros.gap.search.common_scale import in_proportion
 from flexros.gap.search.elimination.reduce import reduced
 from flexros.gap.search.fits.additions import Addition
+from flexros.gap.search.proportion import in_proportion
 from flexros.gap.search.servos.braking import braking_of, named
 from flexros.gap.search.worth import compared, worth
 from flexros.robot.parameters import SERVO

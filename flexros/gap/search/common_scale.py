@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.effects.friction.viscous_friction import ViscousFriction
-from flexros.effects.gear.stiffness_error import StiffnessError
-from flexros.effects.left_out.rotor_inertia import RotorInertia
-from flexros.effects.motor_inertia_error import MotorInertiaError
 from flexros.effects.torque_bias import TorqueBias
 from flexros.effects.torque_gain_error import TorqueGainError
 from flexros.gap.candidates.one_scale import of_one_scale
-from flexros.gap.fit.estimates import unit_of_parameter
 from flexros.gap.search.fits.additions import Addition
+from flexros.gap.search.proportion import in_proportion, other_scales
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -50,7 +46,8 @@ def with_common_scale(search: Search, chosen: CandidateFit, fits: list[Candidate
     and stiffer springs. Linear theory does not see that: all sizes differ by the factor. A constant torque may stand
     for a gain, which scales the weight that a motor carries. An inertia that was found beside friction gives no way to
     a gain: a drive is calibrated, and what it carries is not. Rotors that the robot file leaves out and numbers of the
-    model take their part of the scale by themselves.
+    model take their part of the scale by themselves. Errors of gains may be one of the scale of the whole arm, see
+    `other_scales`.
 
     Args:
         search: The search.
@@ -64,6 +61,8 @@ def with_common_scale(search: Search, chosen: CandidateFit, fits: list[Candidate
         return chosen
     if not search.deadline.stops():
         fits += search.parallel("common scale", partial(_fitted, search), list(_exchanges(search, chosen)))
+    if not search.deadline.stops():
+        fits += search.parallel("scale of the arm", search.completed, list(other_scales(search, chosen)))
     return chosen
 
 
@@ -91,28 +90,3 @@ def _fitted(search: Search, exchange: _Exchange) -> CandidateFit:
     start = np.clip(np.array([free.encode(exchange.size)]), *free.bounds)
     addition = Addition(exchange.new, 0.0, start, nothing, np.zeros(len(search.rows), dtype=np.float32))
     return search.completed(search.together(exchange.begun, [addition], without=(exchange.gone,)))
-
-
-def in_proportion(fit: CandidateFit, gain: Candidate) -> CandidateFit:
-    """Divide all torques that a motor meets by the gain of its own, as they are where that is nominal.
-
-    Those of springs too where it is the only motor of the arm.
-
-    Args:
-        fit: An explanation.
-        gain: An error of the torque gain among its effects.
-    """
-    theta, robot, motor = fit.theta.copy(), fit.predictor.robot, gain.location
-    values = fit.predictor.values(fit.theta)
-    factor = 1 + values[fit.hypothesis.index(gain)]["relative"]
-    frees = [(one, free, own[free.name]) for one, own in zip(fit.hypothesis, values, strict=True) for free in one.free]
-    viscous = robot.parameters[f"{motor}.viscous_friction"].value
-    for column, (candidate, free, size) in enumerate(frees):
-        spring = candidate.effect is StiffnessError and robot.n_motors == 1
-        relative = candidate.effect is MotorInertiaError or spring
-        felt = relative or candidate.effect is RotorInertia
-        torque = felt or unit_of_parameter(candidate, free.name, robot).startswith("N")
-        if torque and (spring or candidate.location == motor):
-            known = 1.0 if relative else viscous if candidate.effect is ViscousFriction else 0.0
-            theta[column] = np.clip(free.encode((known + size) / factor - known), *free.bounds)
-    return replace(fit, theta=theta)

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from flexros.effects import parse_effect, place_effects
-from flexros.gap.answer.strained_numbers import STRAINED, as_effects, at_search_limit, far_out, moved_words
+from flexros.gap.answer.strained_numbers import STRAINED, as_effects, far_out, moved_words
 from flexros.gap.candidates.tolerance import Tolerance
+from flexros.gap.fit.limits import numbers_at_limits
 from flexros.robot import load_robot
 
 FACTORS = {
@@ -74,6 +75,6 @@ def test_a_number_is_at_the_limit_of_its_search_where_most_of_its_change_is() ->
     directions = np.array([[1.0, 0.0], [0.3, 0.9], [0.0, 1.0]])
     predictor = SimpleNamespace(tolerance=Tolerance(names, tolerances, directions=directions))
     fit: Any = SimpleNamespace(predictor=predictor, deviations=np.array([-5.0, 2.0]))
-    assert at_search_limit(fit) == {"motor_1.inertia", "body_1.mass"}
+    assert numbers_at_limits(fit) == {"motor_1.inertia", "body_1.mass"}
     fit.deviations = np.array([-4.0, 2.0])
-    assert at_search_limit(fit) == frozenset()
+    assert numbers_at_limits(fit) == frozenset()

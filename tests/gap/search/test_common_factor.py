@@ -17,7 +17,7 @@ from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.schema import Diagnosis
-from flexros.gap.search import common_factor, common_scale
+from flexros.gap.search import common_factor, proportion
 from flexros.gap.settings import DiagnosisSettings
 from tests.gap.diagnosis_logs import candidates_of, encoded, predictor_of, settings_of
 from tests.gap.servo_logs import SERVO_EFFECTS, servo_log, servo_robot
@@ -149,7 +149,7 @@ def test_friction_and_inertia_in_proportion_to_a_gain() -> None:
     predictor = predictor_of(*hypothesis)
     theta = np.concatenate([encoded(one, **sizes[one.effect.name]) for one in hypothesis])
     fit: Any = _Sized(hypothesis, theta, predictor)
-    scaled = common_scale.in_proportion(fit, every["torque_gain_error"])
+    scaled = proportion.in_proportion(fit, every["torque_gain_error"])
     found = {one.effect.name: own for one, own in zip(hypothesis, predictor.values(scaled.theta), strict=True)}
     nominal = predictor.robot.parameters["motor_1.viscous_friction"].value
     assert found["coulomb_friction"]["level"] == pytest.approx(1.0)

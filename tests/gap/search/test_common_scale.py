@@ -34,11 +34,13 @@ def tried(
     """What is tried in place of an effect of an explanation, which stays."""
     monkeypatch.setattr(common_scale, "_fitted", lambda _, exchange: exchange.new.name)
     monkeypatch.setattr(common_scale, "in_proportion", lambda fit, _: fit)
+    monkeypatch.setattr(common_scale, "other_scales", lambda *_: [])
     search: Any = SimpleNamespace(
         premises=premises,
         data=SimpleNamespace(record=SimpleNamespace(command=command)),
         deadline=Deadline(),
         candidates=lambda: tuple(candidates_of().values()),
+        completed=lambda fit: fit,
         parallel=lambda _, function, items: [function(one) for one in items],
     )
     chosen, fits = fitted(*names), []  # type: ignore[var-annotated]

@@ -100,7 +100,7 @@ class Repository:
 
     def url(self, path: str) -> str:
         """Return the address of a file."""
-        return f"https://raw.githubusercontent.com/{self.owner}/{self.name}/{self.commit}/{path}"
+        return f"https://raw.githubusercontent.com/{self.owner}/{self.name}/{self.commit}/{urllib.parse.quote(path)}"
 
 
 REPOSITORIES = (
