@@ -9,6 +9,9 @@ from typing import Any
 import pytest
 from ruamel.yaml import YAML
 
+from flexros.gap.progress import BEGINS
+from flexros.gap.schema import NEXT_EXPERIMENT
+
 CHECKOUT = Path(__file__).parents[2]
 DOCS = CHECKOUT / "docs"
 ROOMS = sorted(path.name for path in (CHECKOUT / "flexros").iterdir() if any(path.glob("[!_]*.py")))
@@ -73,3 +76,9 @@ def test_pictures_of_the_gallery_exist() -> None:
     pictures = re.findall(r"!\[[^\]]*\]\(([^)]+)\)", text)
     assert len(pictures) >= 6
     assert [name for name in pictures if not (DOCS / name).is_file()] == []
+
+
+def test_what_a_partial_answer_lacks_is_said_of_every_step_of_a_search() -> None:
+    """A diagnosis had ended in a step that the guide did not know."""
+    page = (DOCS / "how-to" / "limit_a_diagnosis.md").read_text(encoding="utf-8")
+    assert [step for step in (*BEGINS, NEXT_EXPERIMENT) if f"`{step}`" not in page] == []

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,6 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
 
     from flexros.gap.fit.candidate_fit import CandidateFit
+    from flexros.gap.held_out.closed_share import ClosedShare
     from flexros.gap.held_out.errors_ahead import AheadErrors
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.search.fits.candidate_fits import Search
@@ -213,30 +213,41 @@ def _hardly_a_gap(search: Search, explanations: Explanations, held: FitData) -> 
 def _better_without(search: Search, chosen: CandidateFit, before: AheadErrors, held: FitData) -> CandidateFit | None:
     """Fit an explanation without the effect that spoils the predictions of the held-out log most; None without one.
 
-    One whose size is not determined is left out where they gain nothing by it.
+    Those whose sizes are not determined are left out where they gain nothing by them, all at once where they gain
+    nothing by all of them together.
     """
     settings, sample_time = search.settings.ranking, held.record.sample_time
     after, squares = errors_ahead(chosen, held), on_held_out(chosen, held).chi2
 
-    def closes_nothing(name: str) -> bool:
-        rest = replace(chosen, theta=chosen.switched_off({name}))
-        share = share_between(before, errors_ahead(rest, held), after, sample_time)
-        return share is not None and share.value < NOTHING
+    def share_of(rest: CandidateFit) -> ClosedShare | None:
+        return share_between(before, errors_ahead(rest, held), after, sample_time)
 
-    names, undetermined = sorted(chosen.names), unclear(search, chosen, settings.undetermined)
-    without = search.parallel("effects on held-out data", partial(search.without, chosen), names)
-    best, least = None, np.inf
-    for name, fit in zip(names, without, strict=True):
-        if comes_back(name, fit):
+    def spoils(name: str, fit: CandidateFit, share: ClosedShare) -> bool:
+        if share.interval[1] >= 0 or surely_worse(fit, chosen, held):
+            return False
+        off = share_of(replace(chosen, theta=chosen.switched_off({name})))
+        return share.value <= -settings.withdrawn or (off is not None and off.value < NOTHING)
+
+    def gain_nothing(fit: CandidateFit, share: ClosedShare | None) -> bool:
+        return share is not None and share.value <= 0 and on_held_out(fit, held).chi2 / squares - 1 <= SAME
+
+    def without(name: str) -> tuple[str, CandidateFit]:
+        return name, search.without(chosen, name)
+
+    undetermined = unclear(search, chosen, settings.undetermined)
+    best, least, needless = None, np.inf, []
+    for name, fit in search.parallel("effects on held-out data", without, sorted(chosen.names)):
+        share = None if comes_back(name, fit) else share_of(fit)
+        if share is None:
             continue
-        share = share_between(before, errors_ahead(fit, held), after, sample_time)
-        if share is None or share.value >= least:
-            continue
-        better = share.interval[1] < 0 and not surely_worse(fit, chosen, held)
-        spoils = better and (share.value <= -settings.withdrawn or closes_nothing(name))
-        more = on_held_out(fit, held).chi2 / squares - 1
-        if spoils or (name in undetermined and share.value <= 0 and more <= SAME):
+        chance = name in undetermined and gain_nothing(fit, share)
+        needless += [name] if chance else []
+        if share.value < least and (chance or spoils(name, fit, share)):
             best, least = fit, share.value
+    if len(needless) > 1 and len(needless) < len(chosen.names) and not search.deadline.stops():
+        rest = search.without(chosen, *needless)
+        if not any(comes_back(name, rest) for name in needless) and gain_nothing(rest, share_of(rest)):
+            return rest
     return best
 
 

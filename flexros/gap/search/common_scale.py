@@ -62,7 +62,7 @@ def with_common_scale(search: Search, chosen: CandidateFit, fits: list[Candidate
     if not search.deadline.stops():
         fits += search.parallel("common scale", partial(_fitted, search), list(_exchanges(search, chosen)))
     if not search.deadline.stops():
-        fits += search.parallel("scale of the arm", search.completed, list(other_scales(search, chosen)))
+        fits += search.parallel("common scale", search.completed, list(other_scales(search, chosen)))
     return chosen
 
 

@@ -112,6 +112,29 @@ def test_an_effect_of_undetermined_size_that_gains_nothing_in_the_held_out_log_i
     assert kept.explanations.chosen.names == {FRICTION}
 
 
+def test_effects_of_undetermined_sizes_that_gain_nothing_go_at_once() -> None:
+    """Of an arm of six axes seven such effects took a round of fits each, and were named when the time was over."""
+    null = fit_null(measured(BOTH[0]), MODEL, Tolerance())
+    search = prepare_search(null, settings_of("coulomb_friction", "stiffness_error", "torque_bias"))
+    additions = search.additions(search.directions(search.candidates()), null.fit, search.surroundings(null.fit))
+    chosen = search.together(null.fit, [one for one in additions if one.candidate.name in (FRICTION, SOFT, BIAS)])
+    held, rounds = measured(BOTH[0], seed=2), []
+    before = withdrawal.errors_ahead(null.fit, held)
+    search = replace(search, progress=lambda step, share: rounds.append(step) if share == 1 else None)
+    rest = withdrawal._better_without(search, chosen, before, held)
+    assert rest is not None
+    assert rest.names == {FRICTION}
+    assert rounds == ["effects on held-out data"]
+
+
+def test_what_the_time_does_not_suffice_for_is_not_withdrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    search, explanations = found()
+    held = measured(BOTH[0], seed=2)
+    before = withdrawal.errors_ahead(explanations.null, held)
+    monkeypatch.setattr(Search, "parallel", lambda self, step, work, items: [work(one) for one in items[:1]])
+    assert withdrawal._better_without(search, explanations.chosen, before, held) is None
+
+
 def test_what_only_the_fitted_log_is_for_is_no_rival_of_what_both_logs_are_for(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of an arm a rotor that both logs showed was ambiguous with an eccentricity that the held-out one refuted."""
     search, _ = found()
