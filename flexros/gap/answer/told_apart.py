@@ -92,20 +92,32 @@ class _HeldOut:
         return on_held_out(fit, self.data).chi2 <= on_held_out(rest, self.data).chi2
 
     def needed_of(self, whole: CandidateFit, known: Collection[str]) -> CandidateFit | None:
-        """Leave out what the log does not confirm beside the others; None where only known effects would stay.
+        """Leave out what the log does not confirm beside the others, all of it at once where none of it is needed.
 
         Args:
             whole: The explanation.
             known: Names of its effects that stay.
+
+        Returns:
+            The rest, each of whose further effects is confirmed; None without one, or where the time does not suffice.
         """
         search = self.search
+
+        def without(name: str) -> tuple[str, CandidateFit]:
+            return name, _without(search, whole, name)
+
         while (names := sorted(whole.names.difference(known))) and not search.deadline.stops():
-            rests = search.parallel("effects on held-out data", partial(_without, search, whole), names)
-            needless = [rest for rest in rests if not self.confirms(rest, whole)]
-            if not needless:
-                break
-            whole = min(needless, key=lambda rest: rest.chi2)
-        return whole if names else None
+            rests = dict(search.parallel("effects on held-out data", without, names))
+            needless = {name: rest for name, rest in rests.items() if not self.confirms(rest, whole)}
+            if not needless and len(rests) == len(names):
+                return whole
+            if len(needless) > 1 and not search.deadline.stops():
+                rest = _without(search, whole, *needless)
+                if not self.confirms(rest, whole):
+                    whole = rest
+                    continue
+            whole = min(needless.values(), key=lambda rest: rest.chi2, default=whole)
+        return None
 
 
 def _with_filters(search: Search, chosen: CandidateFit, fits: list[CandidateFit], held: FitData) -> CandidateFit:
@@ -166,8 +178,8 @@ def _rivals_beside(
     return found
 
 
-def _without(search: Search, fit: CandidateFit, name: str) -> CandidateFit:
-    return search.completed(search.without(fit, name))
+def _without(search: Search, fit: CandidateFit, *names: str) -> CandidateFit:
+    return search.completed(search.without(fit, *names))
 
 
 def _gain(search: Search, comparison: ModelComparison, before: CandidateFit, after: CandidateFit) -> float:
