@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 from flexros.effects.kinds.bristle_friction import AbstractBristleFriction, Bristle
 from flexros.effects.kinds.hump import GAUSSIAN, SLOWEST, hump
 from flexros.effects.kinds.ranges import Range
+from flexros.effects.kinds.yielding_friction import SOFTEST
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -54,7 +55,7 @@ class PreslidingFriction(AbstractBristleFriction):
             "extra": Range("torque", 1e-7, 1.0, starts=1),
             "velocity": Range("speed", 1e-3, 1.0, starts=1, vanishes="never"),
             "exponent": Range("relative", 0.5, 4.0, starts=1, source="that of Stribeck friction"),
-            "stiffness": Range("torque/angle", 1e-3, 1e6, starts=9, vanishes="never"),
+            "stiffness": Range("torque/angle", SOFTEST, 1e6, starts=9, vanishes="never"),
             "damping": Range("torque/speed", 1e-6, 10.0, starts=3),
         }
     )

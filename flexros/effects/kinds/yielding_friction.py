@@ -15,9 +15,12 @@ if TYPE_CHECKING:
 
     from flexros.robot import Robot
 
+SOFTEST = 0.5
+"""Least stiffness of bristles, over largest torque and range of the motion [1] (chosen): softer ones, which bend by a
+good part of the way before they slip, are a spring. Such had stood for a cable that pulled over half a metre."""
 BRISTLES: Mapping[str, Range] = MappingProxyType(
     {
-        "stiffness": Range("torque/angle", 1e-3, 1e9, starts=1, vanishes="never"),
+        "stiffness": Range("torque/angle", SOFTEST, 1e9, starts=1, vanishes="never"),
         "damping": Range("torque/speed", 1e-6, 1e6, starts=1),
     }
 )
