@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from flexros.prediction.observer import ObserverGain
     from flexros.record.record import Record
 
-FARTHEST = 5.0
+FARTHEST = 20.0
 """Largest tolerated deviation, in standard deviations of the tolerance [1] (chosen)."""
 KEPT = 64
 """Sets of parameters whose numbers in the plant are kept [1] (chosen): a step of a fit asks for each several times."""

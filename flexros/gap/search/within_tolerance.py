@@ -11,7 +11,6 @@ from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.kinds.relative_error import AbstractRelativeError
 from flexros.gap.fit.least_squares import fit as fit_candidate
-from flexros.gap.fit.limits import numbers_at_limits
 from flexros.gap.fit.tolerance_takeover import takeover
 from flexros.gap.search.exchange import exchanged
 from flexros.gap.search.fits.additions import Addition
@@ -42,24 +41,18 @@ def with_far_numbers(search: Search, chosen: CandidateFit, fits: list[CandidateF
         chosen: The explanation.
         fits: All fits so far; new ones are appended.
     """
-    if search.premises.floor_is_noise:
+    if search.premises.floor_is_noise or compared(search, [chosen]).level(chosen) > search.settings.ranking.floors:
         return chosen
     refused: set[str] = set()
     begun = chosen
     while not search.deadline.stops_finishing():
-        above = compared(search, [chosen]).level(chosen) > search.settings.ranking.floors
-        found = _farthest(search, chosen, refused, numbers_at_limits(chosen) if above else None)
+        found = _farthest(search, chosen, refused)
         if found is None:
             break
         fits.append(search.completed(search.together(chosen, [found])))
         named, name = fits[-1], found.candidate.name
         freed = chosen.prior_penalty - named.prior_penalty
-        least = search.settings.search.removed_of_all if above else 0.0
-        if (
-            compared(search, [chosen, named]).removed(chosen, named) > least
-            and freed > FAR**2 / 2
-            and _tolerances(search, named, found.candidate) > FAR
-        ):
+        if named.chi2 < chosen.chi2 and freed > FAR**2 / 2 and _tolerances(search, named, found.candidate) > FAR:
             chosen = named
         refused.add(name)
     return chosen if chosen is begun else _exchanged_beside(search, chosen, chosen.names - begun.names, fits)
@@ -119,23 +112,13 @@ def _is_slight_friction(search: Search, one: Candidate, sizes: Mapping[str, floa
     return abs(sizes[one.free[0].name]) * usual < least
 
 
-def _farthest(search: Search, chosen: CandidateFit, refused: set[str], among: frozenset[str] | None) -> Addition | None:
-    """Return the relative error that takes over most of the deviations of an explanation; None where none is far.
-
-    Args:
-        search: The search.
-        chosen: The explanation.
-        refused: Names of the effects that were tried.
-        among: Names of the numbers that count; None for all.
-    """
+def _farthest(search: Search, chosen: CandidateFit, refused: set[str]) -> Addition | None:
+    """Return the relative error that takes over most of the deviations of an explanation; None where none is far."""
     best: Addition | None = None
-    tolerated = chosen.predictor.tolerance.names
     for one in search.candidates():
         if not issubclass(one.effect, AbstractRelativeError) or one.name in chosen.names | refused:
             continue
         found = takeover(one, chosen)
-        if found is not None and among is not None and among.isdisjoint(np.array(tolerated)[found.replaced]):
-            continue
         if found is not None and found.gain > max(FAR**2, 0.0 if best is None else best.gain):
             best = Addition(one, found.gain, found.start, found.replaced, np.zeros(len(search.rows), dtype=np.float32))
     return best
