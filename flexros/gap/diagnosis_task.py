@@ -25,6 +25,7 @@ from flexros.gap.search.torque_start import base_fit, first_values, on_null, wit
 from flexros.gap.search.worth import beyond_noise, compared
 from flexros.gap.weighed_logs import used_logs, weighed_logs
 from flexros.gap.where.find import where
+from flexros.gap.wider_numbers import found_wider
 from flexros.identify.rigid.torque_timing import in_time
 
 if TYPE_CHECKING:
@@ -137,6 +138,8 @@ class DiagnosisTask:
         else:
             promised = 1 - settings.search.within_floor if most < math.inf else 0.0
             search, explanations = found_looser(search, explain(search, promised), logs.used.fitted, logs.tolerance)
+        resumed = explanations.chosen if search.resumed else None
+        search, explanations = found_wider(search, explanations, _held_alike(logs, search.null, resumed))
         if search.null is not null:
             null, prediction = search.null, prediction_of(search.null.fit, search.null.data)
         held_data = _held_alike(logs, null, explanations.chosen if search.resumed else None)

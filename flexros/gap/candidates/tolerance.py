@@ -29,6 +29,8 @@ KINDS: dict[str, tuple[str, ...]] = {
 """Kinds of tolerances by the endings of the names of their robot parameters."""
 
 
+FARTHEST, FARTHER = 5.0, 20.0
+"""Largest tolerated deviation, in standard deviations of the tolerance, and where some ended there [1] (chosen)."""
 UNINFORMED = 0.01
 """Information of a log in a direction of tolerated parameters, over that of the prior, up to which the direction is
 left at its nominal value [1]: it would move by a hundredth of what the log alone asks for (chosen)."""
@@ -45,11 +47,13 @@ class Tolerance:
         names: Names of robot parameters.
         deviations: Standard deviation of the logarithm of each [1].
         directions: The directions B, shape (n_names, n_free); None for one per parameter.
+        farthest: Largest deviation along each of them [1].
     """
 
     names: tuple[str, ...] = ()
     deviations: tuple[float, ...] = ()
     directions: FloatArray | None = field(default=None, compare=False)
+    farthest: float = FARTHEST
 
     @property
     def n_free(self) -> int:

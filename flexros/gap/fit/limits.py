@@ -6,8 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.prediction.predictor import FARTHEST
-
 if TYPE_CHECKING:
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
@@ -46,7 +44,7 @@ def numbers_at_limits(fit: CandidateFit) -> frozenset[str]:
         fit: The fit.
     """
     tolerance, free = fit.predictor.tolerance, fit.deviations
-    ended = np.where(np.abs(free) > ENDED * FARTHEST, free, 0.0)
+    ended = np.where(np.abs(free) > ENDED * tolerance.farthest, free, 0.0)
     by_limits, moved = (np.abs(tolerance.by_name(one)) for one in (ended, free))
     mostly = (by_limits > 0) & (by_limits > MOSTLY * moved)
     return frozenset(name for name, limited in zip(tolerance.names, mostly, strict=True) if limited)

@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from flexros.prediction.observer import ObserverGain
     from flexros.record.record import Record
 
-FARTHEST = 20.0
-"""Largest tolerated deviation, in standard deviations of the tolerance [1] (chosen)."""
 KEPT = 64
 """Sets of parameters whose numbers in the plant are kept [1] (chosen): a step of a fit asks for each several times."""
 MOST_LOGARITHM = 50.0
@@ -100,15 +98,15 @@ class Predictor:
         twin.loop = loop
         return twin
 
-    def with_directions(self, directions: FloatArray | None) -> Predictor:
-        """Return the same predictor with other directions of its tolerated numbers, see `Tolerance`.
+    def with_tolerance(self, tolerance: Tolerance) -> Predictor:
+        """Return the same predictor with its tolerated numbers along other directions, or searched farther.
 
         Args:
-            directions: The directions, shape (n_names, n_free); None for one per number.
+            tolerance: The tolerance, of the same numbers.
         """
         twin = copy(self)
         twin.__dict__.pop("coarse", None)
-        twin.tolerance, twin._sets = replace(self.tolerance, directions=directions), {}
+        twin.tolerance, twin._sets = tolerance, {}
         return twin
 
     @property
@@ -129,7 +127,8 @@ class Predictor:
     @property
     def bounds(self) -> tuple[FloatArray, FloatArray]:
         """Bounds of the fitted parameters, encoded, shape (n_fitted,) each."""
-        pairs = [one.bounds for _, one in self._parameters] + [(-FARTHEST, FARTHEST)] * self.tolerance.n_free
+        farthest = self.tolerance.farthest
+        pairs = [one.bounds for _, one in self._parameters] + [(-farthest, farthest)] * self.tolerance.n_free
         table = np.array(pairs, dtype=float).reshape(-1, 2)
         return table[:, 0], table[:, 1]
 

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Literal, TypeVar
 import numpy as np
 from scipy.optimize import lsq_linear
 
+from flexros.gap.candidates.tolerance import FARTHEST
 from flexros.gap.fit.uncertainty.coloured_errors import coloured
 from flexros.gap.fit.uncertainty.covariance import inverse_of
-from flexros.gap.prediction.predictor import FARTHEST
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

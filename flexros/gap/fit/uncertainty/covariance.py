@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -95,7 +96,9 @@ def _of_uninformed(fit: CandidateFit, data: FitData, J: FloatArray) -> FloatArra
     """
     predictor, tolerance = fit.predictor, fit.predictor.tolerance
     theta = np.concatenate([fit.theta[: predictor.n_effect], tolerance.by_name(fit.deviations)])
-    slopes = linearise(predictor.with_directions(None), data, theta).slopes[:, predictor.n_effect :]
+    slopes = linearise(predictor.with_tolerance(replace(predictor.tolerance, directions=None)), data, theta).slopes[
+        :, predictor.n_effect :
+    ]
     changed = J.T @ (slopes @ tolerance.left_out)
     return np.asarray(changed @ changed.T)
 

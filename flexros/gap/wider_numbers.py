@@ -1,0 +1,49 @@
+"""A search that goes on where numbers of the model ended at the limit of theirs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from flexros.gap.candidates.tolerance import FARTHER
+from flexros.gap.fit.limits import numbers_at_limits
+from flexros.gap.held_out.errors_ahead import errors_ahead
+from flexros.gap.search.forward_selection import explain
+from flexros.gap.search.prepare import prepare_search
+from flexros.gap.search.torque_start import on_null
+
+if TYPE_CHECKING:
+    from flexros.gap.residuals.fit_data import FitData
+    from flexros.gap.search.fits.candidate_fits import Search
+    from flexros.gap.search.forward_selection import Explanations
+
+
+def found_wider(search: Search, explanations: Explanations, held: FitData) -> tuple[Search, Explanations]:
+    """Go on from an explanation of a measured log that moved tolerated numbers to the limit of their search.
+
+    Such a number has the value of none, and bends all others. From the begin on numbers that may go anywhere take the
+    place of effects; beside effects that are found they tell what they are. Both logs must be for it.
+
+    Args:
+        search: The search that found it.
+        explanations: The explanation, with all fits.
+        held: The held-out log.
+
+    Returns:
+        A search in which these numbers go farther and what it found, or the given ones.
+    """
+    chosen, deadline = explanations.chosen, search.deadline
+    ended = explanations.detected and explanations.beside is None and numbers_at_limits(chosen)
+    if search.premises.library_is_complete or not ended or deadline.stops():
+        return search, explanations
+    nominal = search.null.fit
+    farther = replace(nominal.predictor.tolerance, farthest=FARTHER)
+    null = replace(search.null, fit=replace(nominal, predictor=nominal.predictor.with_tolerance(farther)))
+    first = on_null(null, chosen)
+    begun = prepare_search(null, search.settings, search.progress, deadline, first)
+    further = prepare_search(null, search.settings, search.progress, deadline, begun.completed(first))
+    found = explain(further)
+    better = found.chosen.chi2 < chosen.chi2
+    if not better or errors_ahead(found.chosen, held).mean >= errors_ahead(chosen, held).mean:
+        return search, explanations
+    return further, found
