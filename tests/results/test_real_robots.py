@@ -254,6 +254,11 @@ def test_files_are_fetched_from_a_bare_clone_and_a_folder(tmp_path: Path) -> Non
     assert not (tmp_path / "other").exists()
 
 
+def test_paths_with_spaces_are_written_as_addresses_have_them() -> None:
+    repository = program("measured.fetch_real_robots").Repository("someone", "robot", "1a2b", {})
+    assert repository.url("logs/10s FF.mat") == "https://raw.githubusercontent.com/someone/robot/1a2b/logs/10s%20FF.mat"
+
+
 def test_files_that_cannot_be_had_are_skipped_with_the_reason(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     fetching = program("measured.fetch_real_robots")
     (reason,) = fetching.fetch(tmp_path / "fetched", [tmp_path], fetching.REPOSITORIES[1:])[:1]

@@ -135,6 +135,11 @@ class Candidate:
                     values[:] = [own[len(own) // 2] for own in (signs if free.signed else [values]) if own]
         return list(product(*encoded))
 
+    @property
+    def resonates(self) -> bool:
+        """Whether a frequency is free: from one far off a resonance no fit comes to it, so that many are tried."""
+        return any(self.effect.ranges[free.name].scale == "frequency" for free in self.free)
+
     def neutral(self, free: FreeParameter) -> float | None:
         """Return the value of a parameter that switches the effect off, in the unit of the fit.
 

@@ -232,7 +232,8 @@ class Search(SimplerFits):
     ) -> Directions:
         candidate, plant = pair
         alone = fit is self.null.fit
-        own = starts_of((candidate,), self.settings.fit.most_starts if alone else LANES, of_one_size=not alone)
+        most = self.settings.fit.most_starts if alone or candidate.resonates else LANES
+        own = starts_of((candidate,), most, of_one_size=not alone)
         predictor = self.null.predictor((*fit.hypothesis, candidate), plant)
         residual = residuals.get(predictor.plant.steps, residuals[fit.predictor.plant.steps])
         return directions_of(predictor, self.data, fit.theta, own, residual, self.rows, self.deadline.stops)

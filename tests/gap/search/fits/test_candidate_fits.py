@@ -272,3 +272,18 @@ def test_friction_that_takes_away_that_of_the_model_has_no_richer_form() -> None
     )
     plant = search.null.fit.predictor.plant
     assert search.enriched(cast("CandidateFit", less), simple, rich, plant, 0.0) is None
+
+
+def test_frequencies_of_an_added_mode_are_tried_close_to_each_other_beside_other_effects() -> None:
+    """Of a telescope a mode of 14 Hz was tried from 11 and 19 Hz, from where no fit came to it."""
+    search = search_of(FRICTION)
+    friction, mode = (candidates_of()[name] for name in (SOME[0], "extra_mode@tool"))
+    begun = search.together(
+        search.null.fit,
+        search.additions(search.directions([friction]), search.null.fit, search.surroundings(search.null.fit)),
+    )
+    for fit in (search.null.fit, begun):
+        (one,) = search.directions([mode], fit)
+        column = [free.name for free in mode.free].index("frequency")
+        frequencies = np.unique(np.exp(one.starts[column]))
+        assert np.max(frequencies[1:] / frequencies[:-1]) < 1.2
