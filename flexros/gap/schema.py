@@ -173,8 +173,8 @@ class ModelNumber(Settings):
     )
     at_limit: bool = Field(
         default=False,
-        description="whether it ended at the limit of its search, twenty tolerances: the true number may be farther "
-        "off, or it stands for something else",
+        description="whether it ended at the limit of its search, five to twenty tolerances: the true number may be "
+        "farther off, or it stands for something else",
     )
 
 
