@@ -18,7 +18,7 @@ from flexros.gap.fit.torques.unknown_numbers import unknown_numbers
 from flexros.gap.held_out.constant_speed import moving_on, moving_on_words
 from flexros.gap.held_out.errors_ahead import errors_ahead
 from flexros.gap.held_out.gap_floor import over_expected_floor, tolerance_floor, unknown_rounding
-from flexros.gap.held_out.gap_numbers import gap_numbers, settled
+from flexros.gap.held_out.gap_numbers import WHOLE, gap_numbers, settled
 from flexros.gap.held_out.left_over import LeftOver
 from flexros.gap.noise.weights import measurement_of
 from flexros.gap.prediction.driven_model import driven_model
@@ -153,7 +153,8 @@ def measure_gap(
         left = _with_hidden(left, fitted, settings.noise.signal_tolerance)
     numbers = gap_numbers(before, after, record.sample_time, with_tolerance=floor)
     explained_by = None if repaired is None or left.significant else [law.effect for law in repaired.laws]
-    warnings = settled(data.record, numbers.closed_fraction, explained_by).warnings
+    closed = numbers.closed_fraction if left.significant or repaired is not None else WHOLE
+    warnings = settled(data.record, closed, explained_by).warnings
     doubts = (*moving_on_words(left.moving_on), *_moved(fits, numbers.closed_fraction))
     signs = sign_words(record) if left.significant else ()
     return MeasuredGap(numbers, left, slight_last((*doubts, *signs, *warnings, *_cut_short(deadline))))

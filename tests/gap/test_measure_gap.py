@@ -130,6 +130,11 @@ def test_a_repaired_model_that_closes_the_gap_settles_doubts_about_the_nominal_o
     assert "about the model" not in measure_gap(record, MODEL, repaired=repaired).warnings
 
 
+def test_without_a_gap_nothing_doubts_the_nominal_model() -> None:
+    doubted = replace(record_of(), warnings=("about the model",), doubts=("about the model",))
+    assert measure_gap(doubted, MODEL).warnings == ()
+
+
 @pytest.mark.parametrize(("hidden", "told"), [((FRICTION,), True), ((), False)])
 def test_joints_that_the_mapping_does_not_turn_are_told_beside_a_gap(hidden: tuple[str, ...], told: bool) -> None:
     record = replace(record_of(*hidden), not_turned=("lift (motor_1)",))

@@ -30,7 +30,7 @@ from flexros.gap.held_out.closed_share import closed_fraction
 from flexros.gap.held_out.constant_speed import moving_on, moving_on_words
 from flexros.gap.held_out.errors_ahead import errors_ahead
 from flexros.gap.held_out.gap_floor import over_expected_floor, tolerance_floor
-from flexros.gap.held_out.gap_numbers import gap_numbers, settled, signal_gaps
+from flexros.gap.held_out.gap_numbers import WHOLE, gap_numbers, settled, signal_gaps
 from flexros.gap.held_out.predictions import prediction_of, signature_evidence
 from flexros.gap.next_experiment.choose import file_or_name, next_experiment
 from flexros.gap.prediction.driven_model import driven_model
@@ -126,7 +126,7 @@ def result_of(
     patch = () if errors.worse else repair_of(findings)
     names, covariance = covariance_of_answer(findings)
     tolerated = chosen.predictor.tolerance
-    closed = _closed(errors.after, findings, errors) if patch else None
+    closed = (_closed(errors.after, findings, errors) if patch else None) if whole else WHOLE
     found = [one.effect for one in placed_effects(chosen)] if verdict == "explained" and patch else None
     record, holdout = (settled(one.record, closed, found) for one in (findings.data, findings.held))
     of_records = record_warnings(record, holdout)

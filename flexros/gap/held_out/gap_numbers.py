@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 METRIC = "mean squared prediction error 0.1 s ahead over its floor variance"
 SETTLES = 0.5
 """Closed share of the gap from which a repaired model explains the log, so that it is of this robot [1] (chosen)."""
-
+WHOLE = 1.0
+"""The share that is closed of no gap: the nominal model explains the log [1]."""
 
 _MILLI, _MICRO = 1e-3, 1e-6
 _SMALL = 1e-4
@@ -28,14 +29,14 @@ _SMALL = 1e-4
 
 
 def settled(record: Record, closed: float | None, explained_by: Iterable[AbstractEffect] | None) -> Record:
-    """Return a record without the warnings that doubt the nominal model, where a repair closes much of the gap.
+    """Return a record without the warnings that doubt the model, where a repair closes much of its gap or it has none.
 
     Doubts about the model or the torques are settled where the log is explained and no error of the torque gain, as
     which a wrong unit or torque constant would be found, takes part.
 
     Args:
         record: The log.
-        closed: Share of the gap that the repaired model closes [1]; None without one, or where no gap shows.
+        closed: Share of the gap that the repaired model closes [1]; None without one; `WHOLE` where there is no gap.
         explained_by: Effects of a repair that explains the log; None for none.
     """
     doubts = () if closed is None or closed < SETTLES else record.doubts

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flexros.gap.answer import assemble
 from flexros.gap.answer import assemble as answer
 from flexros.gap.answer.assemble import result_of
 from flexros.gap.answer.decision import findings_of
@@ -251,6 +252,16 @@ def test_a_repair_that_closes_the_gap_settles_doubts_about_the_nominal_model(cho
     for warnings in (result.diagnosis.warnings, result.record.warnings):
         assert "about the log" in warnings
         assert ("about the model" in warnings) != settled
+
+
+def test_without_a_gap_nothing_doubts_the_nominal_model(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A right model with its friction was told to explain little of a torque that was mostly friction."""
+    monkeypatch.setattr(assemble, "verdict_of", lambda *_, **__: "no_gap")
+    data = data_of()
+    doubted = replace(data.record, warnings=("about the log", "about the model"), doubts=("about the model",))
+    result = answered(fitted(1.0), probabilities=(), detected=False, data=replace(data, record=doubted))
+    assert "about the log" in result.diagnosis.warnings
+    assert "about the model" not in result.diagnosis.warnings
 
 
 @pytest.mark.parametrize(("chosen", "settled"), [(COULOMB, True), (STIFFNESS, False)])
