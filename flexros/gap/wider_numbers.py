@@ -21,8 +21,9 @@ if TYPE_CHECKING:
 def found_wider(search: Search, explanations: Explanations, held: FitData) -> tuple[Search, Explanations]:
     """Go on from an explanation of a measured log that moved tolerated numbers to the limit of their search.
 
-    Such a number has the value of none, and bends all others. From the begin on numbers that may go anywhere take the
-    place of effects; beside effects that are found they tell what they are. Both logs must be for it.
+    Such a number has the value of none, and bends all others. In logs of torques numbers go farther from the begin on.
+    Without torques those that may go anywhere take the place of effects at first; beside effects that are found they
+    tell what they are. Both logs must be for it.
 
     Args:
         search: The search that found it.
@@ -34,9 +35,10 @@ def found_wider(search: Search, explanations: Explanations, held: FitData) -> tu
     """
     chosen, deadline = explanations.chosen, search.deadline
     ended = explanations.detected and explanations.beside is None and numbers_at_limits(chosen)
-    if search.premises.library_is_complete or not ended or deadline.stops():
-        return search, explanations
     nominal = search.null.fit
+    widest = nominal.predictor.tolerance.farthest >= FARTHER
+    if search.premises.library_is_complete or not ended or widest or deadline.stops():
+        return search, explanations
     farther = replace(nominal.predictor.tolerance, farthest=FARTHER)
     null = replace(search.null, fit=replace(nominal, predictor=nominal.predictor.with_tolerance(farther)))
     first = on_null(null, chosen)
