@@ -28,6 +28,9 @@ if TYPE_CHECKING:
     from flexros.gap.prediction.predictor import Predictor
     from flexros.gap.search.fits.candidate_fits import Search
 
+WITHIN = 2.0
+"""Deviation of viscous friction over its tolerance up to which it is none [1] (chosen): 95 %."""
+
 
 def with_far_numbers(search: Search, chosen: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
     """Name the errors of numbers of the model that a good explanation moves far out of tolerance.
@@ -79,10 +82,11 @@ def _exchanged_beside(
 
 
 def without_slight_friction(search: Search, chosen: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
-    """Leave out friction whose torque is a small part of what is tolerated at its motor.
+    """Leave out friction whose torque is a small part of what is tolerated at its motor, or that is tolerated itself.
 
     However clear it is, nobody asks for it, and the numerical friction of a simulator is of that size. Friction that
-    differs between directions stays, as its mean may be nominal.
+    differs between directions stays, as its mean may be nominal. Viscous friction within the tolerance that the robot
+    file states for it is no effect.
 
     Args:
         search: The search.
@@ -103,6 +107,10 @@ def _is_slight_friction(search: Search, one: Candidate, sizes: Mapping[str, floa
     """Return whether the torque of Coulomb friction, or of viscous friction at the rms speed, is hardly anything."""
     if one.effect not in (CoulombFriction, ViscousFriction):
         return False
+    if one.effect is ViscousFriction and _is_tolerated(
+        search, f"{one.location}.viscous_friction", sizes["coefficient"]
+    ):
+        return True
     data, motor = search.data, search.null.model.robot.joint_names.index(one.location)
     record = data.record
     position = bridged_motion(record.position[:, [motor]], record.valid)
@@ -110,6 +118,13 @@ def _is_slight_friction(search: Search, one: Candidate, sizes: Mapping[str, floa
     usual = 1.0 if one.effect is CoulombFriction else float(np.sqrt(np.mean(speed**2)))
     least = search.settings.search.least_of_tolerance * float(data.measurement.tolerated_torque(record)[motor])
     return abs(sizes[one.free[0].name]) * usual < least
+
+
+def _is_tolerated(search: Search, number: str, added: float) -> bool:
+    """Return whether a number of the model with this in addition is within a few of its tolerances."""
+    nominal = search.null.model.robot.parameters[number].value
+    tolerance = search.null.fit.predictor.tolerance.largest((number,))
+    return nominal > 0 and abs(np.log(max(1 + added / nominal, 1e-300))) <= WITHIN * tolerance
 
 
 def _farthest(search: Search, chosen: CandidateFit, refused: set[str]) -> Addition | None:

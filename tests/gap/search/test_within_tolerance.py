@@ -164,13 +164,37 @@ def test_friction_far_within_the_tolerance_of_torques_is_none(effect: str, size:
     measurement = SimpleNamespace(tolerated_torque=lambda _: np.array([0.1]))
     search.data = SimpleNamespace(record=record, measurement=measurement)
     search.null.model.robot.joint_names = ("motor_1",)
+    search.null.model.robot.parameters["motor_1.viscous_friction"] = SimpleNamespace(value=0.0)
     name = f"{effect}@motor_1"
     full = fit(1000.0, 1.0)
     free = (SimpleNamespace(name="size"),)
     one = SimpleNamespace(name=name, effect=effects()[effect], location="motor_1", free=free)
     full.hypothesis[0].free = free
     full.hypothesis, full.names = (*full.hypothesis, one), full.names | {name}
-    full.predictor.values = lambda _: [{"size": 1.0}, {"size": size}]
+    full.predictor.values = lambda _: [{"size": 1.0}, {"size": size, "coefficient": size}]
     assert (name in within_tolerance.without_slight_friction(search, full, []).names) is kept
     one.free = (*free, SimpleNamespace(name="asymmetry"))
     assert name in within_tolerance.without_slight_friction(search, full, []).names
+
+
+@pytest.mark.parametrize(("added", "stated", "kept"), [
+    (0.09, True, False), (-0.09, True, False), (0.11, True, True), (-0.11, True, True), (0.09, False, True),
+])  # fmt: skip
+def test_viscous_friction_within_its_tolerance_is_none(added: float, stated: bool, kept: bool) -> None:
+    """Of an elastic arm six deviations of 2 to 7 %, of numbers stated with 5 %, had been causes at 100 %."""
+    number, name = "motor_1.viscous_friction", "viscous_friction@motor_1"
+    search: Any = Search(fit(1001.0, 1.0))
+    tolerance = Tolerance((number,), (0.05,)) if stated else Tolerance()
+    search.null.fit.predictor.tolerance = tolerance
+    speed = np.cumsum(np.ones((100, 1)), axis=0)
+    record = SimpleNamespace(position=speed, valid=np.ones(100, dtype=bool), sample_time=0.01, command=None)
+    search.data = SimpleNamespace(record=record, measurement=SimpleNamespace(tolerated_torque=lambda _: np.zeros(1)))
+    search.null.model.robot.joint_names = ("motor_1",)
+    search.null.model.robot.parameters[number] = SimpleNamespace(value=1.0)
+    full = fit(1000.0, 1.0)
+    free = (SimpleNamespace(name="coefficient"),)
+    one = SimpleNamespace(name=name, effect=effects()["viscous_friction"], location="motor_1", free=free)
+    full.hypothesis[0].free = free
+    full.hypothesis, full.names = (*full.hypothesis, one), full.names | {name}
+    full.predictor.values = lambda _: [{"level": 1.0}, {"coefficient": added}]
+    assert (name in within_tolerance.without_slight_friction(search, full, []).names) is kept
