@@ -5,6 +5,7 @@ It adds the blind crowds of all seeds, which `flexros campaign crowds` left in d
 
 from __future__ import annotations
 
+import argparse
 import json
 from pathlib import Path
 from typing import Any
@@ -93,6 +94,8 @@ def page(found: dict[str, dict[str, Any]], commits: dict[str, str]) -> str:
 
 def main() -> None:
     """Write the page."""
+    assert __doc__ is not None
+    argparse.ArgumentParser(description=__doc__.partition("\n")[0]).parse_args()
     files = sorted((RESULTS / "data").glob("crowds*.json"))
     read = {file.stem: json.loads(file.read_text(encoding="utf-8")) for file in files}
     text = page(
