@@ -20,6 +20,7 @@ from flexros.gap.held_out.errors_ahead import errors_ahead
 from flexros.gap.held_out.gap_floor import over_expected_floor, tolerance_floor, unknown_rounding
 from flexros.gap.held_out.gap_numbers import WHOLE, gap_numbers, settled
 from flexros.gap.held_out.left_over import LeftOver
+from flexros.gap.held_out.sensor_scales import sensor_scale_words
 from flexros.gap.noise.weights import measurement_of
 from flexros.gap.prediction.driven_model import driven_model
 from flexros.gap.progress import Stages
@@ -155,7 +156,8 @@ def measure_gap(
     explained_by = None if repaired is None or left.significant else [law.effect for law in repaired.laws]
     closed = numbers.closed_fraction if left.significant or repaired is not None else WHOLE
     warnings = settled(data.record, closed, explained_by).warnings
-    doubts = (*moving_on_words(left.moving_on), *_moved(fits, numbers.closed_fraction))
+    scales = sensor_scale_words(fits.last.fit, data)
+    doubts = (*moving_on_words(left.moving_on), *_moved(fits, numbers.closed_fraction), *scales)
     signs = sign_words(record) if left.significant else ()
     return MeasuredGap(numbers, left, slight_last((*doubts, *signs, *warnings, *_cut_short(deadline))))
 

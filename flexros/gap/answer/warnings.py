@@ -15,6 +15,7 @@ from flexros.gap.answer.unexplained_torques import torque_warnings
 from flexros.gap.fit.estimates import placed_effects
 from flexros.gap.held_out.errors_ahead import errors_ahead
 from flexros.gap.held_out.gap_floor import tolerance_floor
+from flexros.gap.held_out.sensor_scales import sensor_scale_words
 from flexros.gap.search.better_torques import LEAST
 from flexros.record.one_way import ONE_WAY, moves_one_way
 
@@ -54,9 +55,10 @@ def record_warnings(fitted: Record, held: Record) -> tuple[str, ...]:
 
 
 def sensor_warnings(findings: Findings) -> tuple[str, ...]:
-    """Return the warnings of encoders and tool tracker."""
+    """Return the warnings of encoders, tool tracker and further sensors."""
     data = findings.data
-    return (*data.measurement.warnings, *(() if data.tool is None else data.tool.warnings))
+    of_tool = () if data.tool is None else data.tool.warnings
+    return (*data.measurement.warnings, *of_tool, *sensor_scale_words(findings.repaired, data))
 
 
 def answer_warnings(findings: Findings, gap: GapNumbers, *, worse: bool) -> list[str]:
