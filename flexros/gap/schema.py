@@ -10,6 +10,11 @@ from flexros.config.settings import Settings
 
 NEXT_EXPERIMENT = "next experiment"
 """Last step of a diagnosis, in which the next experiment is chosen."""
+ORDER = (
+    "what closes most of the held-out gap first, equal ones by probability; those behind whose sizes are less than two "
+    "standard deviations"
+)
+"""Order of the causes."""
 Verdict = Literal["no_gap", "explained", "partly_explained", "ambiguous", "unknown_effect"]
 
 
@@ -210,9 +215,7 @@ class Diagnosis(Settings):
 
     schema_version: int = Field(default=2, alias="schema", description="version of this schema")
     verdict: Verdict = Field(description="the verdict")
-    causes: tuple[Cause, ...] = Field(
-        description="what closes most of the held-out gap first, equal ones by probability"
-    )
+    causes: tuple[Cause, ...] = Field(description=ORDER)
     ambiguity_groups: tuple[tuple[EffectLocation, ...], ...] = Field(
         description="effects that the log does not separate; one alone: it does not show whether that is there"
     )

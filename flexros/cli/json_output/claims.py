@@ -8,7 +8,7 @@ from pydantic import Field
 
 from flexros.cli.json_output.base import OpenOutput, Output
 from flexros.cli.json_output.runs import RunOutcome
-from flexros.gap.schema import BudgetShare, Cause, GapNumbers, ModelNumber, Unexplained, Verdict, Waterfall
+from flexros.gap.schema import ORDER, BudgetShare, Cause, GapNumbers, ModelNumber, Unexplained, Verdict, Waterfall
 
 
 class PathErrorCompared(Output):
@@ -32,7 +32,7 @@ class Repaired(Output):
     """A hidden effect: what was found, and the run with the repaired feedforward."""
 
     verdict: Verdict = Field(description="verdict of the diagnosis")
-    causes: list[Cause] = Field(description="what closes most of the held-out gap first, equal ones by probability")
+    causes: list[Cause] = Field(description=ORDER)
     patch: str | None = Field(description="file of the repaired model; null where there is nothing to repair")
     path_error_without_effect_m: float = Field(description="largest path error without the effect [m]")
     path_error_before_m: float = Field(description="with it [m]")
@@ -44,7 +44,7 @@ class MeasuredMachine(Output):
 
     data: str = Field(description="whose data, under which licence")
     verdict: Verdict = Field(description="verdict of the diagnosis")
-    causes: list[Cause] = Field(description="what closes most of the held-out gap first, equal ones by probability")
+    causes: list[Cause] = Field(description=ORDER)
     gap: GapNumbers = Field(description="gap before and after the repair")
     budget: list[BudgetShare] = Field(description="the gap divided among effects, the largest first")
     waterfall: list[Waterfall] = Field(description="the gap at each joint, an effect at a time")

@@ -136,6 +136,12 @@ class AbstractEffect(Settings, ABC):
         del robot, location
         return self.ranges
 
+    @classmethod
+    def shaped_by(cls, name: str) -> bool:
+        """Return whether a parameter with a range only shapes the effect, such as a frequency, and is no size of it."""
+        allowed = cls.ranges[name]
+        return cls.model_fields[name].default != 0.0 or allowed.vanishes == "never" or allowed.scale == "phase"
+
     def numbers(self, robot: Robot, location: str) -> tuple[str, ...]:
         """Return the names of the parameters of the robot that it changes or adds to at one of its `locations`.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,7 +22,7 @@ from flexros.effects.servos.servo_command_lag import ServoCommandLag
 from flexros.effects.torque_gain_error import TorqueGainError
 from flexros.effects.torque_saturation import TorqueSaturation
 from flexros.errors import InputError
-from flexros.robot.exchange.body_inertia import BodyInertia
+from flexros.robot.exchange.body_inertia import ENTRIES, BodyInertia
 from flexros.robot.exchange.numbers import SAME, BodyNumbers, JointNumbers, LoadNumbers, NotHeld, RepairedNumbers
 from flexros.robot.parameters import INERTIA_COMPONENTS
 from flexros.robot.quantity import unit_of
@@ -98,14 +98,17 @@ def repaired_numbers(patched: PatchedRobot, *, turned: Collection[str] = ()) -> 
     return RepairedNumbers(
         tuple(joint.numbers(turned=joint.motor.name in turned) for joint in joints),
         tuple(
-            _of_body(
-                name := f"body_{k}",
-                body,
-                nominal,
-                weights.get(name, 0.0),
-                inertias.get(name, 1.0),
-                differences=differences.get(name, ()),
-                load=loads[0] if name == carrier else None,
+            replace(
+                _of_body(
+                    name := f"body_{k}",
+                    body,
+                    nominal,
+                    weights.get(name, 0.0),
+                    inertias.get(name, 1.0),
+                    differences=differences.get(name, ()),
+                    load=loads[0] if name == carrier else None,
+                ),
+                viscous_friction=body.viscous_friction.value / scale**2,
             )
             for k, (body, nominal) in enumerate(zip(model.robot.spec.bodies, patched.base.spec.bodies), start=1)
         ),
@@ -140,10 +143,12 @@ def _of_body(
     moved = np.abs(moment - (mass - own) * np.array(nominal.center_of_mass.value)).max() > SAME * abs(mass)
     if differences or (moved and (mass <= own or inertia_factor != 1)):
         place = ", ".join(f"{value:.4g}" for value in body.center_of_mass.value)
-        words = f"mass {mass:.6g} kg, centre {place} m, and inertia"
+        inertia = BodyInertia.of(body).inertia
+        entries = ", ".join(f"{entry} {inertia[at]:.6g}" for entry, at in ENTRIES.items() if inertia[at])
+        words = f"mass {mass:.6g} kg, centre {place} m, inertia {entries} kg m2"
         point = None if load is None else LoadNumbers(load.mass, (load.x, load.y, load.z))
         beside = _beside_load(differences, inertia_factor) if load is not None else ""
-        before = BodyInertia(own, np.array(nominal.center_of_mass.value), nominal.straight_inertia())
+        before = BodyInertia.of(nominal)
         return BodyNumbers(name, body.label, 1.0, weight_error, point, words, beside_load=beside, nominal=before)
     if moved:
         x, y, z = (moment / (mass - own)).tolist()

@@ -69,7 +69,9 @@ def far_out(fit: CandidateFit, least: float, *, large: bool = True) -> dict[str,
 
 
 def moved_words(fit: CandidateFit, factors: Mapping[str, float]) -> str:
-    """Write by how much a fit moves numbers, e.g. "motor_1.inertia to 0.42 times, 2.9 times its tolerance".
+    """Write by how much a fit moves numbers, e.g. "motor_1.inertia by +28.6 %, 5.7 times its tolerance of 5 %".
+
+    Figures are those of the change itself, so that they agree; how far a number is out counts on logarithms.
 
     Args:
         fit: The fit.
@@ -78,15 +80,16 @@ def moved_words(fit: CandidateFit, factors: Mapping[str, float]) -> str:
     tolerance = fit.predictor.tolerance
     stated = dict(zip(tolerance.names, tolerance.deviations, strict=True))
     named = [
-        f"{name} {_changed(np.log(factor))}, {abs(np.log(factor)) / stated[name]:.2g} times its tolerance"
+        f"{name} {_changed(factor)} {abs(factor - 1) / stated[name]:.2g} times its tolerance of "
+        f"{100 * stated[name]:.3g} %"
         for name, factor in list(factors.items())[:SHOWN]
     ]
     return "; ".join(named) + (f" and {len(factors) - SHOWN} more" if len(factors) > SHOWN else "")
 
 
-def _changed(logarithm: float) -> str:
-    """Say by how much a number changes whose logarithm does by this: tolerances count on logarithms."""
-    return f"by {np.expm1(logarithm):+.1%}" if abs(logarithm) < np.log(2) else f"to {np.exp(logarithm):.3g} times"
+def _changed(factor: float) -> str:
+    """Say by how much a number changes that is this many times its value, or to how many times it."""
+    return f"by {100 * (factor - 1):+.1f} %," if 0.5 < factor < 2.0 else f"to {factor:.3g} times, by"
 
 
 def as_effects(robot: Robot, placed: Sequence[PlacedEffect], factors: Mapping[str, float]) -> tuple[PlacedEffect, ...]:

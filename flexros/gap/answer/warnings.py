@@ -88,7 +88,7 @@ def answer_warnings(findings: Findings, gap: GapNumbers, *, worse: bool) -> list
             "ahead than by their last position: the gap before the repair is that of the model with them"
         )
     return [
-        *short_events(findings),
+        *short_events(findings, gap),
         *torque_warnings(findings),
         *_strained(findings),
         *warnings,

@@ -146,11 +146,9 @@ class Candidate:
         Positive parameters come as close to it as their range allows. None for parameters that shape an effect, such as
         a frequency.
         """
-        allowed, low_and_high = self.effect.ranges[free.name], free.bounds
-        shapes = self.effect.model_fields[free.name].default != 0.0 or allowed.scale == "phase"
-        if shapes or free.vanishes == "never":
+        if self.effect.shaped_by(free.name):
             return None
-        return 0.0 if free.signed else low_and_high[free.vanishes == "high"]
+        return 0.0 if free.signed else free.bounds[free.vanishes == "high"]
 
     def at_limit(self, values: Mapping[str, float]) -> frozenset[str]:
         """Return the names of the parameters whose values are at a limit of the search, neutral ones excepted.

@@ -78,7 +78,7 @@ def _cause_tile(diagnosis: Diagnosis) -> tuple[str, str, str, str]:
     if diagnosis.verdict == "unknown_effect":
         return "Verdict", "unknown effect", "", f"best known effect: {named(causes[0])}"
     more = f" and {len(causes) - 1} more" if len(causes) > 1 else ""
-    largest, closed = largest_part(diagnosis.budget)
+    largest, closed = largest_part(diagnosis.budget, diagnosis.causes)
     if more and largest is not None:
         effects = [share for share in diagnosis.budget if share.effect is not None]
         below = f"By {budget_words(largest)}, added first or removed last; {len(effects) - 1} more in the patch"

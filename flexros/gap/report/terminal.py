@@ -12,6 +12,7 @@ from flexros.gap.report.figure_words import (
     gap_words,
     interval_words,
     p_value_words,
+    share_interval_words,
     share_words,
     shows,
     signed_share_words,
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 
     from flexros.gap.held_out.left_over import LeftOver
     from flexros.gap.result import DiagnosisResult
-    from flexros.gap.schema import Diagnosis, GapNumbers
+    from flexros.gap.schema import BudgetShare, Diagnosis, GapNumbers
 
 _RANKED, _LOCATIONS, _MOTIONS, _NUMBERS = 6, 3, 2, 4
 """Number of effects, of locations, of motions of the rest of a joint, and of motors and bodies with wrong numbers that
@@ -79,8 +80,9 @@ def budget_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
     effects = [share for share in diagnosis.budget if share.effect is not None]
     worse = [is_worse_alone(share) for share in effects]
     shares = [
-        f"{capital(budget_words(share))}: {_share(share.share_last)} removed last, "
-        f"{WORSE_ALONE if alone else f'{_share(share.share_first)} added first'}"
+        f"{capital(_with_class(share))}: "
+        f"{_share(share.share_last, share.interval_last)} removed last, "
+        f"{WORSE_ALONE if alone else f'{_share(share.share_first, share.interval)} added first'}"
         for share, alone in zip(effects, worse, strict=True)
     ]
     why = [f"{capital(WORSE_ALONE)}: {WHY_WORSE}"] if any(worse) else []
@@ -122,10 +124,20 @@ def rest_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
     return tuple(lines)
 
 
-def _share(share: float | None) -> str:
+def _with_class(share: BudgetShare) -> str:
+    """Write an effect with its class, e.g. "hysteresis at motor_1 (gear)", where its name does not say that."""
+    words = budget_words(share)
+    return words if share.cause_class in words else f"{words} ({share.cause_class})"
+
+
+def _share(share: float | None, interval: tuple[float, float] | None) -> str:
+    """Write a share with its 95 % interval, e.g. "91 % (85 % to 96 %)", "−8 % (worse, −12 % to −4 %)"."""
     if share is None:
         return "-"
-    return share_words(share) if share > LITTLE_WORSE else f"{signed_share_words(share)} (worse)"
+    within = share_interval_words(interval)
+    if share > LITTLE_WORSE:
+        return share_words(share) + within
+    return f"{signed_share_words(share)} (worse{within.replace(' (', ', ').removesuffix(')')})"
 
 
 def gap_line(gap: GapNumbers) -> str:

@@ -7,10 +7,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.robot.exchange.numbers import Written
 from flexros.robot.point_inertia import point_inertia
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
+    from flexros.robot.specification import Body
+
+ENTRIES = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
+"""Names of the entries of an inertia, and their places in the tensor."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,6 +31,11 @@ class BodyInertia:
     mass: float
     center: FloatArray
     inertia: FloatArray
+
+    @classmethod
+    def of(cls, body: Body) -> BodyInertia:
+        """Return those of a body of a robot file, in its own frame."""
+        return cls(body.mass.value, np.array(body.center_of_mass.value), body.straight_inertia())
 
     @property
     def possible(self) -> bool:
@@ -50,6 +60,20 @@ class BodyInertia:
         inertia = self.inertia + sign * other.inertia
         inertia = inertia + point_inertia(self.mass, own) + point_inertia(sign * other.mass, others)
         return BodyInertia(mass, center, inertia)
+
+    def written(self, body: str, mass: str, center: str, inertia: str) -> list[Written]:
+        """List those that are not zero, in a new file.
+
+        Args:
+            body: Name of the body.
+            mass: Place of its mass in the file.
+            center: Place of its centre of mass.
+            inertia: Place of its inertia.
+        """
+        rows = [("mass", mass, self.mass, "kg")]
+        rows += [(f"centre of mass {axis}", center, float(self.center[k]), "m") for k, axis in enumerate("xyz")]
+        rows += [(f"inertia {entry}", inertia, float(self.inertia[at]), "kg m2") for entry, at in ENTRIES.items()]
+        return [Written(body, quantity, place, None, value, unit) for quantity, place, value, unit in rows if value]
 
 
 def point_mass(mass: float, place: FloatArray) -> BodyInertia:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any
 
 from flexros.json_text import json_text
+from flexros.robot.exchange.body_inertia import ENTRIES, BodyInertia
 from flexros.robot.exchange.joint_names import tagged
 from flexros.robot.exchange.numbers import Export, Written
 from flexros.robot.quantity import unit_of
@@ -16,6 +17,10 @@ if TYPE_CHECKING:
 
     from flexros.robot import Robot
     from flexros.robot.exchange.numbers import JointNumbers, RepairedNumbers
+    from flexros.robot.symbolic.chain import Joint
+
+FRICTION = unit_of("damping", rotary=True)
+"""Unit of friction against the absolute rotation of a body."""
 
 
 def json_export(robot: Robot, numbers: RepairedNumbers, joints: Mapping[str, str]) -> Export:
@@ -33,6 +38,7 @@ def json_export(robot: Robot, numbers: RepairedNumbers, joints: Mapping[str, str
     names = {
         joint.motor: joints.get(joint.motor) or tagged(robot, joint.motor) or joint.motor for joint in numbers.joints
     }
+    bodies = [replace(own := BodyInertia.of(body), inertia=squared * own.inertia) for body in robot.spec.bodies]
     servos = any(joint.servo_stiffness is not None for joint in numbers.joints)
     servo_gains = (("stiffness", "servo_stiffness"), ("damping", "servo_damping")) if servos else ()
     content: dict[str, Any] = {
@@ -40,17 +46,8 @@ def json_export(robot: Robot, numbers: RepairedNumbers, joints: Mapping[str, str
         "robot": robot.name,
         "gravity": {"value": list(robot.spec.gravity.value), "unit": "m/s2"},
         "joints": [_joint(joint, names[joint.motor]) for joint in numbers.joints],
-        "springs": [
-            {
-                "location": joint.name,
-                "stiffness": squared * joint.direction.spring.at_zero,
-                "damping": squared * joint.direction.damper.value,
-                "units": {kind: unit_of(kind, joint.rotary) for kind in ("stiffness", "damping")},
-            }
-            for joint in robot.joints
-            if isinstance(joint.direction.spring, Spring)
-        ],
-        "bodies": [asdict(body) for body in numbers.bodies],
+        "springs": [spring for joint in robot.joints if (spring := _spring(joint, squared))],
+        "bodies": [asdict(replace(body, nominal=None)) | _inertia(own) for body, own in zip(numbers.bodies, bodies)],
         "isaac_lab": {
             key: {names[joint.motor]: value for joint in numbers.joints if (value := getattr(joint, own)) is not None}
             for key, own in (
@@ -64,13 +61,51 @@ def json_export(robot: Robot, numbers: RepairedNumbers, joints: Mapping[str, str
         },
         "not_held": [asdict(each) for each in numbers.not_held],
     }
-    written = tuple(
+    written = [
         Written(joint.motor, quantity, f"joints {names[joint.motor]} {key}", None, float(value), unit)
         for joint in numbers.joints
         for quantity, key, unit in _rows(joint)
         if (value := getattr(joint, key)) is not None
-    )
-    return Export(json_text(content), written, numbers.not_held)
+    ]
+    for spring in content["springs"]:
+        for quantity, key in (("stiffness", "stiffness"), ("damper", "damping")):
+            place = f"springs {spring['location']} {key}"
+            written.append(Written(spring["location"], quantity, place, None, spring[key], spring["units"][key]))
+    for body, own in zip(numbers.bodies, bodies):
+        name, place = body.body, f"bodies {body.body}"
+        written += own.written(name, f"{place} mass", f"{place} center_of_mass", f"{place} inertia")
+        for quantity, key, unit in (
+            ("weight", "weight_error", "1"),
+            ("viscous friction", "viscous_friction", FRICTION),
+        ):
+            if value := getattr(body, key):
+                written.append(Written(name, quantity, f"{place} {key}", None, value, unit))
+    for axis, value in zip("xyz", numbers.gravity or ()):
+        written.append(Written("base", f"gravity {axis}", "gravity", None, value, "m/s2"))
+    return Export(json_text(content), tuple(written), numbers.not_held)
+
+
+def _spring(joint: Joint, squared: float) -> dict[str, Any]:
+    """Return the numbers of the spring of a direction; empty where it is rigid."""
+    spring = joint.direction.spring
+    if not isinstance(spring, Spring):
+        return {}
+    return {
+        "location": joint.name,
+        "stiffness": squared * spring.at_zero,
+        "damping": squared * joint.direction.damper.value,
+        "units": {kind: unit_of(kind, joint.rotary) for kind in ("stiffness", "damping")},
+    }
+
+
+def _inertia(body: BodyInertia) -> dict[str, Any]:
+    """Return mass, centre and inertia of a body in its own frame, with all effects."""
+    return {
+        "mass": body.mass,
+        "center_of_mass": body.center.tolist(),
+        "inertia": {entry: float(body.inertia[at]) for entry, at in ENTRIES.items()},
+        "units": {"mass": "kg", "center_of_mass": "m", "inertia": "kg m2", "viscous_friction": FRICTION},
+    }
 
 
 def _rows(joint: JointNumbers) -> tuple[tuple[str, str, str], ...]:

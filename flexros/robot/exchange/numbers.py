@@ -85,6 +85,7 @@ class BodyNumbers:
         rewritten: Mass and centre of mass that no factor and no load alone says, in words; the factors are 1 then.
         beside_load: What of these a load leaves, in words; empty without one.
         nominal: Its numbers in the robot without effects, in its own frame, where `rewritten`; else None.
+        viscous_friction: Friction against its absolute rotation [Nm s/rad].
         inertia_factor: Inertia about the centre of mass, beyond that of `mass_factor`, with the mass kept [1].
     """
 
@@ -97,6 +98,7 @@ class BodyNumbers:
     inertia_factor: float = 1.0
     beside_load: str = ""
     nominal: BodyInertia | None = None
+    viscous_friction: float = 0.0
 
     @property
     def change(self) -> tuple[str, str]:
@@ -109,6 +111,12 @@ class BodyNumbers:
             mass = "" if same(self.mass_factor, 1.0) else f", mass x {self.mass_factor:.6g}"
             return "inertia", f"x {self.mass_factor * self.inertia_factor:.6g}{mass}"
         return "payload", f"mass x {self.mass_factor:.6g}"
+
+    def friction_not_held(self) -> list[NotHeld]:
+        """List its friction against its absolute rotation, for formats that have friction of joints alone."""
+        size = f"{self.viscous_friction:.6g} Nm s/rad"
+        reason = "friction against the absolute rotation of a body has no place beside that of joints"
+        return [NotHeld(self.body, "viscous friction", size, reason)] if self.viscous_friction else []
 
 
 @dataclass(frozen=True)

@@ -83,7 +83,7 @@ def test_a_centre_of_mass_elsewhere_is_said_with_the_mass(tmp_path: Path) -> Non
     name, size = numbers(tmp_path, moved).bodies[1].change
     center = load_robot("elbow").spec.bodies[1].center_of_mass.value
     assert name == "numbers"
-    assert size == f"mass 45 kg, centre {center[0]:.4g}, {center[1]:.4g}, {center[2] + 0.02:.4g} m, and inertia"
+    assert size == f"mass 45 kg, centre {center[0]:.4g}, {center[1]:.4g}, {center[2] + 0.02:.4g} m, inertia yy 3 kg m2"
 
 
 def test_motor_side_with_several_gears_is_refused(tmp_path: Path) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from flexros.gap.answer.order import in_order, largest_part
-from flexros.gap.schema import BudgetShare, Cause, Step, Waterfall
+from flexros.gap.schema import BudgetShare, Cause, CauseParameter, Step, Waterfall
 
 
 def cause(effect: str, probability: float) -> Cause:
@@ -58,3 +58,37 @@ def test_what_closes_nothing_or_makes_it_worse_is_sorted_by_probability() -> Non
     assert ordered(shares, waterfall(delay=-0.3), backlash=0.6, hysteresis=0.7, delay=0.9) == [
         "delay", "hysteresis", "backlash",
     ]  # fmt: skip
+
+
+def sized(effect: str, **stds: float) -> Cause:
+    parameters = {name: CauseParameter(value=1.0, std=std, unit="1") for name, std in stds.items()}
+    return cause(effect, 1.0).model_copy(update={"parameters": parameters})
+
+
+def test_a_size_that_is_not_clear_does_not_come_first() -> None:
+    """Of the demonstration: an inertia of +162 % (±146) closed more removed last, friction 70 % added first."""
+    inertia, friction = sized("motor_inertia_error", relative=0.9), sized("coulomb_friction", level=0.1)
+    budget = both("motor_inertia_error", 0.32, 0.26), both("coulomb_friction", 0.7, 0.07)
+    steps = waterfall(coulomb_friction=0.7, motor_inertia_error=0.2)
+    assert in_order((inertia, friction), budget, (steps,)) == (friction, inertia)
+    assert largest_part(budget, (inertia, friction)) == (budget[1], 0.07)
+
+
+def test_a_clear_shape_is_no_clear_size() -> None:
+    """The order of a ripple is known well long before its amplitude is."""
+    ripple, friction = sized("torque_ripple", amplitude=0.9, order=0.001), sized("coulomb_friction", level=0.1)
+    budget = both("torque_ripple", 0.3, 0.3), both("coulomb_friction", 0.2, 0.2)
+    assert in_order((ripple, friction), budget, ()) == (friction, ripple)
+
+
+def test_clear_sizes_are_in_the_order_of_the_waterfall() -> None:
+    """It is that of the mean of added first and removed last."""
+    gain, friction = sized("torque_gain_error", relative=0.1), sized("coulomb_friction", level=0.1)
+    budget = both("torque_gain_error", -1.1, 0.64), both("coulomb_friction", 0.5, 0.1)
+    assert in_order((gain, friction), budget, ()) == (friction, gain)
+
+
+def test_what_closes_nothing_does_not_come_before_a_part_of_the_gap() -> None:
+    inertia, friction = sized("motor_inertia_error", relative=0.9), sized("coulomb_friction", level=0.1)
+    budget = both("motor_inertia_error", 0.9, 0.9), both("coulomb_friction", 0.001, 0.001)
+    assert in_order((friction, inertia), budget, ()) == (inertia, friction)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from types import SimpleNamespace
 from typing import Any
 
@@ -60,7 +61,19 @@ def test_a_guessed_number_is_far_out_where_its_factor_is_large(tolerance: float,
     found = far_out(fit, STRAINED)
     assert found == ({"motor_1.inertia": pytest.approx(np.exp(tolerance * deviation))} if far else {})
     if far:
-        assert f"motor_1.inertia {'to 0.423 times' if tolerance > 0.1 else 'by -18.5%'}" in moved_words(fit, found)
+        assert f"motor_1.inertia {'to 0.423 times, by' if tolerance > 0.1 else 'by -18.5 %,'}" in moved_words(
+            fit, found
+        )
+
+
+@pytest.mark.parametrize("factor", [1.929, 0.604, 3.2, 0.42])
+def test_the_multiple_of_a_tolerance_is_that_of_the_change_that_is_stated(factor: float) -> None:
+    """A friction by +92.9 % had been 6.6 times its tolerance, which is 10 %: a reader divides."""
+    fit: Any = SimpleNamespace(predictor=SimpleNamespace(tolerance=Tolerance(("motor_1.inertia",), (0.1,))))
+    figures = [float(one) for one in re.findall(r" [+-]?(\d[\d.]*)", moved_words(fit, {"motor_1.inertia": factor}))]
+    change = figures[0] / 100 if 0.5 < factor < 2 else abs(figures[0] - 1)
+    assert change == pytest.approx(abs(factor - 1), rel=0.01)
+    assert figures[1:] == [pytest.approx(change / 0.1, rel=0.05), 10]
 
 
 def test_a_large_factor_within_many_tolerances_is_not_far_out_where_only_tolerances_count() -> None:

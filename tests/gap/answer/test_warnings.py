@@ -111,7 +111,7 @@ def test_numbers_far_out_of_tolerance_are_stated() -> None:
         model=SimpleNamespace(robot=None),
     )
     (text,) = warnings._strained(findings)
-    assert "body_1.mass by +10.5%, 5 times its tolerance" in text
+    assert "body_1.mass by +10.5 %, 5.3 times its tolerance of 2 %" in text
     assert "inertia" not in text
     assert "A patch has them but for those that no effect changes, such as lengths." in text
     lacked.add("body_1.mass")

@@ -88,10 +88,21 @@ def test_the_budget_has_a_waterfall_and_both_shares(divided: Diagnosis) -> None:
     lines = budget_lines(divided)
     assert lines[0] == "motor_1"
     assert lines[-3:] == (
-        "Hysteresis at motor_1: 60 % removed last, worse alone",
+        "Hysteresis at motor_1 (friction): 60 % removed last, worse alone",
         "Coulomb friction at motor_1: 20 % removed last, 25 % added first",
         "Worse alone: the effect has the size at which it explains the log together with the others",
     )
+
+
+def test_the_budget_has_its_intervals_and_classes(divided: Diagnosis) -> None:
+    first, second = divided.budget
+    shares = (
+        first.model_copy(update={"cause_class": "gear", "share_last": -0.08, "interval_last": (-0.12, -0.04)}),
+        second.model_copy(update={"share_last": 0.91, "interval_last": (0.85, 0.96)}),
+    )
+    lines = budget_lines(divided.model_copy(update={"budget": shares}))
+    assert "Hysteresis at motor_1 (gear): \u22128 % (worse, \u221212 % to \u22124 %) removed last" in lines[-3]
+    assert "Coulomb friction at motor_1: 91 % (85 % to 96 %) removed last" in lines[-2]
 
 
 def test_numbers_that_the_model_lacks_are_all_listed_and_come_before_wrong_ones(diagnosed: Diagnosed) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.robot.exchange.mjcf.actuators import actuators_of, joint_actuator
-from flexros.robot.exchange.mjcf.export import delay_attributes
+from flexros.robot.exchange.mjcf.export import DELAY, delay_attributes
 from flexros.robot.exchange.number_text import number, numbers_text
 from flexros.robot.exchange.numbers import NotHeld, Written, same
 from flexros.robot.quantity import unit_of
@@ -77,7 +77,7 @@ class ActuatorRepair:
             attributes = delay_attributes(joint.delay, float(self.model.opt.timestep)) or {"delay": "0"}
             for key, value in attributes.items():
                 element.set(key, value)
-            self._note(joint.motor, "delay", f"{element.tag} delay", before.delay, joint.delay, "s")
+            self._note(joint.motor, "delay", DELAY.replace("actuator", element.tag), before.delay, joint.delay, "s")
 
     def keep_damping(self, changed: Any) -> None:
         """Write the speed gains that a damping ratio, also of a class, makes anew from changed gains and inertias.

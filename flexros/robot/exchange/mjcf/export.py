@@ -7,6 +7,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from flexros.robot.exchange.body_inertia import ENTRIES, BodyInertia
 from flexros.robot.exchange.link_inertia import LEAST, possible_tensor
 from flexros.robot.exchange.mjcf.time_step import time_step
 from flexros.robot.exchange.number_text import number, numbers_text
@@ -26,6 +27,9 @@ if TYPE_CHECKING:
 
 FRICTION_STEPS = 2
 """Time constant of the dry friction's constraint, in time steps [1]: the shortest that MuJoCo accepts."""
+
+DELAY = "actuator delay with interp linear"
+"""Place of a delay."""
 
 
 def mjcf_export(robot: Robot, numbers: RepairedNumbers) -> Export:
@@ -91,6 +95,8 @@ class _Writer:
             for joint in self.robot.joints:
                 if joint.body == index and joint.mode is None:
                     self._joints(place, joint, step)
+                elif joint.body == index:
+                    self._bending(joint)
             offset = np.array(body.length.value, dtype=float)
         self._shapes()
         if spec.tool.linear is None:
@@ -115,12 +121,8 @@ class _Writer:
             "fullinertia": numbers_text(_entries(possible_tensor(self.robot, tensor))),
         }
         ElementTree.SubElement(element, "inertial", attributes)
-        name = f"body_{index + 1}"
-        if mass:
-            self._note(name, "mass", "body/inertial mass", mass, "kg")
-        for key, value in zip(("xx", "yy", "zz", "xy", "xz", "yz"), _entries(tensor)):
-            if value:
-                self._note(name, f"inertia {key}", "body/inertial fullinertia", value, "kg m2")
+        numbers, place = BodyInertia(mass, np.array(body.center_of_mass.value), tensor), "body/inertial"
+        self.written += numbers.written(f"body_{index + 1}", f"{place} mass", f"{place} pos", f"{place} fullinertia")
 
     def _joints(self, element: Element, joint: Joint, step: float) -> None:
         if joint.motor is None:
@@ -154,6 +156,15 @@ class _Writer:
         self._note(joint.name, "stiffness", f"{place} stiffness", stiffness, unit_of("stiffness", joint.rotary))
         self._note(joint.name, "damper", f"{place} damping", damping, unit_of("damping", joint.rotary))
 
+    def _bending(self, joint: Joint) -> None:
+        """List stiffness and damper of a mode of a link that bends."""
+        spring, reason = joint.direction.spring, "the link is written as straight"
+        assert isinstance(spring, Spring)
+        rows = ("stiffness", spring.at_zero, "stiffness"), ("damper", joint.direction.damper.value, "damping")
+        for name, value, kind in rows:
+            size = f"{self.squared * value:.6g} {unit_of(kind, joint.rotary)}"
+            self.not_held.append(NotHeld(joint.name, name, size, reason))
+
     def _joint(self, element: Element, name: str, joint: Joint, attributes: dict[str, str]) -> None:
         kind = "hinge" if joint.rotary else "slide"
         axis = numbers_text(np.eye(3)[joint.axis])
@@ -176,7 +187,7 @@ class _Writer:
             self._note(joint.motor, "torque limit", f"actuator {place}", limit, torque)
         attributes |= delay_attributes(joint.delay, step)
         if joint.delay > 0:
-            self._note(joint.motor, "delay", "actuator delay", joint.delay, "s")
+            self._note(joint.motor, "delay", DELAY, joint.delay, "s")
         ElementTree.SubElement(element, "position" if servo else "motor", attributes)
 
     def _servo(self, joint: JointNumbers) -> dict[str, str]:
@@ -212,15 +223,7 @@ class _Writer:
         rubbing = [k for k, body in enumerate(self.robot.spec.bodies) if body.viscous_friction.value]
         rotary = [joint for joint in self.robot.joints if joint.rotary]
         if len({joint.axis for joint in rotary}) > 1 or self.robot.chain.turned:
-            self.not_held += [
-                NotHeld(
-                    f"body_{k + 1}",
-                    "viscous_friction",
-                    f"{self.robot.spec.bodies[k].viscous_friction.value:.6g} Nm s/rad",
-                    "friction against the absolute rotation of a body has no place beside that of joints",
-                )
-                for k in rubbing
-            ]
+            self.not_held += [each for k in rubbing for each in self.numbers.bodies[k].friction_not_held()]
             return
         tendons = ElementTree.SubElement(self.root, "tendon") if rubbing else None
         for k in rubbing:
@@ -238,5 +241,4 @@ class _Writer:
 
 
 def _entries(tensor: FloatArray) -> tuple[float, ...]:
-    pairs = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
-    return tuple(float(tensor[pair]) for pair in pairs)
+    return tuple(float(tensor[at]) for at in ENTRIES.values())

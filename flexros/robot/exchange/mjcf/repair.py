@@ -9,14 +9,14 @@ import numpy as np
 from flexros.config.text_file import read_text
 from flexros.errors import InputError
 from flexros.input_limits import LARGEST_URDF
-from flexros.robot.exchange.body_inertia import BodyInertia, point_mass
+from flexros.robot.exchange.body_inertia import ENTRIES, BodyInertia, point_mass
 from flexros.robot.exchange.joint_names import tagged
 from flexros.robot.exchange.mjcf.actuator_repair import ActuatorRepair
 from flexros.robot.exchange.mjcf.actuators import actuators_of, added
 from flexros.robot.exchange.mjcf.body_inertia import inertia_of, write_inertia
 from flexros.robot.exchange.mjcf.mujoco_model import compile_text, mujoco_package
 from flexros.robot.exchange.number_text import number, numbers_text
-from flexros.robot.exchange.numbers import REWRITTEN, Export, NotHeld, Written, same
+from flexros.robot.exchange.numbers import REWRITTEN, SAME, Export, NotHeld, Written, same
 from flexros.robot.exchange.xml_text import XmlElement, XmlText
 from flexros.robot.quantity import unit_of
 from flexros.robot.spring import Spring
@@ -24,6 +24,7 @@ from flexros.robot.spring import Spring
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from flexros.arrays import FloatArray
     from flexros.robot import Robot
     from flexros.robot.exchange.mjcf.arm import ArmJoint, MjcfArm
     from flexros.robot.exchange.mjcf.base_file import MjcfBase
@@ -168,6 +169,7 @@ class _Repair:
 
     def body(self, body: BodyNumbers, arm: MjcfArm, names: Mapping[str, str]) -> None:
         """Scale mass and inertia, and the weight, of the bodies that a joint carries."""
+        self.not_held += body.friction_not_held()
         changed = body.load is not None or body.rewritten or not same(body.inertia_factor, 1.0)
         if changed:
             self._numbers(body, arm, names)
@@ -190,6 +192,8 @@ class _Repair:
                 self._scale(element, index, body.mass_factor)
                 self.expected.append(("body_mass", index, mass * body.mass_factor))
                 self._note(body.body, "mass", f"body {label} inertial", mass, mass * body.mass_factor, "kg")
+                own = inertia_of(self.model, index).inertia
+                self._inertia(body.body, label, own, body.mass_factor * own)
             if body.weight_error:
                 before = float(self.model.body_gravcomp[index])
                 if not same(before, -body.weight_error):
@@ -230,16 +234,20 @@ class _Repair:
         label = str(self.model.body(index).name)
         write_inertia(wanted, self._element("body", label))
         self.expected.append(("body_mass", index, wanted.mass))
-        if not same(body.inertia_factor, 1.0):
-            for entry, before, value in zip(("xx", "yy", "zz"), np.diag(own.inertia), np.diag(wanted.inertia)):
-                place = f"body {label} inertial {entry}"
-                self._note(body.body, "inertia", place, float(before), float(value), "kg m2")
-            if same(wanted.mass, own.mass):
-                return
+        self._inertia(body.body, label, own.inertia, wanted.inertia)
+        if not same(body.inertia_factor, 1.0) and same(wanted.mass, own.mass):
+            return
         what = "mass" if body.load is None else f"mass with a load of {body.load.mass:.6g} kg"
         self._note(body.body, what, f"body {label} inertial", own.mass, wanted.mass, "kg")
         for axis, before, value in zip("xyz", own.center.tolist(), wanted.center.tolist()):
             self._note(body.body, f"centre of mass {axis}", f"body {label} inertial pos", before, value, "m")
+
+    def _inertia(self, body: str, label: str, own: FloatArray, wanted: FloatArray) -> None:
+        """List the entries of an inertia [kg m2], shape (3, 3), that were changed."""
+        for entry, at in ENTRIES.items():
+            if not np.isclose(own[at], wanted[at], rtol=SAME, atol=SAME * np.abs(wanted).max()):
+                place = f"body {label} inertial {entry}"
+                self._note(body, "inertia", place, float(own[at]), float(wanted[at]), "kg m2")
 
     def _list_numbers(self, body: BodyNumbers, reason: str) -> None:
         self.not_held.append(NotHeld(body.body, *body.change, reason))
@@ -258,8 +266,7 @@ class _Repair:
             place = anchor + turn @ np.array(body.load.place)
             return inertia_of(self.model, index).plus(point_mass(body.load.mass, place))
         spec = self.robot.spec.bodies[int(body.body.removeprefix("body_")) - 1]
-        whole = BodyInertia(spec.mass.value, np.array(spec.center_of_mass.value), spec.straight_inertia())
-        wanted = whole.moved(turn, anchor)
+        wanted = BodyInertia.of(spec).moved(turn, anchor)
         for other in (each for each in carrier.bodies if each != index):
             relative, offset = axes @ data.xmat[other].reshape(3, 3), axes @ (data.xpos[other] - origin)
             wanted = wanted.plus(inertia_of(self.model, other).moved(relative, offset), -1)

@@ -161,12 +161,18 @@ class _Repair:
     def body(self, body: BodyNumbers) -> None:
         """Scale mass and inertia of a link."""
         self._lost(body.body, "weight", body.weight_error, "relative", "{kind} has one mass for weight and inertia")
-        if body.rewritten and self.kind == "sdf" and not self.new:
+        self.not_held += body.friction_not_held()
+        if self.new:
+            own = BodyInertia.of(self.robot.spec.bodies[int(body.body.removeprefix("body_")) - 1])
+            place = f"link {body.body} inertial"
+            self.written += own.written(body.body, f"{place} mass", place, f"{place} inertia")
+            return
+        if body.rewritten and self.kind == "sdf":
             self.not_held.append(NotHeld(body.body, "numbers", body.beside_load or body.rewritten, REWRITTEN))
             body = replace(body, rewritten="")
         unchanged = same(body.mass_factor, 1.0) and same(body.inertia_factor, 1.0) and body.load is None
         unchanged = unchanged and not body.rewritten
-        if self.new or unchanged:
+        if unchanged:
             return
         wanted = (body.label, body.body)
         link = next((each for each in self.root.iter("link") if each.attributes.get("name") in wanted), None)
@@ -214,7 +220,7 @@ class _Repair:
                 continue
             before = self._float(value, f"{place} {entry}")
             self._write(own, entry, factor * before)
-            if not same(body.inertia_factor, 1.0) and before:
+            if before:
                 self.written.append(Written(body.body, "inertia", f"{place} {entry}", before, factor * before, "kg m2"))
 
     def _load(self, link: XmlElement, body: str, load: LoadNumbers) -> None:
@@ -227,18 +233,17 @@ class _Repair:
         own, turn = link_inertia(link, self.source), link_axes(self.root, name, self.source, self._turn(name, body))
         whole = own.plus(point_mass(load.mass, turn @ np.array(load.place)))
         write_link_inertia(link, whole)
-        place = f"link {name} inertial"
-        self.written.append(Written(body, f"load of {load.words}: mass", place, own.mass, whole.mass, "kg"))
+        mass, *others = changes_of_link(body, name, own, whole)
+        self.written += [replace(mass, quantity=f"load of {load.words}: mass"), *others]
 
     def _numbers(self, link: XmlElement, body: BodyNumbers) -> None:
         """Change mass, centre and inertia of a link of a URDF as those of its body; further links of it keep theirs."""
         name, nominal = link.attributes["name"], body.nominal
         assert nominal is not None
         spec = self.robot.spec.bodies[int(body.body.removeprefix("body_")) - 1]
-        wanted = BodyInertia(spec.mass.value, np.array(spec.center_of_mass.value), spec.straight_inertia())
         turn, joint = link_axes(self.root, name, self.source, self._turn(name, body.body)), np.zeros(3)
         own = link_inertia(link, self.source)
-        whole = own.plus(wanted.moved(turn, joint)).plus(nominal.moved(turn, joint), -1)
+        whole = own.plus(BodyInertia.of(spec).moved(turn, joint)).plus(nominal.moved(turn, joint), -1)
         if whole.possible:
             write_link_inertia(link, whole)
             self.written += changes_of_link(body.body, name, own, whole)
@@ -256,13 +261,18 @@ class _Repair:
         return np.asarray(base.T @ at_zero[0, int(body.removeprefix("body_")) - 1])
 
     def springs(self, robot: Robot) -> None:
-        """List the elastic directions."""
+        """List stiffness and damper of elastic directions and of bending, and the damper of elastic gears."""
         squared = robot.motors[0].gear_ratio ** 2 if robot.spec.coordinates == "motor" else 1.0
         for joint in robot.joints:
             spring = joint.direction.spring
-            if joint.motor is None and joint.mode is None and isinstance(spring, Spring):
-                unit = unit_of("stiffness", joint.rotary)
-                self._lost(joint.name, "stiffness", squared * spring.at_zero, unit, NO_SPRING)
+            if not isinstance(spring, Spring):
+                continue
+            damping, unit = squared * joint.direction.damper.value, unit_of("damping", joint.rotary)
+            if joint.motor is not None:
+                self._lost(f"motor_{joint.motor + 1}", "damper of the gear", damping, unit, NO_SPRING)
+                continue
+            self._lost(joint.name, "stiffness", squared * spring.at_zero, unit_of("stiffness", joint.rotary), NO_SPRING)
+            self._lost(joint.name, "damper", damping, unit, NO_SPRING)
 
     def gravity(self) -> None:
         """List gravity where the base stands at a slant."""

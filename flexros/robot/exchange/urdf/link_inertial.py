@@ -8,6 +8,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from flexros.errors import InputError
+from flexros.robot.exchange import body_inertia
 from flexros.robot.exchange.body_inertia import BodyInertia
 from flexros.robot.exchange.number_text import number, numbers_text
 from flexros.robot.exchange.numbers import SAME, Written
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
 ROUNDED = 1e-12
 """Number of a link up to which it is zero but for round-off [m, kg m2] (chosen)."""
-ENTRIES = {"ixx": (0, 0), "iyy": (1, 1), "izz": (2, 2), "ixy": (0, 1), "ixz": (0, 2), "iyz": (1, 2)}
+ENTRIES = {f"i{entry}": at for entry, at in body_inertia.ENTRIES.items()}
 """Attributes of <inertia>, and their places in the tensor."""
 
 

@@ -29,7 +29,9 @@ def test_weight_and_inertia_are_those_of_the_patch(tmp_path: Path) -> None:
     patched = load_patched(str(tmp_path / "patch.yaml"))
     exported = export_model(patched, "urdf", URDF)
     where = "0.01, 0.07, 0.02 m from its joint, along the axes of the base at zero pose"
-    assert [each.quantity for each in exported.written] == [f"load of 1.5 kg at {where}: mass"]
+    mass, *others = [each.quantity for each in exported.written]
+    assert mass == f"load of 1.5 kg at {where}: mass"
+    assert set(others) == {*(f"centre of mass {axis}" for axis in "xyz"), "inertia"}
     (tmp_path / "loaded.urdf").write_text(exported.text)
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "loaded.urdf"))
     data = mujoco.MjData(model)
