@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from flexros.errors import InputError
-from flexros.gap.candidates.tolerance import FARTHER, scaled_by_gravity, tolerance_of
+from flexros.gap.candidates.tolerance import scaled_by_gravity, tolerance_of
 from flexros.gap.fit.torques.noted_timing import with_torque_in_time_behind_springs
 from flexros.gap.fit.torques.unknown_numbers import unknown_numbers
 from flexros.gap.held_out.split import split
@@ -127,8 +127,6 @@ def weighed_logs(
     model = unknown.given_to(model)
     tolerated = unknown.tolerated(tolerance_of(model.robot, tolerance, fitted.prescribed), model.robot)
     tolerated = scaled_by_gravity(tolerated) if rough_gains else tolerated
-    if fitted.command is None and not fitted.premises.library_is_complete:
-        tolerated = replace(tolerated, farthest=FARTHER)
     give_memory_back()  # what was needed of a long log beside the part that is used
     data = fit_data(fitted, model, settings)
     measurement = measurement_in(held, model.robot, data.measurement, settings)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from flexros.gap.candidates.tolerance import FARTHER
@@ -35,12 +34,10 @@ def found_wider(search: Search, explanations: Explanations, held: FitData) -> tu
     """
     chosen, deadline = explanations.chosen, search.deadline
     ended = explanations.detected and explanations.beside is None and numbers_at_limits(chosen)
-    nominal = search.null.fit
-    widest = nominal.predictor.tolerance.farthest >= FARTHER
+    widest = search.null.fit.predictor.tolerance.farthest >= FARTHER
     if search.premises.library_is_complete or not ended or widest or deadline.stops():
         return search, explanations
-    farther = replace(nominal.predictor.tolerance, farthest=FARTHER)
-    null = replace(search.null, fit=replace(nominal, predictor=nominal.predictor.with_tolerance(farther)))
+    null = search.null.farther()
     first = on_null(null, chosen)
     begun = prepare_search(null, search.settings, search.progress, deadline, first)
     further = prepare_search(null, search.settings, search.progress, deadline, begun.completed(first))

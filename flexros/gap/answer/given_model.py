@@ -10,6 +10,7 @@ import numpy as np
 
 from flexros.effects.left_out.rotor_inertia import RotorInertia
 from flexros.effects.left_out.tool_load import ToolLoad
+from flexros.gap.candidates.tolerance import FARTHEST
 from flexros.gap.fit.least_squares import fit
 from flexros.gap.fit.null_fit import predicting_best, predictor_for
 from flexros.gap.fit.sum_of_squares import chi2_of
@@ -77,7 +78,7 @@ class GivenModel:
 
         Rotors are parameters of the compiled plant, whose steps are short enough for the joints without any.
         """
-        data, tolerance = self.findings.data, self.findings.explanations.null.predictor.tolerance
+        data, tolerance = self.findings.data, replace(self.nominal.predictor.tolerance, farthest=FARTHEST)
         key = hypothesis, f"{ToolLoad.name}@tool" in numbers
 
         def of(model: RobotWithEffects) -> Predictor:

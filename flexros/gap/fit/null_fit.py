@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.gap.candidates.tolerance import FARTHER, FARTHEST
 from flexros.gap.fit.least_squares import FIT, fit
 from flexros.gap.fit.linearisation import linearise
 from flexros.gap.prediction.compiled_plant import LANES, compiled_plant
@@ -49,6 +50,12 @@ class NullFit:
             plant: A plant that may hold its laws already.
         """
         return predictor_for(self.data, self.model, hypothesis, self.fit.predictor.tolerance, plant)
+
+    def farther(self) -> NullFit:
+        """Return the same, beside which tolerated numbers go farther in fits of effects."""
+        predictor = self.fit.predictor
+        farther = replace(predictor.tolerance, farthest=FARTHER)
+        return replace(self, fit=replace(self.fit, predictor=predictor.with_tolerance(farther)))
 
     def plant(
         self, candidates: Sequence[Candidate], *, rough: bool = False, steps: IntegrationSteps | None = None
@@ -124,7 +131,8 @@ def predicting_best(null: CandidateFit, data: FitData, stop: Callable[[], bool] 
     settings, data = data.settings.fit, data.without_torques
     enough = max(settings.enough, data.negligible)
     most = settings.final_iterations
-    return fit(null.predictor, data, null.theta, most, enough=enough, settings=settings, stop=stop)
+    predictor = null.predictor.with_tolerance(replace(null.predictor.tolerance, farthest=FARTHEST))
+    return fit(predictor, data, null.theta, most, enough=enough, settings=settings, stop=stop)
 
 
 def predictor_for(
