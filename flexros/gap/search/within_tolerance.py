@@ -10,8 +10,9 @@ import numpy as np
 from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.kinds.relative_error import AbstractRelativeError
+from flexros.gap.candidates.tolerance import FARTHEST
 from flexros.gap.fit.least_squares import fit as fit_candidate
-from flexros.gap.fit.tolerance_takeover import takeover
+from flexros.gap.fit.tolerance_takeover import Takeover, takeover
 from flexros.gap.search.exchange import exchanged
 from flexros.gap.search.fits.additions import Addition
 from flexros.gap.search.model_probability import compare
@@ -44,18 +45,20 @@ def with_far_numbers(search: Search, chosen: CandidateFit, fits: list[CandidateF
         chosen: The explanation.
         fits: All fits so far; new ones are appended.
     """
-    if search.premises.floor_is_noise or compared(search, [chosen]).level(chosen) > search.settings.ranking.floors:
+    if search.premises.floor_is_noise:
         return chosen
     refused: set[str] = set()
     begun = chosen
     while not search.deadline.stops_finishing():
-        found = _farthest(search, chosen, refused)
+        within = compared(search, [chosen]).level(chosen) <= search.settings.ranking.floors
+        least = FAR if within else FARTHEST
+        found = _farthest(search, chosen, refused, least)
         if found is None:
             break
         fits.append(search.completed(search.together(chosen, [found])))
         named, name = fits[-1], found.candidate.name
         freed = chosen.prior_penalty - named.prior_penalty
-        if named.chi2 < chosen.chi2 and freed > FAR**2 / 2 and _tolerances(search, named, found.candidate) > FAR:
+        if named.chi2 < chosen.chi2 and freed > least**2 / 2 and _tolerances(search, named, found.candidate) > least:
             chosen = named
         refused.add(name)
     return chosen if chosen is begun else _exchanged_beside(search, chosen, chosen.names - begun.names, fits)
@@ -124,27 +127,56 @@ def _is_tolerated(search: Search, number: str, added: float) -> bool:
     """Return whether a number of the model with this in addition is within a few of its tolerances."""
     nominal = search.null.model.robot.parameters[number].value
     tolerance = search.null.fit.predictor.tolerance.largest((number,))
-    return nominal > 0 and abs(np.log(max(1 + added / nominal, 1e-300))) <= WITHIN * tolerance
+    return nominal > 0 and _deviation(nominal, added) <= WITHIN * tolerance
 
 
-def _farthest(search: Search, chosen: CandidateFit, refused: set[str]) -> Addition | None:
-    """Return the relative error that takes over most of the deviations of an explanation; None where none is far."""
+def _deviation(nominal: float, added: float) -> float:
+    """Return the size of the logarithm of a number over its nominal value [1]."""
+    return abs(float(np.log(max(1 + added / nominal, 0.01))))
+
+
+def _farthest(search: Search, chosen: CandidateFit, refused: set[str], least: float) -> Addition | None:
+    """Return the error that takes over most of the deviations of an explanation; None where none is far.
+
+    Args:
+        search: The search.
+        chosen: The explanation.
+        refused: Names of the errors that were tried.
+        least: Deviation from which a number is far [1].
+    """
     best: Addition | None = None
     for one in search.candidates():
-        if not issubclass(one.effect, AbstractRelativeError) or one.name in chosen.names | refused:
+        if one.name in chosen.names | refused:
             continue
-        found = takeover(one, chosen)
-        if found is not None and found.gain > max(FAR**2, 0.0 if best is None else best.gain):
+        found = _of_viscous_friction(one, chosen) if one.effect is ViscousFriction else None
+        if issubclass(one.effect, AbstractRelativeError):
+            found = takeover(one, chosen)
+        if found is not None and found.gain > max(least**2, 0.0 if best is None else best.gain):
             best = Addition(one, found.gain, found.start, found.replaced, np.zeros(len(search.rows), dtype=np.float32))
     return best
 
 
+def _of_viscous_friction(candidate: Candidate, fit: CandidateFit) -> Takeover | None:
+    """Replace the tolerated deviation of a nominal viscous friction by friction in addition; None without one."""
+    tolerance, (number,) = fit.predictor.tolerance, candidate.effect().numbers(fit.predictor.robot, candidate.location)
+    if number not in tolerance.names:
+        return None
+    replaced = np.array([name == number for name in tolerance.names], dtype=bool)
+    added = fit.predictor.robot.parameters[number].value * np.expm1(tolerance.logarithms(fit.deviations)[replaced][0])
+    start = [one.encode(added) if one.name == "coefficient" else candidate.neutral(one) for one in candidate.free]
+    gain = fit.prior_penalty - float(np.sum(tolerance.without(fit.deviations, replaced) ** 2))
+    return Takeover(gain, np.array(start), replaced)
+
+
 def _tolerances(search: Search, fit: CandidateFit, candidate: Candidate) -> float:
-    """Return the size of a relative error of an explanation over the tolerance of the numbers that it changes [1]."""
-    changed = candidate.effect().numbers(search.null.model.robot, candidate.location)
+    """Return the size of an error of an explanation over the tolerance of the numbers that it changes [1]."""
+    robot = search.null.model.robot
+    changed = candidate.effect().numbers(robot, candidate.location)
     values = next(v for one, v in zip(fit.hypothesis, fit.predictor.values(fit.theta), strict=True) if one is candidate)
     least = search.null.fit.predictor.tolerance.largest(changed)
-    return abs(float(np.log1p(max(values["relative"], -0.99)))) / max(least, 1e-300)
+    if "relative" in values:
+        return abs(float(np.log1p(max(values["relative"], -0.99)))) / max(least, 1e-300)
+    return _deviation(robot.parameters[changed[0]].value, values["coefficient"]) / max(least, 1e-300)
 
 
 def without_tolerated(search: Search, chosen: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
