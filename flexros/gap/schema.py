@@ -8,8 +8,11 @@ from pydantic import Field
 
 from flexros.config.settings import Settings
 
-NEXT_EXPERIMENT = "next experiment"
-"""Last step of a diagnosis, in which the next experiment is chosen."""
+ANSWERED, NEXT_EXPERIMENT = "answer", "next experiment"
+"""Last steps of a diagnosis: the answer is put together, and in it the next experiment chosen."""
+RIVALS, SIZES, BUDGET = "predictions of rivals", "sizes of rivals", "budget"
+GAINS, SHORT_EVENTS = "gains on held-out data", "short events"
+"""Parts of an answer that it can do without where there is no time for them."""
 Verdict = Literal["no_gap", "explained", "partly_explained", "ambiguous", "unknown_effect"]
 
 
@@ -203,6 +206,9 @@ class Partial(Settings):
     reason: Literal["time_limit", "interrupted"] = Field(description="what ended the search")
     after: float = Field(description="time from the begin of the diagnosis to the end of the search [s]")
     step: str = Field(description="step that was cut short first, e.g. 'single effects'; later ones are missing")
+    left_out: tuple[str, ...] = Field(
+        default=(), description="parts of the answer that there was no time for, e.g. 'budget'"
+    )
 
 
 class Diagnosis(Settings):
