@@ -13,10 +13,12 @@ from flexros.gap.answer.sensitivity import sensitivity_of
 from flexros.gap.answer.withdrawal import confirmed
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.fit.torques.noted_timing import shift_of_noted
+from flexros.gap.held_out.errors_ahead import errors_ahead
+from flexros.gap.held_out.gap_floor import over_expected_floor
 from flexros.gap.held_out.predictions import prediction_of, sensor_errors, tool_errors
 from flexros.gap.noise.autoregression import autoregressive_spectrum
 from flexros.gap.residuals.prepare_fit_data import with_tool_frame_of
-from flexros.gap.schema import ANSWERED
+from flexros.gap.schema import ANSWERED, GAP_ALONE
 from flexros.gap.search.forward_selection import explain, explanations_of
 from flexros.gap.search.looser import found_looser, looser_null
 from flexros.gap.search.model_probability import compare
@@ -67,6 +69,8 @@ class SearchedLog:
         excess: Where the gap shows; None where that was not computed.
         search: The search.
         explanations: What it found.
+        closely_tied: The nominal model and the held-out log as both were before the search tied the logs more loosely;
+            None where it did not.
     """
 
     record: Record
@@ -77,6 +81,7 @@ class SearchedLog:
     excess: Where | None
     search: Search
     explanations: Explanations
+    closely_tied: tuple[CandidateFit, FitData] | None = None
 
     def beyond_noise(self, fit: CandidateFit) -> float:
         """Return what a fit leaves beyond noise in the log where it leaves more, over the tolerance of torques [1]."""
@@ -127,6 +132,7 @@ class DiagnosisTask:
         shift = None if deadline.over else shift_of_noted(base or null.fit, null, settings)
         if shift is not None:
             return self.searched(in_time(record, shift), begun, most)
+        first = null
         null = null if logs.start is not None else self._looser(null, logs)
         prediction = prediction_of(null.fit, null.data)
 
@@ -145,7 +151,9 @@ class DiagnosisTask:
         if search.null is not null:
             null, prediction = search.null, prediction_of(search.null.fit, search.null.data)
         held_data = _held_alike(logs, null, explanations.chosen if search.resumed else None)
-        return SearchedLog(record, null, held_data, logs.unknown, prediction, excess, search, explanations)
+        looser = held_data.torque_noise < logs.held_data.torque_noise
+        tied = (first.fit, logs.held_data) if looser else None
+        return SearchedLog(record, null, held_data, logs.unknown, prediction, excess, search, explanations, tied)
 
     def _weighed(self, record: Record) -> WeighedLogs:
         """Prepare and weigh a log and the held-out one."""
@@ -193,7 +201,13 @@ class DiagnosisTask:
             torques_better=self.torques_better,
             stop=deadline.of_fit(finishing=True),
         )
-        return result_of(findings, found.prediction, found.excess, settings, stages, deadline)
+        result = result_of(findings, found.prediction, found.excess, settings, stages, deadline)
+        tied = found.closely_tied
+        if tied is None or deadline.leaves_out(GAP_ALONE):
+            return result
+        before = over_expected_floor(errors_ahead(*tied), model, tied[1]).mean
+        gap = result.diagnosis.gap.model_copy(update={"before_alone": before})
+        return replace(result, diagnosis=result.diagnosis.model_copy(update={"gap": gap}))
 
 
 def _beyond_noise(search: Search, fit: CandidateFit, held: FitData) -> float:

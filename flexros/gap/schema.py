@@ -11,7 +11,7 @@ from flexros.config.settings import Settings
 ANSWERED, NEXT_EXPERIMENT = "answer", "next experiment"
 """Last steps of a diagnosis: the answer is put together, and in it the next experiment chosen."""
 RIVALS, SIZES, BUDGET = "predictions of rivals", "sizes of rivals", "budget"
-GAINS, SHORT_EVENTS = "gains on held-out data", "short events"
+GAINS, SHORT_EVENTS, GAP_ALONE = "gains on held-out data", "short events", "gap before alone"
 """Parts of an answer that it can do without where there is no time for them."""
 Verdict = Literal["no_gap", "explained", "partly_explained", "ambiguous", "unknown_effect"]
 
@@ -91,6 +91,12 @@ class GapNumbers(Settings):
     metric: str = Field(description="quantity of these numbers")
     unit: str = Field(description="their unit")
     before: float = Field(description="with the nominal model as it was given")
+    before_alone: float | None = Field(
+        default=None,
+        description="the same with the prediction tied to the encoders as closely as the nominal model needs it, as "
+        "`flexros gap` states it; `before` and `after` are tied as loosely as the explanation allows, where "
+        "predictions stray farther; none where that is the same",
+    )
     after: float | None = Field(default=None, description="with the repaired model")
     noise_floor: float = Field(description="without any gap")
     tolerance_floor: float | None = Field(
