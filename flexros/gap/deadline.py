@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from flexros.gap.schema import Partial
 
@@ -37,6 +37,7 @@ class Deadline:
         self._begin, self._abandoned = clock(), False
         self._ended: tuple[float, bool] | None = None  # time used [s] and whether it ran out: threads set both at once
         self._cut: str | None = None
+        self._left_out: list[str] = []
 
     @property
     def over(self) -> bool:
@@ -70,6 +71,16 @@ class Deadline:
         """Return whether a step that finishes the best explanation must be left out, which is noted."""
         return self._noted(self.spent)
 
+    def leaves_out(self, part: str) -> bool:
+        """Return whether a part of the answer must be left out, which is noted, as nothing may begin any more.
+
+        Args:
+            part: The part, in the words of the answer.
+        """
+        if self.stops_finishing() and part not in self._left_out:
+            self._left_out.append(part)
+        return part in self._left_out
+
     def of_fit(self, *, finishing: bool = False) -> Callable[[], bool]:
         """Return what a fit that begins now asks after each iteration: whether it must end.
 
@@ -89,7 +100,8 @@ class Deadline:
         if self._cut is None or self._ended is None:
             return None
         used, by_time = self._ended
-        return Partial(reason="time_limit" if by_time else "interrupted", after=used, step=self._cut)
+        reason: Literal["time_limit", "interrupted"] = "time_limit" if by_time else "interrupted"
+        return Partial(reason=reason, after=used, step=self._cut, left_out=tuple(self._left_out))
 
     def _noted(self, left_out: bool) -> bool:
         if left_out and self._cut is None:

@@ -13,9 +13,12 @@ from flexros.gap.answer.sensitivity import sensitivity_of
 from flexros.gap.answer.withdrawal import confirmed
 from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.fit.torques.noted_timing import shift_of_noted
+from flexros.gap.held_out.errors_ahead import errors_ahead
+from flexros.gap.held_out.gap_floor import over_expected_floor
 from flexros.gap.held_out.predictions import prediction_of, sensor_errors, tool_errors
 from flexros.gap.noise.autoregression import autoregressive_spectrum
 from flexros.gap.residuals.prepare_fit_data import with_tool_frame_of
+from flexros.gap.schema import ANSWERED, GAP_ALONE
 from flexros.gap.search.forward_selection import explain, explanations_of
 from flexros.gap.search.looser import found_looser, looser_null
 from flexros.gap.search.model_probability import compare
@@ -49,6 +52,8 @@ if TYPE_CHECKING:
     from flexros.gap.where.find import Where
     from flexros.record.record import Record
 
+NOMINAL_MODEL = "nominal model"
+"""Name of the stage and step in which the nominal model is fitted."""
 NOMINAL, SERVOS, WHERE, CAUSES, ANSWER = 0.06, 0.25, 0.11, 0.97, 0.99
 """Shares of a diagnosis that are done at the ends of its stages [1]: about the medians of their times in diagnoses of
 measured robots, see `BEGINS`; logs of servos have that stage in place of `WHERE`."""
@@ -67,6 +72,8 @@ class SearchedLog:
         excess: Where the gap shows; None where that was not computed.
         search: The search.
         explanations: What it found.
+        closely_tied: The nominal model and the held-out log as both were before the search tied the logs more loosely;
+            None where it did not.
     """
 
     record: Record
@@ -77,6 +84,7 @@ class SearchedLog:
     excess: Where | None
     search: Search
     explanations: Explanations
+    closely_tied: tuple[CandidateFit, FitData] | None = None
 
     def beyond_noise(self, fit: CandidateFit) -> float:
         """Return what a fit leaves beyond noise in the log where it leaves more, over the tolerance of torques [1]."""
@@ -120,18 +128,21 @@ class DiagnosisTask:
         """
         settings, deadline, stages = self.settings, self.deadline, self.stages
         stages.again()
-        stages.begin("nominal model", NOMINAL)
+        stages.begin(NOMINAL_MODEL, NOMINAL)
+        deadline.begin(NOMINAL_MODEL)
         logs = self._weighed(record)
         null, base = _first_fits(logs, begun, settings, deadline, stages)
-        shift = shift_of_noted(base or null.fit, null, settings)
+        shift = None if deadline.over else shift_of_noted(base or null.fit, null, settings)
         if shift is not None:
             return self.searched(in_time(record, shift), begun, most)
+        first = null
         null = null if logs.start is not None else self._looser(null, logs)
         prediction = prediction_of(null.fit, null.data)
 
         stages.begin("where", WHERE if null.data.record.command is None else SERVOS)
         deadline.begin("where")
-        excess = None if settings.where is None or deadline.stops() else _where(null, prediction, settings)
+        left_out = settings.where is None or deadline.stops()
+        excess = None if left_out else _where(null, prediction, settings, deadline.stops)
 
         stages.begin("causes", CAUSES)
         search = prepare_search(null, settings, stages.inner, deadline, base)
@@ -145,7 +156,9 @@ class DiagnosisTask:
         if search.null is not null:
             null, prediction = search.null, prediction_of(search.null.fit, search.null.data)
         held_data = _held_alike(logs, null, explanations.chosen if search.resumed else None)
-        return SearchedLog(record, null, held_data, logs.unknown, prediction, excess, search, explanations)
+        looser = held_data.torque_noise < logs.held_data.torque_noise
+        tied = (first.fit, logs.held_data) if looser else None
+        return SearchedLog(record, null, held_data, logs.unknown, prediction, excess, search, explanations, tied)
 
     def _weighed(self, record: Record) -> WeighedLogs:
         """Prepare and weigh a log and the held-out one."""
@@ -155,7 +168,10 @@ class DiagnosisTask:
     def _looser(self, null: NullFit, logs: WeighedLogs) -> NullFit:
         """Tie the log as loosely as the nominal model with its tolerated numbers allows."""
         fitted, stop = logs.used.fitted, self.deadline.of_fit
-        while (looser := looser_null(null, fitted, logs.tolerance, self.settings, stop=stop())) is not None:
+        while not self.deadline.stops():
+            looser = looser_null(null, fitted, logs.tolerance, self.settings, stop=stop())
+            if looser is None:
+                break
             null = looser
         return null
 
@@ -167,7 +183,8 @@ class DiagnosisTask:
         """
         settings, deadline, stages = self.settings, self.deadline, self.stages
         kept = confirmed(found.search, found.explanations, found.held_data)
-        stages.begin("answer", ANSWER)
+        stages.begin(ANSWERED, ANSWER)
+        deadline.begin(ANSWERED)
         model, searched = found.null.model, kept.explanations.beside or found.null.data
         sensitivity = sensitivity_of(
             kept.explanations, searched, model, found.unknown, settings.sensitivity, deadline.stops
@@ -189,7 +206,13 @@ class DiagnosisTask:
             torques_better=self.torques_better,
             stop=deadline.of_fit(finishing=True),
         )
-        return result_of(findings, found.prediction, found.excess, settings, stages, deadline)
+        result = result_of(findings, found.prediction, found.excess, settings, stages, deadline)
+        tied = found.closely_tied
+        if tied is None or deadline.leaves_out(GAP_ALONE):
+            return result
+        before = over_expected_floor(errors_ahead(*tied), model, tied[1]).mean
+        gap = result.diagnosis.gap.model_copy(update={"before_alone": before})
+        return replace(result, diagnosis=result.diagnosis.model_copy(update={"gap": gap}))
 
 
 def _beyond_noise(search: Search, fit: CandidateFit, held: FitData) -> float:
@@ -232,7 +255,8 @@ def _first_fits(
     data, model, tolerance, start = logs.data, logs.model, logs.tolerance, logs.start
     few = settings.fit.model_copy(update={"null_iterations": 1})  # what the torques show is fitted from the torques
     first_settings = settings.fit if start is None else few
-    null = _nominal(data, model, tolerance, first_settings, stop=deadline.of_fit())
+    stop = stages.of_fit(first_settings.null_iterations, deadline.of_fit())
+    null = _nominal(data, model, tolerance, first_settings, stop=stop)
     first = None if start is None else first_values(start, null, settings)
     if begun is not None:
         first, start = on_null(null, begun), None
@@ -244,7 +268,7 @@ def _first_fits(
     base = None if first is None else base_fit(null, first, settings, deadline.of_fit())
     if base is not None and start is not None and start.loaded is not None:
         base = with_load(null, base, start.loaded, settings, deadline.of_fit())
-    if data.record.premises.floor_is_noise or not tolerance.names:
+    if data.record.premises.floor_is_noise or not tolerance.names or deadline.stops():
         return null, base
     if base is not None:
         misfit = max(base.chi2 / data.n_values, 1.0)
@@ -270,7 +294,7 @@ def _nominal(
     return null.farther() if record.command is None and not record.premises.library_is_complete else null
 
 
-def _where(null: NullFit, prediction: PredictedLog, settings: DiagnosisSettings) -> Where:
+def _where(null: NullFit, prediction: PredictedLog, settings: DiagnosisSettings, stop: Callable[[], bool]) -> Where:
     """Compute where the gap shows: in the motors, in the tool where that was tracked, in further sensors."""
     data, whitening = null.data, null.data.measurement.whitening
     tool, error = tool_errors(null.fit, data) or (None, None)
@@ -283,4 +307,5 @@ def _where(null: NullFit, prediction: PredictedLog, settings: DiagnosisSettings)
         tool_error=error,
         sensors=sensor_errors(null.fit, data),
         spectrum=autoregressive_spectrum(-whitening[:, 1:].T) if whitening.shape[1] > 1 else None,
+        stop=stop,
     )

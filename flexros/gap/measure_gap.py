@@ -198,12 +198,12 @@ def _fits(
     unknown = unknown_numbers(record, model, stated, settings.torque_start, as_stated=True)
     record = replace(record, warnings=(*record.warnings, *unknown.warnings))
     data = _data(record, unknown.given_to(model), repaired, settings)
-    nominal = _fitted(model, unknown, data, tolerance, settings, deadline)
+    nominal = _fitted(model, unknown, data, tolerance, settings, stages, deadline)
     lacked = unknown.names(nominal.model.robot)
     if repaired is None:
         return _Fits(data, nominal, None, lacked)
     stages.begin("repaired model", 1.0)
-    patched = _fitted(driven_model(repaired, record), unknown, data, tolerance, settings, deadline)
+    patched = _fitted(driven_model(repaired, record), unknown, data, tolerance, settings, stages, deadline)
     return _Fits(data, nominal, patched, lacked)
 
 
@@ -255,13 +255,15 @@ def _fitted(
     data: FitData,
     tolerance: Mapping[str, float],
     settings: DiagnosisSettings,
+    stages: Stages,
     deadline: Deadline,
 ) -> NullFit:
     """Fit the tolerated deviations of a model to the log, with the numbers that it lacks."""
     lacked = unknown.lacked_by(given)
     model = lacked.given_to(given)
     tolerated = lacked.tolerated(tolerance_of(model.robot, tolerance, data.record.prescribed), model.robot)
-    return fit_null(data, model, tolerated, settings.fit, stop=deadline.stops)
+    stop = stages.of_fit(settings.fit.null_iterations, deadline.stops)
+    return fit_null(data, model, tolerated, settings.fit, stop=stop)
 
 
 def _errors(null: NullFit, data: FitData) -> AheadErrors:

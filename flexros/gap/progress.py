@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from itertools import count
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -70,6 +71,21 @@ class Stages:
         self._told = max(self._told, done)
         if self._progress is not None:
             self._progress(name, self._told)
+
+    def of_fit(self, most: int, stop: Callable[[], bool]) -> Callable[[], bool]:
+        """Return what a fit asks after each iteration, whether it must end; the share of its iterations is reported.
+
+        Args:
+            most: Most iterations.
+            stop: Whether it must end.
+        """
+        done = count(1)
+
+        def asked() -> bool:
+            self.inner(self._name, min(next(done) / most, 1.0))
+            return stop()
+
+        return asked
 
     def end(self) -> None:
         """End the current stage."""

@@ -8,13 +8,16 @@ from pydantic import Field
 
 from flexros.config.settings import Settings
 
-NEXT_EXPERIMENT = "next experiment"
-"""Last step of a diagnosis, in which the next experiment is chosen."""
 ORDER = (
     "what closes most of the held-out gap first, equal ones by probability; those behind whose sizes are less than two "
     "standard deviations"
 )
 """Order of the causes."""
+ANSWERED, NEXT_EXPERIMENT = "answer", "next experiment"
+"""Last steps of a diagnosis: the answer is put together, and in it the next experiment chosen."""
+RIVALS, SIZES, BUDGET = "predictions of rivals", "sizes of rivals", "budget"
+GAINS, SHORT_EVENTS, GAP_ALONE = "gains on held-out data", "short events", "gap before alone"
+"""Parts of an answer that it can do without where there is no time for them."""
 Verdict = Literal["no_gap", "explained", "partly_explained", "ambiguous", "unknown_effect"]
 
 
@@ -93,6 +96,12 @@ class GapNumbers(Settings):
     metric: str = Field(description="quantity of these numbers")
     unit: str = Field(description="their unit")
     before: float = Field(description="with the nominal model as it was given")
+    before_alone: float | None = Field(
+        default=None,
+        description="the same with the prediction tied to the encoders as closely as the nominal model needs it, as "
+        "`flexros gap` states it; `before` and `after` are tied as loosely as the explanation allows, where "
+        "predictions stray farther; none where that is the same",
+    )
     after: float | None = Field(default=None, description="with the repaired model")
     noise_floor: float = Field(description="without any gap")
     tolerance_floor: float | None = Field(
@@ -208,6 +217,9 @@ class Partial(Settings):
     reason: Literal["time_limit", "interrupted"] = Field(description="what ended the search")
     after: float = Field(description="time from the begin of the diagnosis to the end of the search [s]")
     step: str = Field(description="step that was cut short first, e.g. 'single effects'; later ones are missing")
+    left_out: tuple[str, ...] = Field(
+        default=(), description="parts of the answer that there was no time for, e.g. 'budget'"
+    )
 
 
 class Diagnosis(Settings):

@@ -50,7 +50,8 @@ def with_smaller_tolerance(
         return _with_better_torques(task, found)
     stated, counts = settings.noise.signal_tolerance, task.settings.noise.signal_tolerance
     while stated < counts and not found.record.premises.floor_is_noise:
-        counts = max(stated, counts / STEP) if stated else 0.0
+        by_steps = stated > 0 and not task.deadline.stops()
+        counts = max(stated, counts / STEP) if by_steps else stated
         task = replace(task, settings=with_torque_tolerance(settings, {TORQUE: counts}))
         begun = found.explanations.detected and found.explanations.beside is None
         found = task.searched(found.record, found.explanations.chosen if begun else None)

@@ -20,7 +20,7 @@ NOTHING = 1e-6
 """Information that is added to each part, over the mean of all, so that a motor at rest tells nothing [1]."""
 
 
-def most_informative(record: Record, most: int) -> Record:
+def most_informative(record: Record, most: int, reason: str = "") -> Record:
     """Cut out the part of a log that determines inertia, friction and offset of its motors best.
 
     With the regressors W = [a, v, sign v, 1] of a motor, each over its rms in the whole log, the part has the largest
@@ -29,6 +29,7 @@ def most_informative(record: Record, most: int) -> Record:
     Args:
         record: The log.
         most: Most samples of all motors together.
+        reason: Why no more are used, for the warning.
 
     Returns:
         The part, with a warning that says which it is; the log itself where it is no longer.
@@ -47,7 +48,7 @@ def most_informative(record: Record, most: int) -> Record:
     T = record.sample_time
     warning = (
         f"the log lasts {n * T:.4g} s: the {length * T:.4g} s from {best * step * T:.4g} s on are used, the "
-        "most informative ones about inertia and friction"
+        f"most informative ones about inertia and friction{f' {reason}' if reason else ''}"
     )
     return replace(part, warnings=(*part.warnings, warning))
 

@@ -114,3 +114,15 @@ def test_what_was_abandoned_ends_at_once(clock: Clock) -> None:
     finishing = deadline.of_fit(finishing=True)
     deadline.abandon()
     assert finishing()
+
+
+def test_what_an_answer_leaves_out_is_noted_once_the_time_to_finish_it_is_over(clock: Clock) -> None:
+    deadline = Deadline(40.0, clock=clock)
+    deadline.begin("answer")
+    clock.time += 41.0
+    assert not deadline.leaves_out("first part")
+    clock.time += 40.0 * FINISHING
+    assert deadline.leaves_out("second part")
+    assert deadline.leaves_out("second part")
+    assert deadline.partial is not None
+    assert (deadline.partial.step, deadline.partial.left_out) == ("answer", ("second part",))

@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from flexros.compile.loop.prediction import LoopPrediction, PredictionLoop
 from flexros.effects import place_effects
 from flexros.errors import InputError
+from flexros.gap import diagnose as diagnose_module
+from flexros.gap.deadline import FINISHING, LEAST_FINISHING, Deadline
 from flexros.gap.diagnose import diagnose
 from flexros.gap.held_out.split import split
+from flexros.gap.report.files import write_diagnosis
 from flexros.gap.result import DiagnosisResult
 from flexros.gap.settings import DiagnosisSettings, SearchSettings, WhereSettings
 from flexros.record.read import read_record
@@ -25,6 +32,8 @@ from tests.gap.diagnosis_logs import ROBOT, SECONDS, record_of, settings_of
 pytestmark = pytest.mark.slow
 
 ALL, FEW = settings_of(), settings_of("coulomb_friction", "stiffness_error", "motor_inertia_error")
+ANSWER_S = 14.0
+"""Predictions of a log without which there is no answer."""
 FRICTION, SOFT = "coulomb_friction@motor_1:level=0.05", "stiffness_error@body_2.rz:relative=-0.05"
 
 
@@ -266,6 +275,28 @@ def test_a_diagnosis_without_time_still_tells_the_gap() -> None:
     assert diagnosis.partial.after > 0
     assert (diagnosis.verdict, diagnosis.causes, diagnosis.where) == ("unknown_effect", (), ())
     assert diagnosis.gap.before > 10
+
+
+@pytest.mark.parametrize("limit", [25.0, 60.0, 90.0])
+def test_after_a_time_limit_a_diagnosis_predicts_no_more_than_its_answer_needs(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, limit: float
+) -> None:
+    """Each prediction of a log takes a second of this clock; there had been up to 21 after the time to finish."""
+    record, holdout = (record_of(FRICTION, SOFT, seed=seed, tool=True) for seed in (1, 2))
+    seconds, run = [0.0], PredictionLoop.run
+
+    def timed(loop: PredictionLoop, *given: Any, **options: Any) -> LoopPrediction:
+        seconds[0] += len(given[4]) / record.n_samples
+        return run(loop, *given, **options)
+
+    monkeypatch.setattr(PredictionLoop, "run", timed)
+    monkeypatch.setattr(diagnose_module, "Deadline", partial(Deadline, clock=lambda: seconds[0]))
+    result = diagnose(
+        record, ROBOT, holdout=holdout, settings=FEW.model_copy(update={"time_limit": limit, "threads": 1})
+    )
+    assert result.diagnosis.partial is not None
+    assert seconds[0] < limit + max(FINISHING * limit, LEAST_FINISHING) + ANSWER_S
+    assert "report.html" in write_diagnosis(result, "elbow", tmp_path / "diagnosis")
 
 
 def test_names_are_checked_before_the_work() -> None:

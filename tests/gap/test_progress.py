@@ -80,3 +80,13 @@ def test_a_log_that_is_weighed_again_adds_to_the_times_of_its_stages(monkeypatch
     assert shares == sorted(shares)
     assert [name for name, _, _ in calls].count("nominal model") == 2
     assert result.timings["nominal model"] > asked[1] - calls[0][2]
+
+
+def test_a_fit_tells_the_share_of_its_iterations_and_hears_when_it_must_end() -> None:
+    calls: list[tuple[str, float]] = []
+    stages = Stages(lambda name, share: calls.append((name, share)))
+    stages.begin("nominal model", 0.5)
+    ends = iter([False, False, True])
+    stop = stages.of_fit(4, lambda: next(ends))
+    assert [stop(), stop(), stop()] == [False, False, True]
+    assert calls == [("nominal model", share) for share in (0.0, 0.125, 0.25, 0.375)]

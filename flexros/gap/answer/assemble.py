@@ -22,6 +22,7 @@ from flexros.gap.answer.decision import (
 from flexros.gap.answer.limits import identifiability_limits
 from flexros.gap.answer.order import in_order
 from flexros.gap.answer.rivals.scale_doubt import covariance_of_answer, parameters_of_answer
+from flexros.gap.answer.short_events import short_events
 from flexros.gap.answer.unexplained_torques import hidden_from_torques
 from flexros.gap.answer.warnings import answer_warnings, record_warnings, sensor_warnings
 from flexros.gap.candidates.candidate import name_of
@@ -35,7 +36,17 @@ from flexros.gap.held_out.predictions import prediction_of, signature_evidence
 from flexros.gap.next_experiment.choose import file_or_name, next_experiment
 from flexros.gap.prediction.driven_model import driven_model
 from flexros.gap.result import DiagnosisResult, Explanation, RankedCandidate
-from flexros.gap.schema import NEXT_EXPERIMENT, Cause, CauseParameter, Diagnosis
+from flexros.gap.schema import (
+    BUDGET,
+    GAINS,
+    NEXT_EXPERIMENT,
+    RIVALS,
+    SHORT_EVENTS,
+    SIZES,
+    Cause,
+    CauseParameter,
+    Diagnosis,
+)
 from flexros.provenance import versions
 from flexros.record.joint_signs import sign_words
 from flexros.record.stamp_jitter import slight_last
@@ -109,10 +120,13 @@ def result_of(
         excess: Where the gap shows; None where that was not computed.
         settings: Settings of the diagnosis.
         stages: Progress of the diagnosis; its timings go into the result.
-        deadline: What the search was cut short by; without time no next experiment is chosen.
+        deadline: What the search was cut short by. Without time no next experiment is chosen, and once that to finish
+            in is over, what else the answer can do without is left out.
     """
     explanations, model = findings.explanations, findings.model
-    chosen, rival, errors = explanations.chosen, best_rival(explanations), _held_out_errors(findings)
+    with_rivals = not deadline.leaves_out(RIVALS)
+    chosen, rival = explanations.chosen, best_rival(explanations) if with_rivals else None
+    errors = _held_out_errors(findings, rival, with_alone=with_rivals)
     verdict = verdict_of(
         findings,
         (errors.after or errors.before).mean,
@@ -122,7 +136,10 @@ def result_of(
         closed=_surely_closed(findings, errors),
     )
     whole = verdict != "no_gap"
-    budget = budget_of(findings, errors.before, errors.after or errors.before) if whole else without_gap(findings)
+    if whole and deadline.leaves_out(BUDGET):
+        budget = Budget()
+    else:
+        budget = budget_of(findings, errors.before, errors.after or errors.before) if whole else without_gap(findings)
     patch = () if errors.worse else repair_of(findings)
     names, covariance = covariance_of_answer(findings)
     tolerated = chosen.predictor.tolerance
@@ -139,7 +156,7 @@ def result_of(
         record=record,
         holdout=holdout,
         before=before,
-        ranking=_ranking(findings, verdict, budget),
+        ranking=_ranking(findings, verdict, budget, 0 if deadline.leaves_out(GAINS) else findings.settings.confirmed),
         null_probability=float(probabilities[explanations.null]),
         after=after,
         rival=None if rival is None else _explanation(rival, findings),
@@ -166,13 +183,13 @@ def _explanation(fit: CandidateFit, findings: Findings, fitted: PredictedLog | N
     )
 
 
-def _held_out_errors(findings: Findings) -> HeldOutErrors:
+def _held_out_errors(findings: Findings, rival: CandidateFit | None, *, with_alone: bool) -> HeldOutErrors:
     """Predict the held-out log with each model that the answer compares, once."""
     explanations, held, given = findings.explanations, findings.held, findings.as_given
-    null, rival = given.nominal, best_rival(explanations)
+    null = given.nominal
     rival = null if rival is explanations.null else rival
     repaired = explanations.detected or bool(findings.quantizations)
-    compared = _compared(findings) if explanations.detected else ()
+    compared = _compared(findings) if explanations.detected and with_alone else ()
     singles = {next(iter(fit.names)): fit for fit in reversed(explanations.rivals) if len(fit.hypothesis) == 1}
     before = given.fitted(given.kept) if explanations.detected else null
     alone = {name: singles[name] for fit in compared for name in fit.names if name in singles and before is null}
@@ -210,6 +227,7 @@ def _diagnosis(
     warnings = (
         *moving_on_words(errors.moving_on),
         *answer_warnings(findings, gap, worse=errors.worse),
+        *(() if deadline.leaves_out(SHORT_EVENTS) else short_events(findings, gap)),
         *(() if verdict in EXPLAINED else sign_words(findings.data.record, findings.held.record)),
         *of_records,
         *sensor_warnings(findings),
@@ -218,7 +236,7 @@ def _diagnosis(
     return Diagnosis(
         schema=2,
         verdict=verdict,
-        causes=_causes(findings, verdict, errors, budget),
+        causes=_causes(findings, verdict, errors, budget, exact=not deadline.leaves_out(SIZES)),
         ambiguity_groups=groups_of(findings.explanations, findings.settings, findings.elsewhere),
         where=() if excess is None else excess.locations,
         gap=gap,
@@ -248,7 +266,9 @@ def _compared(findings: Findings) -> tuple[CandidateFit, ...]:
     return (explanations.chosen, *rivals_of(explanations, findings.settings, findings.elsewhere))
 
 
-def _causes(findings: Findings, verdict: Verdict, errors: HeldOutErrors, budget: Budget) -> tuple[Cause, ...]:
+def _causes(
+    findings: Findings, verdict: Verdict, errors: HeldOutErrors, budget: Budget, *, exact: bool
+) -> tuple[Cause, ...]:
     """List the effects of the chosen explanation and of its rivals.
 
     An effect closes what it closes alone: fitted alone, or else added first as the budget has it.
@@ -259,7 +279,7 @@ def _causes(findings: Findings, verdict: Verdict, errors: HeldOutErrors, budget:
     if not explanations.detected:
         return tuple(causes.values())
     for fit in _compared(findings):
-        for candidate, parameters in zip(fit.hypothesis, _sizes(fit, findings, exact=True)):
+        for candidate, parameters in zip(fit.hypothesis, _sizes(fit, findings, exact=exact)):
             name = candidate.name
             if name not in causes:
                 causes[name] = Cause(
@@ -306,12 +326,12 @@ def _rounding(name: str, findings: Findings, errors: HeldOutErrors) -> Cause:
     )
 
 
-def _ranking(findings: Findings, verdict: Verdict, budget: Budget) -> tuple[RankedCandidate, ...]:
-    """List every effect in its explanation, the first few with their gain in the held-out log."""
+def _ranking(findings: Findings, verdict: Verdict, budget: Budget, confirmed: int) -> tuple[RankedCandidate, ...]:
+    """List every effect in its explanation, as many as are to be confirmed with their gain in the held-out log."""
     fits = _candidates(findings, verdict)
     ranked = sorted(fits, key=lambda one: rank_key(f"{one.effect}@{one.location}", findings, verdict))
     return tuple(
-        replace(one, holdout_gain=held_out_gain(fits[one], findings)) if index < findings.settings.confirmed else one
+        replace(one, holdout_gain=held_out_gain(fits[one], findings)) if index < confirmed else one
         for index, one in enumerate(in_order(ranked, budget.shares, budget.waterfalls))
     )
 

@@ -9,7 +9,6 @@ import numpy as np
 from flexros.effects.kinds.command_law import AbstractCommandLaw
 from flexros.effects.torque_drift import TorqueDrift
 from flexros.gap.answer.hanging_sizes import hanging_sizes
-from flexros.gap.answer.short_events import short_events
 from flexros.gap.answer.strained_numbers import moved_words, strained_numbers
 from flexros.gap.answer.unexplained_torques import torque_warnings
 from flexros.gap.fit.estimates import placed_effects
@@ -88,7 +87,6 @@ def answer_warnings(findings: Findings, gap: GapNumbers, *, worse: bool) -> list
             "ahead than by their last position: the gap before the repair is that of the model with them"
         )
     return [
-        *short_events(findings, gap),
         *torque_warnings(findings),
         *_strained(findings),
         *warnings,

@@ -10,13 +10,12 @@ import numpy as np
 from flexros.errors import RunError
 from flexros.gap.result import SignalGap
 from flexros.logs.stamps import START_NS
-from flexros.logs.time_series import BASE_FRAME
+from flexros.logs.time_series import BASE_FRAME, JointSeries, Log
 from flexros.scenario.recorded_experiment import recorded_experiment
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray, IntArray
     from flexros.effects import RobotWithEffects
-    from flexros.logs.time_series import Log
     from flexros.scenario.experiment import Experiment
 
 _MILLI = 1e-3
@@ -38,9 +37,11 @@ class _SimulatedRun:
 
 
 def measured_alone(log: Log) -> Log:
-    """Return what `closed_loop_gap` needs of a log: measurements and provenance, no commands and references."""
-    tool = None if why_not_simulated(log) else log.tool_pose
-    return replace(log, joint_commands=None, joint_reference=None, tool_pose=tool, tool_reference=None, other_series={})
+    """Return what `closed_loop_gap` needs of a log: positions and provenance; of one that is too long the stamps."""
+    too_long = bool(why_not_simulated(log))
+    states = log.joint_states
+    states = JointSeries(states.stamp, states.names, None if too_long else states.position)
+    return Log(states, tool_pose=None if too_long else log.tool_pose, provenance=log.provenance)
 
 
 def why_not_simulated(log: Log) -> tuple[str, ...]:

@@ -143,7 +143,8 @@ def _share(share: float | None, interval: tuple[float, float] | None) -> str:
 def gap_line(gap: GapNumbers) -> str:
     """Return the gap in one line."""
     unit = "" if gap.unit in ("", "1") else f" {gap.unit}"
-    parts = [f"{gap_words(gap.before, 4)}{unit} before", floors_words(gap)]
+    closely = "" if gap.before_alone is None else f" ({gap_words(gap.before_alone, 4)} as flexros gap states it)"
+    parts = [f"{gap_words(gap.before, 4)}{unit} before{closely}", floors_words(gap)]
     if gap.after is not None:
         parts.insert(1, f"{gap_words(gap.after, 4)} after")
     if gap.best_rival is not None:

@@ -28,7 +28,7 @@ from flexros.gap.report.words import (
     named,
     where_words,
 )
-from flexros.gap.schema import NEXT_EXPERIMENT, same_effect
+from flexros.gap.schema import ANSWERED, NEXT_EXPERIMENT, same_effect
 from flexros.report.number_text import number
 
 if TYPE_CHECKING:
@@ -76,9 +76,11 @@ def partial_sentence(diagnosis: Diagnosis) -> str:
     what = "its time limit ended the diagnosis" if partial.reason == "time_limit" else "the diagnosis was interrupted"
     step = f"in step '{partial.step}'" if partial.step else "before its first step"
     text = f"Partial result: {what} after {number(partial.after, 3)} s, {step}"
-    if partial.step == NEXT_EXPERIMENT:
-        return f"{text}; the search for causes was complete."
-    return f"{text}. Effects may be missing or replace others, and the probabilities compare only what was tried."
+    left_out = f" There was no time for: {', '.join(partial.left_out)}." if partial.left_out else ""
+    if partial.step in (ANSWERED, NEXT_EXPERIMENT):
+        return f"{text}; the search for causes was complete.{left_out}"
+    text += ". Effects may be missing or replace others, and the probabilities compare only what was tried."
+    return f"{text}{left_out}"
 
 
 def reported_causes(diagnosis: Diagnosis) -> tuple[Cause, ...]:

@@ -35,7 +35,11 @@ def part_of_fits(record: Record, robot: Robot, settings: DiagnosisSettings) -> R
         robot: The nominal robot.
         settings: Settings of the diagnosis.
     """
-    return most_informative(record, settings.rigid_arm.most_values if _rigid(record, robot) else settings.most_values)
+    most = settings.rigid_arm.most_values if _rigid(record, robot) else settings.most_values
+    if settings.time_limit is None:
+        return most_informative(record, most)
+    in_time = max(round(settings.values_per_second * settings.time_limit), settings.least_values)
+    return most_informative(record, min(most, in_time), "that there is time for" if in_time < most else "")
 
 
 def _rigid(record: Record, robot: Robot) -> bool:

@@ -33,6 +33,15 @@ class DiagnosisSettings(Settings):
         description="most samples of all motors together that are fitted or held out; of a longer log the most "
         "informative part, so that memory stays below 1.5 GB",
     )
+    values_per_second: float = Field(
+        default=5000,
+        gt=0,
+        description="the same for each second of a time limit, from `least_values` on, so that a search comes to its "
+        "end within the limit and the answer soon after it (chosen: a search takes 1 s for 3000 to 7000 of them)",
+    )
+    least_values: int = Field(
+        default=50_000, ge=1000, description="samples of all motors together that no time limit leaves out"
+    )
     rigid_arm: RigidArmSettings = Field(
         default=RigidArmSettings(), description="how much is taken of the log of an arm without springs"
     )

@@ -17,7 +17,7 @@ from flexros.gap.where.views.position_bands import PositionBands
 from flexros.random_streams import generator
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from flexros.arrays import FloatArray
     from flexros.gap.prediction.predicted_log import PredictedLog
@@ -32,6 +32,8 @@ NULL_STREAM = 40
 """Stream of random numbers of the simulated logs without a gap."""
 LEAST_SAMPLES = 100
 """Samples below which no gap is located (chosen)."""
+FEWEST = 20
+"""Simulated logs that are enough for a p-value of 0.05, where there is no time for more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +64,7 @@ def where(
     sensors: Sequence[SensorErrors] = (),
     spectrum: FloatArray | None = None,
     settings: WhereSettings | None = None,
+    stop: Callable[[], bool] = lambda: False,
 ) -> Where:
     """Locate a gap without any hypothesis on its cause.
 
@@ -79,6 +82,7 @@ def where(
         spectrum: Spectrum of the prediction errors without a gap, see `flexros.gap.noise.autoregression`, shape
             (any, M); default: white, which holds for predictors with a small gain.
         settings: Settings of the search.
+        stop: Asked before each simulated log; True leaves the others out once there are `FEWEST`.
     """
     settings = WhereSettings() if settings is None else settings
     record = replace(record, valid=record.valid & np.isfinite(prediction.innovations).all(axis=1))
@@ -88,7 +92,7 @@ def where(
     spectrum = white_spectrum(robot.n_motors) if spectrum is None else spectrum
     errors = PredictionErrors(prediction, record, robot, spectrum, tool_error, settings, tuple(sensors))
     looks = [look for view in views() if issubclass(view, AbstractSimulatedView) for look in view.of_log(errors)]
-    excesses = _excesses(looks, seed, settings)
+    excesses = _excesses(looks, seed, settings.realisations, stop)
     simulated = [location for look, excess in zip(looks, excesses) for location in look.locations(excess)]
     tested = [location for view in views() if issubclass(view, AbstractTestedView) for location in view.of_log(errors)]
     excess = np.zeros(robot.n_motors)
@@ -101,23 +105,28 @@ def where(
     )
 
 
-def _excesses(looks: Sequence[AbstractSimulatedView], seed: int, settings: WhereSettings) -> list[ViewExcess]:
-    """Compare the measured errors with as many simulated logs without a gap as the settings ask for."""
+def _excesses(
+    looks: Sequence[AbstractSimulatedView], seed: int, most: int, stop: Callable[[], bool]
+) -> list[ViewExcess]:
+    """Compare the measured errors with simulated logs without a gap: as many as asked for, or as there is time for."""
     channels = list(dict.fromkeys(look.channel for look in looks))
     measured = _statistics(looks, {channel: channel.measured() for channel in channels})
     power = [np.zeros_like(statistics.power) for statistics in measured]
     total = np.zeros(len(looks))
     null = []
-    for log in range(settings.realisations):
+    for log in range(most):
+        if log >= FEWEST and stop():
+            break
         samples = {
             channel: channel.simulated(generator(seed, NULL_STREAM, log, place))
             for place, channel in enumerate(channels)
         }
         drawn = _statistics(looks, samples)
         for mean, statistics in zip(power, drawn):
-            mean += statistics.power / settings.realisations
-        total += np.array([statistics.total for statistics in drawn]) / settings.realisations
+            mean += statistics.power
+        total += np.array([statistics.total for statistics in drawn])
         null.append(np.concatenate([statistics.score for statistics in drawn]))
+    power, total = [mean / len(null) for mean in power], total / len(null)
     sized = [look.sized for look in looks]
     tested = np.concatenate(sized)
     p_value = np.ones(len(tested))

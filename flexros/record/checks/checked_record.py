@@ -27,7 +27,7 @@ from flexros.record.smoothing import noise_power, smooth_motion
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
-    from flexros.arrays import BoolArray, FloatArray
+    from flexros.arrays import BoolArray, FloatArray, IntArray
     from flexros.record.balance.joint_assignments import JointAssignment
     from flexros.record.balance.posture import Posture
     from flexros.record.balance.torque_balance import BalanceFit, TorqueBalance
@@ -59,6 +59,10 @@ TINY = 1e-6
 
 SLOW = 4.0
 """Frequency up to which the torque of the arm needs the whole motion [Hz] (chosen): weight and slow moves."""
+
+MOST_SLOW = 400_000
+"""Samples from which on every second, third ... one tells slow torques (chosen): 100 s at 4 kHz. A part of a torque is
+several times as large as its log."""
 
 FASTEST_LOOK = 50.0
 """Corner frequency of the low-pass for the motion [Hz] (chosen)."""
@@ -163,18 +167,28 @@ class CheckedRecord:
         bare = self.robot.with_values(dict.fromkeys(stated, 0.0))
         return rigid_inverse_dynamics(bare, self.position, self.record.sample_time, SLOW)
 
+    @property
+    def slow_step(self) -> int:
+        """Samples from one of `slow_samples` to the next, where all are valid."""
+        return max(1, self.record.n_samples // MOST_SLOW)
+
+    @property
+    def slow_samples(self) -> IntArray:
+        """Valid samples in which `slow_parts` are taken, shape (k,): of a long log every second, third ..."""
+        return np.flatnonzero(self.record.valid)[:: self.slow_step]
+
     @cached_property
     def slow_parts(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Torques below `SLOW`, those that the rigid arm needs, and parts that a drive adds, in valid samples.
+        """Torques below `SLOW`, those that the rigid arm needs, and parts that a drive adds, in `slow_samples`.
 
-        Parts are those of viscous and Coulomb friction, of a rotor, and an offset, of any size: shapes (n, M), (n, M)
-        and (n, M, 4).
+        Parts are those of viscous and Coulomb friction, of a rotor, and an offset, of any size: shapes (k, M), (k, M)
+        and (k, M, 4).
         """
-        record, valid = self.record, self.record.valid
-        _, speed, acceleration = smooth_motion(self.position, record.sample_time, SLOW)
-        torque = smooth_motion(bridged(record.torque, valid), record.sample_time, SLOW)[0]
+        record, samples = self.record, self.slow_samples
+        speed, acceleration = smooth_motion(self.position, record.sample_time, SLOW)[1:, samples]
+        torque = smooth_motion(bridged(record.torque, record.valid), record.sample_time, SLOW)[0, samples]
         parts = np.stack([speed, np.sign(speed), acceleration, np.ones_like(speed)], axis=-1)
-        return torque[valid], self.rigid_torque()[valid], parts[valid]
+        return torque, self.rigid_torque()[samples], parts
 
     @cached_property
     def delay(self) -> Delay:

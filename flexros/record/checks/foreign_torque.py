@@ -67,7 +67,7 @@ def _unexplained(checked: CheckedRecord) -> FloatArray:
     carries weight: its torque is a harmonic of the position.
     """
     torque, arm, of_drive = checked.slow_parts
-    position = smooth_motion(checked.position, checked.record.sample_time, SLOW)[0][checked.record.valid]
+    position = smooth_motion(checked.position, checked.record.sample_time, SLOW)[0, checked.slow_samples]
     parts = np.concatenate([np.stack([arm, np.cos(position), np.sin(position)], axis=-1), of_drive], axis=-1)
     return _left(torque, parts, torque, nothing=0.0)
 
@@ -78,12 +78,12 @@ def _weight_left(checked: CheckedRecord) -> FloatArray:
     Inertias and friction may be any: those of the bodies, each of another size, and of a rotor. One where there is no
     weight.
     """
-    robot, valid = checked.robot, checked.record.valid
+    robot, samples = checked.robot, checked.slow_samples
     torque, arm, of_drive = checked.slow_parts
-    without = checked.torque_without(WEIGHTLESS)[valid]
+    without = checked.torque_without(WEIGHTLESS)[samples]
     moving = [f"body_{k}.inertia." for k, body in enumerate(robot.spec.bodies, 1) if body.directions]
     inertias = [[name for name in robot.parameters if name.startswith(body)] for body in moving]
-    of_bodies = [without, *(arm - checked.torque_without(names)[valid] for names in inertias)]
+    of_bodies = [without, *(arm - checked.torque_without(names)[samples] for names in inertias)]
     parts = np.concatenate([np.stack(of_bodies, axis=-1), of_drive], axis=-1)
     return _left(torque - (arm - without), parts, arm - without, nothing=1.0)
 

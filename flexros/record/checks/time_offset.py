@@ -136,13 +136,13 @@ def _explains_more_sliding(checked: CheckedRecord, declared: float, delay: float
         delay: The delay in question [s].
     """
     T = checked.record.sample_time
-    stamps = np.flatnonzero(checked.record.valid) * T
+    stamps = checked.slow_samples * T
     torques, arms, drives = checked.slow_parts
     falls = []
     for motor in np.flatnonzero(checked.moves).tolist():
         speed = np.abs(drives[:, motor, 0])
         slow = speed < FAST * np.quantile(speed, LARGEST)
-        sliding = np.convolve(slow, np.ones(2 * round(AWAY / T) + 1), "same") < 0.5
+        sliding = np.convolve(slow, np.ones(2 * round(AWAY / (checked.slow_step * T)) + 1), "same") < 0.5
         if sliding.sum() < FEWEST:
             continue
         parts = np.column_stack([arms[sliding, motor], drives[sliding, motor]])

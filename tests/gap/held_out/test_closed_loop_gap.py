@@ -72,6 +72,9 @@ def test_a_log_that_is_too_long_is_not_simulated_and_says_so(log: Log, monkeypat
     assert why_not_simulated(log) == ()
     monkeypatch.setattr(module, "MOST_SAMPLES", 100)
     (warning,) = why_not_simulated(log)
+    kept = measured_alone(log)
+    assert closed_loop_gap(kept, NOMINAL) == ()
+    assert (kept.joint_states.position, kept.tool_pose) == (None, None)
     assert str(len(log.joint_states.stamp)) in warning
     assert closed_loop_gap(log, NOMINAL, REPAIRED) == ()
     assert why_not_simulated(replace(log, provenance={})) == ()

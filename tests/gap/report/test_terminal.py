@@ -59,6 +59,11 @@ def test_gap_is_one_line(diagnosed: Diagnosed) -> None:
     assert gap_line(diagnosed("no_gap").diagnosis.gap).endswith(": 1.030 before, floor 1")
 
 
+def test_a_gap_that_was_tied_more_loosely_is_stated_as_that_of_the_model_alone_too(diagnosed: Diagnosed) -> None:
+    gap = diagnosed("explained").diagnosis.gap.model_copy(update={"before": 3.49e6, "before_alone": 6.07e5})
+    assert "3490000 before (607000 as flexros gap states it)" in gap_line(gap)
+
+
 def test_other_figures_of_a_log_that_a_diagnosis_held_out_are_explained(diagnosed: Diagnosed) -> None:
     diagnosis = diagnosed("explained").diagnosis.model_copy(update={"provenance": {"log": "slow", "holdout": "fast"}})
     gap = diagnosis.gap.model_copy(update={"after": 0.9})

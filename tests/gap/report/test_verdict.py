@@ -10,7 +10,16 @@ from flexros.gap.report.terminal import gap_line, group_lines, tolerance_lines
 from flexros.gap.report.verdict import partial_sentence, reported_causes, tolerance_sentence, verdict_sentence
 from flexros.gap.report.words import cause_words
 from flexros.gap.result import DiagnosisResult
-from flexros.gap.schema import NEXT_EXPERIMENT, BudgetShare, Diagnosis, EffectLocation, ModelNumber, Partial
+from flexros.gap.schema import (
+    ANSWERED,
+    BUDGET,
+    NEXT_EXPERIMENT,
+    BudgetShare,
+    Diagnosis,
+    EffectLocation,
+    ModelNumber,
+    Partial,
+)
 
 Diagnosed = Callable[[str], DiagnosisResult]
 
@@ -183,6 +192,13 @@ def test_a_partial_result_says_what_ended_it_when_and_where(diagnosed: Diagnosed
     for part in (word, "61.3 s", "single effects", "may be missing"):
         assert part in text
     assert partial_sentence(diagnosed("explained").diagnosis) == ""
+
+
+def test_a_partial_result_names_what_was_left_out(diagnosed: Diagnosed) -> None:
+    partial = Partial(reason="time_limit", after=61.3, step=ANSWERED, left_out=(BUDGET,))
+    text = partial_sentence(diagnosed("explained").diagnosis.model_copy(update={"partial": partial}))
+    assert BUDGET in text
+    assert "may be missing" not in text
 
 
 def test_a_partial_result_that_ended_before_any_step_names_none(diagnosed: Diagnosed) -> None:

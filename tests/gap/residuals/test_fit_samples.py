@@ -47,3 +47,12 @@ def test_other_logs_keep_their_rate(other: str) -> None:
 def test_a_part_of_a_very_long_log_is_taken_the_shorter_for_a_rigid_arm() -> None:
     assert part_of_fits(imported(), arm(), SETTINGS).n_samples == SETTINGS.rigid_arm.most_values // 2
     assert part_of_fits(imported(), load_robot("elbow"), SETTINGS).n_samples == N
+
+
+@pytest.mark.parametrize(("limit", "values"), [(None, 2 * N), (1e3, 2 * N), (20.0, 100_000), (1e-3, 50_000)])
+def test_of_a_long_log_as_much_is_taken_as_there_is_time_for(limit: float | None, values: int) -> None:
+    settings = DiagnosisSettings(time_limit=limit)
+    part = part_of_fits(imported(), load_robot("elbow"), settings)
+    assert part.position.size == values
+    assert [text for text in part.warnings if "there is time for" in text] == list(part.warnings)
+    assert bool(part.warnings) == (values < 2 * N)

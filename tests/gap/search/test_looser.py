@@ -11,6 +11,7 @@ from flexros.effects import RobotWithEffects
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.diagnose import diagnose
 from flexros.gap.fit.null_fit import NullFit, fit_null
+from flexros.gap.measure_gap import measure_gap
 from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.search.fits.candidate_fits import Search
 from flexros.gap.search.forward_selection import Explanations, explain
@@ -105,3 +106,17 @@ def test_an_explanation_beside_a_line_stays(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setattr("flexros.gap.search.looser._looser_search", lambda *_: pytest.fail("it was searched again"))
     beside = replace(first, beside=search.data)
     assert found_looser(search, beside, record_of(LARGE, SMALL), Tolerance()) == (search, beside)
+
+
+@pytest.mark.slow
+def test_a_gap_is_stated_as_it_was_before_the_log_was_tied_more_loosely_too() -> None:
+    """One log had three figures: 3.5e6 floors of a diagnosis, and 6.1e5 of an interrupted one and of the gap alone."""
+    settings = settings_of("coulomb_friction", "viscous_friction", "torque_bias")
+    log, holdout = (record_of(LARGE, SMALL, seed=seed) for seed in (1, 2))
+    found = diagnose(log, ROBOT, holdout=holdout, settings=settings).diagnosis.gap
+    limited = settings.model_copy(update={"time_limit": 1e-3})
+    ended = diagnose(log, ROBOT, holdout=holdout, settings=limited).diagnosis.gap
+    assert found.before_alone is not None
+    assert found.before > 2 * found.before_alone
+    assert (ended.before, ended.before_alone) == (pytest.approx(found.before_alone), None)
+    assert measure_gap(holdout, MODEL, settings=settings).numbers.before == pytest.approx(found.before_alone, rel=0.02)

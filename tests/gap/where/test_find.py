@@ -10,7 +10,7 @@ import pytest
 
 from flexros.gap.prediction.predicted_log import PredictedLog
 from flexros.gap.settings import WhereSettings
-from flexros.gap.where.find import where
+from flexros.gap.where.find import FEWEST, where
 from flexros.record.record import ToolRecord
 from tests.oracles.linear_gap import LinearLog
 
@@ -132,3 +132,16 @@ def test_diverged_predictions_are_left_out(elbow_without_gap: LinearLog) -> None
     assert np.all(np.isfinite(found.excess))
     errors[:] = np.nan
     assert where(PredictedLog(errors, log.prediction.sd), log.record, log.robot, 1, settings=FEW).mapped == ()
+
+
+def test_where_there_is_no_time_a_few_simulated_logs_suffice(elbow_with_friction: LinearLog) -> None:
+    log, asked = elbow_with_friction, [0]
+
+    def stop() -> bool:
+        asked[0] += 1
+        return True
+
+    found = where(log.prediction, log.record, log.robot, 1, spectrum=log.error_spectrum, settings=FEW, stop=stop)
+    assert asked == [1]
+    assert found.locations[0].joint == "motor_2"
+    assert found.p_value == pytest.approx(1 / (FEWEST + 1))

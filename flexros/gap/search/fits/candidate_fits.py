@@ -199,6 +199,9 @@ class Search(SimplerFits):
             candidates: The candidates.
             fit: The fit; default: the base.
         """
+        self.deadline.begin("candidates")
+        if self.deadline.stops():
+            return []  # plants are compiled for all of them
         around = self.base if fit is None else fit
         residual = self.base_residual if fit is None else fit.residual(self.data)
         new = [candidate for candidate in candidates if candidate.name not in around.names]
