@@ -79,8 +79,7 @@ class CenterError(AbstractChangedValues):
 
     def fitted(self, robot: Robot, location: str) -> Mapping[str, Range]:
         """Return the coordinates but that along an axis about which all joints turn: nothing shows it."""
-        del location
-        return {axis: self.ranges[axis] for axis in seen_axes(robot)}
+        return {axis: self.ranges[axis] for axis in seen_axes(robot, location)}
 
     def values(self, robot: Robot, location: str) -> dict[str, float]:
         """Return the centre of mass."""

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 ENTRIES = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
 """Row and column of each entry of an inertia."""
 
+PARALLEL = 1e-3
+"""Angle up to which two axes are parallel [rad] (chosen): files round right angles."""
+
 
 class ToolLoad(AbstractChangedValues):
     """A point mass on the last body that moves, such as a tool that the model lacks.
@@ -75,7 +78,7 @@ class ToolLoad(AbstractChangedValues):
     def fitted(self, robot: Robot, location: str) -> Mapping[str, Range]:
         """Return mass and place, without the coordinate along an axis about which all joints turn: nothing shows it."""
         del location
-        seen = seen_axes(robot)
+        seen = seen_axes(robot, last_moved(robot))
         return {name: allowed for name, allowed in self.ranges.items() if name not in "xyz" or name in seen}
 
     def values(self, robot: Robot, location: str) -> dict[str, float]:
@@ -94,17 +97,26 @@ class ToolLoad(AbstractChangedValues):
         return found | {f"{body}.inertia.{entry}": float(inertia[ENTRIES[entry]]) for entry in INERTIA_COMPONENTS}
 
 
-def seen_axes(robot: Robot) -> tuple[str, ...]:
+def seen_axes(robot: Robot, body: str = "") -> tuple[str, ...]:
     """Return the axes along which a log shows where a mass is: not the one about which all joints turn.
 
     Args:
         robot: The robot.
+        body: The body in whose frame the axes are, e.g. "body_7"; default: the base.
     """
-    if any(joint.mode is not None or any(joint.orientation) for joint in robot.joints):
+    if any(joint.mode is not None for joint in robot.joints):
         return tuple("xyz")
-    axes = {"xyz"[joint.axis] for joint in robot.joints if joint.rotary}
-    hidden = axes if len(axes) == 1 else set() if axes else set("xyz")
-    return tuple(axis for axis in "xyz" if axis not in hidden)
+    frame = own = np.eye(3)
+    turning = []
+    for joint in robot.joints:
+        frame = frame @ joint.turn
+        turning += [frame[:, joint.axis]] if joint.rotary else []
+        own = frame if body and joint.body < int(body.removeprefix("body_")) else own
+    if not turning:
+        return ()
+    if not all(np.allclose(np.cross(axis, turning[0]), 0.0, atol=PARALLEL) for axis in turning):
+        return tuple("xyz")
+    return tuple(axis for axis, part in zip("xyz", own.T @ turning[0]) if 1.0 - part**2 > PARALLEL**2)
 
 
 def last_moved(robot: Robot) -> str:

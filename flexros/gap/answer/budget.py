@@ -14,7 +14,7 @@ from flexros.effects.kinds.law import AbstractLaw
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.effects.left_out.body_difference import BodyDifference
 from flexros.effects.left_out.rotor_inertia import RotorInertia
-from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_moved
+from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_moved, seen_axes
 from flexros.gap.answer.decision import effect_location
 from flexros.gap.answer.partial_repairs import PartialRepairs
 from flexros.gap.answer.rivals.scale_doubt import parameters_of_answer
@@ -313,7 +313,8 @@ def _of_body(difference: BodyDifference, body: str, robot: Robot, relative: Mapp
 def _of_load(load: ToolLoad, robot: Robot, relative: Mapping[str, float], bare: float) -> list[ModelNumber]:
     """List mass and place of a load, with the deviations of those of the body that carries it.
 
-    The log shows both together: what the body alone is known to is a doubt about the load.
+    The log shows both together: what the body alone is known to is a doubt about the load. A coordinate along an axis
+    about which all joints turn is no finding, as no torque depends on it.
 
     Args:
         load: The load.
@@ -329,7 +330,10 @@ def _of_load(load: ToolLoad, robot: Robot, relative: Mapping[str, float], bare: 
     of_center = [relative.get(f"{body}.center_of_mass.{axis}", 0.0) for axis in "xyz"]
     deviation = float(np.hypot(relative.get(f"{body}.mass", 0.0) * mass, of_bare))
     farther = float(np.hypot(np.max(np.abs(center) * of_center) * mass, of_bare * apart)) / max(load.mass, 1e-300)
-    values = ("mass", load.mass, deviation, "kg"), *((axis, getattr(load, axis), farther, "m") for axis in "xyz")
+    values = (
+        ("mass", load.mass, deviation, "kg"),
+        *((axis, getattr(load, axis), farther, "m") for axis in seen_axes(robot, body)),
+    )
     determined = deviation <= load.mass  # a place is known as well at zero, where there is a load
     return [_load_number(*one, determined=determined) for one in values]
 

@@ -46,7 +46,7 @@ def short_events(findings: Findings, gap: GapNumbers) -> list[str]:
 def _told(data: FitData, fit: CandidateFit) -> list[str]:
     """Say what the short parts of a log are."""
     parts = spans(data, fit)
-    within = " and ".join(f"{first:.4g} to {last:.4g} s" for first, last in parts)
+    within = " and ".join(f"{round(first, 2):.10g} to {round(last, 2):.10g} s" for first, last in parts)
     passed = [resonance(data, fit, part) for part in parts]
     sizes = " and ".join(f"{frequency:.3g} Hz" for frequency in passed if frequency is not None)
     if not parts:
@@ -66,7 +66,8 @@ def _told(data: FitData, fit: CandidateFit) -> list[str]:
 def spans(data: FitData, fit: CandidateFit) -> list[tuple[float, float]]:
     """Return the few short parts of a log that hold half of what a fit leaves above the floor; none where it is spread.
 
-    None either where the end of the log is among them, at which there is nothing to take out.
+    None either where the end of the log is among them, at which there is nothing to take out. What an error of the
+    initial state leaves is no event.
 
     Args:
         data: The log.
@@ -77,7 +78,7 @@ def spans(data: FitData, fit: CandidateFit) -> list[tuple[float, float]]:
     """
     record = data.record
     n = record.n_samples
-    excess = np.sum(_left(data, fit) ** 2 - np.isfinite(data.spread).T, axis=0)
+    excess = np.sum(_left(data, fit) ** 2 - np.isfinite(data.spread).T, axis=0) * data.settled
     if not np.all(np.isfinite(excess)) or excess.sum() < (LEAST - 1.0) * data.n_values:
         return []
     length = max(1, round(WINDOW / record.sample_time))

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 
-from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_moved
+from flexros.effects.left_out.tool_load import ToolLoad, body_numbers, last_moved, seen_axes
 from flexros.robot import load_robot
+from flexros.robot.robot import LIBRARY
 from tests.gap.servo_logs import servo_arm, servo_robot
 
 
@@ -45,3 +49,16 @@ def test_of_a_real_machine_it_is_sought_behind_springs() -> None:
 def test_its_place_along_the_axis_of_all_joints_is_not_fitted() -> None:
     assert list(ToolLoad().fitted(servo_arm(), "tool")) == ["mass", "x", "z"]
     assert list(ToolLoad().fitted(load_robot("six_axis"), "tool")) == ["mass", "x", "y", "z"]
+
+
+@pytest.mark.parametrize(("turn", "seen"), [(0.0, "xz"), (np.pi, "xz"), (3.1416, "xz"), (np.pi / 2, "xyz")])
+def test_axes_are_parallel_however_the_frames_of_their_bodies_are_turned(
+    turn: float, seen: str, tmp_path: Path
+) -> None:
+    """An arm from a URDF has turned frames: about x by half a turn an axis along y stays parallel."""
+    text = (LIBRARY / "elbow.yaml").read_text().replace("inverse_kinematics: two_link_elbow", "")
+    label = "  - label: forearm, horizontal at zero angle\n"
+    text = text.replace(label, f"{label}    orientation: [{turn}, 0, 0]\n")
+    text = re.sub(r"inertia: {yy: (.*)}", r"inertia: {xx: \1, yy: \1, zz: \1}", text)
+    (tmp_path / "turned.yaml").write_text(text.replace("controlled: tool", "controlled: joints"))
+    assert seen_axes(load_robot(tmp_path / "turned.yaml"), "body_2") == tuple(seen)

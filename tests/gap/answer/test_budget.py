@@ -5,10 +5,12 @@ from __future__ import annotations
 import pytest
 
 from flexros.effects.left_out.body_difference import BodyDifference
-from flexros.gap.answer.budget import _of_body, _together
+from flexros.effects.left_out.tool_load import ToolLoad
+from flexros.gap.answer.budget import _of_body, _of_load, _together
 from flexros.gap.diagnose import diagnose
 from flexros.gap.schema import ModelNumber
 from flexros.gap.settings import DiagnosisSettings, SearchSettings
+from flexros.robot import load_robot
 from tests.gap.rigid_arm import arm, record_of_arm
 
 
@@ -19,6 +21,12 @@ def test_numbers_of_a_body_are_listed_where_they_differ_clearly_and_beyond_their
     assert (row.location, row.name, row.nominal, row.unit) == ("body_2", "body_2.mass", 3.0, "kg")
     assert (row.value, row.std) == pytest.approx((3.6, 0.18))
     assert not _of_body(difference, "body_2", arm(), {"body_2.mass": 0.2, "body_2.center_of_mass.x": 1e-3})
+
+
+def test_a_coordinate_of_a_load_that_no_torque_depends_on_is_no_finding() -> None:
+    """All joints of the elbow turn about y; a place along it had been as well known as the others, 0.0000 m."""
+    rows = _of_load(ToolLoad(mass=1.0, x=0.05), load_robot("elbow"), {"body_2.mass": 0.01}, 44.0)
+    assert [row.name for row in rows] == ["tool_load.mass", "tool_load.x", "tool_load.z"]
 
 
 def test_a_number_that_an_effect_and_its_tolerance_change_is_listed_once() -> None:

@@ -83,6 +83,24 @@ def test_what_is_left_at_the_end_of_a_log_is_no_event(fit: Any) -> None:
     assert spans(data, fit) == []
 
 
+def test_times_of_a_long_log_are_told_apart(fit: Any) -> None:
+    """A part of a quarter of a second had been that from 1202 to 1202 s."""
+    data = data_of(length=WHOLE)
+    pushed(data, fit, 0.5)
+    ((first, last),) = spans(data, fit)
+    text, _ = told(replace(data, record=replace(data.record, begin=1200.0)), fit, after=30.0)
+    assert f"within {1200 + first:.10g} to {1200 + last:.10g} s" in text
+
+
+def test_an_error_of_the_initial_state_is_no_event(fit: Any) -> None:
+    """A log that begins in motion: the first samples of a clean one had been a push."""
+    data = data_of(length=WHOLE)
+    assert data.gain.settling > 10
+    fit.more = np.zeros(data.record.n_samples)
+    fit.more[:10] = 100.0
+    assert spans(data, fit) == []
+
+
 def swept(data: FitData, lowest: float, highest: float) -> tuple[FitData, np.ndarray, np.ndarray]:
     """Return the log with commands whose frequency sweeps, that frequency [Hz], and the sweep, shape (n,)."""
     n, T = data.record.n_samples, data.record.sample_time
