@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from flexros.gap.answer.assemble import result_of
 from flexros.gap.answer.decision import findings_of, on_held_out
+from flexros.gap.answer.rest_of_log import changes_over_log
 from flexros.gap.answer.rivals.most_probable import most_probable
 from flexros.gap.answer.sensitivity import sensitivity_of
 from flexros.gap.answer.withdrawal import confirmed
@@ -18,7 +19,7 @@ from flexros.gap.held_out.gap_floor import over_expected_floor
 from flexros.gap.held_out.predictions import prediction_of, sensor_errors, tool_errors
 from flexros.gap.noise.autoregression import autoregressive_spectrum
 from flexros.gap.residuals.prepare_fit_data import with_tool_frame_of
-from flexros.gap.schema import ANSWERED, GAP_ALONE
+from flexros.gap.schema import ANSWERED, GAP_ALONE, REST
 from flexros.gap.search.forward_selection import explain, explanations_of
 from flexros.gap.search.looser import found_looser, looser_null
 from flexros.gap.search.model_probability import compare
@@ -74,6 +75,7 @@ class SearchedLog:
         explanations: What it found.
         closely_tied: The nominal model and the held-out log as both were before the search tied the logs more loosely;
             None where it did not.
+        rest: Pieces of what is not used of long logs.
     """
 
     record: Record
@@ -85,6 +87,7 @@ class SearchedLog:
     search: Search
     explanations: Explanations
     closely_tied: tuple[CandidateFit, FitData] | None = None
+    rest: tuple[Record, ...] = ()
 
     def beyond_noise(self, fit: CandidateFit) -> float:
         """Return what a fit leaves beyond noise in the log where it leaves more, over the tolerance of torques [1]."""
@@ -158,7 +161,8 @@ class DiagnosisTask:
         held_data = _held_alike(logs, null, explanations.chosen if search.resumed else None)
         looser = held_data.torque_noise < logs.held_data.torque_noise
         tied = (first.fit, logs.held_data) if looser else None
-        return SearchedLog(record, null, held_data, logs.unknown, prediction, excess, search, explanations, tied)
+        rest = logs.used.rest
+        return SearchedLog(record, null, held_data, logs.unknown, prediction, excess, search, explanations, tied, rest)
 
     def _weighed(self, record: Record) -> WeighedLogs:
         """Prepare and weigh a log and the held-out one."""
@@ -207,12 +211,28 @@ class DiagnosisTask:
             stop=deadline.of_fit(finishing=True),
         )
         result = result_of(findings, found.prediction, found.excess, settings, stages, deadline)
-        tied = found.closely_tied
-        if tied is None or deadline.leaves_out(GAP_ALONE):
-            return result
-        before = over_expected_floor(errors_ahead(*tied), model, tied[1]).mean
-        gap = result.diagnosis.gap.model_copy(update={"before_alone": before})
-        return replace(result, diagnosis=result.diagnosis.model_copy(update={"gap": gap}))
+        return _with_rest(result, found, findings.repaired, deadline) if found.rest or found.closely_tied else result
+
+
+def _with_rest(
+    result: DiagnosisResult, found: SearchedLog, repaired: CandidateFit, deadline: Deadline
+) -> DiagnosisResult:
+    """Add to an answer the gap as it was before the search tied the logs more loosely, and what their rest shows.
+
+    Args:
+        result: The answer.
+        found: The explanations.
+        repaired: What the patch holds.
+        deadline: Leaves out what there is no time for.
+    """
+    diagnosis, tied = result.diagnosis, found.closely_tied
+    if tied is not None and not deadline.leaves_out(GAP_ALONE):
+        before = over_expected_floor(errors_ahead(*tied), found.null.model, tied[1]).mean
+        diagnosis = diagnosis.model_copy(update={"gap": diagnosis.gap.model_copy(update={"before_alone": before})})
+    if found.rest and not deadline.leaves_out(REST):
+        changes = changes_over_log(found.rest, repaired, found.null)
+        diagnosis = diagnosis.model_copy(update={"warnings": (*changes, *diagnosis.warnings)})
+    return replace(result, diagnosis=diagnosis.model_copy(update={"partial": deadline.partial}))
 
 
 def _beyond_noise(search: Search, fit: CandidateFit, held: FitData) -> float:

@@ -12,7 +12,7 @@ from flexros.gap.fit.torques.unknown_numbers import unknown_numbers
 from flexros.gap.held_out.split import split
 from flexros.gap.noise.weights import measurement_in
 from flexros.gap.prediction.driven_model import driven_model
-from flexros.gap.residuals.fit_samples import part_of_fits
+from flexros.gap.residuals.fit_samples import part_of_fits, pieces_of_rest
 from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.search.torque_start import torque_start, with_torques
 from flexros.logs.reader import give_memory_back
@@ -42,10 +42,12 @@ class UsedLogs:
     Attributes:
         fitted: The log that effects are fitted to.
         held: The held-out one.
+        rest: Pieces of what is not used of either.
     """
 
     fitted: Record
     held: Record
+    rest: tuple[Record, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +100,9 @@ def used_logs(record: Record, holdout: Record | None, given: RobotWithEffects, s
     _check_alike(fitted, held)
     fitted = with_torque_in_time_behind_springs(fitted, robot, settings)
     held = resampled(shifted(held, fitted.torque_shift), fitted.sample_time)
-    return UsedLogs(part_of_fits(fitted, robot, settings), part_of_fits(held, robot, settings))
+    fitted_part, held_part = (part_of_fits(log, robot, settings) for log in (fitted, held))
+    rest = (*pieces_of_rest(fitted, fitted_part), *pieces_of_rest(held, held_part))
+    return UsedLogs(fitted_part, held_part, rest)
 
 
 def weighed_logs(

@@ -57,7 +57,7 @@ def test_what_leads_over_all_tolerances_is_what_the_patch_holds(monkeypatch: pyt
     monkeypatch.setattr(diagnosis_task, "result_of", lambda findings, *_: findings)
     found: Any = SimpleNamespace(
         null=SimpleNamespace(model=None, data=None), search=None, explanations=None, held_data=None, unknown=None,
-        prediction=None, excess=None, closely_tied=None,
+        prediction=None, excess=None, closely_tied=None, rest=(),
     )  # fmt: skip
     task = DiagnosisTask(MODEL, None, {}, (), settings_of("coulomb_friction"), Deadline(), Stages(None))
     assert task.answered(found) == ("leads", "mean", ("other",))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from flexros.record.most_informative import most_informative
 from flexros.record.resampled import with_fewer_samples
 
@@ -11,6 +13,11 @@ if TYPE_CHECKING:
     from flexros.gap.settings import DiagnosisSettings
     from flexros.record.record import Record
     from flexros.robot import Robot
+
+
+PIECES, LENGTH = 3, 0.1
+"""Pieces of the rest of a log that are looked at, and the length of each over that of the part that is used [1]
+(chosen): together they take as long as a few predictions of that part."""
 
 
 def at_rate_of_fits(record: Record, robot: Robot, settings: DiagnosisSettings) -> Record:
@@ -40,6 +47,26 @@ def part_of_fits(record: Record, robot: Robot, settings: DiagnosisSettings) -> R
         return most_informative(record, most)
     in_time = max(round(settings.values_per_second * settings.time_limit), settings.least_values)
     return most_informative(record, min(most, in_time), "that there is time for" if in_time < most else "")
+
+
+def pieces_of_rest(log: Record, used: Record) -> tuple[Record, ...]:
+    """Cut pieces out of what is not used of a log, spread over all of it.
+
+    Args:
+        log: The log.
+        used: The part of it that is used.
+
+    Returns:
+        The pieces; none where the rest is shorter than one.
+    """
+    first, length = round((used.begin - log.begin) / log.sample_time), int(LENGTH * used.n_samples)
+    before = np.arange(0, first - length + 1, max(length, 1))
+    behind = np.arange(first + used.n_samples, log.n_samples - length + 1, max(length, 1))
+    starts = np.concatenate([before, behind])
+    if not len(starts):
+        return ()
+    chosen = np.unique(np.linspace(0, len(starts) - 1, PIECES).round().astype(int))
+    return tuple(log.part(begin, begin + length) for begin in starts[chosen].tolist())
 
 
 def _rigid(record: Record, robot: Robot) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexros.gap.residuals.fit_samples import at_rate_of_fits, part_of_fits
+from flexros.gap.residuals.fit_samples import LENGTH, PIECES, at_rate_of_fits, part_of_fits, pieces_of_rest
 from flexros.gap.settings import DiagnosisSettings
 from flexros.record.record import Record
 from flexros.robot import load_robot
@@ -56,3 +56,13 @@ def test_of_a_long_log_as_much_is_taken_as_there_is_time_for(limit: float | None
     assert part.position.size == values
     assert [text for text in part.warnings if "there is time for" in text] == list(part.warnings)
     assert bool(part.warnings) == (values < 2 * N)
+
+
+def test_pieces_are_spread_over_what_is_not_used() -> None:
+    nothing = np.zeros((1000, 1))
+    whole = Record("log", 0.01, nothing, nothing, np.ones(1000, dtype=bool))
+    used = whole.part(400, 800)
+    pieces = pieces_of_rest(whole, used)
+    assert [piece.begin for piece in pieces] == pytest.approx([0.0, 2.8, 9.6])
+    assert (len(pieces), pieces[0].n_samples) == (PIECES, LENGTH * used.n_samples)
+    assert pieces_of_rest(used, used) == ()
