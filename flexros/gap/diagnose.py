@@ -18,6 +18,7 @@ from flexros.gap.held_out.closed_loop_gap import closed_loop_gap, why_not_simula
 from flexros.gap.prediction.driven_model import driven_model
 from flexros.gap.progress import Stages
 from flexros.gap.residuals.fit_samples import at_rate_of_fits
+from flexros.gap.schema import CLOSED_LOOP
 from flexros.gap.settings import DiagnosisSettings
 from flexros.gap.torque_stages import usual_first, with_smaller_tolerance
 from flexros.identify.rigid.torque_timing import in_time
@@ -90,10 +91,10 @@ def diagnose(
     if rough:
         result = relative_to_file(result, rough, given)
 
-    if in_closed_loop is not None:
-        stages.begin("closed loop", 1.0)
+    if in_closed_loop is not None and not deadline.leaves_out(CLOSED_LOOP):
+        stages.begin(CLOSED_LOOP, 1.0)
         repaired = given.with_effects(result.patch) if result.patch else None
         signals = closed_loop_gap(in_closed_loop, given, repaired, begin=found.held_data.record.begin)
         result = replace(result, signals=(*result.signals, *signals))
     stages.end()
-    return result
+    return replace(result, diagnosis=result.diagnosis.model_copy(update={"partial": deadline.partial}))

@@ -232,7 +232,7 @@ def _with_rest(
     if found.rest and not deadline.leaves_out(REST):
         changes = changes_over_log(found.rest, repaired, found.null)
         diagnosis = diagnosis.model_copy(update={"warnings": (*changes, *diagnosis.warnings)})
-    return replace(result, diagnosis=diagnosis.model_copy(update={"partial": deadline.partial}))
+    return replace(result, diagnosis=diagnosis)
 
 
 def _beyond_noise(search: Search, fit: CandidateFit, held: FitData) -> float:

@@ -17,7 +17,7 @@ ANSWERED, NEXT_EXPERIMENT = "answer", "next experiment"
 """Last steps of a diagnosis: the answer is put together, and in it the next experiment chosen."""
 RIVALS, SIZES, BUDGET = "predictions of rivals", "sizes of rivals", "budget"
 GAINS, SHORT_EVENTS, GAP_ALONE = "gains on held-out data", "short events", "gap before alone"
-REST = "rest of the log"
+REST, CLOSED_LOOP = "rest of the log", "closed loop"
 """Parts of an answer that it can do without where there is no time for them."""
 Verdict = Literal["no_gap", "explained", "partly_explained", "ambiguous", "unknown_effect"]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from itertools import pairwise
+from itertools import count, pairwise
 from pathlib import Path
 from typing import Any
 
@@ -297,6 +297,19 @@ def test_after_a_time_limit_a_diagnosis_predicts_no_more_than_its_answer_needs(
     assert result.diagnosis.partial is not None
     assert seconds[0] < limit + max(FINISHING * limit, LEAST_FINISHING) + ANSWER_S
     assert "report.html" in write_diagnosis(result, "elbow", tmp_path / "diagnosis")
+
+
+def test_no_closed_loop_is_simulated_once_the_time_is_over(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A simulation of 400 s had come after a limit of 15 s, and took 9 s."""
+    simulated: list[Any] = []
+    monkeypatch.setattr(diagnose_module, "closed_loop_gap", lambda *given, **_: simulated.append(given) or ())
+    monkeypatch.setattr(diagnose_module, "Deadline", partial(Deadline, clock=count(0.0, 1.0).__next__))
+    scenario = load_scenario("diagnosis").with_values({"robot": ROBOT.name, "diagnosis.length": 12.0})
+    log = closed_loop(Experiment.prepare(scenario))
+    result = diagnose(record_of(), ROBOT, log=log, settings=FEW.model_copy(update={"time_limit": 1e-3}))
+    assert result.diagnosis.partial is not None
+    assert "closed loop" in result.diagnosis.partial.left_out
+    assert simulated == []
 
 
 def test_names_are_checked_before_the_work() -> None:
