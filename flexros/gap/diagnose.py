@@ -91,7 +91,7 @@ def diagnose(
     if rough:
         result = relative_to_file(result, rough, given)
 
-    if in_closed_loop is not None and not deadline.leaves_out(CLOSED_LOOP):
+    if in_closed_loop is not None and not notes and not deadline.leaves_out(CLOSED_LOOP):
         stages.begin(CLOSED_LOOP, 1.0)
         repaired = given.with_effects(result.patch) if result.patch else None
         signals = closed_loop_gap(in_closed_loop, given, repaired, begin=found.held_data.record.begin)

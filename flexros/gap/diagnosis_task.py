@@ -31,6 +31,7 @@ from flexros.gap.weighed_logs import used_logs, weighed_logs
 from flexros.gap.where.find import where
 from flexros.gap.wider_numbers import found_wider
 from flexros.identify.rigid.torque_timing import in_time
+from flexros.logs.reader import give_memory_back
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -189,6 +190,7 @@ class DiagnosisTask:
         kept = confirmed(found.search, found.explanations, found.held_data)
         stages.begin(ANSWERED, ANSWER)
         deadline.begin(ANSWERED)
+        give_memory_back()  # what many fits left behind; predictions with their states need most
         model, searched = found.null.model, kept.explanations.beside or found.null.data
         sensitivity = sensitivity_of(
             kept.explanations, searched, model, found.unknown, settings.sensitivity, deadline.stops

@@ -61,3 +61,21 @@ def test_what_leads_over_all_tolerances_is_what_the_patch_holds(monkeypatch: pyt
     )  # fmt: skip
     task = DiagnosisTask(MODEL, None, {}, (), settings_of("coulomb_friction"), Deadline(), Stages(None))
     assert task.answered(found) == ("leads", "mean", ("other",))
+
+
+def test_an_answer_gives_memory_back_before_it_predicts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the fits of half an hour at 2 kHz had left behind was a tenth of a gigabyte."""
+    asked: list[str] = []
+    kept = SimpleNamespace(explanations=SimpleNamespace(beside=None), withdrawn=(), fitted_around=())
+    monkeypatch.setattr(diagnosis_task, "confirmed", lambda *_: kept)
+    monkeypatch.setattr(diagnosis_task, "give_memory_back", lambda: asked.append("memory"))
+    monkeypatch.setattr(diagnosis_task, "sensitivity_of", lambda *_: Sensitivity("mean", (), ()))  # type: ignore[arg-type]
+    monkeypatch.setattr(diagnosis_task, "most_probable", lambda *_: None)
+    monkeypatch.setattr(diagnosis_task, "findings_of", lambda *_, **__: asked.append("findings"))
+    monkeypatch.setattr(diagnosis_task, "result_of", lambda *_: None)
+    found: Any = SimpleNamespace(
+        null=SimpleNamespace(model=None, data=None), search=None, explanations=None, held_data=None, unknown=None,
+        prediction=None, excess=None, closely_tied=None, rest=(),
+    )  # fmt: skip
+    DiagnosisTask(MODEL, None, {}, (), settings_of(), Deadline(), Stages(None)).answered(found)
+    assert asked == ["memory", "findings"]
