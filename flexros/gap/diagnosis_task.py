@@ -36,9 +36,7 @@ from flexros.logs.reader import give_memory_back
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from flexros.arrays import FloatArray
     from flexros.effects import RobotWithEffects
-    from flexros.gap.candidates.tolerance import Tolerance
     from flexros.gap.deadline import Deadline
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.fit.null_fit import NullFit
@@ -49,7 +47,7 @@ if TYPE_CHECKING:
     from flexros.gap.result import DiagnosisResult
     from flexros.gap.search.fits.candidate_fits import Search
     from flexros.gap.search.forward_selection import Explanations
-    from flexros.gap.settings import DiagnosisSettings, FitSettings
+    from flexros.gap.settings import DiagnosisSettings
     from flexros.gap.weighed_logs import WeighedLogs
     from flexros.gap.where.find import Where
     from flexros.record.record import Record
@@ -278,7 +276,7 @@ def _first_fits(
     few = settings.fit.model_copy(update={"null_iterations": 1})  # what the torques show is fitted from the torques
     first_settings = settings.fit if start is None else few
     stop = stages.of_fit(first_settings.null_iterations, deadline.of_fit())
-    null = _nominal(data, model, tolerance, first_settings, stop=stop)
+    null = fit_null(data, model, tolerance, first_settings, stop=stop)
     first = None if start is None else first_values(start, null, settings)
     if begun is not None:
         first, start = on_null(null, begun), None
@@ -299,21 +297,8 @@ def _first_fits(
         misfit = search.misfit(search.directions(search.candidates()))
     found = null.fit if base is None else base
     start_at = found.predictor.tolerance.by_name(found.deviations)
-    null = _nominal(replace(data, misfit=misfit), model, tolerance, settings.fit, start_at, stop=deadline.of_fit())
+    null = fit_null(replace(data, misfit=misfit), model, tolerance, settings.fit, start_at, stop=deadline.of_fit())
     return null, None if base is None else base_fit(null, on_null(null, base), settings, deadline.of_fit())
-
-
-def _nominal(
-    data: FitData,
-    model: RobotWithEffects,
-    tolerance: Tolerance,
-    settings: FitSettings,
-    start: FloatArray | None = None,
-    stop: Callable[[], bool] | None = None,
-) -> NullFit:
-    """Fit the nominal model; in measured logs of torques its numbers go farther beside effects, see `found_wider`."""
-    null, record = fit_null(data, model, tolerance, settings, start, stop), data.record
-    return null.farther() if record.command is None and not record.premises.library_is_complete else null
 
 
 def _where(null: NullFit, prediction: PredictedLog, settings: DiagnosisSettings, stop: Callable[[], bool]) -> Where:

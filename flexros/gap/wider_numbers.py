@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 def found_wider(search: Search, explanations: Explanations, held: FitData) -> tuple[Search, Explanations]:
     """Go on from an explanation of a measured log that moved tolerated numbers to the limit of their search.
 
-    Such a number has the value of none, and bends all others. In logs of torques numbers go farther from the begin on.
-    Without torques those that may go anywhere take the place of effects at first; beside effects that are found they
-    tell what they are. Both logs must be for it.
+    Such a number has the value of none, and bends all others. Where torques show what to begin with, the search begins
+    there once more. Without torques numbers that may go anywhere take the place of effects at first; beside effects
+    that are found they tell what they are. Both logs must be for it.
 
     Args:
         search: The search that found it.
@@ -38,7 +38,8 @@ def found_wider(search: Search, explanations: Explanations, held: FitData) -> tu
     if search.premises.library_is_complete or not ended or widest or deadline.stops():
         return search, explanations
     null = search.null.farther()
-    first = on_null(null, chosen)
+    of_torques = search.from_torques and search.data.record.command is None
+    first = on_null(null, search.base if of_torques else chosen)
     begun = prepare_search(null, search.settings, search.progress, deadline, first)
     further = prepare_search(null, search.settings, search.progress, deadline, begun.completed(first))
     found = explain(further)
