@@ -83,7 +83,7 @@ def searched(folder: Path, *truth: str) -> Search:
     return prepare_search(fit_null(data, model, tolerance_of(model.robot, {"inertia": 0.05})), SETTINGS)
 
 
-def fitted(search: Search, *names: str) -> tuple[Candidate, ...]:
+def candidates_named(search: Search, *names: str) -> tuple[Candidate, ...]:
     """Return the candidates of these names."""
     known = {one.name: one for one in search.candidates()}
     return tuple(known[name] for name in names)
