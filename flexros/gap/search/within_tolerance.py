@@ -89,7 +89,7 @@ def without_slight_friction(search: Search, chosen: CandidateFit, fits: list[Can
 
     However clear it is, nobody asks for it, and the numerical friction of a simulator is of that size. Friction that
     differs between directions stays, as its mean may be nominal. Viscous friction within the tolerance that the robot
-    file states for it is no effect.
+    file states for it is no effect, unless the explanation needs more of it than these numbers give.
 
     Args:
         search: The search.
@@ -98,22 +98,22 @@ def without_slight_friction(search: Search, chosen: CandidateFit, fits: list[Can
     """
     if search.premises.floor_is_noise or search.data.record.command is not None:
         return chosen
-    values = zip(chosen.hypothesis, chosen.predictor.values(chosen.theta), strict=True)
-    slight = [one.name for one, sizes in values if len(one.free) == 1 and _is_slight_friction(search, one, sizes)]
-    if not slight or len(slight) == len(chosen.hypothesis) or search.deadline.stops_finishing():
-        return chosen
-    fits.append(search.completed(search.without(chosen, *slight)))
-    return fits[-1]
+    for is_none, at_any_price in ((_is_slight_friction, True), (_is_tolerated, False)):
+        values = zip(chosen.hypothesis, chosen.predictor.values(chosen.theta), strict=True)
+        none = [one.name for one, sizes in values if len(one.free) == 1 and is_none(search, one, sizes)]
+        if not none or len(none) == len(chosen.hypothesis) or search.deadline.stops_finishing():
+            continue
+        rest, removed = search.completed(search.without(chosen, *none)), search.settings.search.removed_of_all
+        fits.append(rest)
+        if at_any_price or not worth(search, compared(search, [rest, chosen]), rest, chosen, removed):
+            chosen = rest
+    return chosen
 
 
 def _is_slight_friction(search: Search, one: Candidate, sizes: Mapping[str, float]) -> bool:
     """Return whether the torque of Coulomb friction, or of viscous friction at the rms speed, is hardly anything."""
     if one.effect not in (CoulombFriction, ViscousFriction):
         return False
-    if one.effect is ViscousFriction and _is_tolerated(
-        search, f"{one.location}.viscous_friction", sizes["coefficient"]
-    ):
-        return True
     data, motor = search.data, search.null.model.robot.joint_names.index(one.location)
     record = data.record
     position = bridged_motion(record.position[:, [motor]], record.valid)
@@ -123,11 +123,14 @@ def _is_slight_friction(search: Search, one: Candidate, sizes: Mapping[str, floa
     return abs(sizes[one.free[0].name]) * usual < least
 
 
-def _is_tolerated(search: Search, number: str, added: float) -> bool:
-    """Return whether a number of the model with this in addition is within a few of its tolerances."""
+def _is_tolerated(search: Search, one: Candidate, sizes: Mapping[str, float]) -> bool:
+    """Return whether a nominal viscous friction with this in addition is within a few of its tolerances."""
+    if one.effect is not ViscousFriction:
+        return False
+    (number,) = one.effect().numbers(search.null.model.robot, one.location)
     nominal = search.null.model.robot.parameters[number].value
     tolerance = search.null.fit.predictor.tolerance.largest((number,))
-    return nominal > 0 and _deviation(nominal, added) <= WITHIN * tolerance
+    return nominal > 0 and _deviation(nominal, sizes["coefficient"]) <= WITHIN * tolerance
 
 
 def _deviation(nominal: float, added: float) -> float:
