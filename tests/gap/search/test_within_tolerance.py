@@ -23,7 +23,8 @@ def fit(chi2: float, penalty: float, **relative: float) -> Any:
     """Fit of a bias and of relative errors of these sizes, by the first word of their effect."""
     names = [BIAS, *(name for name in (STIFFNESS, PAYLOAD) if name.split("_")[0] in relative)]
     hypothesis = tuple(
-        SimpleNamespace(name=name, effect=effects()[name.split("@")[0]], location=name.split("@")[1]) for name in names
+        SimpleNamespace(name=name, effect=effects()[name.split("@")[0]], location=name.split("@")[1], free=())
+        for name in names
     )
     values = [{"level": 1.0}, *({"relative": relative[one.split("_")[0]]} for one in names[1:])]
     predictor = SimpleNamespace(values=lambda _: values)
