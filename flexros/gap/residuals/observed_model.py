@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 REST = 0.02
 """Time at the beginning of a log in which prediction errors from rest decide whether it begins at rest [s] (chosen)."""
-FEWEST = 5
+FEWEST = 6
 """Fewest samples that tell a speed beside an acceleration [1] (chosen)."""
 NOTHING = np.zeros((0, 1))
 """Parameters of the nominal model: none."""
@@ -146,7 +146,7 @@ class ObservedModel:
     def _first_speed(self, soon: Record) -> FloatArray:
         """Return the speeds at the first sample over their standard deviations by noise [1], shape (M,).
 
-        A parabola through the first samples leaves out the acceleration of a motion that begins. Of a few samples,
+        A cubic through the first samples leaves out acceleration and jerk of a motion that begins. Of a few samples,
         which tell none, the speeds are zero.
 
         Args:
@@ -155,7 +155,7 @@ class ObservedModel:
         time, valid = np.arange(soon.n_samples) / soon.n_samples, soon.valid
         if np.count_nonzero(valid) < FEWEST:
             return np.zeros(soon.position.shape[1])
-        powers = np.vander(time[valid], 3, increasing=True)
+        powers = np.vander(time[valid], 4, increasing=True)
         inverse = np.linalg.pinv(powers)[1]
         return np.asarray(
             np.abs(inverse @ soon.position[valid]) / (np.linalg.norm(inverse) * self.measurement.deviation)
