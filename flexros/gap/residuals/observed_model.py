@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
 REST = 0.02
 """Time at the beginning of a log in which prediction errors from rest decide whether it begins at rest [s] (chosen)."""
-FEWEST = 6
-"""Fewest samples that tell a speed beside an acceleration [1] (chosen)."""
 NOTHING = np.zeros((0, 1))
 """Parameters of the nominal model: none."""
 
@@ -133,30 +131,8 @@ class ObservedModel:
         return Beginning(record.part(cut, record.n_samples), state, found, lead_in)
 
     def _begins_at_rest(self, state: FloatArray, gain: ObserverGain) -> bool:
-        """Return whether predictions from an equilibrium meet the first samples, and these begin without a speed.
-
-        The observer follows a slow motion closely enough to meet it from rest.
-        """
+        """Return whether predictions from an equilibrium meet the first samples."""
         soon = self.record.part(0, max(round(REST / self.record.sample_time), 2))
         errors = self.predictor.predict(NOTHING, soon, gain, state).innovation[:, :, 0]
         seen = np.abs(errors[soon.valid])
-        most = self.settings.at_rest * self.measurement.deviation
-        return bool(len(seen) and np.all(seen < most) and np.all(self._first_speed(soon) < self.settings.at_rest))
-
-    def _first_speed(self, soon: Record) -> FloatArray:
-        """Return the speeds at the first sample over their standard deviations by noise [1], shape (M,).
-
-        A cubic through the first samples leaves out acceleration and jerk of a motion that begins. Of a few samples,
-        which tell none, the speeds are zero.
-
-        Args:
-            soon: The first samples.
-        """
-        time, valid = np.arange(soon.n_samples) / soon.n_samples, soon.valid
-        if np.count_nonzero(valid) < FEWEST:
-            return np.zeros(soon.position.shape[1])
-        powers = np.vander(time[valid], 4, increasing=True)
-        inverse = np.linalg.pinv(powers)[1]
-        return np.asarray(
-            np.abs(inverse @ soon.position[valid]) / (np.linalg.norm(inverse) * self.measurement.deviation)
-        )
+        return bool(len(seen) and np.all(seen < self.settings.at_rest * self.measurement.deviation))
