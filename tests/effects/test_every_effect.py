@@ -17,6 +17,7 @@ from flexros.robot import Robot, load_robot
 from flexros.simulate.open_loop import feed_through
 from flexros.simulate.plant import Plant, delayed_start
 from flexros.simulate.plant_model import PlantModel
+from tests.effects.unfitted import UNFITTED
 
 pytestmark = pytest.mark.slow
 
@@ -31,14 +32,6 @@ SIZES = {
     "torque/angle": 1000.0,
 }
 """Typical sizes in the runs below, for the ranges of the effects."""
-UNFITTED = {
-    "base_tilt": {"x": 0.02, "y": 0.02},
-    "body_difference": {"mass": 0.5, "x": 0.01, "zz": 0.01},
-    "encoder_quantization": {"step": 2e-4},
-    "rotor_inertia": {"added": 0.5},
-    "tool_load": {"mass": 2.0, "x": 0.1},
-}
-"""Parameters of effects that no fit looks for, which therefore have no ranges."""
 SAMPLES = 80
 
 

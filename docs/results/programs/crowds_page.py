@@ -1,6 +1,6 @@
 """Write crowds_of_all_seeds.md: python docs/results/programs/crowds_page.py.
 
-It adds the blind crowds of all seeds, which `flexros campaign crowds` left in docs/results/data/crowds*.json.
+It adds the blind crowds of all seeds, which `flexros campaign crowds` left in docs/results/data.
 """
 
 from __future__ import annotations
@@ -13,6 +13,8 @@ from typing import Any
 from flexros.validation.campaigns.coverage.figures import wilson
 
 RESULTS = Path(__file__).parents[1]
+SEEDS = ("crowds", *(f"crowds_{nth}_seed" for nth in ("second", "third", "fourth", "fifth")))
+"""Names of the pages, in the order of their runs."""
 GROUPS = ("nominal exact", "nominal 3 % off", "one cause outside the library")
 ROWS = (
     ("recall", "effects named at their location (recall)", ("95 %", "88 %", "")),
@@ -96,7 +98,7 @@ def main() -> None:
     """Write the page."""
     assert __doc__ is not None
     argparse.ArgumentParser(description=__doc__.partition("\n")[0]).parse_args()
-    files = sorted((RESULTS / "data").glob("crowds*.json"))
+    files = [RESULTS / "data" / f"{name}.json" for name in SEEDS]
     read = {file.stem: json.loads(file.read_text(encoding="utf-8")) for file in files}
     text = page(
         {name: one["scores"] for name, one in read.items()},

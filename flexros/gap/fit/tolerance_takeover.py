@@ -12,6 +12,8 @@ from flexros.gap.candidates.candidate import OF_NUMBERS
 from flexros.gap.fit.sum_of_squares import chi2_of
 
 if TYPE_CHECKING:
+    from collections.abc import Collection
+
     from flexros.arrays import BoolArray, FloatArray
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
@@ -52,14 +54,42 @@ def takeover(candidate: Candidate, fit: CandidateFit) -> Takeover | None:
         return None
     effect = candidate.typical().effect
     assert isinstance(effect, AbstractChangedValues)
-    changed = effect.numbers(predictor.robot, candidate.location)
-    replaced = np.array([name in changed for name in tolerance.names], dtype=bool)
+    replaced = _changed(effect.numbers(predictor.robot, candidate.location), fit)
     if not replaced.any():
         return None
     factor = float(np.exp(np.mean(tolerance.logarithms(fit.deviations)[replaced])))
     (free,) = candidate.free
-    gain = fit.prior_penalty - float(np.sum(tolerance.without(fit.deviations, replaced) ** 2))
-    return Takeover(gain, np.array([free.encode(factor - 1)]), replaced)
+    return Takeover(_freed(replaced, fit), np.array([free.encode(factor - 1)]), replaced)
+
+
+def friction_takeover(candidate: Candidate, fit: CandidateFit) -> Takeover | None:
+    """Replace the tolerated deviation of a nominal viscous friction by friction in addition to it.
+
+    Args:
+        candidate: Viscous friction.
+        fit: A fit without it.
+
+    Returns:
+        The replacement; None where the nominal friction is not tolerated.
+    """
+    robot, tolerance = fit.predictor.robot, fit.predictor.tolerance
+    (number,) = candidate.effect().numbers(robot, candidate.location)
+    replaced = _changed((number,), fit)
+    if not replaced.any():
+        return None
+    added = robot.parameters[number].value * float(np.expm1(tolerance.logarithms(fit.deviations)[replaced][0]))
+    start = [one.encode(added) if one.name == "coefficient" else candidate.neutral(one) for one in candidate.free]
+    return Takeover(_freed(replaced, fit), np.array(start), replaced)
+
+
+def _changed(numbers: Collection[str], fit: CandidateFit) -> BoolArray:
+    """Return whether a tolerated number of a fit is one of some, shape (n_names,)."""
+    return np.array([name in numbers for name in fit.predictor.tolerance.names], dtype=bool)
+
+
+def _freed(replaced: BoolArray, fit: CandidateFit) -> float:
+    """Return the prior penalty of a fit that falls away with the deviations of some numbers [1]."""
+    return fit.prior_penalty - float(np.sum(fit.predictor.tolerance.without(fit.deviations, replaced) ** 2))
 
 
 def with_own_numbers(fit: CandidateFit, data: FitData, least: float) -> CandidateFit:

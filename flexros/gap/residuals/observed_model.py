@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 REST = 0.02
 """Time at the beginning of a log in which prediction errors from rest decide whether it begins at rest [s] (chosen)."""
+FEWEST = 5
+"""Fewest samples that tell a speed beside an acceleration [1] (chosen)."""
 NOTHING = np.zeros((0, 1))
 """Parameters of the nominal model: none."""
 
@@ -131,8 +133,32 @@ class ObservedModel:
         return Beginning(record.part(cut, record.n_samples), state, found, lead_in)
 
     def _begins_at_rest(self, state: FloatArray, gain: ObserverGain) -> bool:
-        """Return whether predictions from an equilibrium meet the first samples."""
+        """Return whether predictions from an equilibrium meet the first samples.
+
+        The observer follows a slow motion closely enough to meet it from rest, so that a part that was cut out of a log
+        must begin without a speed, too. A whole log begins where its motion does, with a jerk that is none.
+        """
         soon = self.record.part(0, max(round(REST / self.record.sample_time), 2))
         errors = self.predictor.predict(NOTHING, soon, gain, state).innovation[:, :, 0]
-        seen = np.abs(errors[soon.valid])
-        return bool(len(seen) and np.all(seen < self.settings.at_rest * self.measurement.deviation))
+        seen, most = np.abs(errors[soon.valid]), self.settings.at_rest
+        if not len(seen) or not np.all(seen < most * self.measurement.deviation):
+            return False
+        return not self.record.begin or bool(np.all(self._first_speed(soon) < most))
+
+    def _first_speed(self, soon: Record) -> FloatArray:
+        """Return the speeds at the first sample over their standard deviations by noise [1], shape (M,).
+
+        A parabola through the first samples leaves out the acceleration of a motion that begins. Of a few samples,
+        which tell none, the speeds are zero.
+
+        Args:
+            soon: The first samples.
+        """
+        time, valid = np.arange(soon.n_samples) / soon.n_samples, soon.valid
+        if np.count_nonzero(valid) < FEWEST:
+            return np.zeros(soon.position.shape[1])
+        powers = np.vander(time[valid], 3, increasing=True)
+        inverse = np.linalg.pinv(powers)[1]
+        return np.asarray(
+            np.abs(inverse @ soon.position[valid]) / (np.linalg.norm(inverse) * self.measurement.deviation)
+        )

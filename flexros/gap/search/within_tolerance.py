@@ -12,7 +12,7 @@ from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.kinds.relative_error import AbstractRelativeError
 from flexros.gap.candidates.tolerance import FARTHEST
 from flexros.gap.fit.least_squares import fit as fit_candidate
-from flexros.gap.fit.tolerance_takeover import Takeover, takeover
+from flexros.gap.fit.tolerance_takeover import friction_takeover, takeover
 from flexros.gap.search.exchange import exchanged
 from flexros.gap.search.fits.additions import Addition
 from flexros.gap.search.model_probability import compare
@@ -151,24 +151,12 @@ def _farthest(search: Search, chosen: CandidateFit, refused: set[str], least: fl
     for one in search.candidates():
         if one.name in chosen.names | refused:
             continue
-        found = _of_viscous_friction(one, chosen) if one.effect is ViscousFriction else None
+        found = friction_takeover(one, chosen) if one.effect is ViscousFriction else None
         if issubclass(one.effect, AbstractRelativeError):
             found = takeover(one, chosen)
         if found is not None and found.gain > max(least**2, 0.0 if best is None else best.gain):
             best = Addition(one, found.gain, found.start, found.replaced, np.zeros(len(search.rows), dtype=np.float32))
     return best
-
-
-def _of_viscous_friction(candidate: Candidate, fit: CandidateFit) -> Takeover | None:
-    """Replace the tolerated deviation of a nominal viscous friction by friction in addition; None without one."""
-    tolerance, (number,) = fit.predictor.tolerance, candidate.effect().numbers(fit.predictor.robot, candidate.location)
-    if number not in tolerance.names:
-        return None
-    replaced = np.array([name == number for name in tolerance.names], dtype=bool)
-    added = fit.predictor.robot.parameters[number].value * np.expm1(tolerance.logarithms(fit.deviations)[replaced][0])
-    start = [one.encode(added) if one.name == "coefficient" else candidate.neutral(one) for one in candidate.free]
-    gain = fit.prior_penalty - float(np.sum(tolerance.without(fit.deviations, replaced) ** 2))
-    return Takeover(gain, np.array(start), replaced)
 
 
 def _tolerances(search: Search, fit: CandidateFit, candidate: Candidate) -> float:
@@ -178,7 +166,7 @@ def _tolerances(search: Search, fit: CandidateFit, candidate: Candidate) -> floa
     values = next(v for one, v in zip(fit.hypothesis, fit.predictor.values(fit.theta), strict=True) if one is candidate)
     least = search.null.fit.predictor.tolerance.largest(changed)
     if "relative" in values:
-        return abs(float(np.log1p(max(values["relative"], -0.99)))) / max(least, 1e-300)
+        return _deviation(1.0, values["relative"]) / max(least, 1e-300)
     return _deviation(robot.parameters[changed[0]].value, values["coefficient"]) / max(least, 1e-300)
 
 

@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 from flexros.effects import RobotWithEffects
+from flexros.gap.noise.weights import measurement_of
+from flexros.gap.residuals.observed_model import ObservedModel
 from flexros.gap.residuals.prepare_fit_data import fit_data, with_tool_frame_of
 from flexros.gap.settings import DiagnosisSettings
 from flexros.record.record import Record, ToolRecord
-from tests.gap.diagnosis_logs import MODEL, ROBOT, candidates_of, data_of, encoded, predictor_of, record_of
+from tests.gap.diagnosis_logs import MODEL, ROBOT, WHOLE, candidates_of, data_of, encoded, predictor_of, record_of
 
 NOTHING = np.zeros((0, 1))
 
@@ -110,3 +112,17 @@ def test_every_model_finds_its_own_state_in_a_log_that_begins_in_motion() -> Non
     )
     residual = data.residuals(predictor_of(friction), theta[:, None])[:, 0]
     assert residual @ residual / data.n_values == pytest.approx(1.0, abs=5 * np.sqrt(2 / data.n_values))
+
+
+def test_a_log_that_is_cut_in_a_motion_does_not_begin_at_rest_however_closely_that_is_followed() -> None:
+    """Of a held-out log that moved 0.6 rad/s at its begin half of what was left lay within its first 0.3 s."""
+    log, settings = record_of(length=WHOLE), DiagnosisSettings()
+    measurement = measurement_of(log, ROBOT, settings)
+    speeds = []
+    for first in range(200, log.n_samples - 4000, 250):
+        part = log.part(first, first + 4000)
+        begins = ObservedModel.of(part, MODEL, measurement, settings.residuals).beginning()
+        if begins.from_rest:
+            speeds.append(abs(float(np.polyfit(np.arange(20) * part.sample_time, part.position[:20, 0], 1)[0])))
+    assert speeds
+    assert max(speeds) < 0.25

@@ -16,6 +16,7 @@ from flexros.effects.patching.export import FORMATS, Format, export_model
 from flexros.effects.patching.patched_robot import PatchedRobot
 from flexros.errors import InputError
 from flexros.robot import load_robot
+from tests.effects.unfitted import UNFITTED
 
 if TYPE_CHECKING:
     from flexros.robot import Robot
@@ -24,21 +25,13 @@ if TYPE_CHECKING:
 pytestmark = pytest.mark.slow
 
 ROBOTS = ("elbow", "emps_servo", "flexible_arm")
-OTHERS = {
-    "base_tilt": {"x": 0.02, "y": 0.02},
-    "body_difference": {"mass": 0.5, "x": 0.01, "zz": 0.01},
-    "encoder_quantization": {"step": 2e-4},
-    "rotor_inertia": {"added": 0.5},
-    "tool_load": {"mass": 2.0, "x": 0.1},
-}
-"""Parameters of effects that no fit looks for, which therefore have no ranges."""
 
 
 def placed(robot: Robot, kind: str, location: str) -> PlacedEffect:
     """Return an effect with parameters in the middle of their ranges, as of a scale of 1."""
     ranges = effects()[kind]().fitted(robot, location)
     numbers = {name: float(np.sqrt(allowed.low * allowed.high)) for name, allowed in ranges.items()}
-    return PlacedEffect(effects()[kind](**{**OTHERS.get(kind, {}), **numbers}), location)
+    return PlacedEffect(effects()[kind](**{**UNFITTED.get(kind, {}), **numbers}), location)
 
 
 def every_place(name: str) -> list[tuple[str, str, str]]:
