@@ -23,6 +23,7 @@ class Deadline:
     Args:
         limit: Time from now on [s]; None for no limit.
         interrupted: Asked between fits; True from the moment on at which the search must end.
+        kept: Share of the limit that is kept for the steps after the search, until `release` [1].
         clock: Returns the time [s].
     """
 
@@ -30,13 +31,14 @@ class Deadline:
         self,
         limit: float | None = None,
         interrupted: Callable[[], bool] | None = None,
+        kept: float = 0.0,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.step = ""
-        self._limit, self._interrupted, self._clock = limit, interrupted, clock
+        self._limit, self._interrupted, self._kept, self._clock = limit, interrupted, kept, clock
         self._begin, self._abandoned = clock(), False
         self._ended: tuple[float, bool] | None = None  # time used [s] and whether it ran out: threads set both at once
-        self._cut: str | None = None
+        self._cut: tuple[str, float, bool] | None = None  # the step that was cut short first, and the same
         self._left_out: list[str] = []
 
     @property
@@ -44,7 +46,7 @@ class Deadline:
         """Whether the time is over, or the search was interrupted."""
         if self._ended is None:
             used = self._clock() - self._begin
-            by_time = self._limit is not None and used >= self._limit
+            by_time = self._limit is not None and used >= self._limit * (1 - self._kept)
             if by_time or (self._interrupted is not None and self._interrupted()):
                 self._ended = self._ended or (used, by_time)
         return self._ended is not None
@@ -55,13 +57,19 @@ class Deadline:
         if not self.over or self._ended is None:
             return False
         used, by_time = self._ended
-        ended = self._limit if by_time and self._limit is not None else used
+        ended = self._limit * (1 - self._kept) if by_time and self._limit is not None else used
         allowed = ended + max(FINISHING * ended, LEAST_FINISHING)
         return self._abandoned or self._clock() - self._begin > allowed
 
     def begin(self, step: str) -> None:
         """Name the step that begins."""
         self.step = step
+
+    def release(self) -> None:
+        """Let the steps after the search begin, in the time that was kept for them."""
+        if self._kept and self._ended is not None and self._ended[1]:
+            self._ended = None
+        self._kept = 0.0
 
     def stops(self) -> bool:
         """Return whether a step must be left out, which is noted, as the time is over."""
@@ -97,13 +105,13 @@ class Deadline:
     @property
     def partial(self) -> Partial | None:
         """What was cut short; None where nothing was."""
-        if self._cut is None or self._ended is None:
+        if self._cut is None:
             return None
-        used, by_time = self._ended
+        step, used, by_time = self._cut
         reason: Literal["time_limit", "interrupted"] = "time_limit" if by_time else "interrupted"
-        return Partial(reason=reason, after=used, step=self._cut, left_out=tuple(self._left_out))
+        return Partial(reason=reason, after=used, step=step, left_out=tuple(self._left_out))
 
     def _noted(self, left_out: bool) -> bool:
-        if left_out and self._cut is None:
-            self._cut = self.step
+        if left_out and self._cut is None and self._ended is not None:
+            self._cut = (self.step, *self._ended)
         return left_out

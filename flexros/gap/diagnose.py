@@ -32,6 +32,10 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 
+KEPT = 0.2
+"""Share of a time limit that is kept for the check on the held-out log [1] (chosen)."""
+
+
 @one_blas_thread()
 def diagnose(
     record: Record,
@@ -73,7 +77,7 @@ def diagnose(
     record = at_rate_of_fits(record, given.robot, settings)
     in_closed_loop = log if record.command is None else None
     notes = () if in_closed_loop is None else why_not_simulated(in_closed_loop)
-    deadline = Deadline(settings.time_limit, interrupted)
+    deadline = Deadline(settings.time_limit, interrupted, KEPT)
     rough = likely_gains(record, driven_model(given, record), settings)
     begun = given
     if rough:

@@ -185,6 +185,7 @@ class DiagnosisTask:
             found: The explanations.
         """
         settings, deadline, stages = self.settings, self.deadline, self.stages
+        deadline.release()
         kept = confirmed(found.search, found.explanations, found.held_data)
         stages.begin(ANSWERED, ANSWER)
         deadline.begin(ANSWERED)

@@ -171,7 +171,7 @@ def diagnose(
         prescribed: Motors without a usable torque, whose measured motion drives the model.
         joints: Motors at which effects compete, with their springs and bodies; default: all.
         effects: Names of the effects that compete; default: all.
-        time_limit: Time after which the search ends with what it has found [s]; default: none.
+        time_limit: Time in which an answer must be found, however incomplete [s]; default: none.
         settings: All settings, instead of `joints`, `effects` and `time_limit`.
         progress: Called with the name of the stage and the share of all that is done [1].
 

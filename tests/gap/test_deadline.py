@@ -126,3 +126,29 @@ def test_what_an_answer_leaves_out_is_noted_once_the_time_to_finish_it_is_over(c
     assert deadline.leaves_out("second part")
     assert deadline.partial is not None
     assert (deadline.partial.step, deadline.partial.left_out) == ("answer", ("second part",))
+
+
+def test_a_part_of_the_limit_is_kept_for_the_steps_after_the_search(clock: Clock) -> None:
+    """A delay that made the held-out log worse was named, as a search took all the time."""
+    deadline = Deadline(100.0, kept=0.2, clock=clock)
+    deadline.begin("effects exchanged")
+    clock.time += 81.0
+    assert deadline.stops()
+    clock.time += 15.0
+    assert deadline.stops_finishing()
+    deadline.release()
+    deadline.begin("effects on held-out data")
+    assert not deadline.stops()
+    clock.time += 5.0
+    assert deadline.stops()
+    assert not deadline.stops_finishing()
+    partial = deadline.partial
+    assert partial is not None
+    assert (partial.reason, partial.step, partial.after) == ("time_limit", "effects exchanged", 81.0)
+
+
+def test_an_interruption_leaves_no_time_for_the_steps_after_the_search(clock: Clock) -> None:
+    deadline = Deadline(100.0, lambda: True, kept=0.2, clock=clock)
+    assert deadline.stops()
+    deadline.release()
+    assert deadline.stops()

@@ -58,8 +58,8 @@ def diagnose(
     time_limit: float = typer.Option(
         None,
         "--time-limit",
-        help="Time after which the search ends [s]. The check on held-out data follows, and where steps of the search "
-        "are missing the result is partial.",
+        help="Time in which an answer must be found [s]. The search ends after four fifths of it, the check on "
+        "held-out data follows, and where steps are missing the result is partial.",
     ),
     as_json: bool = typer.Option(False, "--json", help="Print diagnosis.json."),
 ) -> int:

@@ -73,7 +73,7 @@ def partial_sentence(diagnosis: Diagnosis) -> str:
     partial = diagnosis.partial
     if partial is None:
         return ""
-    what = "its time limit ended the diagnosis" if partial.reason == "time_limit" else "the diagnosis was interrupted"
+    what = "its time limit ended the search" if partial.reason == "time_limit" else "the diagnosis was interrupted"
     step = f"in step '{partial.step}'" if partial.step else "before its first step"
     text = f"Partial result: {what} after {number(partial.after, 3)} s, {step}"
     left_out = f" There was no time for: {', '.join(partial.left_out)}." if partial.left_out else ""

@@ -6,6 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.effects.friction.coulomb_friction import CoulombFriction
+from flexros.effects.friction.viscous_friction import ViscousFriction
+from flexros.effects.torque_bias import TorqueBias
 from flexros.gap.fit.candidate_fit import best_of_each
 from flexros.gap.fit.limits import at_limits, ended_at_last
 from flexros.gap.search.bristles import with_bristles
@@ -35,6 +38,8 @@ if TYPE_CHECKING:
 
 TWIN = 1.05
 """Gain of two candidates together, over the larger of theirs alone, up to which they do the same [1] (chosen)."""
+USUAL = (CoulombFriction, ViscousFriction, TorqueBias)
+"""What may be missing at every motor, as machines have it."""
 
 
 def extended(
@@ -70,7 +75,8 @@ def extended(
         if quick and search.premises.library_is_complete:
             chosen = search.completed(chosen)  # what a fit in a long valley leaves is no effect that is missing
             fits.append(chosen)
-        grown = with_more(search, chosen, directions, fits, further)
+        grown = None if number or again else _with_usual(search, chosen, fits)
+        grown = grown or with_more(search, chosen, directions, fits, further)
         if further and not (grown and _lowered(search, chosen, grown) > further):
             break
         least = _removed(search, chosen, settings.removed_by_step)
@@ -238,6 +244,10 @@ def with_more(
         if not group or sum(addition.gain for addition in group) < settings.hopeful * further * rest:
             return None
     else:
+        least = settings.hopeful * _least_gain(search, fit)
+        if sum(addition.gain for addition in group) < least:
+            return None
+        additions = [addition for addition in additions if addition.gain > least]
         cost = float(np.log(search.data.n_values))  # of a parameter, by the information criterion
         group = [one for one in group if one is group[0] or one.gain > cost * len(one.candidate.free)]
     if len(group) > 1 and not search.torques_decide:
@@ -256,6 +266,25 @@ def with_more(
     if grown is None or alone is None:
         return grown or alone
     return alone if alone.chi2 < grown.chi2 or worth_it(alone) else grown  # others of the group may hide its worth
+
+
+def _least_gain(search: Search, fit: CandidateFit) -> float:
+    """Return what an effect of a simulated log must lower the sum of squares by where hardly more than noise is left.
+
+    Beyond noise nothing less than the model-form error counts, and of little more than noise a good part of it. Fits of
+    less, of which linear theory promises many, took most of the time of two axes; where more is left, it says too
+    little of laws whose sizes are far off, and none is left out.
+
+    Args:
+        search: The search.
+        fit: The explanation.
+    """
+    n, settings = search.data.n_values, search.settings.search
+    rest, comparison = fit.chi2 - n, compared(search, [fit])
+    form = search.settings.ranking.shaped_form * gap_of_laws(search, comparison, fit) * n
+    if not more_than_chance(comparison, fit):
+        return max(form, 0.0)
+    return settings.removed_of_little * rest if rest < min(settings.little * n, form) else 0.0
 
 
 def promises(search: Search, fit: CandidateFit, directions: Sequence[Directions], share: float) -> bool:
@@ -331,13 +360,47 @@ def _from_nominal_numbers(search: Search, fit: CandidateFit, fits: list[Candidat
     Returns:
         The best of the new fits; None where numbers are within tolerance or no candidate is left.
     """
-    strained = compared(search, [fit]).beyond_tolerance(fit)
-    if not (search.premises.library_is_complete and strained) or search.deadline.stops():
+    if not _draws_numbers(search, fit):
         return None
     nominal = search.with_nominal_numbers(fit)
     directions = search.directions(search.candidates(), nominal)
     additions = search.additions(directions, nominal, search.surroundings(nominal))
     return _fitted(search, nominal, [[one] for one in additions[: search.settings.search.added]], fits)
+
+
+def _with_usual(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit | None:
+    """Add friction and constant torques at all motors to an explanation that draws numbers of the model for them.
+
+    Beside the first effect of a crowd these numbers go to their limits, and what is proposed and fitted around them
+    imitates: a ripple that stood for a constant torque could not be left out any more, as a fit without it went on from
+    the same numbers. From the nominal ones all friction at once is found in one fit, and what is needless of it goes.
+
+    Args:
+        search: The search.
+        fit: The explanation.
+        fits: All fits so far; the new one is appended.
+
+    Returns:
+        The new fit; None where numbers are within tolerance, or where it removes little of what is left.
+    """
+    usual = [one for one in search.candidates() if one.effect in USUAL and one.name not in fit.names]
+    if not usual or not _draws_numbers(search, fit):
+        return None
+    nominal = search.with_nominal_numbers(fit)
+    around = search.surroundings(nominal)
+    additions = search.additions(search.directions(usual, nominal), nominal, around)
+    if not additions:
+        return None
+    sizes = around.sizes(np.stack([one.change for one in additions], axis=-1))
+    sized = [one.sized(size) for one, size in zip(additions, sizes, strict=True)]
+    grown = _fitted(search, nominal, [sized], fits)
+    return grown if grown is not None and _lowered(search, fit, grown) > search.settings.search.removed else None
+
+
+def _draws_numbers(search: Search, fit: CandidateFit) -> bool:
+    """Return whether an explanation of a simulated log draws numbers out of tolerance, and there is time to mend it."""
+    strained = search.premises.library_is_complete and compared(search, [fit]).beyond_tolerance(fit)
+    return strained and not search.deadline.stops()
 
 
 def _fitted(

@@ -12,6 +12,7 @@ from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.kinds.relative_error import AbstractRelativeError
 from flexros.gap.candidates.tolerance import FARTHEST
 from flexros.gap.fit.least_squares import fit as fit_candidate
+from flexros.gap.fit.limits import ended_at_last
 from flexros.gap.fit.tolerance_takeover import friction_takeover, takeover
 from flexros.gap.search.exchange import exchanged
 from flexros.gap.search.fits.additions import Addition
@@ -58,7 +59,8 @@ def with_far_numbers(search: Search, chosen: CandidateFit, fits: list[CandidateF
         fits.append(search.completed(search.together(chosen, [found])))
         named, name = fits[-1], found.candidate.name
         freed = chosen.prior_penalty - named.prior_penalty
-        if named.chi2 < chosen.chi2 and freed > least**2 / 2 and _tolerances(search, named, found.candidate) > least:
+        far = _tolerances(search, named, found.candidate) > least and name not in ended_at_last(named)
+        if far and named.chi2 < chosen.chi2 and freed > least**2 / 2:
             chosen = named
         refused.add(name)
     return chosen if chosen is begun else _exchanged_beside(search, chosen, chosen.names - begun.names, fits)

@@ -118,8 +118,9 @@ def worth(
         return True
     if search.premises.floor_is_noise and _down_to_noise(search, comparison, before, after):
         return True
+    within_noise = search.premises.floor_is_noise and not more_than_chance(comparison, before)
     return (
-        comparison.removed(before, after) >= removed
+        (comparison.removed(before, after) >= removed and not within_noise)
         or _at_one_motor(search, comparison, before, after)
         or _constant(search, comparison, before, after)
     )
@@ -171,7 +172,8 @@ def _down_to_noise(search: Search, comparison: ModelComparison, before: Candidat
     """Return whether further effects leave no more than noise, and gain more than the form of all laws may miss.
 
     What remains is known to within chance only, which may be most of it: the share that an effect removes says nothing
-    there. What it gains does, beyond the model-form error of the whole gap.
+    there, and less where no more than noise remains without it: two axes went on to gain 300 nats at a time, of a gap
+    of 2000 floors. What it gains does, beyond the model-form error of the whole gap.
     """
     if more_than_chance(comparison, after):
         return False

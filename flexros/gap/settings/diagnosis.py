@@ -48,8 +48,8 @@ class DiagnosisSettings(Settings):
     time_limit: float | None = Field(
         default=None,
         gt=0,
-        description="time from the begin of the diagnosis after which the search ends and the best explanation so far "
-        "is the answer [s]; nothing: none",
+        description="time from the begin of the diagnosis in which an answer must be found [s]: after four fifths of "
+        "it the search ends, and the best explanation so far is checked on the held-out log; nothing: none",
     )
     threads: int = Field(default=0, ge=0, description="fits at the same time; 0: as many as there are cores")
     seed: int = Field(default=1, ge=0, description="seed of the simulated logs without gap")

@@ -13,6 +13,9 @@ from flexros.gap.fit.screening import Surroundings
 from flexros.gap.search import growth
 from flexros.gap.settings import DiagnosisSettings
 from flexros.record.premises import MEASURED, SIMULATED
+from tests.gap.diagnosis_logs import candidates_of
+
+N = 20_000
 
 
 def fit(*names: str) -> Any:
@@ -52,6 +55,7 @@ def steps(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         "floor_is_uncertain": lambda *_: False,
         "worth": lambda *_: True,
         "_from_nominal_numbers": lambda *_: None,
+        "_with_usual": lambda *_: None,
         "_removed": lambda *_: 0.1,
         "corrected": lambda _search, one, *_: one,
     }
@@ -230,7 +234,8 @@ def first_group(
     """Gains of the candidates that are tried together first, of some that are independent of each other."""
     tried: list[Any] = []
     search = search_with(found, monkeypatch)
-    for name, value in (("_removed", 0.0), ("best_of_each", []), ("compared", None), ("worth", True)):
+    known = {"_removed": 0.0, "_least_gain": 0.0, "best_of_each": [], "compared": None, "worth": True}
+    for name, value in known.items():
         monkeypatch.setattr(growth, name, lambda *_, value=value: value)
     monkeypatch.setattr(growth, "_fitted", lambda _search, _fit, trials, _fits: tried.append(trials[0]) or fit("first"))
     search.torques_decide = torques_decide
@@ -268,13 +273,42 @@ def test_where_a_group_is_not_worth_it_different_candidates_are_tried_alone(monk
         tried.append(["+".join(one.candidate.name for one in trial) for trial in trials])
         return fit(*tried[-1])
 
-    for name, value in (("_removed", 0.0), ("best_of_each", []), ("compared", None)):
+    for name, value in (("_removed", 0.0), ("_least_gain", 0.0), ("best_of_each", []), ("compared", None)):
         monkeypatch.setattr(growth, name, lambda *_, value=value: value)
     monkeypatch.setattr(growth, "_independent", lambda *_: [found[0], found[0]])
     monkeypatch.setattr(growth, "_fitted", fitted)
     monkeypatch.setattr(growth, "worth", lambda _search, _comparison, _before, after, _least: "drag" in after.names)
     assert growth.with_more(search, fit(), [], []).names == {"lag", "drag"}
     assert tried == [["lag+lag"], ["lag", "drag"]]
+
+
+@pytest.mark.parametrize(
+    ("level", "gap", "expected"),
+    [(1.01, 2000.0, 4.0 * N), (1.01, 10.0, 0.02 * N), (1.1, 2000.0, 0.06 * N), (1.1, 10.0, 0.0), (1.5, 2000.0, 0.0)],
+)
+def test_near_noise_candidates_must_promise_what_an_effect_must_gain_there(
+    level: float, gap: float, expected: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two axes gained 300 nats at a time below noise, beside a gap of 2000 floors, for as long as there was time."""
+    monkeypatch.setattr(growth, "gap_of_laws", lambda *_: gap)
+    monkeypatch.setattr(growth, "compared", lambda *_: None)
+    monkeypatch.setattr(growth, "more_than_chance", lambda *_: level > 1.05)
+    search: Any = SimpleNamespace(data=SimpleNamespace(n_values=N), settings=DiagnosisSettings())
+    one: Any = SimpleNamespace(chi2=level * N)
+    assert growth._least_gain(search, one) == pytest.approx(expected)
+
+
+def test_candidates_that_promise_too_little_near_noise_are_not_fitted(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = [addition("ripple@motor_1", 30.0), addition("mode@base", 25.0)]
+    monkeypatch.setattr(growth, "_least_gain", lambda *_: 100.0)
+    tried: list[Any] = []
+    monkeypatch.setattr(growth, "_fitted", lambda _search, _fit, trials, _fits: tried.append(trials) or fit("first"))
+    for name, value in (("_removed", 0.0), ("best_of_each", []), ("compared", None), ("worth", True)):
+        monkeypatch.setattr(growth, name, lambda *_, value=value: value)
+    assert growth.with_more(search_with(found[:1], monkeypatch), fit(), [], []) is None
+    assert not tried
+    growth.with_more(search_with(found, monkeypatch), fit(), [], [])  # half of 100 is enough
+    assert tried == [[found]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -324,6 +358,36 @@ def test_beside_numbers_out_of_tolerance_candidates_are_tried_from_the_nominal_n
     growth._from_nominal_numbers(search, fit, [])
     assert search.around == ([[0.3, 0.0, 0.0, 0.0]] * 2 if strained else [])
     assert [(one.chi2, trials) for one, trials in begun] == ([(900.0, [["gain"]])] if strained else [])
+
+
+@pytest.mark.parametrize(("left", "taken"), [(40.0, True), (95.0, False)])
+def test_friction_of_all_motors_is_added_from_the_nominal_numbers(
+    left: float, taken: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A ripple stood for a constant torque beside numbers at their limits, and could not be left out any more."""
+    begun: list[Any] = []
+
+    def fitted(_search: Any, one: Any, trials: Any, _fits: Any) -> Any:
+        begun.append((one.chi2, [found.candidate.name for found in trials[0]]))
+        return SimpleNamespace(chi2=left)
+
+    def additions(directions: Any, *_: Any) -> Any:
+        return [addition(one.name, 1.0) for one in directions]
+
+    search: Any = Screened()
+    competing = candidates_of()
+    search.data, search.additions = SimpleNamespace(n_values=10.0), additions
+    search.candidates, search.directions = competing.values, lambda candidates, _: candidates
+    search.surroundings = lambda _: SimpleNamespace(sizes=lambda changes: np.ones(changes.shape[1]))
+    monkeypatch.setattr(growth, "compared", lambda *_: SimpleNamespace(beyond_tolerance=lambda _: True))
+    monkeypatch.setattr(growth, "_fitted", fitted)
+    one: Any = Strained(SimpleNamespace(n_effect=1), np.array([0.3, 4.0, -5.0, 2.0]), 100.0)
+    object.__setattr__(one, "names", {"coulomb_friction@motor_1"})
+    grown = growth._with_usual(search, one, [])
+    usual = ("coulomb_friction", "viscous_friction", "torque_bias")
+    names = [name for name in competing if name.startswith(usual) and name != "coulomb_friction@motor_1"]
+    assert begun == [(900.0, names)]
+    assert (grown is not None) is taken
 
 
 @pytest.mark.parametrize(("level", "goes_on"), [(2.17, True), (3.9, False)])

@@ -80,6 +80,7 @@ def plain_rules(monkeypatch: pytest.MonkeyPatch) -> None:
     """A level below the floors; the penalty of a fit is that of the spring alone."""
     monkeypatch.setattr(within_tolerance, "compared", lambda *_: SimpleNamespace(level=lambda one: 0.9, threshold=6.0))
     monkeypatch.setattr(within_tolerance, "exchanged", lambda _search, one, *_, **__: one)
+    monkeypatch.setattr(within_tolerance, "ended_at_last", lambda _: set())
 
     def takeover(one: Any, chosen: Any) -> Takeover | None:
         relative = issubclass(one.effect, within_tolerance.AbstractRelativeError)
@@ -95,6 +96,13 @@ def test_a_number_far_beyond_its_tolerance_is_an_effect(penalty: float, size: fl
     fits: list[Any] = []
     found = within_tolerance.with_far_numbers(search, fit(1000.0 + penalty, penalty), fits)
     assert (STIFFNESS in found.names) is named
+
+
+def test_a_number_that_goes_to_the_end_of_its_search_is_no_effect(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The dampings of two springs of six axes were named at ten times, and all effects exchanged beside them."""
+    monkeypatch.setattr(within_tolerance, "ended_at_last", lambda _: {STIFFNESS})
+    search: Any = Search(fit(1000.0, 1.0, stiffness=-0.2))
+    assert STIFFNESS not in within_tolerance.with_far_numbers(search, fit(1049.0, 49.0), []).names
 
 
 @pytest.mark.parametrize(("chi2", "further", "exchanged"), [

@@ -291,15 +291,22 @@ def test_what_is_left_of_a_small_gap_is_worth_an_effect_that_ends_it(null: float
 
 @pytest.mark.parametrize(
     ("null", "before", "after", "expected"),
-    [(1.7, 1.035, 1.029, True), (5.0, 1.035, 1.029, False), (1.7, 1.056, 1.05, False), (1.7, 1.03, 1.0297, False)],
+    [
+        (1.7, 1.035, 1.029, True),
+        (5.0, 1.035, 1.029, False),
+        (1.7, 1.056, 1.05, False),
+        (1.7, 1.03, 1.0297, False),
+        (2000.0, 1.0096, 0.978, False),
+        (2000.0, 1.08, 0.978, True),
+    ],
 )
 def test_an_effect_that_leaves_noise_need_not_remove_a_share_of_it(
     null: float, before: float, after: float, expected: bool
 ) -> None:
     """Noise of 20,000 values is known to 0.04: 60 nats of friction were a sixth of what seemed to be left above it.
 
-    Of a large gap they may be the form of another effect, and where more than noise is left an imitation; three nats
-    are chance.
+    Of a large gap they may be the form of another effect, however large a share of chance that is, and where more than
+    noise is left an imitation; three nats are chance.
     """
     rest, fit = measured_fit(before, COULOMB), measured_fit(after, COULOMB, PRESLIDING)
     search = measured_search()
