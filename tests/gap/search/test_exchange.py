@@ -20,7 +20,7 @@ from flexros.gap.search.exchange import (
     one_delay,
 )
 from flexros.gap.settings import DiagnosisSettings
-from flexros.record.premises import SIMULATED
+from flexros.record.premises import MEASURED, SIMULATED
 from tests.gap.diagnosis_logs import candidates_of
 
 
@@ -185,13 +185,31 @@ def test_a_search_in_vain_carries_no_fit_near_it_to_its_end(vain: bool, monkeypa
     assert carried == ([] if vain else [lag])
 
 
-@pytest.mark.parametrize(("score", "taken"), [(120.0, True), (99.0, False)])
+@pytest.mark.parametrize(
+    ("premises", "chi2", "fewer", "score", "taken"),
+    [
+        (SIMULATED, 101.0, 2, 120.0, True),
+        (SIMULATED, 101.0, 2, 99.0, False),
+        (SIMULATED, 99.9, 0, 99.0, True),
+        (MEASURED, 101.0, 2, 120.0, True),
+        (MEASURED, 99.9, 0, 120.0, False),
+        (MEASURED, 98.0, 0, 120.0, True),
+    ],
+)
 def test_an_effect_with_fewer_parameters_that_does_as_much_takes_the_place_of_another(
-    score: float, taken: bool, monkeypatch: pytest.MonkeyPatch
+    premises: Any, chi2: float, fewer: int, score: float, taken: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """An extra mode leaves a little less than the error of a spring that it imitates, with two parameters more."""
-    mode: Any = SimpleNamespace(names=frozenset({"mode", "lag"}), hypothesis=(1, 2), chi2=100.0, converged=True)
-    spring: Any = SimpleNamespace(names=frozenset({"spring", "lag"}), hypothesis=(1, 3), chi2=101.0, converged=True)
+    """An extra mode leaves a little less than the error of a spring that it imitates, with two parameters more.
+
+    With as many parameters an effect of a measured log must leave clearly less.
+    """
+
+    def with_effect(name: str, number: int, chi2: float, n_effect: int) -> Any:
+        predictor = SimpleNamespace(n_effect=n_effect)
+        names, both = frozenset({name, "lag"}), (1, number)
+        return SimpleNamespace(names=names, hypothesis=both, chi2=chi2, converged=True, predictor=predictor)
+
+    mode, spring = with_effect("mode", 2, 100.0, 4), with_effect("spring", 3, chi2, 4 - fewer)
     comparison = SimpleNamespace(
         ranked=lambda fits: sorted(fits, key=lambda fit: fit is mode),
         score=lambda fit: score if fit is spring else 100.0,
@@ -202,6 +220,7 @@ def test_an_effect_with_fewer_parameters_that_does_as_much_takes_the_place_of_an
     monkeypatch.setattr(exchange, "_stopped_early", lambda *_: False)
     search: Any = SimpleNamespace(
         settings=DiagnosisSettings(),
+        premises=premises,
         deadline=SimpleNamespace(stops=lambda: False),
         resumed=False,
         completed=lambda fit: fit,
