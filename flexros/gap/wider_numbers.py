@@ -16,13 +16,17 @@ if TYPE_CHECKING:
     from flexros.gap.search.fits.candidate_fits import Search
     from flexros.gap.search.forward_selection import Explanations
 
+OF_SPRINGS = ".damping"
+"""What the names of the dampers of springs end with."""
+
 
 def found_wider(search: Search, explanations: Explanations, held: FitData) -> tuple[Search, Explanations]:
     """Go on from an explanation of a measured log that moved tolerated numbers to the limit of their search.
 
     Such a number has the value of none, and bends all others. Where torques show what to begin with, the search begins
     there once more. Without torques numbers that may go anywhere take the place of effects at first; beside effects
-    that are found they tell what they are. Both logs must be for it.
+    that are found they tell what they are. Both logs must be for it. The damping of a spring hardly shows beside the
+    tolerance of torques, which it takes up at any size: it alone is no reason.
 
     Args:
         search: The search that found it.
@@ -33,7 +37,8 @@ def found_wider(search: Search, explanations: Explanations, held: FitData) -> tu
         A search in which these numbers go farther and what it found, or the given ones.
     """
     chosen, deadline = explanations.chosen, search.deadline
-    ended = explanations.detected and explanations.beside is None and numbers_at_limits(chosen)
+    found_any = explanations.detected and explanations.beside is None
+    ended = found_any and any(not name.endswith(OF_SPRINGS) for name in numbers_at_limits(chosen))
     widest = search.null.fit.predictor.tolerance.farthest >= FARTHER
     if search.premises.library_is_complete or not ended or widest or deadline.stops():
         return search, explanations

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from flexros.gap import wider_numbers
 from flexros.gap.candidates.tolerance import FARTHER, FARTHEST
 from flexros.gap.fit.limits import numbers_at_limits
 from flexros.gap.search.forward_selection import explain
@@ -43,3 +44,11 @@ def test_it_stays_where_another_log_refutes_it_and_where_no_number_ended_there(r
     kept = found_wider(search, explanations, log_of(tmp_path, *FRICTION, seed=4))
     assert kept == (search, explanations)
     assert search.null.predictor(()).bounds[1].max() == FARTHEST
+
+
+def test_the_damping_of_a_spring_alone_is_no_reason(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It hardly shows: a second search of three elastic axes found what the first one had found."""
+    search = searched(tmp_path, *FRICTION, ROTOR)
+    explanations = explain(search)
+    monkeypatch.setattr(wider_numbers, "numbers_at_limits", lambda _: {"body_1.rz.damping", "body_2.ry.damping"})
+    assert found_wider(search, explanations, log_of(tmp_path, *FRICTION, ROTOR, seed=4)) == (search, explanations)

@@ -70,7 +70,7 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> Conf
 
     Where the nominal model leaves no more than noise and tolerance in either log, there is no gap that an effect could
     be the cause of: one that does not hold in the held-out log is chance, however much it gains in the fitted one. So
-    are effects that improve nothing there.
+    are effects that improve nothing there, and where none was found in the fitted one, the held-out one adds none.
 
     Args:
         search: The search.
@@ -80,7 +80,8 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> Conf
     if _of_chance(search, explanations, held):
         return Confirmed(explanations_of(search, explanations.comparison, explanations.null, detected=False))
     fits = list(explanations.comparison.fits)
-    chosen = told_apart(search, explanations.chosen, fits, held)
+    no_gap = not explanations.detected and errors_ahead(explanations.null, held).mean <= search.settings.ranking.floors
+    chosen = explanations.chosen if no_gap else told_apart(search, explanations.chosen, fits, held)
     if chosen is not explanations.chosen:
         fewer, others = explanations.chosen.names, best_of_each(fits)  # neither it nor what else has more was confirmed
         fits = [chosen, *(fit for fit in others if fit.names != chosen.names and not fit.names >= fewer)]

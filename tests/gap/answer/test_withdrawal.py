@@ -245,6 +245,21 @@ def test_without_a_gap_in_either_log_an_effect_that_does_not_hold_is_chance() ->
     assert elsewhere.explanations.detected
 
 
+@pytest.mark.parametrize(("bias", "added"), [((), False), (("torque_bias@motor_1:level=0.1",), True)])
+def test_where_no_effect_was_found_the_held_out_log_adds_one_to_a_gap_alone(
+    bias: tuple[str, ...], added: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a right model a gain of the torques of 2 % was named, which did as well in the held-out log."""
+    data = replace(measured("torque_bias@motor_1:level=0.1"), torque_noise=1.0)
+    null = fit_null(data, MODEL, Tolerance())
+    search = prepare_search(null, settings_of("coulomb_friction", "torque_bias"))
+    additions = search.additions(search.directions(search.candidates()), null.fit, search.surroundings(null.fit))
+    other = search.together(null.fit, [one for one in additions if one.candidate.name == "torque_bias@motor_1"])
+    monkeypatch.setattr(withdrawal, "told_apart", lambda *_: other)
+    explanations = explanations_of(search, compared(search, [other]), null.fit, detected=False)
+    assert confirmed(search, explanations, measured(*bias, seed=2)).explanations.detected is added
+
+
 def at_its_last_limit(chosen: CandidateFit) -> CandidateFit:
     """The spring at the last limit of its search, and friction that leans on it."""
     soft, friction = (np.flatnonzero(chosen.columns({name})) for name in (SOFT, FRICTION))
