@@ -51,7 +51,7 @@ class CenterError(AbstractChangedValues):
         }
     )
 
-    x: float = Field(0.0, description="offset along x of the base at zero pose [m]")
+    x: float = Field(0.0, description="offset along x of the frame of the body [m]")
     y: float = Field(0.0, description="the same along y [m]")
     z: float = Field(0.0, description="the same along z [m]")
 

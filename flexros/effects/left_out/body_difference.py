@@ -28,7 +28,7 @@ class BodyDifference(AbstractChangedValues):
     fingerprint: ClassVar[str] = "disturbance torques in all joints up to the body, by its weight and its acceleration"
 
     mass: float = Field(0.0, description="difference of the mass [kg]")
-    x: float = Field(0.0, description="of the centre of mass, along x of the base at zero pose [m]")
+    x: float = Field(0.0, description="of the centre of mass, along x of the frame of the body [m]")
     y: float = Field(0.0, description="the same along y [m]")
     z: float = Field(0.0, description="the same along z [m]")
     xx: float = Field(0.0, description="of the inertia about the centre of mass and the axis x [kg m2]")

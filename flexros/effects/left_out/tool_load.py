@@ -55,7 +55,7 @@ class ToolLoad(AbstractChangedValues):
     )
 
     mass: float = Field(0.0, ge=0.0, description="mass [kg]")
-    x: float = Field(0.0, description="its place from the last joint, along x of the base at zero pose [m]")
+    x: float = Field(0.0, description="its place from the last joint, along x of the frame of the body [m]")
     y: float = Field(0.0, description="the same along y [m]")
     z: float = Field(0.0, description="the same along z [m]")
 
