@@ -233,7 +233,8 @@ def _moved(fits: _Fits, closed: float | None) -> tuple[str, ...]:
     factors = {name: factor for name, factor in far_out(fit, STRAINED_ALONE).items() if name not in fits.lacked}
     if not factors:
         return ()
-    text = f"the nominal model is that with numbers moved beyond their tolerance: {moved_words(fit, factors)}."
+    which = "the nominal model" if fits.repaired is None else "before the patch the nominal model"
+    text = f"{which} is that with numbers moved beyond their tolerance: {moved_words(fit, factors)}."
     if closed is not None and closed < LITTLE:
         text += " So a patch that states them closes little of its gap."
     return (f"{text} Give a smaller tolerance to see the gap of the file",)

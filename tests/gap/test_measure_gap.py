@@ -53,6 +53,7 @@ def test_numbers_that_a_wide_tolerance_moves_far_are_stated() -> None:
     tolerance = {"stiffness": 0.0, "damping": 0.0, "inertia": 0.3}
     found = measure_gap(record_of("motor_inertia_error@motor_1:relative=1.5"), MODEL, tolerance=tolerance)
     (text,) = (text for text in found.warnings if "moved beyond their tolerance" in text)
+    assert text.startswith("the nominal model is that with")
     assert "motor_1.inertia to 2." in text
     assert not any("moved beyond" in text for text in measure_gap(record_of(), MODEL, tolerance=tolerance).warnings)
 
@@ -64,6 +65,7 @@ def test_that_a_patch_closes_little_is_said_where_it_does(patch: str, said: bool
     repaired = place_effects(ROBOT, [parse_effect(patch, "test")])
     found = measure_gap(record_of(*hidden), MODEL, repaired=repaired, tolerance=tolerance)
     (text,) = (text for text in found.warnings if "moved beyond their tolerance" in text)
+    assert text.startswith("before the patch the nominal model is that with")
     assert ("closes little" in text) == said
 
 
