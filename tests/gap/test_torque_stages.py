@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 from flexros.effects import RobotWithEffects
+from flexros.gap import torque_stages
 from flexros.gap.diagnose import diagnose
 from flexros.gap.diagnosis_task import DiagnosisTask, SearchedLog
 from flexros.gap.fit.candidate_fit import CandidateFit
@@ -14,8 +17,6 @@ from flexros.record.record import Record
 from flexros.robot import Robot
 from tests.gap.diagnosis_logs import ROBOT, record_of, settings_of
 from tests.gap.rigid_arm import arm, record_of_arm
-
-pytestmark = pytest.mark.slow
 
 FEW = settings_of("coulomb_friction", "viscous_friction")
 Searches = list[tuple[float, frozenset[str], frozenset[str]]]
@@ -43,6 +44,7 @@ def diagnosed(record: Record, robot: Robot, torque: float) -> None:
     diagnose(record, RobotWithEffects(robot, ()), tolerance={"torque": torque}, settings=FEW)
 
 
+@pytest.mark.slow
 def test_a_smaller_tolerance_is_reached_from_the_usual_one_with_what_was_found_there(searches: Searches) -> None:
     diagnosed(record_of_arm(imported=True), arm(), 0.01)
     (usual, nothing, found), (stated, begins_with, _) = searches
@@ -52,6 +54,7 @@ def test_a_smaller_tolerance_is_reached_from_the_usual_one_with_what_was_found_t
     assert begins_with == found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("torque", "steps"), [(0.001, [0.05, 0.005, 0.001]), (0.0, [0.05, 0.0])], ids=["small", "exact"]
 )
@@ -60,11 +63,28 @@ def test_a_step_is_no_more_than_a_tenth(torque: float, steps: list[float], searc
     assert [tolerance for tolerance, *_ in searches] == pytest.approx(steps)
 
 
+@pytest.mark.slow
 def test_a_larger_tolerance_is_searched_with_alone(searches: Searches) -> None:
     diagnosed(record_of_arm(imported=True), arm(), 0.08)
     assert [tolerance for tolerance, *_ in searches] == [0.08]
 
 
+@pytest.mark.slow
 def test_exact_torques_are_searched_once(searches: Searches) -> None:
     diagnosed(record_of("coulomb_friction@motor_1:level=0.05"), ROBOT, 0.01)
     assert len(searches) == 1
+
+
+@pytest.mark.parametrize(("ahead", "hidden"), [(69.2, True), (27.0, False)])
+def test_effects_may_hide_where_none_was_found_and_another_log_strays_farther_than_torques_excuse(
+    ahead: float, hidden: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One sample ahead, what torques may be off by was more than a rotor of 1.4 times its inertia and cogging left."""
+    monkeypatch.setattr(torque_stages, "errors_ahead", lambda *_: SimpleNamespace(mean=ahead))
+    monkeypatch.setattr(torque_stages, "tolerance_floor", lambda *_: 21.7)
+    found: Any = SimpleNamespace(
+        explanations=SimpleNamespace(detected=False, beside=None, null=None), held_data=SimpleNamespace(settings=FEW)
+    )
+    assert torque_stages._may_hide(found) is hidden
+    found.explanations.detected = True
+    assert torque_stages._may_hide(found)

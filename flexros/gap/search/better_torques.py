@@ -47,7 +47,7 @@ def tolerance_on_trial(tolerance: float, left: float, *, again: bool = False) ->
     return tried if tried < tolerance / 2 else None
 
 
-def are_better(tolerance: float, tried: float, left: float) -> bool:
+def are_better(tolerance: float, tried: float, left: float, *, instead: bool = True) -> bool:
     """Return whether torques are known better than assumed, after a search on trial.
 
     An observer that follows a log more loosely shows more of it. On a linear drive whose torques are known very well,
@@ -58,8 +58,10 @@ def are_better(tolerance: float, tried: float, left: float) -> bool:
         tolerance: The assumed one, relative to the rms of a torque [1].
         tried: The one on trial [1].
         left: Mean squared error beyond noise that the explanation leaves, over that of the one on trial [1].
+        instead: Whether it would take the place of an explanation: where none was found, within the assumed tolerance
+            is enough.
     """
-    return left * tried**2 < STILL * tolerance**2
+    return left * tried**2 < (STILL if instead else MOST) * tolerance**2
 
 
 def most_begun(tolerance: float, tried: float) -> float:

@@ -35,6 +35,13 @@ def test_torques_are_not_better_where_an_explanation_leaves_more_than_was_assume
     assert not are_better(0.05, 0.005, 204.0)
 
 
+def test_where_no_explanation_was_found_one_within_the_assumed_tolerance_is_enough() -> None:
+    """A belt axis with cogging and a wrong rotor was explained by friction alone, and by all with 52 times 0.5 %."""
+    assert are_better(0.05, 0.005, 52.4, instead=False)
+    assert not are_better(0.05, 0.005, 52.4)
+    assert not are_better(0.05, 0.005, 110.0, instead=False)
+
+
 def test_a_search_without_hope_is_not_begun() -> None:
     """That of EMPS began with 716 times the tolerance of 0.5 %, that of a simulator with 30 times one of 0.7 %."""
     assert most_begun(0.05, 0.007) > 30
