@@ -6,14 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.effects.friction.coulomb_friction import CoulombFriction
-from flexros.effects.friction.viscous_friction import ViscousFriction
-from flexros.effects.torque_bias import TorqueBias
 from flexros.gap.fit.candidate_fit import best_of_each
-from flexros.gap.fit.limits import at_limits, ended_at_last
+from flexros.gap.fit.limits import at_limits
 from flexros.gap.search.bristles import with_bristles
 from flexros.gap.search.elimination.reduce import reduced
 from flexros.gap.search.exchange import corrected, exchanged
+from flexros.gap.search.fits.further import fitted_with, from_nominal_numbers, with_usual
 from flexros.gap.search.periodic.overtones import with_overtones
 from flexros.gap.search.regrouping import regrouped
 from flexros.gap.search.worth import (
@@ -38,8 +36,6 @@ if TYPE_CHECKING:
 
 TWIN = 1.05
 """Gain of two candidates together, over the larger of theirs alone, up to which they do the same [1] (chosen)."""
-USUAL = (CoulombFriction, ViscousFriction, TorqueBias)
-"""What may be missing at every motor, as machines have it."""
 
 
 def extended(
@@ -75,13 +71,13 @@ def extended(
         if quick and search.premises.library_is_complete:
             chosen = search.completed(chosen)  # what a fit in a long valley leaves is no effect that is missing
             fits.append(chosen)
-        grown = None if number or again else _with_usual(search, chosen, fits)
+        grown = None if number or again else with_usual(search, chosen, fits)
         grown = grown or with_more(search, chosen, directions, fits, further)
         if further and not (grown and _lowered(search, chosen, grown) > further):
             break
         least = _removed(search, chosen, settings.removed_by_step)
         if grown is None or not worth(search, compared(search, best_of_each(fits)), chosen, grown, least):
-            grown = _from_nominal_numbers(search, chosen, fits)
+            grown = from_nominal_numbers(search, chosen, fits)
         comparison = compared(search, best_of_each(fits))
         if grown is None or not worth(search, comparison, chosen, grown, least):
             break
@@ -253,7 +249,7 @@ def with_more(
     if len(group) > 1 and not search.torques_decide:
         sizes = surroundings.sizes(np.stack([addition.change for addition in group], axis=-1))
         group = [addition.sized(size) for addition, size in zip(group, sizes, strict=True)]
-    grown = (_known(fit, group, known) or _fitted(search, fit, [group], fits)) if len(group) > 1 else None
+    grown = (_known(fit, group, known) or fitted_with(search, fit, [group], fits)) if len(group) > 1 else None
     step = _removed(search, fit, settings.removed_by_step)
 
     def worth_it(one: CandidateFit) -> bool:
@@ -262,7 +258,7 @@ def with_more(
 
     if grown is not None and (search.torques_decide or search.deadline.stops() or worth_it(grown)):
         return grown
-    alone = _fitted(search, fit, [[addition] for addition in _different(search, fit, additions)], fits)
+    alone = fitted_with(search, fit, [[addition] for addition in _different(search, fit, additions)], fits)
     if grown is None or alone is None:
         return grown or alone
     return alone if alone.chi2 < grown.chi2 or worth_it(alone) else grown  # others of the group may hide its worth
@@ -343,90 +339,3 @@ def _known(fit: CandidateFit, group: Sequence[Addition], known: Sequence[Candida
     names = fit.names | {addition.candidate.name for addition in group}
     alike = [one for one in known if one.names == names and one.chi2 < fit.chi2]
     return min(alike, key=lambda one: one.chi2, default=None)
-
-
-def _from_nominal_numbers(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit | None:
-    """Add a candidate to an explanation of a simulated log that draws numbers of the model out of tolerance for it.
-
-    These made up for what was missing, far from where linear theory around them sees what it would do: a gain of the
-    torques that is 6 % off had become a spring that was 12 % too soft and seven other numbers, beside which it promised
-    nothing. Around the numbers of the nominal model it promises most.
-
-    Args:
-        search: The search.
-        fit: The explanation.
-        fits: All fits so far; new ones are appended.
-
-    Returns:
-        The best of the new fits; None where numbers are within tolerance or no candidate is left.
-    """
-    if not _draws_numbers(search, fit):
-        return None
-    nominal = search.with_nominal_numbers(fit)
-    directions = search.directions(search.candidates(), nominal)
-    additions = search.additions(directions, nominal, search.surroundings(nominal))
-    return _fitted(search, nominal, [[one] for one in additions[: search.settings.search.added]], fits)
-
-
-def _with_usual(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit | None:
-    """Add friction and constant torques at all motors to an explanation that draws numbers of the model for them.
-
-    Beside the first effect of a crowd these numbers go to their limits, and what is proposed and fitted around them
-    imitates: a ripple that stood for a constant torque could not be left out any more, as a fit without it went on from
-    the same numbers. From the nominal ones all friction at once is found in one fit, and what is needless of it goes.
-
-    Args:
-        search: The search.
-        fit: The explanation.
-        fits: All fits so far; the new one is appended.
-
-    Returns:
-        The new fit; None where numbers are within tolerance, or where it removes little of what is left.
-    """
-    usual = [one for one in search.candidates() if one.effect in USUAL and one.name not in fit.names]
-    if not usual or not _draws_numbers(search, fit):
-        return None
-    nominal = search.with_nominal_numbers(fit)
-    around = search.surroundings(nominal)
-    additions = search.additions(search.directions(usual, nominal), nominal, around)
-    if not additions:
-        return None
-    sizes = around.sizes(np.stack([one.change for one in additions], axis=-1))
-    sized = [one.sized(size) for one, size in zip(additions, sizes, strict=True)]
-    grown = _fitted(search, nominal, [sized], fits)
-    return grown if grown is not None and _lowered(search, fit, grown) > search.settings.search.removed else None
-
-
-def _draws_numbers(search: Search, fit: CandidateFit) -> bool:
-    """Return whether an explanation of a simulated log draws numbers out of tolerance, and there is time to mend it."""
-    strained = search.premises.library_is_complete and compared(search, [fit]).beyond_tolerance(fit)
-    return strained and not search.deadline.stops()
-
-
-def _fitted(
-    search: Search, fit: CandidateFit, trials: Sequence[Sequence[Addition]], fits: list[CandidateFit]
-) -> CandidateFit | None:
-    """Fit an explanation with each of some groups of candidates; new fits are appended, the best one is returned."""
-    together = search.parallel("effects together", lambda trial: search.together(fit, trial), trials)
-    visible = search.visible([search.with_visible(one) for one in together])
-    grown = [one for one in (_without_ended(search, fit, one) for one in visible) if one is not None]
-    fits += grown
-    return min(grown, key=lambda one: one.chi2, default=None)
-
-
-def _without_ended(search: Search, fit: CandidateFit, grown: CandidateFit) -> CandidateFit | None:
-    """Leave out further effects of a measured log that ended at the last limits of their search; None where all did.
-
-    They are no findings. Beside one of them, a limit of torques that stood for the weight of a cable and the friction
-    of the motor, effects were left out that could not come back when it was left out in the end.
-
-    Args:
-        search: The search.
-        fit: The fit before.
-        grown: The same with further effects.
-    """
-    further = grown.names - fit.names
-    ended = further & ended_at_last(grown) if search.torques_decide else set()
-    if ended == further:
-        return None
-    return search.without(grown, *ended) if ended else grown

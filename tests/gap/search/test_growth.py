@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -13,7 +12,6 @@ from flexros.gap.fit.screening import Surroundings
 from flexros.gap.search import growth
 from flexros.gap.settings import DiagnosisSettings
 from flexros.record.premises import MEASURED, SIMULATED
-from tests.gap.diagnosis_logs import candidates_of
 
 N = 20_000
 
@@ -54,8 +52,8 @@ def steps(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         "incomplete": lambda *_: True,
         "floor_is_uncertain": lambda *_: False,
         "worth": lambda *_: True,
-        "_from_nominal_numbers": lambda *_: None,
-        "_with_usual": lambda *_: None,
+        "from_nominal_numbers": lambda *_: None,
+        "with_usual": lambda *_: None,
         "_removed": lambda *_: 0.1,
         "corrected": lambda _search, one, *_: one,
     }
@@ -122,24 +120,6 @@ def test_candidates_promise_what_they_gain_together(
     """By linear theory two gain 35 of 90 above the floor, and half of what they must is enough."""
     search = search_with([addition("mode@tool", 20.0), addition("drag@motor_1", 15.0)], monkeypatch)
     assert growth.promises(search, fit(), [], share) is expected
-
-
-@pytest.mark.parametrize(
-    ("ended", "left"), [((), ("first", "drag", "limit")), (("limit",), ("first", "drag")), (("limit", "drag"), None)]
-)
-def test_a_further_effect_that_ended_at_its_last_limit_is_not_added(
-    ended: tuple[str, ...], left: tuple[str, ...] | None, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Beside a limit of torques that stood for others these were left out, and it itself in the end."""
-    monkeypatch.setattr(growth, "ended_at_last", lambda _: set(ended))
-    search = search_that_never_ends()
-    search.without = lambda one, *names: fit(*(name for name in one.hypothesis if name not in names))
-    grown = fit("first", "drag", "limit")
-    search.torques_decide = True
-    found = growth._without_ended(search, fit("first"), grown)
-    assert (None if found is None else found.hypothesis) == left
-    search.torques_decide = False
-    assert growth._without_ended(search, fit("first"), grown) is grown
 
 
 @pytest.mark.parametrize(("left", "expected"), [(True, 1), (False, 0)])
@@ -237,7 +217,9 @@ def first_group(
     known = {"_removed": 0.0, "_least_gain": 0.0, "best_of_each": [], "compared": None, "worth": True}
     for name, value in known.items():
         monkeypatch.setattr(growth, name, lambda *_, value=value: value)
-    monkeypatch.setattr(growth, "_fitted", lambda _search, _fit, trials, _fits: tried.append(trials[0]) or fit("first"))
+    monkeypatch.setattr(
+        growth, "fitted_with", lambda _search, _fit, trials, _fits: tried.append(trials[0]) or fit("first")
+    )
     search.torques_decide = torques_decide
     growth.with_more(search, fit(), [], [], further)
     return [one.gain for one in tried[0]]
@@ -276,7 +258,7 @@ def test_where_a_group_is_not_worth_it_different_candidates_are_tried_alone(monk
     for name, value in (("_removed", 0.0), ("_least_gain", 0.0), ("best_of_each", []), ("compared", None)):
         monkeypatch.setattr(growth, name, lambda *_, value=value: value)
     monkeypatch.setattr(growth, "_independent", lambda *_: [found[0], found[0]])
-    monkeypatch.setattr(growth, "_fitted", fitted)
+    monkeypatch.setattr(growth, "fitted_with", fitted)
     monkeypatch.setattr(growth, "worth", lambda _search, _comparison, _before, after, _least: "drag" in after.names)
     assert growth.with_more(search, fit(), [], []).names == {"lag", "drag"}
     assert tried == [["lag+lag"], ["lag", "drag"]]
@@ -302,92 +284,15 @@ def test_candidates_that_promise_too_little_near_noise_are_not_fitted(monkeypatc
     found = [addition("ripple@motor_1", 30.0), addition("mode@base", 25.0)]
     monkeypatch.setattr(growth, "_least_gain", lambda *_: 100.0)
     tried: list[Any] = []
-    monkeypatch.setattr(growth, "_fitted", lambda _search, _fit, trials, _fits: tried.append(trials) or fit("first"))
+    monkeypatch.setattr(
+        growth, "fitted_with", lambda _search, _fit, trials, _fits: tried.append(trials) or fit("first")
+    )
     for name, value in (("_removed", 0.0), ("best_of_each", []), ("compared", None), ("worth", True)):
         monkeypatch.setattr(growth, name, lambda *_, value=value: value)
     assert growth.with_more(search_with(found[:1], monkeypatch), fit(), [], []) is None
     assert not tried
     growth.with_more(search_with(found, monkeypatch), fit(), [], [])  # half of 100 is enough
     assert tried == [[found]]
-
-
-@dataclass(frozen=True, eq=False)
-class Strained:
-    """A fit of one effect whose three tolerated numbers are out of tolerance."""
-
-    predictor: Any
-    theta: Any
-    chi2: float
-
-
-class Screened:
-    """A search that notes around which parameters it screens candidates, and from which it fits."""
-
-    def __init__(self) -> None:
-        self.settings, self.premises = DiagnosisSettings(), SIMULATED
-        self.data, self.deadline = None, SimpleNamespace(stops=lambda: False)
-        self.around: list[list[float]] = []
-
-    def candidates(self) -> list[str]:
-        return ["gain"]
-
-    def with_nominal_numbers(self, fit: Strained) -> Strained:
-        theta = np.where(np.arange(len(fit.theta)) < fit.predictor.n_effect, fit.theta, 0.0)
-        return replace(fit, theta=theta, chi2=900.0)
-
-    def directions(self, candidates: Any, fit: Strained) -> Any:
-        self.around.append(fit.theta.tolist())
-        return candidates
-
-    def surroundings(self, fit: Strained) -> None:
-        self.around.append(fit.theta.tolist())
-
-    def additions(self, directions: Any, *_: Any) -> Any:
-        return directions
-
-
-@pytest.mark.parametrize("strained", [True, False])
-def test_beside_numbers_out_of_tolerance_candidates_are_tried_from_the_nominal_numbers(
-    strained: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    begun: list[Any] = []
-    monkeypatch.setattr(growth, "compared", lambda *_: SimpleNamespace(beyond_tolerance=lambda _: strained))
-    monkeypatch.setattr(growth, "_fitted", lambda _search, one, trials, _fits: begun.append((one, trials)))
-    search: Any = Screened()
-    fit: Any = Strained(SimpleNamespace(n_effect=1), np.array([0.3, 4.0, -5.0, 2.0]), 100.0)
-    growth._from_nominal_numbers(search, fit, [])
-    assert search.around == ([[0.3, 0.0, 0.0, 0.0]] * 2 if strained else [])
-    assert [(one.chi2, trials) for one, trials in begun] == ([(900.0, [["gain"]])] if strained else [])
-
-
-@pytest.mark.parametrize(("left", "taken"), [(40.0, True), (95.0, False)])
-def test_friction_of_all_motors_is_added_from_the_nominal_numbers(
-    left: float, taken: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A ripple stood for a constant torque beside numbers at their limits, and could not be left out any more."""
-    begun: list[Any] = []
-
-    def fitted(_search: Any, one: Any, trials: Any, _fits: Any) -> Any:
-        begun.append((one.chi2, [found.candidate.name for found in trials[0]]))
-        return SimpleNamespace(chi2=left)
-
-    def additions(directions: Any, *_: Any) -> Any:
-        return [addition(one.name, 1.0) for one in directions]
-
-    search: Any = Screened()
-    competing = candidates_of()
-    search.data, search.additions = SimpleNamespace(n_values=10.0), additions
-    search.candidates, search.directions = competing.values, lambda candidates, _: candidates
-    search.surroundings = lambda _: SimpleNamespace(sizes=lambda changes: np.ones(changes.shape[1]))
-    monkeypatch.setattr(growth, "compared", lambda *_: SimpleNamespace(beyond_tolerance=lambda _: True))
-    monkeypatch.setattr(growth, "_fitted", fitted)
-    one: Any = Strained(SimpleNamespace(n_effect=1), np.array([0.3, 4.0, -5.0, 2.0]), 100.0)
-    object.__setattr__(one, "names", {"coulomb_friction@motor_1"})
-    grown = growth._with_usual(search, one, [])
-    usual = ("coulomb_friction", "viscous_friction", "torque_bias")
-    names = [name for name in competing if name.startswith(usual) and name != "coulomb_friction@motor_1"]
-    assert begun == [(900.0, names)]
-    assert (grown is not None) is taken
 
 
 @pytest.mark.parametrize(("level", "goes_on"), [(2.17, True), (3.9, False)])
