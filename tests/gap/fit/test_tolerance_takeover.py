@@ -67,3 +67,21 @@ def test_a_number_far_out_is_part_of_the_effect_that_is_an_error_of_it(
     assert predictor.values(whole.theta)[0][key] == pytest.approx(value + change)
     assert fit.chi2 - whole.chi2 == pytest.approx(25 * data.misfit, rel=1e-3)  # the same predictions
     assert with_own_numbers(fit, data, 6.0) is fit
+
+
+def test_friction_takes_over_what_its_number_deviates_by_along_directions_of_many() -> None:
+    """Viscous friction of -1.96 and a tolerated number of +2.00 Nm s/rad cancelled in a patch, and one was a cause."""
+    number, data = "motor_1.viscous_friction", data_of()
+    candidate = candidates_of()["viscous_friction@motor_1"]
+    directions = np.array([[0.6, 0.8], [0.8, -0.6]])
+    tolerance = Tolerance((number, "body_1.rz.stiffness"), (0.1, 0.02), directions=directions)
+    predictor = predictor_of(candidate, tolerance=tolerance)
+    theta = np.array([*encoded(candidate, coefficient=0.05, asymmetry=0.1), 2.0, 1.0])
+    fit = CandidateFit(predictor, theta, float(chi2_of(predictor, data, theta[:, None])[0]))
+    whole = with_own_numbers(fit, data, 4.0)
+    assert whole.predictor.tolerance.deviations == (0.0, 0.02)
+    added = np.expm1(0.1 * (0.6 * 2.0 + 0.8)) * ROBOT.parameters[number].value
+    assert predictor.values(whole.theta)[0]["coefficient"] == pytest.approx(0.05 + added)
+    assert whole.chi2 == pytest.approx(fit.chi2, rel=1e-6)
+    assert whole.information.shape == (4, 4)
+    assert with_own_numbers(whole, data, 4.0) is whole
