@@ -102,9 +102,9 @@ def with_own_numbers(fit: CandidateFit, data: FitData, least: float) -> Candidat
     penalty of the deviations falls away. Effects on several numbers, which deviate in different ways, take over none.
 
     Of the directions of many numbers each moves several, so that the penalty stays: an effect takes over whatever its
-    own number deviates by, which is nominal then. Only here, at the end of a search, whose linear theory counts on it
-    that an effect adds to the fit that it is added to, deviations included. Relative errors have theirs from the begin
-    on, see `Predictor`.
+    own number deviates by, within its range, and the number is nominal then. Only here, at the end of a search, whose
+    linear theory counts on it that an effect adds to the fit that it is added to, deviations included. Relative errors
+    have theirs from the begin on, see `Predictor`.
 
     Args:
         fit: The fit.
