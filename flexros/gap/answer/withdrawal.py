@@ -63,10 +63,11 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> Conf
     On a real machine no law has exactly the form of the library. A size that gains in the fitted log may make up for
     that there, as a gain of a servo does for friction that depends on the position, and spoil what is predicted of
     another motion. An effect is withdrawn where, with all others fitted again without it, the predictions 0.1 s ahead
-    are better by more than chance, clearly so unless the effect closes nothing beside the others, and those of one
-    sample are not worse by more than chance. One whose size is not determined, with errors of form, is also withdrawn
-    where they are no worse. A simulated log has no such errors of form. One that comes back as a number of the model
-    far out of its tolerance is not withdrawn: the fitted log needs it.
+    are better by more than chance, clearly so unless the effect closes nothing beside the others and is none that the
+    torques show, such as friction, and those of one sample are not worse by more than chance. One whose size is not
+    determined, with errors of form, is also withdrawn where they are no worse. A simulated log has no such errors of
+    form. One that comes back as a number of the model far out of its tolerance is not withdrawn: the fitted log needs
+    it.
 
     Where the nominal model leaves no more than noise and tolerance in either log, there is no gap that an effect could
     be the cause of: one that does not hold in the held-out log is chance, however much it gains in the fitted one. So
@@ -226,7 +227,7 @@ def _better_without(search: Search, chosen: CandidateFit, before: AheadErrors, h
     def spoils(name: str, fit: CandidateFit, share: ClosedShare) -> bool:
         if share.interval[1] >= 0 or surely_worse(fit, chosen, held):
             return False
-        off = share_of(replace(chosen, theta=chosen.switched_off({name})))
+        off = None if name in shown else share_of(replace(chosen, theta=chosen.switched_off({name})))
         return share.value <= -settings.withdrawn or (off is not None and off.value < NOTHING)
 
     def gain_nothing(fit: CandidateFit, share: ClosedShare | None) -> bool:
@@ -235,7 +236,7 @@ def _better_without(search: Search, chosen: CandidateFit, before: AheadErrors, h
     def without(name: str) -> tuple[str, CandidateFit]:
         return name, search.without(chosen, name)
 
-    undetermined = unclear(search, chosen, settings.undetermined)
+    undetermined, shown = unclear(search, chosen, settings.undetermined), search.shown_by_torques(chosen)
     best, least, needless = None, np.inf, []
     for name, fit in search.parallel("effects on held-out data", without, sorted(chosen.names)):
         share = None if comes_back(name, fit) else share_of(fit)

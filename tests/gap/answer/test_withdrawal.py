@@ -197,11 +197,15 @@ def test_an_effect_that_comes_back_as_a_number_far_out_of_tolerance_is_not_withd
     assert confirmed(search, explanations, held).withdrawn == ()
 
 
-def test_what_closes_nothing_goes_however_little_it_spoils() -> None:
+@pytest.mark.parametrize("shown", [False, True])
+def test_what_closes_nothing_goes_however_little_it_spoils(shown: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What torques show clearly stays: friction at three joints of an arm had gone for a thousandth of the gap."""
+    of_torques = frozenset({SOFT} if shown else ())
+    monkeypatch.setattr(Search, "shown_by_torques", lambda _search, _fit: of_torques)
     search, explanations = found()
     ranking = search.settings.ranking.model_copy(update={"withdrawn": 1e9})
     search = replace(search, settings=search.settings.model_copy(update={"ranking": ranking}))
-    assert confirmed(search, explanations, measured(BOTH[0], seed=2)).withdrawn == (SOFT,)
+    assert confirmed(search, explanations, measured(BOTH[0], seed=2)).withdrawn == (() if shown else (SOFT,))
 
 
 def test_the_last_effect_is_not_withdrawn(monkeypatch: pytest.MonkeyPatch) -> None:
