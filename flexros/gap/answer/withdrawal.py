@@ -38,6 +38,9 @@ if TYPE_CHECKING:
 
 SAME = 1e-3
 """Share by which predictions of one sample may be worse and still count as the same [1] (chosen)."""
+CLEAR = 3.0
+"""Size of an effect that torques show over its standard deviation, with errors of form, from which it is clear [1]
+(chosen)."""
 RIVALS = 3
 """Other explanations that are tried once an effect was withdrawn, the likeliest ones [1] (chosen)."""
 
@@ -64,10 +67,10 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> Conf
     that there, as a gain of a servo does for friction that depends on the position, and spoil what is predicted of
     another motion. An effect is withdrawn where, with all others fitted again without it, the predictions 0.1 s ahead
     are better by more than chance, clearly so unless the effect closes nothing beside the others and is none that the
-    torques show, such as friction, and those of one sample are not worse by more than chance. One whose size is not
-    determined, with errors of form, is also withdrawn where they are no worse. A simulated log has no such errors of
-    form. One that comes back as a number of the model far out of its tolerance is not withdrawn: the fitted log needs
-    it.
+    torques show clearly, such as friction, and those of one sample are not worse by more than chance. One whose size is
+    not determined, with errors of form, is also withdrawn where they are no worse. A simulated log has no such errors
+    of form. One that comes back as a number of the model far out of its tolerance is not withdrawn: the fitted log
+    needs it.
 
     Where the nominal model leaves no more than noise and tolerance in either log, there is no gap that an effect could
     be the cause of: one that does not hold in the held-out log is chance, however much it gains in the fitted one. So
@@ -236,7 +239,8 @@ def _better_without(search: Search, chosen: CandidateFit, before: AheadErrors, h
     def without(name: str) -> tuple[str, CandidateFit]:
         return name, search.without(chosen, name)
 
-    undetermined, shown = unclear(search, chosen, settings.undetermined), search.shown_by_torques(chosen)
+    undetermined = unclear(search, chosen, settings.undetermined)
+    shown = search.shown_by_torques(chosen).difference(unclear(search, chosen, CLEAR))
     best, least, needless = None, np.inf, []
     for name, fit in search.parallel("effects on held-out data", without, sorted(chosen.names)):
         share = None if comes_back(name, fit) else share_of(fit)
