@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from flexros.gap.answer.strained_numbers import OF_SPRINGS
 from flexros.gap.candidates.tolerance import FARTHER
 from flexros.gap.fit.limits import numbers_at_limits
 from flexros.gap.held_out.errors_ahead import errors_ahead
@@ -15,9 +16,6 @@ if TYPE_CHECKING:
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.search.fits.candidate_fits import Search
     from flexros.gap.search.forward_selection import Explanations
-
-OF_SPRINGS = ".damping"
-"""What the names of the dampers of springs end with."""
 
 
 def found_wider(search: Search, explanations: Explanations, held: FitData) -> tuple[Search, Explanations]:

@@ -29,6 +29,8 @@ SHOWN = 3
 LARGE, SEVERAL = 0.5, 2.0
 """Logarithm of a factor, and deviation over the tolerance, from which both together are far out as well [1] (chosen): a
 guessed inertia, tolerated by 30 %, was 0.42 times its value, which no torques within their tolerance make of one."""
+OF_SPRINGS = ".damping"
+"""What the names of the dampers of springs end with."""
 
 
 def strained_numbers(findings: Findings) -> dict[str, float]:
@@ -55,7 +57,8 @@ def far_out(fit: CandidateFit, least: float, *, large: bool = True) -> dict[str,
     Args:
         fit: The fit.
         least: Deviation from which it is far, however small the tolerance [1].
-        large: Whether a large factor is far out from a smaller deviation on.
+        large: Whether a large factor is far out from a smaller deviation on, but for the damping of a spring: it takes
+            up what torques are off by.
 
     Returns:
         Factors, that of the number farthest out of its tolerance first.
@@ -63,7 +66,8 @@ def far_out(fit: CandidateFit, least: float, *, large: bool = True) -> dict[str,
     tolerance = fit.predictor.tolerance
     sizes = np.abs(tolerance.by_name(fit.deviations))
     logarithms = np.asarray(tolerance.logarithms(fit.deviations))
-    far = (sizes > least) | (large & (sizes > SEVERAL) & (np.abs(logarithms) > LARGE))
+    of_spring = np.array([name.endswith(OF_SPRINGS) for name in tolerance.names], dtype=bool)
+    far = (sizes > least) | (large & ~of_spring & (sizes > SEVERAL) & (np.abs(logarithms) > LARGE))
     far &= np.array(tolerance.deviations) > 0  # all others are those of an effect, or exact
     return {tolerance.names[k]: float(np.exp(logarithms[k])) for k in np.argsort(-sizes) if far[k]}
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from flexros.effects import parse_effect, place_effects
-from flexros.gap.answer.strained_numbers import STRAINED, as_effects, far_out, moved_words
+from flexros.gap.answer.strained_numbers import STRAINED, STRAINED_ALONE, as_effects, far_out, moved_words
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.limits import numbers_at_limits
 from flexros.robot import load_robot
@@ -64,6 +64,14 @@ def test_a_guessed_number_is_far_out_where_its_factor_is_large(tolerance: float,
         assert f"motor_1.inertia {'to 0.423 times, by' if tolerance > 0.1 else 'by -18.5 %,'}" in moved_words(
             fit, found
         )
+
+
+@pytest.mark.parametrize(("deviation", "far"), [(5.9, False), (8.2, True)])
+def test_the_damping_of_a_spring_is_far_out_by_its_tolerance_alone(deviation: float, far: bool) -> None:
+    """Those of a right model of three elastic axes were 3 to 6 times their values, and asked to be corrected."""
+    predictor = SimpleNamespace(tolerance=Tolerance(("body_3.ry.damping",), (0.3,)))
+    fit: Any = SimpleNamespace(predictor=predictor, deviations=np.array([deviation]))
+    assert bool(far_out(fit, STRAINED_ALONE)) is far
 
 
 @pytest.mark.parametrize("factor", [1.929, 0.604, 3.2, 0.42])
