@@ -113,9 +113,7 @@ class PartialRepairs:
     def _base(self, numbers: frozenset[str]) -> _Base:
         """Prepare the given model with some of the numbers that it lacks."""
         chosen, given = self.findings.explanations.chosen, self.findings.as_given
-        if numbers == given.lacking:
-            return _Base(chosen.predictor, given.deviations(numbers))
-        predictor = given.predictor(chosen.hypothesis, numbers).with_tolerance(chosen.predictor.tolerance)
+        predictor = chosen.predictor if numbers == given.lacking else given.predictor(chosen.hypothesis, numbers)
         return _Base(predictor, given.deviations(numbers))
 
     def _fitted(self, base: _Base, parts: Sequence[frozenset[str]]) -> FloatArray:

@@ -30,6 +30,8 @@ REDUCED = (0.3, 0.6, 0.9)
 """Shares of a nominal number that are taken away in the initial values of a search [1] (chosen)."""
 WIDER = 10.0
 """Factor by which a search that ended at its limit is widened (chosen)."""
+OF_NUMBERS = ("relative", "coefficient")
+"""Sizes of effects that are errors of a number of the model: over it, or in its unit."""
 
 
 @dataclass(frozen=True)
@@ -248,7 +250,7 @@ def alike(one: Candidate, other: Candidate) -> bool:
 
 
 def own_numbers(hypothesis: Hypothesis, robot: Robot) -> frozenset[str]:
-    """Return the numbers of a robot that a hypothesis has relative errors of.
+    """Return the numbers of a robot that a hypothesis has errors of.
 
     A log cannot tell such an error from a tolerated deviation of the same number.
 
@@ -256,7 +258,7 @@ def own_numbers(hypothesis: Hypothesis, robot: Robot) -> frozenset[str]:
         hypothesis: The hypothesis.
         robot: The nominal robot.
     """
-    errors = [one for one in hypothesis if any(free.name == "relative" for free in one.free)]
+    errors = [one for one in hypothesis if any(free.name in OF_NUMBERS for free in one.free)]
     return frozenset(name for one in errors for name in one.effect().numbers(robot, one.location))
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects.kinds.model_change import AbstractChangedValues
-from flexros.gap.fit.linearisation import linearise
+from flexros.gap.candidates.candidate import OF_NUMBERS
 from flexros.gap.fit.sum_of_squares import chi2_of
 
 if TYPE_CHECKING:
@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.residuals.fit_data import FitData
-
-OF_NUMBERS = ("relative", "coefficient")
-"""Sizes of effects that are errors of a number of the model: over it, or in its unit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,41 +96,31 @@ def with_own_numbers(fit: CandidateFit, data: FitData, least: float) -> Candidat
     """Return a fit whose effects have taken over the deviations of the numbers that they are errors of.
 
     A fit adds what an effect and a tolerated deviation change of a number, so the robot stays the same, and the prior
-    penalty of the deviations falls away. Effects on several numbers, which deviate in different ways, take over none.
-
-    Of the directions of many numbers each moves several, so that the penalty stays: an effect takes over whatever its
-    own number deviates by, within its range, and the number is nominal then. Only here, at the end of a search, whose
-    linear theory counts on it that an effect adds to the fit that it is added to, deviations included. Relative errors
-    have theirs from the begin on, see `Predictor`.
+    penalty of the deviations falls away. Effects on several numbers, which deviate in different ways, take over none;
+    beside fitted directions of many numbers there is nothing to take over, see `Predictor`.
 
     Args:
         fit: The fit.
         data: The fitted log.
-        least: Deviation from which it is taken over where there are no such directions [1].
+        least: Deviation from which it is taken over [1].
     """
     predictor, tolerance = fit.predictor, fit.predictor.tolerance
-    along = tolerance.directions is not None
-    far = along | (np.abs(tolerance.by_name(fit.deviations)) > least)
-    changed = np.where(far, np.expm1(tolerance.logarithms(fit.deviations)), 0.0)
-    changes, taken, theta = dict(zip(tolerance.names, changed, strict=True)), set[str](), fit.theta.copy()
+    if tolerance.directions is not None:
+        return fit
+    changes = dict(zip(tolerance.names, np.expm1(tolerance.logarithms(fit.deviations)), strict=True))
+    theta, robot = fit.theta.copy(), predictor.robot
     every = zip(fit.hypothesis, predictor.values(fit.theta), strict=True)
     sizes = [(candidate, free, values[free.name]) for candidate, values in every for free in candidate.free]
     for column, (candidate, free, value) in enumerate(sizes):
-        own = candidate.effect().numbers(predictor.robot, candidate.location)
-        if free.name not in OF_NUMBERS or len(own) != 1 or not changes.get(own[0]):
+        own = candidate.effect().numbers(robot, candidate.location)
+        if free.name not in OF_NUMBERS or len(own) != 1 or own[0] not in changes:
             continue
-        nominal = 1.0 if free.name == "relative" else predictor.robot.parameters[own[0]].value
-        theta[column] = free.encode(value + changes[own[0]] * nominal)
-        taken.add(own[0])
+        place = predictor.n_effect + tolerance.names.index(own[0])
+        if abs(fit.theta[place]) > least:
+            nominal = 1.0 if free.name == "relative" else robot.parameters[own[0]].value
+            theta[column], theta[place] = free.encode(value + changes[own[0]] * nominal), 0.0
     low, high = predictor.bounds
-    if not taken:
-        return fit
-    if along:
-        predictor, theta = predictor.with_tolerance(tolerance.known(taken)), np.clip(theta, low, high)
-        line = linearise(predictor, data, theta)
-        return replace(fit, predictor=predictor, theta=theta, chi2=line.chi2, information=line.information)
-    theta[predictor.n_effect :][_changed(taken, fit)] = 0.0
-    if not np.all((theta >= low) & (theta <= high)):
+    if np.array_equal(theta, fit.theta) or not np.all((theta >= low) & (theta <= high)):
         return fit
     return replace(fit, theta=theta, chi2=float(chi2_of(predictor, data, theta[:, None])[0]))
 

@@ -199,7 +199,7 @@ def test_an_effect_that_comes_back_as_a_number_far_out_of_tolerance_is_not_withd
 
 @pytest.mark.parametrize("shown", [False, True])
 def test_what_closes_nothing_goes_however_little_it_spoils(shown: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What torques show clearly stays: friction at three joints of an arm had gone for a thousandth of the gap."""
+    """What torques show clearly stays: friction at joints of an arm had gone for a thousandth of the gap."""
     of_torques = frozenset({SOFT} if shown else ())
     monkeypatch.setattr(Search, "shown_by_torques", lambda _search, _fit: of_torques)
     search, explanations = found()

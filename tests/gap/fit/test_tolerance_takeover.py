@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.gap.candidates.candidate import list_candidates
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.candidate_fit import CandidateFit
 from flexros.gap.fit.sum_of_squares import chi2_of
 from flexros.gap.fit.tolerance_takeover import takeover, with_own_numbers, with_takeover
-from tests.gap.diagnosis_logs import ROBOT, candidates_of, data_of, encoded, predictor_of, search_of
+from tests.gap.diagnosis_logs import ROBOT, candidates_of, data_of, encoded, predictor_of
 
 STIFFNESS = "stiffness_error@body_2.rz"
 NAMES = ("body_1.rz.stiffness", "body_2.rz.stiffness", "body_2.rz.damping")
@@ -68,34 +67,3 @@ def test_a_number_far_out_is_part_of_the_effect_that_is_an_error_of_it(
     assert predictor.values(whole.theta)[0][key] == pytest.approx(value + change)
     assert fit.chi2 - whole.chi2 == pytest.approx(25 * data.misfit, rel=1e-3)  # the same predictions
     assert with_own_numbers(fit, data, 6.0) is fit
-
-
-def test_friction_takes_over_what_its_number_deviates_by_along_directions_of_many() -> None:
-    """Viscous friction of -1.96 and a tolerated number of +2.00 Nm s/rad cancelled in a patch, and one was a cause."""
-    number, data = "motor_1.viscous_friction", data_of()
-    candidate = candidates_of()["viscous_friction@motor_1"]
-    directions = np.array([[0.6, 0.8], [0.8, -0.6]])
-    tolerance = Tolerance((number, "body_1.rz.stiffness"), (0.1, 0.02), directions=directions)
-    predictor = predictor_of(candidate, tolerance=tolerance)
-    theta = np.array([*encoded(candidate, coefficient=0.05, asymmetry=0.1), 2.0, 1.0])
-    fit = CandidateFit(predictor, theta, float(chi2_of(predictor, data, theta[:, None])[0]))
-    whole = with_own_numbers(fit, data, 4.0)
-    assert whole.predictor.tolerance.deviations == (0.0, 0.02)
-    added = np.expm1(0.1 * (0.6 * 2.0 + 0.8)) * ROBOT.parameters[number].value
-    assert predictor.values(whole.theta)[0]["coefficient"] == pytest.approx(0.05 + added)
-    assert whole.chi2 == pytest.approx(fit.chi2, rel=1e-6)
-    assert whole.information.shape == (4, 4)
-    assert with_own_numbers(whole, data, 4.0) is whole
-
-
-def test_no_more_than_the_nominal_friction_is_taken_away() -> None:
-    """Beside a number that is too small as well, a fit takes more away than there is; a patch cannot."""
-    number, data = "motor_1.viscous_friction", data_of()
-    every = list_candidates(ROBOT, search_of().scales, measured=True)
-    (candidate,) = (one for one in every if one.name == "viscous_friction@motor_1")
-    tolerance = Tolerance((number,), (0.1,), directions=np.eye(1))
-    nominal = ROBOT.parameters[number].value
-    theta = np.array([*encoded(candidate, coefficient=-nominal, asymmetry=0.1), -2.0])
-    whole = with_own_numbers(CandidateFit(predictor_of(candidate, tolerance=tolerance), theta, 1e4), data, 4.0)
-    assert whole.predictor.values(whole.theta)[0]["coefficient"] == pytest.approx(-nominal)
-    assert whole.theta[0] == whole.predictor.bounds[0][0]

@@ -181,18 +181,6 @@ def test_a_number_has_no_tolerance_beside_an_effect_that_is_an_error_of_it() -> 
     assert np.abs(innovations(predictor, [*softer, 0.0, 4.0]) - expected).max() > 1e-6
 
 
-def test_friction_adds_to_what_its_number_deviates_by() -> None:
-    """What the search adds to a fit begins with its predictions, or linear theory says nothing of it."""
-    names, candidate = ("motor_1.viscous_friction", "body_1.rz.stiffness"), candidates_of()["viscous_friction@motor_1"]
-    tolerance = Tolerance(names, (0.1, 0.02), directions=np.array([[0.6, 0.8], [0.8, -0.6]]))
-    alone, beside = predictor_of(tolerance=tolerance), predictor_of(candidate, tolerance=tolerance)
-    of_friction = [4 * 0.6, 4 * 0.8]
-    moved = innovations(alone, of_friction)
-    hardly_any = [*encoded(candidate, coefficient=1e-9, asymmetry=0.0), *of_friction]
-    change = np.abs(moved - innovations(alone, [0.0, 0.0])).max()
-    np.testing.assert_allclose(innovations(beside, hardly_any), moved, atol=0.01 * change)
-
-
 def test_sets_of_numbers_are_predicted_side_by_side() -> None:
     candidate = candidates_of()["coulomb_friction@motor_1"]
     predictor, data = predictor_of(candidate), data_of()

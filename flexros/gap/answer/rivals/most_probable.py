@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.answer.decision import on_held_out, rivals_of
-from flexros.gap.answer.strained_numbers import STRAINED
-from flexros.gap.fit.tolerance_takeover import with_own_numbers
 from flexros.gap.held_out.closed_share import NOTHING, share_between
 from flexros.gap.held_out.errors_ahead import errors_ahead
 from flexros.gap.held_out.one_sample import surely_worse
@@ -48,8 +46,7 @@ def most_probable(
         explanations = _without(explanations, [*gone, *richer])
         if best is chosen:
             break
-        finished = with_own_numbers(search.completed(best), search.data, STRAINED)
-        explanations = _with_chosen(explanations, best, finished)
+        explanations = _with_chosen(explanations, best, search.completed(best))
     return explanations
 
 

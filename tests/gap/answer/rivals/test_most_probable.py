@@ -24,7 +24,6 @@ class Fit:
 
     effects: str
     finished: bool = False
-    with_own_numbers: bool = False
 
     @property
     def hypothesis(self) -> tuple[str, ...]:
@@ -54,10 +53,8 @@ def chosen_of(
     monkeypatch.setattr(module, "errors_ahead", lambda fit, _: fit)
     shares = {worse: ClosedShare(share, (share / 2, 2 * share))}
     monkeypatch.setattr(module, "share_between", lambda _, fit, *__: shares.get(fit.effects))
-    monkeypatch.setattr(module, "with_own_numbers", lambda fit, *_: replace(fit, with_own_numbers=True))
     search: Any = SimpleNamespace(
         premises=premises,
-        data=None,
         settings=SimpleNamespace(ranking=RankingSettings()),
         completed=lambda fit: replace(fit, finished=True),
     )
@@ -81,7 +78,6 @@ def test_the_most_probable_explanation_is_the_chosen_one(
 def test_what_takes_the_place_of_the_chosen_one_is_fitted_to_its_end(monkeypatch: pytest.MonkeyPatch) -> None:
     found = chosen_of(monkeypatch, {"ab": 1.0, "ac": 3.0}, "ab")
     assert found.chosen.finished  # type: ignore[attr-defined]
-    assert found.chosen.with_own_numbers  # type: ignore[attr-defined]
     assert found.chosen in found.comparison.fits
 
 
