@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 SEVERAL = 2
 """Servos that one delay of all makes late, instead of what does so at each of them [1]."""
-CLEARLY = 0.01
+CLEARLY = 1e-3
 """Share by which an exchange lowers what is left of a measured log [1] (chosen)."""
 RICH = 3
 """Parameters from which a law that extends others may stand for two effects [1]."""
@@ -79,8 +79,8 @@ def exchanged(
 def _better(search: Search, comparison: ModelComparison, fit: CandidateFit, other: CandidateFit) -> bool:
     """Return whether another explanation takes the place of one: it leaves less, or hardly more with fewer parameters.
 
-    Of a measured log it must leave clearly less: laws that hardly act took turns, each for a thousandth of what was
-    left, most of the time of a drive.
+    Of a measured log it must leave clearly less: laws that hardly act took turns for most of the time of a drive, each
+    for less than a thousandth of what was left.
     """
     if search.premises.floor_is_noise:
         return other.chi2 <= fit.chi2 or comparison.score(other) > comparison.score(fit)

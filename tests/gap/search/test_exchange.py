@@ -192,8 +192,8 @@ def test_a_search_in_vain_carries_no_fit_near_it_to_its_end(vain: bool, monkeypa
         (SIMULATED, 101.0, 2, 99.0, False),
         (SIMULATED, 99.9, 0, 99.0, True),
         (MEASURED, 101.0, 2, 120.0, True),
-        (MEASURED, 99.9, 0, 120.0, False),
-        (MEASURED, 98.0, 0, 120.0, True),
+        (MEASURED, 99.95, 0, 120.0, False),
+        (MEASURED, 99.8, 0, 120.0, True),
     ],
 )
 def test_an_effect_with_fewer_parameters_that_does_as_much_takes_the_place_of_another(
