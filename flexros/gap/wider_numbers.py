@@ -46,7 +46,7 @@ def found_wider(search: Search, explanations: Explanations, held: FitData) -> tu
     begun = prepare_search(null, search.settings, search.progress, deadline, first)
     further = prepare_search(null, search.settings, search.progress, deadline, begun.completed(first))
     found = explain(further)
-    better = found.chosen.chi2 < chosen.chi2
+    better = found.chosen.chi2 < chosen.chi2 and not deadline.over  # what was cut short compares with less
     if not better or errors_ahead(found.chosen, held).mean >= errors_ahead(chosen, held).mean:
         return search, explanations
     return further, found

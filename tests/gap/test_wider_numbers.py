@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import pytest
 
 from flexros.gap import wider_numbers
 from flexros.gap.candidates.tolerance import FARTHER, FARTHEST
+from flexros.gap.deadline import Deadline
 from flexros.gap.fit.limits import numbers_at_limits
-from flexros.gap.search.forward_selection import explain
+from flexros.gap.search.fits.candidate_fits import Search
+from flexros.gap.search.forward_selection import Explanations, explain
 from flexros.gap.wider_numbers import found_wider
 from tests.gap.planar_arm import FRICTION, log_of, searched
 
@@ -52,3 +55,21 @@ def test_the_damping_of_a_spring_alone_is_no_reason(tmp_path: Path, monkeypatch:
     explanations = explain(search)
     monkeypatch.setattr(wider_numbers, "numbers_at_limits", lambda _: {"body_1.rz.damping", "body_2.ry.damping"})
     assert found_wider(search, explanations, log_of(tmp_path, *FRICTION, ROTOR, seed=4)) == (search, explanations)
+
+
+def test_what_was_cut_short_takes_the_place_of_no_complete_search(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its probabilities would compare what was tried until then: of six elastic axes friction was ambiguous."""
+    search = searched(tmp_path, *FRICTION, ROTOR)
+    explanations, ended = explain(search), list[bool]()
+    search = replace(search, deadline=Deadline(interrupted=lambda: bool(ended)))
+
+    def cut_short(further: Search) -> Explanations:
+        found = explain(further)
+        ended.append(True)
+        return found
+
+    monkeypatch.setattr(wider_numbers, "explain", cut_short)
+    assert found_wider(search, explanations, log_of(tmp_path, *FRICTION, ROTOR, seed=4)) == (search, explanations)
+    assert ended
