@@ -84,9 +84,9 @@ def _with_better_torques(task: DiagnosisTask, found: SearchedLog) -> tuple[Diagn
     """
     assumed, notes, share = task.settings.noise, task.notes, task.settings.search.within_floor
     while _may_hide(found) and not task.deadline.stops():
-        chosen = found.explanations.chosen
+        chosen, known = found.explanations.chosen, found.explanations.detected
         counts = task.settings.noise.signal_tolerance
-        left = found.beyond_noise(chosen) if chosen.hypothesis else beyond_noise(found.search, chosen)
+        left = found.beyond_noise(chosen) if known else beyond_noise(found.search, chosen)
         tried = tolerance_on_trial(counts, left, again=counts < assumed.signal_tolerance)
         if tried is None:
             break
@@ -96,16 +96,14 @@ def _with_better_torques(task: DiagnosisTask, found: SearchedLog) -> tuple[Diagn
         )
         settings = with_torque_tolerance(task.settings, {TORQUE: tried})
         trial = replace(task, notes=(*notes, note), settings=settings, torques_better=True)
-        if chosen.hypothesis:
-            more = trial.searched(found.record, chosen, most_begun(assumed.signal_tolerance, tried))
-        else:
-            more = trial.searched(found.record)
-        begun, grown = more.search.base if chosen.hypothesis else more.null.fit, more.explanations.chosen
+        begins = (chosen, most_begun(assumed.signal_tolerance, tried)) if known else ()
+        more = trial.searched(found.record, *begins)
+        begun, grown = more.search.base if known else more.null.fit, more.explanations.chosen
         if task.deadline.over or begun.names != chosen.names or grown.names == chosen.names:
             break
         left = more.beyond_noise(grown)
         explained = left < share * more.beyond_noise(begun)
-        if not (explained and are_better(assumed.signal_tolerance, tried, left, instead=bool(chosen.hypothesis))):
+        if not (explained and are_better(assumed.signal_tolerance, tried, left, instead=known)):
             break
         task, found = trial, more
     return task, found

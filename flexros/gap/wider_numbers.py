@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flexros.gap.answer.strained_numbers import OF_SPRINGS
 from flexros.gap.candidates.tolerance import FARTHER
 from flexros.gap.fit.limits import numbers_at_limits
 from flexros.gap.held_out.errors_ahead import errors_ahead
 from flexros.gap.search.forward_selection import explain
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.search.torque_start import on_null
+from flexros.robot.parameters import DAMPER
 
 if TYPE_CHECKING:
     from flexros.gap.residuals.fit_data import FitData
@@ -36,7 +36,7 @@ def found_wider(search: Search, explanations: Explanations, held: FitData) -> tu
     """
     chosen, deadline = explanations.chosen, search.deadline
     found_any = explanations.detected and explanations.beside is None
-    ended = found_any and any(not name.endswith(OF_SPRINGS) for name in numbers_at_limits(chosen))
+    ended = found_any and any(not name.endswith(DAMPER) for name in numbers_at_limits(chosen))
     widest = search.null.fit.predictor.tolerance.farthest >= FARTHER
     if search.premises.library_is_complete or not ended or widest or deadline.stops():
         return search, explanations

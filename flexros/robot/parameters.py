@@ -31,6 +31,8 @@ INERTIA_COMPONENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
 
 GRAVITY = ("gravity.x", "gravity.y", "gravity.z")
 """Names of the components of gravity in the frame of the base [m/s2]."""
+DAMPER = ".damping"
+"""What the names of the dampers of springs end with."""
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from flexros.effects.kinds.base import PlacedEffect, effects
 from flexros.effects.kinds.relative_error import AbstractRelativeError
 from flexros.errors import InputError
 from flexros.gap.fit.torques.rough_bodies import fitted_bodies
+from flexros.robot.parameters import DAMPER
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -29,8 +30,6 @@ SHOWN = 3
 LARGE, SEVERAL = 0.5, 2.0
 """Logarithm of a factor, and deviation over the tolerance, from which both together are far out as well [1] (chosen): a
 guessed inertia, tolerated by 30 %, was 0.42 times its value, which no torques within their tolerance make of one."""
-OF_SPRINGS = ".damping"
-"""What the names of the dampers of springs end with."""
 
 
 def strained_numbers(findings: Findings) -> dict[str, float]:
@@ -66,7 +65,7 @@ def far_out(fit: CandidateFit, least: float, *, large: bool = True) -> dict[str,
     tolerance = fit.predictor.tolerance
     sizes = np.abs(tolerance.by_name(fit.deviations))
     logarithms = np.asarray(tolerance.logarithms(fit.deviations))
-    of_spring = np.array([name.endswith(OF_SPRINGS) for name in tolerance.names], dtype=bool)
+    of_spring = np.array([name.endswith(DAMPER) for name in tolerance.names], dtype=bool)
     far = (sizes > least) | (large & ~of_spring & (sizes > SEVERAL) & (np.abs(logarithms) > LARGE))
     far &= np.array(tolerance.deviations) > 0  # all others are those of an effect, or exact
     return {tolerance.names[k]: float(np.exp(logarithms[k])) for k in np.argsort(-sizes) if far[k]}

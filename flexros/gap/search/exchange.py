@@ -84,8 +84,8 @@ def _better(search: Search, comparison: ModelComparison, fit: CandidateFit, othe
     """
     if search.premises.floor_is_noise:
         return other.chi2 <= fit.chi2 or comparison.score(other) > comparison.score(fit)
-    simpler_one = other.predictor.n_effect < fit.predictor.n_effect
-    return other.chi2 < (1 - CLEARLY) * fit.chi2 or (simpler_one and comparison.score(other) > comparison.score(fit))
+    fewer = other.predictor.n_effect < fit.predictor.n_effect
+    return other.chi2 < (1 - CLEARLY) * fit.chi2 or (fewer and comparison.score(other) > comparison.score(fit))
 
 
 def one_delay(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:

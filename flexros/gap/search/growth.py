@@ -275,12 +275,10 @@ def _least_gain(search: Search, fit: CandidateFit) -> float:
         search: The search.
         fit: The explanation.
     """
-    n, settings = search.data.n_values, search.settings.search
-    rest, comparison = fit.chi2 - n, compared(search, [fit])
-    form = search.settings.ranking.shaped_form * gap_of_laws(search, comparison, fit) * n
-    if not more_than_chance(comparison, fit):
-        return max(form, 0.0)
-    return settings.removed_of_little * rest if rest < min(settings.little * n, form) else 0.0
+    n, comparison = search.data.n_values, compared(search, [fit])
+    if more_than_chance(comparison, fit):
+        return _removed(search, fit, 0.0) * (fit.chi2 - n)
+    return max(search.settings.ranking.shaped_form * gap_of_laws(search, comparison, fit), 0.0) * n
 
 
 def promises(search: Search, fit: CandidateFit, directions: Sequence[Directions], share: float) -> bool:

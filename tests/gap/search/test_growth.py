@@ -275,7 +275,7 @@ def test_near_noise_candidates_must_promise_what_an_effect_must_gain_there(
     monkeypatch.setattr(growth, "gap_of_laws", lambda *_: gap)
     monkeypatch.setattr(growth, "compared", lambda *_: None)
     monkeypatch.setattr(growth, "more_than_chance", lambda *_: level > 1.05)
-    search: Any = SimpleNamespace(data=SimpleNamespace(n_values=N), settings=DiagnosisSettings())
+    search: Any = SimpleNamespace(data=SimpleNamespace(n_values=N), settings=DiagnosisSettings(), torques_decide=False)
     one: Any = SimpleNamespace(chi2=level * N)
     assert growth._least_gain(search, one) == pytest.approx(expected)
 
