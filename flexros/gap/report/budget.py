@@ -21,6 +21,9 @@ FEWEST = 2
 WORSE_ALONE = "worse alone"
 """What stands in place of a share added first that is clearly below zero."""
 WHY_WORSE = "the effect has the size at which it explains the log together with the others"
+WORSE_WITHOUT = "worse without it"
+"""What stands in place of a share removed last above the whole gap."""
+WHY_NEEDED = "the other effects without this one predict worse than the nominal model"
 LITTLE_WORSE = -0.005
 """Share below zero that is written as none [1]: less than half a per cent."""
 _VISIBLE = 0.0005
@@ -74,6 +77,8 @@ def _introduction(diagnosis: Diagnosis) -> str:
     )
     if any(is_worse_alone(share) for share in diagnosis.budget):
         text += f" {capital(WORSE_ALONE)}: {WHY_WORSE}, and without these the prediction is worse with it than without."
+    if any(is_worse_without(share) for share in diagnosis.budget):
+        text += f" {capital(WORSE_WITHOUT)}: {WHY_NEEDED}."
     firsts = [share.share_first for share in diagnosis.budget if not is_worse_alone(share)]
     lasts = [share.share_last for share in diagnosis.budget]
     if any(share is not None and share < 0 for share in (*firsts, *lasts)):
@@ -98,6 +103,7 @@ def _shares(diagnosis: Diagnosis) -> TextTable:
             first = _share(share.share_first) + share_interval_words(share.interval)
             first = WORSE_ALONE if is_worse_alone(share) else first
             last = _share(share.share_last) + share_interval_words(share.interval_last)
+            last = WORSE_WITHOUT if is_worse_without(share) else last
             rows.append((capital(name), size, first, last))
     caption = "Shares of the gap, with 95 % intervals."
     return TextTable(("Effect", "size", "added first", "removed last"), tuple(rows), caption, left=2)
@@ -121,6 +127,11 @@ def is_worse_alone(share: BudgetShare) -> bool:
     """Return whether the nominal model clearly predicts worse with an effect alone."""
     first = share.share_first
     return first is not None and first < LITTLE_WORSE and (share.interval is None or share.interval[1] < 0)
+
+
+def is_worse_without(share: BudgetShare) -> bool:
+    """Return whether the others without an effect predict worse than the nominal model."""
+    return share.share_last is not None and share.share_last > 1.0
 
 
 def _share(share: float | None) -> str:

@@ -126,7 +126,8 @@ def evidence_for(candidate: RankedCandidate, result: DiagnosisResult) -> tuple[s
     texts = []
     opened = next((one.share_last for one in result.diagnosis.budget if same_effect(one, candidate)), None)
     if opened is not None and opened > 0:
-        texts.append(f"Without it, and with all others, {share_words(opened)} of the held-out gap opens.")
+        gap = "all of the held-out gap and more" if opened > 1 else f"{share_words(opened)} of the held-out gap"
+        texts.append(f"Without it, and with all others, {gap} opens.")
     clear = [name for name, value in candidate.parameters.items() if abs(value.value) > _CLEAR * value.std > 0]
     if clear:
         texts.append(f"Clearly different from zero: {listed([_number(name, candidate) for name in clear])}.")

@@ -179,7 +179,7 @@ def table_of_ranking(result: DiagnosisResult) -> TextTable:
             + (f" (with {partners_words(candidate)})" if first and candidate.together_with else ""),
             parameters_words(candidate.parameters),
             _short(candidate.probability),
-            *([_share(opened.get((candidate.effect, candidate.location)))] if opened else []),
+            *([_opened(opened.get((candidate.effect, candidate.location)))] if opened else []),
             *(_figures(candidate, unseen) if first else [""] * (3 + unseen)),
         )
         for candidate, first in zip(ranked, first_of_explanations(ranked), strict=True)
@@ -200,6 +200,11 @@ def _figures(candidate: RankedCandidate, unseen: bool) -> list[str]:
     """Write the figures of an explanation: gain, penalty, gain in held-out data where `unseen`, and remainder."""
     held_out = [number(candidate.holdout_gain, 4)] if unseen else []
     return [number(candidate.gain, 4), number(candidate.penalty, 3), *held_out, _share(candidate.remainder)]
+
+
+def _opened(share: float | None) -> str:
+    """Write what opens without an effect, as ">100 %" where the others predict worse than the nominal model."""
+    return ">100\u00a0%" if share is not None and share > 1.0 else _share(share)
 
 
 def _share(share: float | None) -> str:

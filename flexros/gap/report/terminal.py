@@ -4,7 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flexros.gap.report.budget import LITTLE_WORSE, WHY_WORSE, WORSE_ALONE, draws, is_worse_alone
+from flexros.gap.report.budget import (
+    LITTLE_WORSE,
+    WHY_NEEDED,
+    WHY_WORSE,
+    WORSE_ALONE,
+    WORSE_WITHOUT,
+    draws,
+    is_worse_alone,
+    is_worse_without,
+)
 from flexros.gap.report.figure_words import (
     band_words,
     closed_words,
@@ -78,15 +87,18 @@ def budget_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
     if not draws(diagnosis):
         return ()
     effects = [share for share in diagnosis.budget if share.effect is not None]
-    worse = [is_worse_alone(share) for share in effects]
-    shares = [
-        f"{capital(_with_class(share))}: "
-        f"{_share(share.share_last, share.interval_last)} removed last, "
-        f"{WORSE_ALONE if alone else f'{_share(share.share_first, share.interval)} added first'}"
-        for share, alone in zip(effects, worse, strict=True)
-    ]
-    why = [f"{capital(WORSE_ALONE)}: {WHY_WORSE}"] if any(worse) else []
+    shares = [f"{capital(_with_class(share))}: {_last_words(share)}, {_first_words(share)}" for share in effects]
+    why = [f"{capital(WORSE_WITHOUT)}: {WHY_NEEDED}"] if any(map(is_worse_without, effects)) else []
+    why += [f"{capital(WORSE_ALONE)}: {WHY_WORSE}"] if any(map(is_worse_alone, effects)) else []
     return (*waterfall_lines(diagnosis), *shares, *why)
+
+
+def _last_words(share: BudgetShare) -> str:
+    return WORSE_WITHOUT if is_worse_without(share) else f"{_share(share.share_last, share.interval_last)} removed last"
+
+
+def _first_words(share: BudgetShare) -> str:
+    return WORSE_ALONE if is_worse_alone(share) else f"{_share(share.share_first, share.interval)} added first"
 
 
 def number_lines(diagnosis: Diagnosis) -> tuple[str, ...]:

@@ -99,6 +99,15 @@ def test_the_budget_has_a_waterfall_and_both_shares(divided: Diagnosis) -> None:
     )
 
 
+def test_effects_without_which_the_others_are_worse_than_none_say_so(divided: Diagnosis) -> None:
+    """An arm of seven axes: "398 % (284 % to 607 %) removed last, worse alone"."""
+    needed, other = divided.budget
+    shares = (needed.model_copy(update={"share_last": 3.98, "interval_last": (2.84, 6.07)}), other)
+    lines = budget_lines(divided.model_copy(update={"budget": shares}))
+    assert lines[-4] == "Hysteresis at motor_1 (friction): worse without it, worse alone"
+    assert lines[-2] == "Worse without it: the other effects without this one predict worse than the nominal model"
+
+
 def test_the_budget_has_its_intervals_and_classes(divided: Diagnosis) -> None:
     first, second = divided.budget
     shares = (

@@ -177,6 +177,14 @@ def test_the_budget_is_drawn_and_its_negative_shares_are_explained(diagnosed: Di
     assert "Closed by the largest part" in html
 
 
+def test_a_share_above_the_whole_gap_is_no_figure(diagnosed: Diagnosed, divided: Diagnosis) -> None:
+    budget = tuple(share.model_copy(update={"share_last": 3.98}) for share in divided.budget)
+    html = page(replace(diagnosed("explained"), diagnosis=divided.model_copy(update={"budget": budget})), PATCH)
+    assert "<td>worse without it</td>" in html
+    assert "Worse without it: the other effects" in html
+    assert "398" not in html
+
+
 def test_a_share_that_may_be_above_zero_is_stated(diagnosed: Diagnosed, divided: Diagnosis) -> None:
     budget = tuple(share.model_copy(update={"interval": (-0.7, 0.1)}) for share in divided.budget)
     html = page(replace(diagnosed("explained"), diagnosis=divided.model_copy(update={"budget": budget})), PATCH)
