@@ -11,7 +11,7 @@ from flexros.gap.fit.limits import at_limits
 from flexros.gap.search.bristles import with_bristles
 from flexros.gap.search.elimination.reduce import reduced
 from flexros.gap.search.exchange import corrected, exchanged
-from flexros.gap.search.fits.further import fitted_with, from_nominal_numbers, with_usual
+from flexros.gap.search.fits.further import draws_numbers, fitted_with, from_nominal_numbers, with_usual
 from flexros.gap.search.periodic.overtones import with_overtones
 from flexros.gap.search.regrouping import regrouped
 from flexros.gap.search.worth import (
@@ -56,7 +56,7 @@ def extended(
         again: Whether the search goes on from an explanation that it has already tidied up.
     """
     settings = search.settings.search
-    seen = {chosen.names}
+    seen, circles = {chosen.names}, False
     for number in range(settings.rounds_after_torques if search.torques_decide else settings.rounds):
         further = settings.removed_by_further if search.torques_decide and (number or again) else 0.0
         if further and any(one.widened(name) for one, name in at_limits(chosen)):
@@ -72,7 +72,7 @@ def extended(
             chosen = search.completed(chosen)  # what a fit in a long valley leaves is no effect that is missing
             fits.append(chosen)
         grown = None if number or again else with_usual(search, chosen, fits)
-        grown = grown or with_more(search, chosen, directions, fits, further)
+        grown = grown or (None if circles else with_more(search, chosen, directions, fits, further))
         if further and not (grown and _lowered(search, chosen, grown) > further):
             break
         least = _removed(search, chosen, settings.removed_by_step)
@@ -90,8 +90,10 @@ def extended(
             other = corrected(search, chosen, directions, fits)
         if other is not chosen:
             chosen = reduced(search, other, fits, _removed(search, other, settings.removed_by_step))
-        if chosen.names == before.names or chosen.names in seen:
+        again_found = chosen.names == before.names or chosen.names in seen
+        if again_found and (circles or not draws_numbers(search, chosen)):
             break  # what a step adds, the next ones leave out again: the search would go round in a circle
+        circles = again_found  # around the nominal numbers others may show
         seen.add(chosen.names)
     return chosen
 

@@ -38,7 +38,7 @@ def from_nominal_numbers(search: Search, fit: CandidateFit, fits: list[Candidate
     Returns:
         The best of the new fits; None where numbers are within tolerance or no candidate is left.
     """
-    if not _draws_numbers(search, fit):
+    if not draws_numbers(search, fit):
         return None
     nominal = search.with_nominal_numbers(fit)
     directions = search.directions(search.candidates(), nominal)
@@ -62,7 +62,7 @@ def with_usual(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> C
         The new fit; None where numbers are within tolerance, or where it removes little of what is left.
     """
     usual = [one for one in search.candidates() if one.effect in USUAL and one.name not in fit.names]
-    if not usual or not _draws_numbers(search, fit):
+    if not usual or not draws_numbers(search, fit):
         return None
     nominal = search.with_nominal_numbers(fit)
     around = search.surroundings(nominal)
@@ -76,7 +76,7 @@ def with_usual(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> C
     return grown if grown is not None and compared(search, [fit, grown]).removed(fit, grown) > enough else None
 
 
-def _draws_numbers(search: Search, fit: CandidateFit) -> bool:
+def draws_numbers(search: Search, fit: CandidateFit) -> bool:
     """Return whether an explanation of a simulated log draws numbers out of tolerance, and there is time to mend it."""
     strained = search.premises.library_is_complete and compared(search, [fit]).beyond_tolerance(fit)
     return strained and not search.deadline.stops()
