@@ -94,7 +94,8 @@ def one_delay(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> Ca
     Which of them it is shows little beside what is still missing where the search begins: of a load that the file
     lacks, five filters of 18 to 19 ms took up more than a delay of 20 ms did, and with them wrong rotors. Viscous
     friction b makes a servo of the stiffness k late by b / k: beside a wrong gain, that of three motors by 4 ms each
-    stood for a delay. No exchange of one effect for one comes from these to the delay.
+    stood for a delay. No exchange of one effect for one comes from these to the delay. Filters may stand for a part of
+    a delay that is there too.
 
     Args:
         search: The search.
@@ -105,10 +106,13 @@ def one_delay(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> Ca
     if delay is None or search.data.record.command is None:
         return fit
     removed = search.settings.search.removed_of_all
-    for times in (_by_filters(fit), _by_friction(fit)):
-        if len(times) < SEVERAL or delay.name in fit.names or search.deadline.stops():
+    for times_of in (_by_filters, _by_friction):
+        times = times_of(fit)
+        own = {name: time for name, time in first_parameters(fit).items() if name == delay.name}
+        if len(times) < SEVERAL or (own and times_of is _by_friction) or search.deadline.stops():
             continue
-        late = _with_late_commands(search, fit, list(times), [delay], float(np.mean(list(times.values()))))
+        begin = float(np.mean(list(times.values()))) + sum(own.values())
+        late = _with_late_commands(search, fit, [*times, *own], [delay], begin)
         fits.append(late)
         late = reduced(search, late, fits, removed)
         fit = fit if worth(search, compared(search, [late, fit]), late, fit, removed) else late

@@ -299,17 +299,18 @@ def search_of(*candidates: str) -> Any:
         (LAGS, False, {"delay@all", "coulomb_friction@motor_1"}),
         (LAGS, True, {*LAGS, "coulomb_friction@motor_1"}),
         (LAGS[:1], False, {LAGS[0], "coulomb_friction@motor_1"}),
+        (("delay@all", *LAGS), False, {"delay@all", "coulomb_friction@motor_1"}),
         (BRAKES, False, {"delay@all", "coulomb_friction@motor_1"}),
         (BRAKES, True, {*BRAKES, "coulomb_friction@motor_1"}),
         (BRAKES[1:], False, {BRAKES[1], "coulomb_friction@motor_1"}),
     ],
-    ids=["filters do as much", "filters do more", "one filter", "friction does as much", "does more", "at one motor"],
+    ids=["filters do as much", "filters do more", "one filter", "beside a delay", "friction does as much", "does more", "at one motor"],
 )
 def test_what_makes_several_servos_late_becomes_one_delay_that_does_as_much(
     names: tuple[str, ...], worth: bool, expected: set[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Viscous friction b makes a servo of the stiffness k late by b / k."""
-    mean = 0.011 if names[0] in LAGS else 0.011 / 2.0
+    """Viscous friction b makes a servo of the stiffness k late by b / k; what is late already by a delay adds to it."""
+    mean = {LAGS[0]: 0.011, "delay@all": 0.01 + 0.013}.get(names[0], 0.011 / 2.0)
     monkeypatch.setattr(exchange, "compared", lambda *_: None)
     monkeypatch.setattr(exchange, "worth", lambda *_: worth)
     monkeypatch.setattr(exchange, "reduced", lambda _search, one, _fits, _removed: one)

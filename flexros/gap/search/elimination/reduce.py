@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from flexros.gap.fit.candidate_fit import best_of_each
 from flexros.gap.search.elimination.needless import all_at_once, needless_effects
-from flexros.gap.search.worth import compared, strains, worth
+from flexros.gap.search.worth import compared, more_than_chance, strains, worth
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -46,7 +46,7 @@ def reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed
     if not search.premises.floor_is_noise:
         removed = settings.removed_of_all
     certain = min(settings.indispensable, settings.certain * removed)
-    at_once = True
+    at_once, whole = True, fit
     while len(fit.hypothesis) > 1:
         if search.torques_decide or search.deadline.stops_finishing():
             return _without_needless(search, fit, fits, removed)
@@ -68,10 +68,27 @@ def reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed
             tried = [pair for place, pair in enumerate(least) if place < STRAINED or pair[1] in modes]
             doubtful = [*doubtful, *(pair for pair in tried if pair not in doubtful)]
         rest = _without_one(search, fit, [name for _, name in sorted(doubtful)], fits, removed)
-        if rest is None:
+        if rest is None or _miss_together(search, whole, rest, removed):
             break
         fit = rest
     return fit
+
+
+def _miss_together(search: Search, whole: CandidateFit, rest: CandidateFit, removed: float) -> bool:
+    """Return whether several effects that were left out of a simulated log remove together what one alone must.
+
+    Each removes less than that of a rest that grows with every one that goes: beside an effect that no candidate
+    explains four true ones went, which the search then found again and again.
+
+    Args:
+        search: The search.
+        whole: The fit with all effects.
+        rest: The fit without those that were left out.
+        removed: Share of the remaining gap that every effect must remove [1].
+    """
+    comparison = compared(search, [rest, whole])
+    several = len(whole.hypothesis) - len(rest.hypothesis) > 1 and search.premises.floor_is_noise
+    return several and more_than_chance(comparison, whole) and comparison.removed(rest, whole) >= removed
 
 
 def _is_doubtful(search: Search, fit: CandidateFit, certain: float, rise: float, names: Sequence[str]) -> bool:

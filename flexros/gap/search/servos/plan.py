@@ -42,6 +42,10 @@ OF_SERVO = (CoulombFriction, ViscousFriction, ServoStiffnessError, MotorInertiaE
 LARGEST_ROTOR = 100.0
 """Inertia of a rotor, seen through its gear, over that of the bodies it moves, up to which fits begin [1] (chosen)."""
 
+SLOWEST_SERVO = 2.0
+"""Natural frequency of a servo with its rotor alone, down to which fits begin too [Hz] (chosen): the rotor of the last
+wrist of an arm has a thousand times the inertia of its flange."""
+
 CARRIED = (ToolLoad, Counterbalance)
 """Effects that change the weight which servos carry: few logs have one, and wrong gains stand for them."""
 
@@ -134,12 +138,20 @@ def moved_from_zero(begun: Begun, record: Record, robot: Robot) -> list[tuple[Ca
         record: The log.
         robot: The nominal robot.
     """
-    bodies = inertias_of_bodies(record, robot)
-    most = {f"{RotorInertia.name}@{motor}": LARGEST_ROTOR * inertia for motor, inertia in bodies.items()}
+    most = {f"{RotorInertia.name}@{motor}": one for motor, one in _largest_rotors(record, robot).items()}
     return [
         (replace(one, free=tuple(from_zero(free, most.get(one.name)) for free in one.free)), value)
         for one, value in begun
     ]
+
+
+def _largest_rotors(record: Record, robot: Robot) -> dict[str, float]:
+    """Return the largest inertias of rotors that fits begin with, by motor [kg m2 or kg]."""
+    stiffness = {motor: robot.parameters[f"{motor}.{SERVO}stiffness"].value for motor in robot.joint_names}
+    return {
+        motor: max(LARGEST_ROTOR * inertia, stiffness[motor] / (2 * np.pi * SLOWEST_SERVO) ** 2)
+        for motor, inertia in inertias_of_bodies(record, robot).items()
+    }
 
 
 def _at_limit(

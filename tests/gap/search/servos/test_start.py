@@ -18,13 +18,14 @@ from flexros.gap.candidates.candidate import Candidate
 from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
-from flexros.gap.fit.candidate_fit import CandidateFit
+from flexros.gap.fit.candidate_fit import CandidateFit, first_parameters
 from flexros.gap.fit.null_fit import NullFit, fit_null
 from flexros.gap.fit.sum_of_squares import chi2_of
 from flexros.gap.fit.torques.regression import regress_torque
 from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.search.servos import start
-from flexros.gap.search.servos.plan import limited_servos
+from flexros.gap.search.servos.fits import ServoFits
+from flexros.gap.search.servos.plan import Begun, begun_of, limited_servos, moved_from_zero
 from flexros.gap.search.servos.start import fit_of_servos
 from flexros.gap.settings import DiagnosisSettings, SearchSettings
 from flexros.logs.stamps import stamps_ns
@@ -37,6 +38,7 @@ from tests.gap.servo_logs import NOISE, ONE, SERVO_EFFECTS, T, servo_arm, servo_
 
 pytestmark = pytest.mark.slow
 
+DELAY, LAG_1, LAG_2 = "delay@all", "servo_command_lag@motor_1", "servo_command_lag@motor_2"
 LIMIT = 6.0
 MODEL = RobotWithEffects(servo_robot(limit=LIMIT), ())
 HOBBY = (
@@ -276,3 +278,32 @@ def takes(one: Candidate, best: float, beside: float) -> bool:
         patch.setattr(start, "first_parameters", lambda _: {})
         found = start._with_carried(fits, [before], lambda _: [], [], [(one, 0.0)])  # type: ignore[list-item]
     return found == [after]
+
+
+def servo_fits(*hidden: str) -> tuple[ServoFits, Begun]:
+    """Fits of a log of an arm with hidden effects, and all effects that they begin with."""
+    record = replace(checked_log(servo_log(*hidden, robot=servo_arm), servo_arm(), name="log"), imported=True)
+    model = RobotWithEffects(servo_arm().commanded_by("position"), ())
+    nominal = fit_null(fit_data(record, model, DiagnosisSettings()), model, tolerance_of(model.robot, {}))
+    settings = DiagnosisSettings()
+    begun = begun_of(nominal, np.array([False, False]), settings.servo_start)
+    return ServoFits(nominal, settings, None, None), moved_from_zero(begun, record, model.robot)
+
+
+@pytest.mark.parametrize(
+    ("hidden", "kept"),
+    [
+        (("delay@all:time=0.03",), set()),
+        (("servo_command_lag@motor_1:time_constant=0.04", "servo_command_lag@motor_2:time_constant=0.005"), {LAG_1, LAG_2}),
+    ],
+    ids=["a delay", "filters"],
+)
+def test_filters_that_stand_for_a_part_of_the_delay_become_it(hidden: tuple[str, ...], kept: set[str]) -> None:
+    """Beside rotors that brake under strong dampers, six filters and half of the delay were the end of a valley."""
+    fits, bare = servo_fits(*hidden)
+    late = [(one, 0.015) for one, _ in bare if one.name in (DELAY, LAG_1, LAG_2)]
+    best = fits.longer(fits.screened(late, {}), 0 if not kept else None)
+    found = start._with_one_delay(fits, best, bare)
+    assert found.names & {LAG_1, LAG_2} == kept
+    if not kept:
+        assert first_parameters(found)[DELAY] == pytest.approx(0.03, abs=0.003)
