@@ -27,7 +27,7 @@ class AbstractRelativeError(AbstractChangedValues):
         {"relative": Range("relative", 0.003, 9.0, starts=6, signed=True, negative=0.9)}
     )
 
-    relative: float = Field(0.0, gt=-1.0, lt=10.0, description="deviation, relative to the nominal value [1]")
+    relative: float = Field(0.0, gt=-1.0, lt=1000.0, description="deviation, relative to the nominal value [1]")
 
     @abstractmethod
     def numbers(self, robot: Robot, location: str) -> tuple[str, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from pydantic import ValidationError
 
 from flexros.effects import place_effects
 from flexros.effects.friction.viscous_friction import ViscousFriction
@@ -107,7 +108,7 @@ def as_effects(robot: Robot, placed: Sequence[PlacedEffect], factors: Mapping[st
 
     Returns:
         The effects; numbers that no effect changes, such as lengths, are left out. Empty where the robot would not be
-        physical.
+        physical, or an effect would be beyond what it may be.
     """
     try:
         now = place_effects(robot, placed).robot
@@ -119,7 +120,7 @@ def as_effects(robot: Robot, placed: Sequence[PlacedEffect], factors: Mapping[st
             for kind in _errors_of(now, name, location):
                 found.append(PlacedEffect(kind(relative=added / now.parameters[name].value), location))
         place_effects(robot, (*placed, *found))
-    except InputError:
+    except (InputError, ValidationError):
         return ()
     return tuple(found)
 

@@ -50,6 +50,12 @@ def test_numbers_of_no_possible_body_are_left_out() -> None:
     assert as_effects(robot, [heavy], {"body_7.mass": 0.05}) == ()
 
 
+@pytest.mark.parametrize(("factor", "stated"), [(18.3, 1), (2000.0, 0)])
+def test_a_damper_may_be_many_times_its_value_and_one_beyond_all_sizes_is_left_out(factor: float, stated: int) -> None:
+    """A damper of an arm of six elastic axes was 18 times its value: an internal error, at the end of ten minutes."""
+    assert len(as_effects(load_robot("elbow"), [], {"body_1.ry.damping": factor})) == stated
+
+
 @pytest.mark.parametrize(("tolerance", "deviation", "far"), [
     (0.3, -2.87, True), (0.3, -1.9, False), (0.05, 3.9, False), (0.05, -4.1, True), (0.1, 3.5, False),
     (0.0, 9.0, False),
